@@ -1,0 +1,1 @@
+"""Drive a robot by the colours a camera sees."""

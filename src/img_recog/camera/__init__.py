@@ -1,0 +1,1 @@
+"""Frame sources, their pacing and their calibration; knows no ROS."""

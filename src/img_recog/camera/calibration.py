@@ -1,0 +1,104 @@
+"""Camera calibration files in the YAML layout of camera_calibration_parsers."""
+import os
+import tempfile
+from dataclasses import dataclass
+from typing import Any, Mapping, Tuple
+
+import yaml
+
+from img_recog.errors import UserError
+
+
+class CalibrationError(UserError):
+    """A calibration file cannot be read, written or understood."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """An intrinsic calibration, with the meanings of sensor_msgs/CameraInfo.
+
+    width, height: pixels of the images it was made with; distortion: D for `distortion_model`.
+    camera_matrix: K, 3x3 row by row; rectification: R, 3x3; projection: P, 3x4.
+    """
+
+    camera_name: str
+    width: int
+    height: int
+    distortion_model: str
+    distortion: Tuple[float, ...]
+    camera_matrix: Tuple[float, ...]
+    rectification: Tuple[float, ...]
+    projection: Tuple[float, ...]
+
+
+# field of Calibration -> (key in the file, rows, columns); no columns: as many as there are
+_MATRICES = {
+    'camera_matrix': ('camera_matrix', 3, 3),
+    'distortion': ('distortion_coefficients', 1, None),
+    'rectification': ('rectification_matrix', 3, 3),
+    'projection': ('projection_matrix', 3, 4),
+}
+
+
+def load(path: str) -> Calibration:
+    """Read a calibration file.
+
+    Raises FileNotFoundError when there is none, and CalibrationError naming the file and the
+    entry when it cannot be read as a calibration.
+    """
+    try:
+        with open(path) as file:
+            content = yaml.safe_load(file)
+    except FileNotFoundError:
+        raise
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise CalibrationError('cannot read calibration {}: {}'.format(path, _one_line(error)))
+    if not isinstance(content, Mapping):
+        raise CalibrationError('calibration {} holds no camera_matrix and other entries; write '
+                               'one with camera_calibration'.format(path))
+    try:
+        return Calibration(
+            camera_name=str(content.get('camera_name', '')),
+            width=int(content['image_width']),
+            height=int(content['image_height']),
+            distortion_model=str(content['distortion_model']),
+            **{field: _matrix(content, *shape) for field, shape in _MATRICES.items()})
+    except (KeyError, TypeError, ValueError) as error:
+        raise CalibrationError('calibration {} has no usable entry {}'.format(path, error))
+
+
+def save(path: str, calibration: Calibration) -> None:
+    """Write a calibration file, whole or not at all.
+
+    Raises CalibrationError naming the file when it cannot be written.
+    """
+    content = {
+        'image_width': calibration.width,
+        'image_height': calibration.height,
+        'camera_name': calibration.camera_name,
+        'distortion_model': calibration.distortion_model,
+    }
+    for field, (key, rows, columns) in _MATRICES.items():
+        data = [float(value) for value in getattr(calibration, field)]
+        content[key] = {'rows': rows, 'cols': columns or len(data), 'data': data}
+    folder = os.path.dirname(os.path.abspath(path))
+    try:
+        os.makedirs(folder, exist_ok=True)
+        handle, scratch = tempfile.mkstemp(dir=folder, prefix='.calibration-')
+        with os.fdopen(handle, 'w') as file:
+            yaml.safe_dump(content, file, sort_keys=False, default_flow_style=None)
+        os.chmod(scratch, 0o644)
+        os.replace(scratch, path)
+    except OSError as error:
+        raise CalibrationError('cannot write calibration {}: {}'.format(path, error.strerror))
+
+
+def _matrix(content: Mapping[str, Any], key: str, rows: int, columns) -> Tuple[float, ...]:
+    data = content[key]['data']
+    if columns is not None and len(data) != rows * columns:
+        raise ValueError('{} (wants {} numbers, has {})'.format(key, rows * columns, len(data)))
+    return tuple(float(value) for value in data)
+
+
+def _one_line(error: Exception) -> str:
+    return ' '.join(str(error).split())

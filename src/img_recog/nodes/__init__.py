@@ -1,0 +1,1 @@
+"""The ROS nodes: parameters, message conversions and one module a node."""

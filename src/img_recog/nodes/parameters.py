@@ -1,0 +1,59 @@
+"""The one place where the parameter server is read."""
+import difflib
+from typing import Type, TypeVar
+
+import rospy
+
+from img_recog.errors import UserError
+from img_recog.settings import SettingError, Settings, declared
+
+SettingsType = TypeVar('SettingsType', bound=Settings)
+
+
+class ParameterError(UserError):
+    """A parameter is missing or has a value that is not allowed."""
+
+
+def read(settings_class: Type[SettingsType]) -> SettingsType:
+    """Return the settings with every field overridden for which there is a private parameter.
+
+    Raises ParameterError naming the parameter, its value and what is allowed.
+    """
+    private = _private_parameters()
+    names = {field.name for field in declared(settings_class)}
+    try:
+        return settings_class(**{name: private[name] for name in names & set(private)})
+    except SettingError as error:
+        raise ParameterError('parameter {}: got {!r}, allowed is {}'.format(
+            rospy.resolve_name('~' + error.name), error.value, error.allowed))
+
+
+def warn_of_unknown(*settings_classes: Type[Settings]) -> None:
+    """Log one warning for each private parameter that none of the settings has: a likely typo."""
+    known = sorted(field.name for each in settings_classes for field in declared(each))
+    for name in sorted(set(_private_parameters()) - set(known)):
+        near = difflib.get_close_matches(name, known, 1)
+        advice = 'did you mean {}?'.format(near[0]) if near else 'known are ' + ', '.join(known)
+        rospy.logwarn('parameter %s is not one of this node: %s',
+                      rospy.resolve_name('~' + name), advice)
+
+
+def robot_description() -> str:
+    """Return the URDF on the parameter server, from this namespace or the nearest one above.
+
+    Raises ParameterError when there is none.
+    """
+    name = rospy.search_param('robot_description')
+    text = rospy.get_param(name) if name else None
+    if not isinstance(text, str):
+        raise ParameterError(
+            'parameter {}: got {}, wants the text of a URDF; load one with '
+            '<param name="robot_description" textfile="..."/>'.format(
+                name or rospy.resolve_name('robot_description'),
+                'none' if text is None else type(text).__name__))
+    return text
+
+
+def _private_parameters() -> dict:
+    private = rospy.get_param('~', {})
+    return private if isinstance(private, dict) else {}

@@ -1,0 +1,149 @@
+"""The node gazebo: the TurtleBot3 burger in its world, simulated by PyBullet.
+
+Subscribes: cmd_vel (geometry_msgs/Twist; the last one holds until the next).
+Publishes: /clock (rosgraph_msgs/Clock, 100 Hz of simulated time), odom (nav_msgs/Odometry, frame
+odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_states
+(sensor_msgs/JointState, 30 Hz).
+Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty).
+Reads: robot_description, and the fields of PhysicsSettings, SpawnSettings, DriveSettings,
+SensorSettings and WindowSettings as private parameters.
+"""
+import os
+
+import rospkg
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Empty, EmptyResponse
+
+from img_recog.nodes import parameters, robot_msgs, running, twist_msgs
+from img_recog.nodes.slots import Newest, Requests
+from img_recog.simulation import description, world
+from img_recog.simulation.pacing import RealTimePacer
+from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, SensorSettings,
+                                           SpawnSettings, WindowSettings,
+                                           whole_steps)
+from img_recog.simulation.simulator import Reading, Simulator
+from img_recog.simulation.viewer import Viewer
+
+_ODOM_FRAME = 'odom'
+_WARNING_PERIOD_S = 5.0
+_PAUSED_WAIT_S = 0.1
+_SERVICE_TIMEOUT_S = 5.0
+
+
+class PybulletSim:
+    """Steps the simulation in one loop; callbacks and services leave their wishes for it."""
+
+    def __init__(self):
+        physics, spawn = parameters.read(PhysicsSettings), parameters.read(SpawnSettings)
+        drive, sensors = parameters.read(DriveSettings), parameters.read(SensorSettings)
+        window = parameters.read(WindowSettings)
+        parameters.warn_of_unknown(PhysicsSettings, SpawnSettings, DriveSettings, SensorSettings,
+                                   WindowSettings)
+        self._clock_period_s = physics.clock_period_s
+        self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
+        robot, worlds = description.parse(parameters.robot_description()), _worlds()
+        self._root = robot.root
+        self._simulator = Simulator(robot, worlds, world.connect(), physics, drive, spawn, sensors)
+        self._viewer = Viewer(robot, worlds, physics, drive, spawn) if window.gui else None
+        self._pacer = RealTimePacer(physics.real_time_factor)
+        self._paused = False
+        self._commands, self._requests = Newest(), Requests()
+        self._advertise()
+        rospy.loginfo('simulating %.4f kg with root link %s in world %s',
+                      self._simulator.robot.mass(), robot.root, physics.world)
+
+    def spin(self) -> None:
+        """Simulate until the node is shut down."""
+        while not rospy.is_shutdown():
+            if self._paused:
+                self._requests.serve(_PAUSED_WAIT_S)
+                self._pacer.restart()
+            else:
+                self._advance()
+                self._requests.serve(self._pacer.delay_s(self._clock_period_s))
+            self._warn_if_late()
+            self._update_window()
+        if self._viewer is not None:
+            self._viewer.close()
+
+    def _advertise(self) -> None:
+        self._clock = rospy.Publisher('/clock', Clock, queue_size=10, latch=True)
+        self._odometry = rospy.Publisher('odom', Odometry, queue_size=10)
+        self._joint_states = rospy.Publisher('joint_states', JointState, queue_size=10)
+        self._transforms = tf2_ros.TransformBroadcaster()
+        self._publish = {'odometry': self._publish_odometry,
+                         'joint_states': self._publish_joint_states}
+        rospy.Subscriber('cmd_vel', Twist, self._keep_command, queue_size=10, tcp_nodelay=True)
+        for name, action in (('pause_physics', self._pause), ('unpause_physics', self._unpause),
+                             ('reset_world', self._simulator.reset_world),
+                             ('reset_simulation', self._simulator.reset_simulation)):
+            rospy.Service('~' + name, Empty, self._handler(name, action))
+
+    def _handler(self, name, action):
+        def handle(_):
+            if not self._requests.do(action, _SERVICE_TIMEOUT_S):
+                raise rospy.ServiceException(name + ': the simulation does not answer')
+            return EmptyResponse()
+        return handle
+
+    def _pause(self) -> None:
+        self._paused = True
+
+    def _unpause(self) -> None:
+        self._paused = False
+
+    def _keep_command(self, msg: Twist) -> None:
+        try:
+            self._commands.put(twist_msgs.from_msg(msg))
+        except twist_msgs.TwistError as error:
+            rospy.logwarn_throttle(_WARNING_PERIOD_S, 'cmd_vel ignored: {}'.format(error))
+
+    def _advance(self) -> None:
+        command = self._commands.take()
+        if command is not None:
+            self._simulator.command(*command)
+        readings = self._simulator.advance(self._clock_steps)
+        # the clock first, so that no sensor is ahead of it
+        self._clock.publish(Clock(rospy.Time.from_sec(self._simulator.time_s)))
+        for reading in readings:
+            self._publish[reading.sensor](reading)
+
+    def _publish_odometry(self, reading: Reading) -> None:
+        msg = robot_msgs.odometry_to_msg(reading.value, rospy.Time.from_sec(reading.time_s),
+                                         _ODOM_FRAME, self._root)
+        self._odometry.publish(msg)
+        self._transforms.sendTransform(robot_msgs.transform_of(msg))
+
+    def _publish_joint_states(self, reading: Reading) -> None:
+        self._joint_states.publish(robot_msgs.joint_states_to_msg(
+            reading.value, rospy.Time.from_sec(reading.time_s)))
+
+    def _warn_if_late(self) -> None:
+        if self._pacer.late:
+            self._pacer.late = False
+            rospy.logwarn_throttle(
+                _WARNING_PERIOD_S, 'this machine is too slow for the real_time_factor asked for: '
+                                   'simulated time falls behind, no step is skipped')
+
+    def _update_window(self) -> None:
+        if self._viewer is None:
+            return
+        gone = self._viewer.show(self._simulator.robot.pose())
+        if gone is not None:
+            rospy.logwarn('no window: %s; the simulation goes on without', gone)
+            self._viewer = None
+
+
+def _worlds() -> dict:
+    folder = os.path.join(rospkg.RosPack().get_path('img_recog'), 'urdf')
+    return {'turtlebot3_world': os.path.join(folder, 'turtlebot3_world.urdf')}
+
+
+def main() -> int:
+    """Run the node; return its exit code."""
+    return running.run('gazebo', lambda: PybulletSim().spin())

@@ -1,0 +1,59 @@
+"""nav_msgs/Odometry, its transform, and sensor_msgs/JointState, to and from the simulation."""
+import numpy as np
+import rospy
+from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+
+from img_recog.simulation.robot import JointStates, Motion
+
+# of x, y, z, roll, pitch, yaw (libgazebo_ros_diff_drive): z, roll and pitch are not estimated
+_POSE_VARIANCES = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
+
+
+def odometry_to_msg(motion: Motion, stamp: rospy.Time, frame_id: str,
+                    child_frame_id: str) -> Odometry:
+    """Return the message for a motion: pose in `frame_id`, twist in `child_frame_id`."""
+    msg = Odometry(child_frame_id=child_frame_id)
+    msg.header.stamp, msg.header.frame_id = stamp, frame_id
+    msg.pose.pose.position = Point(*motion.position)
+    msg.pose.pose.orientation = Quaternion(*motion.orientation)
+    msg.pose.covariance = np.diag(_POSE_VARIANCES).ravel().tolist()
+    msg.twist.twist.linear = Vector3(*motion.linear)
+    msg.twist.twist.angular = Vector3(*motion.angular)
+    return msg
+
+
+def odometry_from_msg(msg: Odometry) -> Motion:
+    """Return the motion in a message."""
+    pose, twist = msg.pose.pose, msg.twist.twist
+    orientation = pose.orientation
+    return Motion(_array(pose.position),
+                  (orientation.x, orientation.y, orientation.z, orientation.w),
+                  _array(twist.linear), _array(twist.angular))
+
+
+def transform_of(odometry: Odometry) -> TransformStamped:
+    """Return the tf from an odometry's frame to its child frame, with its stamp."""
+    transform = TransformStamped(header=odometry.header, child_frame_id=odometry.child_frame_id)
+    position = odometry.pose.pose.position
+    transform.transform.translation = Vector3(position.x, position.y, position.z)
+    transform.transform.rotation = odometry.pose.pose.orientation
+    return transform
+
+
+def joint_states_to_msg(states: JointStates, stamp: rospy.Time) -> JointState:
+    """Return the message for joint states: rad, rad/s and N m."""
+    msg = JointState(name=list(states.names), position=list(states.positions),
+                     velocity=list(states.velocities), effort=list(states.efforts))
+    msg.header.stamp = stamp
+    return msg
+
+
+def joint_states_from_msg(msg: JointState) -> JointStates:
+    """Return the joint states in a message."""
+    return JointStates(tuple(msg.name), list(msg.position), list(msg.velocity), list(msg.effort))
+
+
+def _array(vector) -> np.ndarray:
+    return np.array([vector.x, vector.y, vector.z])

@@ -1,0 +1,24 @@
+"""From a script to a running node and back to an exit code."""
+from typing import Callable
+
+import rospy
+
+from img_recog.errors import UserError
+
+
+def run(name: str, serve: Callable[[], None]) -> int:
+    """Start the node `name`, call `serve` until it returns, and return the exit code.
+
+    What a user can mend ends the node with one line at FATAL and code 1; being shut down is
+    code 0.
+    """
+    rospy.init_node(name)
+    try:
+        serve()
+    except rospy.ROSInterruptException:
+        pass
+    except UserError as error:
+        rospy.logfatal('%s', error)
+        rospy.signal_shutdown('cannot go on')
+        return 1
+    return 0

@@ -1,0 +1,51 @@
+"""Where callbacks leave what they received for the one loop of a node."""
+import threading
+from typing import Any, Callable, Optional
+
+
+class Newest:
+    """Holds the newest item only: a callback puts, the loop takes."""
+
+    def __init__(self):
+        self._condition = threading.Condition()
+        self._item: Optional[Any] = None
+
+    def put(self, item: Any) -> None:
+        """Replace what is held."""
+        with self._condition:
+            self._item = item
+            self._condition.notify()
+
+    def take(self, timeout_s: float = 0.0) -> Optional[Any]:
+        """Return what is held and hold nothing; wait for it up to `timeout_s`, else None."""
+        with self._condition:
+            if self._item is None and timeout_s > 0:
+                self._condition.wait(timeout_s)
+            item, self._item = self._item, None
+            return item
+
+
+class Requests:
+    """Work that service handlers ask of the loop, done in its thread and waited for."""
+
+    def __init__(self):
+        self._condition = threading.Condition()
+        self._waiting = []
+
+    def do(self, action: Callable[[], None], timeout_s: float) -> bool:
+        """Have the loop call `action`; return whether it did within `timeout_s`."""
+        done = threading.Event()
+        with self._condition:
+            self._waiting.append((action, done))
+            self._condition.notify()
+        return done.wait(timeout_s)
+
+    def serve(self, timeout_s: float) -> None:
+        """Call in the loop: do what is asked, or wait up to `timeout_s` for the first request."""
+        with self._condition:
+            if not self._waiting and timeout_s > 0:
+                self._condition.wait(timeout_s)
+            waiting, self._waiting = self._waiting, []
+        for action, done in waiting:
+            action()
+            done.set()

@@ -1,0 +1,95 @@
+"""Frozen dataclasses whose fields know which values they allow."""
+import dataclasses
+import math
+from typing import Any, Callable, Iterator, NamedTuple
+
+from img_recog.errors import UserError
+
+
+class SettingError(UserError):
+    """A setting has a value of the wrong type or outside what is allowed."""
+
+    def __init__(self, name: str, value: Any, allowed: str):
+        super().__init__('{}: got {!r}, allowed is {}'.format(name, value, allowed))
+        self.name = name
+        self.value = value
+        self.allowed = allowed
+
+
+class Allowed(NamedTuple):
+    """What a setting accepts: words for the error line and the test behind them."""
+
+    text: str
+    accepts: Callable[[Any], bool]
+
+
+def at_least(low: float) -> Allowed:
+    """Accept numbers from `low` upwards."""
+    return Allowed('at least {:g}'.format(low), lambda value: value >= low)
+
+
+def above(low: float) -> Allowed:
+    """Accept numbers greater than `low`."""
+    return Allowed('above {:g}'.format(low), lambda value: value > low)
+
+
+def between(low: float, high: float) -> Allowed:
+    """Accept numbers from `low` to `high`, both included."""
+    return Allowed('from {:g} to {:g}'.format(low, high), lambda value: low <= value <= high)
+
+
+def one_of(*choices: str) -> Allowed:
+    """Accept one of the given words."""
+    return Allowed('one of ' + ', '.join(choices), lambda value: value in choices)
+
+
+def not_empty() -> Allowed:
+    """Accept any text but the empty one."""
+    return Allowed('not empty', lambda value: value.strip() != '')
+
+
+def anything() -> Allowed:
+    """Accept every value of the right type."""
+    return Allowed('', lambda value: True)
+
+
+_KINDS = {int: 'a whole number', float: 'a finite number', bool: 'true or false', str: 'a text'}
+
+
+def setting(default: Any, allowed: Allowed = anything()) -> Any:
+    """Declare a field of a `Settings` class.
+
+    default: the value in force unless it is overridden; its type is the type that is accepted.
+    allowed: which values of that type are accepted.
+    """
+    return dataclasses.field(default=default, metadata={'allowed': allowed})
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """Base of all settings: checks every field when an instance is made.
+
+    Raises SettingError naming the field, its value and what is allowed.
+    """
+
+    def __post_init__(self):
+        for field in declared(type(self)):
+            object.__setattr__(self, field.name, _checked(field, getattr(self, field.name)))
+
+
+def declared(settings_class: type) -> Iterator[dataclasses.Field]:
+    """Yield the fields of a `Settings` class that were made by `setting`."""
+    return (field for field in dataclasses.fields(settings_class) if 'allowed' in field.metadata)
+
+
+def _checked(field: dataclasses.Field, value: Any) -> Any:
+    kind, allowed = type(field.default), field.metadata['allowed']
+    words = ' '.join(filter(None, (_KINDS[kind], allowed.text)))
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    # bool is a subclass of int, so a plain isinstance would take True for a width of 1
+    if type(value) is not kind or (kind is float and not math.isfinite(value)):
+        raise SettingError(field.name, value, words)
+    if not allowed.accepts(value):
+        raise SettingError(field.name, value, words)
+    return value

@@ -1,0 +1,1 @@
+"""World, robot, drive and sensors on PyBullet; knows no ROS."""

@@ -1,0 +1,200 @@
+"""A robot description (URDF) made ready for PyBullet.
+
+PyBullet gives a link without <inertial> a mass of 1 kg, and every fixed joint costs it time in
+each step. As Gazebo's SDFormat does, fixed links are therefore lumped into the link that carries
+them: their shapes move over, their masses and inertias add up, and a map remembers where each
+frame went. A fixed link that has a friction of its own stays, since PyBullet knows one friction
+a link.
+"""
+import math
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from typing import Dict, Optional
+
+import numpy as np
+
+from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
+                                           to_rpy)
+from img_recog.simulation.settings import SimulationError
+
+_INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a link of the description is: `pose` (constant) in the lumped `link`."""
+
+    link: str
+    pose: Transform
+
+
+@dataclass(frozen=True)
+class Description:
+    """A lumped robot.
+
+    urdf: XML text for PyBullet; root: name of the root link; frames: every link of the original
+    description; friction: lateral friction coefficient of the lumped links that state one.
+    """
+
+    urdf: str
+    root: str
+    frames: Dict[str, Frame]
+    friction: Dict[str, float]
+
+
+def parse(urdf: str) -> Description:
+    """Read and lump a robot description.
+
+    Raises SimulationError in one line when it is no URDF, is no tree, or when something in it
+    has a mass or a number that cannot be simulated.
+    """
+    robot = _parsed(urdf)
+    links = {link.get('name'): link for link in robot.findall('link')}
+    parents = _joints_by_child(robot, links)
+    root = _root(links, parents)
+    friction = {name: value for name, value in
+                ((name, _friction(robot, name, link)) for name, link in links.items())
+                if value is not None}
+    inertias = {name: _inertia(name, link) for name, link in links.items()}
+    frames = {name: _frame(name, parents, friction) for name in links}
+
+    for name, frame in frames.items():
+        if frame.link != name:
+            _move_shapes(links[name], links[frame.link], frame.pose)
+            inertias[frame.link] += inertias[name].moved(frame.pose)
+            robot.remove(links[name])
+    for child, joint in parents.items():
+        if frames[child].link != child:
+            robot.remove(joint)
+        else:
+            carrier = frames[joint.find('parent').get('link')]
+            joint.find('parent').set('link', carrier.link)
+            _set_origin(joint, carrier.pose @ _origin(joint))
+    for name in {frame.link for frame in frames.values()}:
+        _set_inertia(name, links[name], inertias[name])
+    return Description(ElementTree.tostring(robot, 'unicode'), root, frames, friction)
+
+
+def _parsed(urdf: str) -> ElementTree.Element:
+    try:
+        robot = ElementTree.fromstring(urdf)
+    except ElementTree.ParseError as error:
+        raise SimulationError('robot_description is no XML: {}; check the file given as urdf'
+                              .format(error))
+    if robot.tag != 'robot':
+        raise SimulationError('robot_description has the root element <{}>, wants <robot> (URDF)'
+                              .format(robot.tag))
+    return robot
+
+
+def _joints_by_child(robot, links) -> Dict[str, ElementTree.Element]:
+    joints = {}
+    for joint in robot.findall('joint'):
+        name = joint.get('name')
+        for end in ('parent', 'child'):
+            element = joint.find(end)
+            link = None if element is None else element.get('link')
+            if link not in links:
+                raise SimulationError('joint {} has the {} link {}, which does not exist (links: '
+                                      '{})'.format(name, end, link, ', '.join(links)))
+        child = joint.find('child').get('link')
+        if child in joints:
+            raise SimulationError('link {} has two parents, the joints {} and {}; a robot is a '
+                                  'tree'.format(child, joints[child].get('name'), name))
+        joints[child] = joint
+    return joints
+
+
+def _root(links, parents) -> str:
+    roots = [name for name in links if name not in parents]
+    if len(roots) != 1:
+        raise SimulationError('robot_description has {} root links ({}), wants one'.format(
+            len(roots), ', '.join(roots) or 'none'))
+    return roots[0]
+
+
+def _frame(name, parents, friction) -> Frame:
+    pose = IDENTITY
+    carrier = name
+    while carrier in parents and parents[carrier].get('type') == 'fixed':
+        if carrier in friction:
+            break
+        pose = _origin(parents[carrier]) @ pose
+        carrier = parents[carrier].find('parent').get('link')
+    return Frame(carrier, pose)
+
+
+def _friction(robot, name, link) -> Optional[float]:
+    """Return mu1 of Gazebo's tag for the link, else PyBullet's lateral_friction, else None."""
+    tags = ((tag.find('mu1'), 'text') for tag in robot.findall('gazebo')
+            if tag.get('reference') == name)
+    for element, _ in tags:
+        if element is not None:
+            return _numbers('mu1 of link ' + name, element.text, 1)[0]
+    element = link.find('contact/lateral_friction')
+    if element is None:
+        return None
+    return _numbers('lateral_friction of link ' + name, element.get('value'), 1)[0]
+
+
+def _inertia(name, link) -> Inertia:
+    inertial = link.find('inertial')
+    if inertial is None:
+        return NO_INERTIA
+    mass, inertia = inertial.find('mass'), inertial.find('inertia')
+    if mass is None or inertia is None:
+        raise SimulationError('link {}: <inertial> wants <mass> and <inertia>'.format(name))
+    kilograms = _numbers('mass of link ' + name, mass.get('value'), 1)[0]
+    if kilograms <= 0:
+        raise SimulationError('mass of link {}: got {:g} kg, wants more than 0 (or no <inertial>)'
+                              .format(name, kilograms))
+    values = ' '.join(inertia.get(key, '0') for key in _INERTIA_KEYS)
+    matrix = _numbers('inertia of link ' + name, values, 9).reshape(3, 3)
+    return Inertia(kilograms, np.zeros(3), matrix).moved(_origin(inertial))
+
+
+def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None:
+    if inertia.mass == 0:
+        raise SimulationError('link {} can move but has no mass; give it, or a link fixed to it, '
+                              'an <inertial>'.format(name))
+    for old in link.findall('inertial'):
+        link.remove(old)
+    inertial = ElementTree.SubElement(link, 'inertial')
+    _set_origin(inertial, Transform(np.eye(3), inertia.centre))
+    ElementTree.SubElement(inertial, 'mass', value=repr(float(inertia.mass)))
+    values = zip(_INERTIA_KEYS, inertia.matrix.flat)
+    ElementTree.SubElement(inertial, 'inertia', {key: repr(float(v)) for key, v in values})
+
+
+def _move_shapes(source, target, pose: Transform) -> None:
+    for shape in source.findall('visual') + source.findall('collision'):
+        _set_origin(shape, pose @ _origin(shape))
+        target.append(shape)
+
+
+def _origin(element: ElementTree.Element) -> Transform:
+    origin = element.find('origin')
+    if origin is None:
+        return IDENTITY
+    name = '<origin> in <{} {}>'.format(element.tag, element.get('name', ''))
+    return from_rpy(_numbers(name, origin.get('xyz', '0 0 0'), 3),
+                    _numbers(name, origin.get('rpy', '0 0 0'), 3))
+
+
+def _set_origin(element: ElementTree.Element, pose: Transform) -> None:
+    for old in element.findall('origin'):
+        element.remove(old)
+    values = {'xyz': pose.translation, 'rpy': to_rpy(pose.rotation)}
+    ElementTree.SubElement(element, 'origin', {
+        key: ' '.join(repr(float(v)) for v in value) for key, value in values.items()})
+
+
+def _numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
+    try:
+        values = np.array([float(word) for word in (text or '').split()])
+    except ValueError:
+        values = np.array([])
+    if len(values) != count or not all(math.isfinite(value) for value in values):
+        raise SimulationError('{}: got {!r}, wants {} finite number{}'.format(
+            name, text, count, '' if count == 1 else 's'))
+    return values

@@ -1,0 +1,41 @@
+"""The wheel speeds of a differential drive, as libgazebo_ros_diff_drive ramps them."""
+from typing import Tuple
+
+from img_recog.simulation.settings import DriveSettings
+
+# m/s at the rim; a wheel this near to its target ends the ramp of both (gazebo_plugins)
+_CLOSE = 0.01
+
+
+class DifferentialDrive:
+    """Turns a Twist into wheel speeds that change no faster than the wheels may accelerate."""
+
+    def __init__(self, settings: DriveSettings):
+        self._half_separation = settings.wheel_separation / 2
+        self._radius = settings.wheel_diameter / 2
+        self._step = settings.wheel_acceleration * settings.drive_period_s
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last command and stand."""
+        self._target = self._sent = (0.0, 0.0)
+
+    def command(self, linear_x: float, angular_z: float) -> None:
+        """Take the command that holds until the next one: m/s and rad/s of the root link."""
+        difference = angular_z * self._half_separation
+        self._target = (linear_x - difference, linear_x + difference)
+
+    def update(self, velocities: Tuple[float, float]) -> Tuple[float, float]:
+        """Return the angular velocities to ask of the left and right wheel, in rad/s.
+
+        velocities: those measured now, in rad/s. To be called once a drive period.
+        """
+        near = any(abs(target - velocity * self._radius) < _CLOSE
+                   for target, velocity in zip(self._target, velocities))
+        if self._step == 0 or near:
+            self._sent = self._target
+        else:
+            self._sent = tuple(sent + max(-self._step, min(self._step, target - sent))
+                               for sent, target in zip(self._sent, self._target))
+        left, right = self._sent
+        return left / self._radius, right / self._radius

@@ -1,0 +1,69 @@
+"""Rigid transforms and inertias as plain arrays: metres, radians, REP 103 axes."""
+import math
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+
+class Transform(NamedTuple):
+    """A pose of a child frame in its parent: `rotation` (3, 3), `translation` (3,) in metres."""
+
+    rotation: np.ndarray
+    translation: np.ndarray
+
+    def __matmul__(self, other: 'Transform') -> 'Transform':
+        return Transform(self.rotation @ other.rotation, self.apply(other.translation))
+
+    def apply(self, point: np.ndarray) -> np.ndarray:
+        """Return `point`, given in the child frame, in the parent frame."""
+        return self.rotation @ point + self.translation
+
+
+IDENTITY = Transform(np.eye(3), np.zeros(3))
+
+
+def from_rpy(xyz: Sequence[float], rpy: Sequence[float]) -> Transform:
+    """Return the transform of a URDF <origin>: fixed axes, roll then pitch then yaw."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    rotation = np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                         [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                         [-sp, cp * sr, cp * cr]])
+    return Transform(rotation, np.array(xyz, float))
+
+
+def to_rpy(rotation: np.ndarray) -> np.ndarray:
+    """Return roll, pitch and yaw of a rotation matrix, the inverse of `from_rpy`."""
+    horizontal = math.hypot(rotation[0, 0], rotation[1, 0])
+    pitch = math.atan2(-rotation[2, 0], horizontal)
+    if horizontal < 1e-9:       # looking straight up or down: only the sum of the two is defined
+        return np.array([math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0])
+    return np.array([math.atan2(rotation[2, 1], rotation[2, 2]), pitch,
+                     math.atan2(rotation[1, 0], rotation[0, 0])])
+
+
+class Inertia(NamedTuple):
+    """Mass in kg, centre of mass (3,) in m, and inertia (3, 3) in kg m2 about that centre."""
+
+    mass: float
+    centre: np.ndarray
+    matrix: np.ndarray
+
+    def moved(self, frame: Transform) -> 'Inertia':
+        """Return the same inertia seen from the parent of `frame`."""
+        return Inertia(self.mass, frame.apply(self.centre),
+                       frame.rotation @ self.matrix @ frame.rotation.T)
+
+    def __add__(self, other: 'Inertia') -> 'Inertia':
+        mass = self.mass + other.mass
+        if mass == 0:
+            return NO_INERTIA
+        centre = (self.mass * self.centre + other.mass * other.centre) / mass
+        return Inertia(mass, centre, self._about(centre) + other._about(centre))
+
+    def _about(self, point: np.ndarray) -> np.ndarray:
+        """Return the inertia matrix about `point` (the parallel axis theorem)."""
+        arm = self.centre - point
+        return self.matrix + self.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+
+
+NO_INERTIA = Inertia(0.0, np.zeros(3), np.zeros((3, 3)))

@@ -1,0 +1,85 @@
+"""What the simulator can be told; the numbers are those of turtlebot3_gazebo for the burger."""
+import math
+from dataclasses import dataclass
+
+from img_recog.errors import UserError
+from img_recog.settings import Settings, above, anything, at_least, not_empty, setting
+
+
+class SimulationError(UserError):
+    """The simulation cannot be built or run as asked."""
+
+
+@dataclass(frozen=True)
+class PhysicsSettings(Settings):
+    """Time and world.
+
+    step_s: of the physics; clock_period_s: between two /clock messages, a multiple of it.
+    real_time_factor: simulated seconds a second; 0 is as fast as it goes.
+    world: turtlebot3_world, empty, or the path of a URDF file.
+    """
+
+    step_s: float = setting(0.001, above(0))
+    clock_period_s: float = setting(0.01, above(0))
+    real_time_factor: float = setting(1.0, at_least(0))
+    world: str = setting('turtlebot3_world', not_empty())
+
+
+@dataclass(frozen=True)
+class SpawnSettings(Settings):
+    """Where the robot's root link stands at the start and after a reset: m, rad, in the world."""
+
+    x_pos: float = setting(-2.0, anything())
+    y_pos: float = setting(-0.5, anything())
+    z_pos: float = setting(0.0, anything())
+    yaw: float = setting(0.0, anything())
+
+
+@dataclass(frozen=True)
+class DriveSettings(Settings):
+    """The differential drive (libgazebo_ros_diff_drive's parameters and units).
+
+    wheel_separation, wheel_diameter: m. wheel_torque: N m a wheel. wheel_acceleration: m/s2 at
+    the rim. drive_period_s: between two corrections of the wheel speeds.
+    """
+
+    left_joint: str = setting('wheel_left_joint', not_empty())
+    right_joint: str = setting('wheel_right_joint', not_empty())
+    wheel_separation: float = setting(0.160, above(0))
+    wheel_diameter: float = setting(0.066, above(0))
+    wheel_torque: float = setting(10.0, above(0))
+    wheel_acceleration: float = setting(1.0, at_least(0))
+    drive_period_s: float = setting(0.01, above(0))
+
+
+@dataclass(frozen=True)
+class SensorSettings(Settings):
+    """Sensor periods in simulated seconds; each is a multiple of the physics step.
+
+    30 Hz does not divide into steps of 1 ms: 33 ms is the nearest period that does.
+    """
+
+    odometry_period_s: float = setting(0.033, above(0))
+    joint_state_period_s: float = setting(0.033, above(0))
+
+
+@dataclass(frozen=True)
+class WindowSettings(Settings):
+    """gui: whether to show the simulation in a window."""
+
+    gui: bool = setting(False)
+
+
+def whole_steps(name: str, period_s: float, step_s: float) -> int:
+    """Return how many physics steps a period takes.
+
+    Raises SimulationError, with the nearest periods that would do, when that is no whole number.
+    """
+    steps = period_s / step_s
+    whole = round(steps)
+    if whole >= 1 and math.isclose(steps, whole, rel_tol=1e-9):
+        return whole
+    below, up = math.floor(steps) * step_s, math.ceil(steps) * step_s
+    nearest = ' or '.join('{:g}'.format(value) for value in (below, up) if value > 0)
+    raise SimulationError('{}: got {:g} s, which does not divide into physics steps of {:g} s; '
+                          'set {}'.format(name, period_s, step_s, nearest))

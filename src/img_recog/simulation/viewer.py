@@ -1,0 +1,81 @@
+"""A window on the simulation, in a process of its own.
+
+PyBullet ends the process when its window is closed or no display can be opened, and a window
+slows the physics client that it belongs to. So the window shows a copy of the world, to which
+the simulation sends poses; it may come and go without the simulation noticing.
+"""
+import multiprocessing
+import signal
+import time
+from typing import Any, Dict, Optional
+
+import pybullet
+
+from img_recog.simulation.description import Description
+from img_recog.simulation.robot import Pose, Robot
+from img_recog.simulation.settings import DriveSettings, PhysicsSettings, SpawnSettings
+from img_recog.simulation.world import World
+
+_PERIOD_S = 1 / 30
+_OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
+            '--background_color_blue=0.7 --width=1024 --height=768')
+# the user camera of turtlebot3_world: straight down from (0.8, 0, 12), x upwards in the picture
+_CAMERA = {'cameraDistance': 12.0, 'cameraYaw': -90.0, 'cameraPitch': -89.99,
+           'cameraTargetPosition': (0.8, 0.0, 0.0)}
+
+
+class Viewer:
+    """The sending end of a window."""
+
+    def __init__(self, description: Description, worlds: Dict[str, str],
+                 physics: PhysicsSettings, drive: DriveSettings, spawn: SpawnSettings):
+        """Open the window; the arguments are those of the Simulator that it shows."""
+        # a forked child would share the simulation's descriptors and locks
+        context = multiprocessing.get_context('spawn')
+        receiver, self._sender = context.Pipe(duplex=False)
+        self._process = context.Process(
+            target=_show, args=(receiver, (description, worlds, physics, drive, spawn)),
+            daemon=True)
+        self._process.start()
+        receiver.close()
+        self._next_s = 0.0
+
+    def show(self, pose: Pose) -> Optional[str]:
+        """Send a pose, at most 30 a second; return why the window is gone, None while it is not.
+        """
+        now = time.monotonic()
+        if now < self._next_s:
+            return None
+        self._next_s = now + _PERIOD_S
+        try:
+            self._sender.send(pose)
+        except OSError:
+            self._process.join()
+            return 'closed' if self._process.exitcode == 0 else 'it could not be opened or broke'
+        return None
+
+    def close(self) -> None:
+        """Close the window."""
+        self._sender.close()
+        self._process.join()
+
+
+def _show(receiver, what: Any) -> None:
+    # Ctrl-C reaches the whole process group; the window goes when the simulation does
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    client = pybullet.connect(pybullet.GUI, options=_OPTIONS)
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, physicsClientId=client)
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 0, physicsClientId=client)
+    description, worlds, physics, drive, spawn = what
+    World(physics, worlds, client)
+    robot = Robot(description, drive, spawn, client)
+    pybullet.resetDebugVisualizerCamera(physicsClientId=client, **_CAMERA)
+    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1, physicsClientId=client)
+    try:
+        while pybullet.isConnected(physicsClientId=client):
+            pose = receiver.recv()
+            while receiver.poll():
+                pose = receiver.recv()
+            robot.place(pose)
+    except (EOFError, pybullet.error):
+        pass

@@ -1,0 +1,55 @@
+"""Key presses to target velocities, and target velocities to a smooth command."""
+from typing import Tuple
+
+from img_recog.teleoperation.settings import TeleopSettings
+
+FORWARD, BACKWARD, LEFT, RIGHT = 'w', 'x', 'a', 'd'
+STOP = ('s', ' ')
+
+
+class VelocityProfile:
+    """The state behind the keys: what is asked for and what is sent."""
+
+    def __init__(self, settings: TeleopSettings = TeleopSettings()):
+        self._settings = settings
+        self.target_linear = self.target_angular = 0.0
+        self._sent_linear = self._sent_angular = 0.0
+
+    def press(self, key: str) -> bool:
+        """Take one key; return whether it is one that means something.
+
+        w, x: faster forward, backward; a, d: faster to the left, right; s, space: stop at once.
+        """
+        settings = self._settings
+        if key in (FORWARD, BACKWARD):
+            step = settings.linear_step if key == FORWARD else -settings.linear_step
+            self.target_linear = _stepped(self.target_linear, step, settings.max_linear_velocity)
+        elif key in (LEFT, RIGHT):
+            step = settings.angular_step if key == LEFT else -settings.angular_step
+            self.target_angular = _stepped(self.target_angular, step,
+                                           settings.max_angular_velocity)
+        elif key in STOP:
+            self.target_linear = self.target_angular = 0.0
+            self._sent_linear = self._sent_angular = 0.0
+        else:
+            return False
+        return True
+
+    def tick(self) -> Tuple[float, float]:
+        """Return the command to send now: linear.x in m/s, angular.z in rad/s."""
+        self._sent_linear = _towards(self._sent_linear, self.target_linear,
+                                     self._settings.linear_step / 2)
+        self._sent_angular = _towards(self._sent_angular, self.target_angular,
+                                      self._settings.angular_step / 2)
+        return self._sent_linear, self._sent_angular
+
+
+def _stepped(value: float, step: float, limit: float) -> float:
+    # rounded to what a person counts in: ten presses of 0.01 are 0.1
+    return max(-limit, min(limit, round(value + step, 9)))
+
+
+def _towards(value: float, target: float, step: float) -> float:
+    if abs(target - value) <= step:
+        return target
+    return round(value + step if target > value else value - step, 9)
