@@ -51,7 +51,7 @@ def load(path: str) -> Calibration:
             content = yaml.safe_load(file)
     except FileNotFoundError:
         raise
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except (OSError, ValueError, yaml.YAMLError) as error:     # ValueError: bytes, impossible dates
         raise CalibrationError('cannot read calibration {}: {}'.format(path, _one_line(error)))
     if not isinstance(content, Mapping):
         raise CalibrationError('calibration {} holds no camera_matrix and other entries; write '
@@ -59,11 +59,11 @@ def load(path: str) -> Calibration:
     try:
         return Calibration(
             camera_name=str(content.get('camera_name', '')),
-            width=int(content['image_width']),
-            height=int(content['image_height']),
-            distortion_model=str(content['distortion_model']),
+            width=_entry(content, 'image_width', int, 'a whole number'),
+            height=_entry(content, 'image_height', int, 'a whole number'),
+            distortion_model=_entry(content, 'distortion_model', str, 'a text'),
             **{field: _matrix(content, *shape) for field, shape in _MATRICES.items()})
-    except (KeyError, TypeError, ValueError) as error:
+    except ValueError as error:
         raise CalibrationError('calibration {} has no usable entry {}'.format(path, error))
 
 
@@ -85,19 +85,35 @@ def save(path: str, calibration: Calibration) -> None:
     try:
         os.makedirs(folder, exist_ok=True)
         handle, scratch = tempfile.mkstemp(dir=folder, prefix='.calibration-')
-        with os.fdopen(handle, 'w') as file:
-            yaml.safe_dump(content, file, sort_keys=False, default_flow_style=None)
-        os.chmod(scratch, 0o644)
-        os.replace(scratch, path)
+        try:
+            with os.fdopen(handle, 'w') as file:
+                yaml.safe_dump(content, file, sort_keys=False, default_flow_style=None)
+            os.chmod(scratch, 0o644)
+            os.replace(scratch, path)
+        except BaseException:
+            os.unlink(scratch)
+            raise
     except OSError as error:
         raise CalibrationError('cannot write calibration {}: {}'.format(path, error.strerror))
 
 
+def _entry(content: Mapping[str, Any], key: str, kind: type, words: str) -> Any:
+    value = content.get(key)
+    if type(value) is not kind:
+        raise ValueError('{} (wants {}, has {!r})'.format(key, words, value))
+    return value
+
+
 def _matrix(content: Mapping[str, Any], key: str, rows: int, columns) -> Tuple[float, ...]:
-    data = content[key]['data']
+    data = _entry(_entry(content, key, dict, 'rows, cols and data'), 'data', list,
+                  'the numbers of {}'.format(key))
     if columns is not None and len(data) != rows * columns:
         raise ValueError('{} (wants {} numbers, has {})'.format(key, rows * columns, len(data)))
-    return tuple(float(value) for value in data)
+    try:
+        # float, since YAML 1.1 takes 1e-05, as yaml-cpp writes it, for a text
+        return tuple(float(value) for value in data)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError('{} ({})'.format(key, error))
 
 
 def _one_line(error: Exception) -> str:

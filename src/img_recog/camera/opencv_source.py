@@ -1,6 +1,7 @@
 """Frames that OpenCV reads: V4L2 devices, films and still images."""
 import glob
 import os
+from typing import Optional
 
 import cv2
 import numpy as np
@@ -94,7 +95,7 @@ class FilmSource(FrameSource):
             self._capture.release()
             self._capture = cv2.VideoCapture(self._path, cv2.CAP_FFMPEG)
             good, self._next = self._capture.read()
-            if not good:
+            if not good or self._next.shape[:2] != (self.height, self.width):
                 raise SourceError('{} can no longer be read: moved or replaced while it played'
                                   .format(self._path))
         return _converted(frame, self.encoding)
@@ -124,8 +125,15 @@ def open_file(path: str, rate_hz: float) -> FrameSource:
     """
     if not os.access(path, os.R_OK):
         raise SourceError('cannot read {}: permission denied'.format(path))
-    image = cv2.imread(path, cv2.IMREAD_COLOR) if cv2.haveImageReader(path) else None
+    image = _read_image(path)
     return FilmSource(path) if image is None else StillSource(path, image, rate_hz)
+
+
+def _read_image(path: str) -> Optional[np.ndarray]:
+    try:
+        return cv2.imread(path, cv2.IMREAD_COLOR) if cv2.haveImageReader(path) else None
+    except cv2.error:       # its header claims more pixels than OpenCV allows
+        return None
 
 
 def _converted(image: np.ndarray, encoding: str) -> np.ndarray:

@@ -22,6 +22,7 @@ from std_srvs.srv import Empty, EmptyResponse
 from img_recog.nodes import parameters, robot_msgs, running, twist_msgs
 from img_recog.nodes.slots import Newest, Requests
 from img_recog.simulation import description, world
+from img_recog.simulation.motion_state import MotionState
 from img_recog.simulation.pacing import RealTimePacer
 from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, SensorSettings,
                                            SpawnSettings, WindowSettings,
@@ -51,6 +52,7 @@ class PybulletSim:
         self._simulator = Simulator(robot, worlds, world.connect(), physics, drive, spawn, sensors)
         self._viewer = Viewer(robot, worlds, physics, drive, spawn) if window.gui else None
         self._pacer = RealTimePacer(physics.real_time_factor)
+        self._motion_state = MotionState()
         self._paused = False
         self._commands, self._requests = Newest(), Requests()
         self._advertise()
@@ -118,6 +120,9 @@ class PybulletSim:
                                          _ODOM_FRAME, self._root)
         self._odometry.publish(msg)
         self._transforms.sendTransform(robot_msgs.transform_of(msg))
+        news = self._motion_state.update(reading.value)
+        if news is not None:
+            rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', news, *reading.value.position[:2])
 
     def _publish_joint_states(self, reading: Reading) -> None:
         self._joint_states.publish(robot_msgs.joint_states_to_msg(

@@ -1,6 +1,4 @@
 """A robot in a world: its joints, its pose and its motion."""
-import os
-import tempfile
 from typing import Dict, NamedTuple, Sequence, Tuple
 
 import numpy as np
@@ -8,10 +6,9 @@ import pybullet
 
 from img_recog.simulation.description import Description
 from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
+from img_recog.simulation.world import load_urdf
 
 _DEFAULT_FRICTION = 1.0         # of links that state none (Gazebo's default)
-# a cylinder proper: as the default convex hull it is 1 mm larger and rolls on facets
-_LOAD_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 
 
 class Motion(NamedTuple):
@@ -59,7 +56,7 @@ class Robot:
         self._client = client
         self._spawn = spawn
         self._torques = (drive.wheel_torque, drive.wheel_torque)
-        self._body = _load(description.urdf, client)
+        self._body = load_urdf(description.urdf, client)
         joints = _movable_joints(self._body, client)
         self._joint_names = tuple(joints)
         self._joints = tuple(joints.values())
@@ -160,20 +157,6 @@ class Robot:
         shapes = pybullet.getCollisionShapeData(self._body, wheel, physicsClientId=self._client)
         widths = [shape[3][0] for shape in shapes if shape[2] == pybullet.GEOM_CYLINDER]
         return friction * max(widths, default=0.0) / 4
-
-
-def _load(urdf: str, client: int) -> int:
-    handle, path = tempfile.mkstemp(suffix='.urdf')
-    try:
-        with os.fdopen(handle, 'w') as file:
-            file.write(urdf)
-        return pybullet.loadURDF(path, flags=_LOAD_FLAGS,
-                                 physicsClientId=client)
-    except pybullet.error as error:
-        raise SimulationError('robot_description: PyBullet cannot load it ({}); see its own '
-                              'lines above'.format(error))
-    finally:
-        os.unlink(path)
 
 
 def _movable_joints(body: int, client: int) -> Dict[str, int]:

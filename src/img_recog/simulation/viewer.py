@@ -4,7 +4,9 @@ PyBullet ends the process when its window is closed or no display can be opened,
 slows the physics client that it belongs to. So the window shows a copy of the world, to which
 the simulation sends poses; it may come and go without the simulation noticing.
 """
+import dataclasses
 import multiprocessing
+import os
 import signal
 import time
 from typing import Any, Dict, Optional
@@ -12,15 +14,17 @@ from typing import Any, Dict, Optional
 import pybullet
 
 from img_recog.simulation.description import Description
+from img_recog.simulation.drawing import one_colour_a_link
 from img_recog.simulation.robot import Pose, Robot
 from img_recog.simulation.settings import DriveSettings, PhysicsSettings, SpawnSettings
-from img_recog.simulation.world import World
+from img_recog.simulation.world import add_floor, load_urdf, read_world
 
 _PERIOD_S = 1 / 30
 _OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
             '--background_color_blue=0.7 --width=1024 --height=768')
-# the user camera of turtlebot3_world: straight down from (0.8, 0, 12), x upwards in the picture
-_CAMERA = {'cameraDistance': 12.0, 'cameraYaw': -90.0, 'cameraPitch': -89.99,
+# What Gazebo's user camera of turtlebot3_world sees, straight down from (0.8, 0, 12) with x
+# upwards. Its view is 60 degrees wide, PyBullet's 60 degrees high: from 9 m that is the same.
+_CAMERA = {'cameraDistance': 9.0, 'cameraYaw': -90.0, 'cameraPitch': -89.99,
            'cameraTargetPosition': (0.8, 0.0, 0.0)}
 
 
@@ -63,14 +67,17 @@ class Viewer:
 def _show(receiver, what: Any) -> None:
     # Ctrl-C reaches the whole process group; the window goes when the simulation does
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # where OpenGL runs on the processor, it would take the time of the physics
+    os.nice(10)
     client = pybullet.connect(pybullet.GUI, options=_OPTIONS)
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, physicsClientId=client)
-    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 0, physicsClientId=client)
     description, worlds, physics, drive, spawn = what
-    World(physics, worlds, client)
-    robot = Robot(description, drive, spawn, client)
+    add_floor(client)
+    if physics.world != 'empty':
+        load_urdf(one_colour_a_link(read_world(physics.world, worlds)), client, fixed=True)
+    painted = dataclasses.replace(description, urdf=one_colour_a_link(description.urdf))
+    robot = Robot(painted, drive, spawn, client)
     pybullet.resetDebugVisualizerCamera(physicsClientId=client, **_CAMERA)
-    pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_RENDERING, 1, physicsClientId=client)
     try:
         while pybullet.isConnected(physicsClientId=client):
             pose = receiver.recv()

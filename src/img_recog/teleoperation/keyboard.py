@@ -1,4 +1,5 @@
 """Single key presses from a terminal."""
+import contextlib
 import os
 import select
 import sys
@@ -29,7 +30,9 @@ class Keyboard:
 
     def __exit__(self, *_):
         if self._saved is not None:
-            termios.tcsetattr(self._stream, termios.TCSADRAIN, self._saved)
+            # a terminal that is gone has no settings left to restore
+            with contextlib.suppress(termios.error):
+                termios.tcsetattr(self._stream, termios.TCSADRAIN, self._saved)
             self._saved = None
 
     def key(self, timeout_s: float) -> Optional[str]:
