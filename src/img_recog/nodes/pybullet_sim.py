@@ -111,12 +111,12 @@ class PybulletSim:
             self._simulator.command(*command)
         readings = self._simulator.advance(self._clock_steps)
         # the clock first, so that no sensor is ahead of it
-        self._clock.publish(Clock(rospy.Time.from_sec(self._simulator.time_s)))
+        self._clock.publish(Clock(robot_msgs.stamp_of(self._simulator.time_s)))
         for reading in readings:
             self._publish[reading.sensor](reading)
 
     def _publish_odometry(self, reading: Reading) -> None:
-        msg = robot_msgs.odometry_to_msg(reading.value, rospy.Time.from_sec(reading.time_s),
+        msg = robot_msgs.odometry_to_msg(reading.value, robot_msgs.stamp_of(reading.time_s),
                                          _ODOM_FRAME, self._root)
         self._odometry.publish(msg)
         self._transforms.sendTransform(robot_msgs.transform_of(msg))
@@ -126,7 +126,7 @@ class PybulletSim:
 
     def _publish_joint_states(self, reading: Reading) -> None:
         self._joint_states.publish(robot_msgs.joint_states_to_msg(
-            reading.value, rospy.Time.from_sec(reading.time_s)))
+            reading.value, robot_msgs.stamp_of(reading.time_s)))
 
     def _warn_if_late(self) -> None:
         if self._pacer.late:

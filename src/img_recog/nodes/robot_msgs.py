@@ -11,6 +11,11 @@ from img_recog.simulation.robot import JointStates, Motion
 _POSE_VARIANCES = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
 
 
+def stamp_of(time_s: float) -> rospy.Time:
+    """Return simulated time as a stamp, to the nearest nanosecond (from_sec would cut off)."""
+    return rospy.Time(nsecs=round(time_s * 1e9))
+
+
 def odometry_to_msg(motion: Motion, stamp: rospy.Time, frame_id: str,
                     child_frame_id: str) -> Odometry:
     """Return the message for a motion: pose in `frame_id`, twist in `child_frame_id`."""

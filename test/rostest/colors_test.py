@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Frames of the test's own through color_extract, and commands through the simulator."""
+import os
+import sys
+import unittest
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import Image
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, from_node, wait_for  # noqa: E402
+
+BLUE, RED = (200, 60, 20), (60, 20, 220)        # BGR
+RANGES = {'blue': ((50, 100, 100), (150, 255, 255)), 'red': ((150, 100, 150), (180, 255, 255))}
+
+
+def picture(blue_px=0, red_px=0):
+    """Return a grey bgr8 picture of 320x240 with so many pixels of each colour."""
+    image = np.full((240 * 320, 3), 128, np.uint8)
+    image[:blue_px] = BLUE
+    image[len(image) - red_px:] = RED
+    return image.reshape(240, 320, 3)
+
+
+def message(image, encoding, padding=0):
+    """Return an Image message made by hand, each row followed by `padding` bytes of 255."""
+    rows = image.reshape(image.shape[0], -1)
+    step = rows.shape[1] + padding
+    data = np.full((len(rows), step), 255, np.uint8)
+    data[:, :rows.shape[1]] = rows
+    msg = Image(height=image.shape[0], width=image.shape[1], encoding=encoding, step=step,
+                data=data.tobytes())
+    msg.header.stamp, msg.header.frame_id = rospy.Time.now(), 'test_camera'
+    return msg
+
+
+def expected(bgr, color):
+    """Return area and masked image as plain OpenCV gives them."""
+    mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV),
+                       *(np.array(bound) for bound in RANGES[color]))
+    return cv2.countNonZero(mask), cv2.bitwise_and(bgr, bgr, mask=mask)
+
+
+class ColorsTest(unittest.TestCase):
+    """One frame at a time, each waited for."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.camera = rospy.Publisher('/usb_cam/image_raw', Image, queue_size=10)
+        cls.drive = rospy.Publisher('/cmd_vel', Twist, queue_size=10)
+        cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
+        cls.images = {'blue': Recorder('/blue_image', Image), 'red': Recorder('/red_image', Image)}
+        cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
+        cls.warnings = Recorder('/rosout', Log, lambda msg: msg.level >= Log.WARN)
+        cls.odometry = Recorder('/odom', Odometry)
+        cls.odometry.wait()
+        wait_for(lambda: cls.camera.get_num_connections() == 1, 'color_extract to subscribe')
+        wait_for(lambda: cls.drive.get_num_connections() >= 1, 'the simulator to subscribe')
+
+        def connected():
+            cls._send(message(picture(), 'bgr8'))
+            return all(each.messages for each in (cls.areas, *cls.images.values()))
+        wait_for(connected, 'the outputs of color_extract')
+
+    @classmethod
+    def _send(cls, msg):
+        """Publish a frame and wait until color_extract has logged its areas."""
+        before = len(cls.areas.messages)
+        cls.camera.publish(msg)
+        wait_for(lambda: len(cls.areas.messages) > before, 'a log line', 10)
+
+    def _commands_for(self, msg):
+        """Return linear.x of the Twists for a frame that is followed by a blue one."""
+        before = len(self.twists.messages)
+        self._send(msg)
+        self._send(message(picture(blue_px=2000), 'bgr8'))
+        sentinel = 10.0
+
+        def complete():
+            return [twist.linear.x for twist in self.twists.messages[before:]][-1:] == [sentinel]
+        wait_for(complete, 'the Twist of the frame after')
+        return [twist.linear.x for twist in self.twists.messages[before:]][:-1]
+
+    def test_commands(self):
+        # the order of these cases matters: none ends in the same +10 as the frame that follows
+        self.assertEqual([], self._commands_for(message(picture(), 'bgr8')))
+        self.assertEqual([], self._commands_for(message(picture(1000, 1000), 'bgr8')))
+        self.assertEqual([-10.0], self._commands_for(message(picture(0, 1001), 'bgr8')))
+
+    def test_both_colours_give_two_twists_blue_first(self):
+        before = len(self.twists.messages)
+        self._send(message(picture(1001, 1001), 'bgr8'))
+        wait_for(lambda: len(self.twists.messages) >= before + 2, 'two Twists')
+        self._send(message(picture(), 'bgr8'))
+        twists = self.twists.messages[before:]
+        self.assertEqual([10.0, -10.0], [twist.linear.x for twist in twists])
+        for twist in twists:
+            twist.linear.x = 0.0
+            self.assertEqual(Twist(), twist)
+
+    def test_every_encoding_bit_for_bit(self):
+        rng = np.random.RandomState(1)
+        bgr = rng.randint(0, 256, (240, 320, 3)).astype(np.uint8)
+        grey = rng.randint(0, 256, (240, 320)).astype(np.uint8)
+        alpha = rng.randint(0, 256, (240, 320, 1)).astype(np.uint8)
+        bgra = np.concatenate([bgr, alpha], axis=2)
+        cases = [(bgr, 'bgr8', bgr), (bgr[..., ::-1], 'rgb8', bgr), (bgra, 'bgra8', bgr),
+                 (bgra[..., [2, 1, 0, 3]], 'rgba8', bgr),
+                 (grey, 'mono8', cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR))]
+        for sent, encoding, seen in cases:
+            for padding in (0, 13):
+                self._check_images(message(np.ascontiguousarray(sent), encoding, padding), seen)
+
+    def _check_images(self, msg, seen):
+        before = {name: len(each.messages) for name, each in self.images.items()}
+        self._send(msg)
+        want = {name: expected(seen, name) for name in RANGES}
+        self.assertEqual('blue={}, red={}'.format(want['blue'][0], want['red'][0]),
+                         self.areas.messages[-1].msg, msg.encoding)
+        for name, recorder in self.images.items():
+            wait_for(lambda: len(recorder.messages) > before[name], name + '_image')
+            got = recorder.messages[-1]
+            self.assertEqual(('bgr8', 320, 240, 960, 'test_camera'),
+                             (got.encoding, got.width, got.height, got.step,
+                              got.header.frame_id))
+            self.assertEqual(msg.header.stamp, got.header.stamp)
+            self.assertEqual(want[name][1].tobytes(), got.data, (msg.encoding, name))
+
+    def _wait_warning(self, *words):
+        def warned():
+            return [msg for msg in self.warnings.messages if all(w in msg.msg for w in words)]
+        found = wait_for(lambda: warned(), 'a warning with {}'.format(words))
+        self.assertNotIn('\n', found[0].msg)
+
+    def test_bad_frames_are_skipped_with_a_warning(self):
+        good = picture()
+        bad = [message(good, 'no_such_encoding'), message(good, 'bgr8'), message(good, 'bgr8'),
+               message(good, 'bgr8')]
+        bad[1].data = bad[1].data[:1000]
+        bad[2].step = 1
+        bad[3].width = bad[3].height = 0
+        for msg in bad:
+            self.camera.publish(msg)
+        self._wait_warning('frame skipped')
+        self._check_images(message(picture(5000, 3000), 'bgr8'), picture(5000, 3000))
+
+    def test_nan_and_infinite_twists_are_ignored(self):
+        self.drive.publish(Twist())
+        for value in (float('nan'), float('inf'), -float('inf')):
+            twist = Twist()
+            twist.linear.x = value
+            self.drive.publish(twist)
+        twist = Twist()
+        twist.angular.z = float('nan')
+        self.drive.publish(twist)
+        self._wait_warning('cmd_vel ignored', 'nan')
+        # a good command afterwards is obeyed
+        twist = Twist()
+        twist.linear.x = 0.2
+        self.drive.publish(twist)
+        wait_for(lambda: abs(self.odometry.messages[-1].twist.twist.linear.x - 0.2) < 0.02,
+                 'the robot at 0.2 m/s')
+        self.drive.publish(Twist())
+        wait_for(lambda: abs(self.odometry.messages[-1].twist.twist.linear.x) < 0.005,
+                 'the robot at rest')
+
+
+if __name__ == '__main__':
+    rospy.init_node('colors_test')
+    rostest.rosrun('img_recog', 'colors', ColorsTest)

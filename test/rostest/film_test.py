@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""A real street film through the whole system, checked frame by frame."""
+import hashlib
+import os
+import sys
+import unittest
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import Image
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, from_node, wait_for  # noqa: E402
+
+RANGES = (((50, 100, 100), (150, 255, 255)), ((150, 100, 150), (180, 255, 255)))
+FRAMES, LIMIT_PX = 250, 1000
+
+
+def digest(data):
+    return hashlib.sha256(data).hexdigest()
+
+
+def read_film(path):
+    """Return for each frame of the film: digest of its rgb8 bytes, blue and red area."""
+    capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
+    good, bgr = capture.read()
+    while good:
+        hsv = cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV)
+        areas = [cv2.countNonZero(cv2.inRange(hsv, *map(np.array, bounds))) for bounds in RANGES]
+        frames.append((digest(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).tobytes()), *areas))
+        good, bgr = capture.read()
+    return frames
+
+
+class FilmTest(unittest.TestCase):
+    """Lets the film run through once and a bit, then compares."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.film = read_film(rospy.get_param('~film'))
+        # only digests are kept: the frames of a loop would take 130 MB
+        cls.raw, cls.blue, cls.red = {}, {}, {}
+        for topic, kept in (('/usb_cam/image_raw', cls.raw), ('/blue_image', cls.blue),
+                            ('/red_image', cls.red)):
+            rospy.Subscriber(topic, Image, cls._keep, kept, queue_size=100, buff_size=1 << 26)
+        cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
+        cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
+        cls.odometry = Recorder('/odom', Odometry)
+        wait_for(lambda: len(cls.raw) > FRAMES + 60, 'the film to run through', 120)
+
+    @staticmethod
+    def _keep(msg, kept):
+        kept[msg.header.stamp] = (len(kept), digest(msg.data), int(np.count_nonzero(
+            np.frombuffer(msg.data, np.uint8).reshape(-1, 3).any(axis=1))), msg.encoding)
+
+    def test_the_film_is_the_one_expected(self):
+        self.assertEqual(FRAMES, len(self.film))
+        self.assertEqual((1085, 1734), (max(f[1] for f in self.film), max(f[2] for f in self.film)))
+
+    def test_frames_arrive_in_order_bit_for_bit_and_loop(self):
+        number = {frame[0]: index for index, frame in enumerate(self.film)}
+        self.assertEqual(FRAMES, len(number), 'frames can be told apart by their bytes')
+        seen = [number[entry[1]] for entry in sorted(self.raw.values())]
+        steps = {(b - a) % FRAMES for a, b in zip(seen, seen[1:])}
+        self.assertLessEqual(max(steps), 5, 'frames may be missed on a busy machine, not shuffled')
+        self.assertNotIn(0, steps)
+        self.assertEqual(set(range(FRAMES)) & set(seen), set(seen))
+        self.assertGreater(len(set(seen)), 0.9 * FRAMES)
+
+    def test_masked_images_frame_by_frame(self):
+        by_digest = {frame[0]: frame for frame in self.film}
+        for kept, column in ((self.blue, 1), (self.red, 2)):
+            compared = 0
+            for stamp in set(kept) & set(self.raw):
+                area = by_digest[self.raw[stamp][1]][column]
+                # black pixels inside a range do not exist: V starts at 100
+                self.assertEqual(area, kept[stamp][2])
+                self.assertEqual('bgr8', kept[stamp][3])
+                compared += 1
+            self.assertGreater(compared, 0.8 * FRAMES)
+
+    def _numbers(self):
+        """Return the film's frame number of each log line, found by their sequence of areas."""
+        lines = [tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
+                 for msg in list(self.areas.messages)]
+        film = [frame[1:] for frame in self.film]
+        for start in range(FRAMES):
+            numbers, position = [], start
+            for line in lines:
+                ahead = next((n for n in range(6) if film[(position + n) % FRAMES] == line), None)
+                if ahead is None:
+                    break
+                numbers.append((position + ahead) % FRAMES)
+                position += ahead + 1
+            else:
+                return numbers
+        return None
+
+    def test_log_has_the_films_areas_frame_by_frame(self):
+        self.assertGreater(len(self.areas.messages), FRAMES)
+        self.assertIsNotNone(self._numbers(), 'the logged areas are not those of the film')
+
+    def test_driven_exactly_when_a_colour_is_above_the_limit(self):
+        wait_for(lambda: len(self.areas.messages) > FRAMES, 'a log line for each frame')
+        lines = [tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
+                 for msg in list(self.areas.messages)]
+        wanted = [speed for blue, red in lines
+                  for speed, area in ((10.0, blue), (-10.0, red)) if area > LIMIT_PX]
+        got = [twist.linear.x for twist in list(self.twists.messages)]
+        self.assertIn(10.0, got)
+        self.assertIn(-10.0, got)
+        # the recorders joined at different moments: the shorter is a part of the longer
+        shorter, longer = sorted((wanted, got), key=len)
+        self.assertLess(len(longer) - len(shorter), 8)
+        self.assertIn(repr(shorter)[1:-1], repr(longer))
+
+    def test_the_robot_moved_both_ways(self):
+        speeds = [msg.twist.twist.linear.x for msg in list(self.odometry.messages)]
+        self.assertGreater(max(speeds), 0.02)
+        self.assertLess(min(speeds), -0.02)
+        self.assertGreater(sum(abs(speed) < 0.005 for speed in speeds), 0.5 * len(speeds))
+
+
+if __name__ == '__main__':
+    rospy.init_node('film_test')
+    rostest.rosrun('img_recog', 'film', FilmTest)

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Headers, encodings and numbers of the demo's messages, and the colour images bit for bit."""
+import os
+import sys
+import unittest
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image, JointState
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, from_node, wait_for  # noqa: E402
+
+RANGES = {'/blue_image': ((50, 100, 100), (150, 255, 255)),
+          '/red_image': ((150, 100, 150), (180, 255, 255))}
+
+
+def pixels(msg):
+    """Return the bytes of an 8-bit, 3-channel image message as an array."""
+    return np.frombuffer(msg.data, np.uint8).reshape(msg.height, msg.width, 3)
+
+
+def stamps(messages):
+    return [msg.header.stamp for msg in messages]
+
+
+class FramesTest(unittest.TestCase):
+    """Collects all topics at once and looks at what came."""
+
+    @classmethod
+    def setUpClass(cls):
+        types = {'/usb_cam/image_raw': Image, '/usb_cam/camera_info': CameraInfo,
+                 '/blue_image': Image, '/red_image': Image, '/odom': Odometry,
+                 '/joint_states': JointState, '/clock': Clock}
+        cls.topics = {name: Recorder(name, kind) for name, kind in types.items()}
+        cls.idle = Recorder('/cmd_vel', Twist, from_node('/turtlebot3_teleop_keyboard'))
+        for recorder in cls.topics.values():
+            recorder.wait(60)
+
+    def test_image_and_camera_info_share_each_header(self):
+        images = self.topics['/usb_cam/image_raw'].messages[:50]
+        infos = {msg.header.stamp: msg
+                 for msg in list(self.topics['/usb_cam/camera_info'].messages)}
+        for image in images:
+            self.assertEqual(('head_camera', 'rgb8', 640, 480, 1920),
+                             (image.header.frame_id, image.encoding, image.width, image.height,
+                              image.step))
+        paired = [(image, infos[image.header.stamp]) for image in images
+                  if image.header.stamp in infos]
+        self.assertGreater(len(paired), 40)
+        for image, info in paired:
+            self.assertEqual(('head_camera', 640, 480),
+                             (info.header.frame_id, info.width, info.height))
+
+    def test_stamps_are_simulated_time(self):
+        clock = self.topics['/clock'].messages[-1].clock.to_sec()
+        for name in ('/usb_cam/image_raw', '/odom', '/joint_states'):
+            stamp = self.topics[name].messages[-1].header.stamp.to_sec()
+            self.assertLess(abs(stamp - clock), 5.0, name)
+            self.assertGreater(stamp, 0.0, name)
+
+    def test_colour_images_are_plain_opencvs_bit_for_bit(self):
+        frames = {msg.header.stamp: msg
+                  for msg in list(self.topics['/usb_cam/image_raw'].messages)}
+        for topic, (lower, upper) in RANGES.items():
+            compared = colourful = 0
+            for msg in list(self.topics[topic].messages):
+                if msg.header.stamp not in frames:
+                    continue
+                bgr = cv2.cvtColor(pixels(frames[msg.header.stamp]), cv2.COLOR_RGB2BGR)
+                mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV), np.array(lower),
+                                   np.array(upper))
+                expected = cv2.bitwise_and(bgr, bgr, mask=mask)
+                self.assertEqual(('bgr8', 'head_camera'), (msg.encoding, msg.header.frame_id))
+                self.assertTrue(np.array_equal(expected, pixels(msg)), topic)
+                compared += 1
+                colourful += bool(mask.any())
+            self.assertGreater(compared, 30, topic)
+
+    def test_odometry(self):
+        for msg in list(self.topics['/odom'].messages):
+            self.assertEqual(('odom', 'base_footprint'), (msg.header.frame_id, msg.child_frame_id))
+            self.assertEqual([1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3],
+                             [msg.pose.covariance[i] for i in range(0, 36, 7)])
+            self.assertEqual(30, msg.pose.covariance.count(0.0))
+
+    def test_joint_states(self):
+        for msg in list(self.topics['/joint_states'].messages):
+            self.assertEqual(['wheel_left_joint', 'wheel_right_joint'], msg.name)
+            self.assertEqual([2, 2, 2], [len(msg.position), len(msg.velocity), len(msg.effort)])
+
+    def test_periods_in_simulated_time(self):
+        for name in ('/odom', '/joint_states'):
+            times = [stamp.to_nsec() for stamp in stamps(list(self.topics[name].messages))]
+            self.assertEqual({33000000}, {b - a for a, b in zip(times, times[1:])}, name)
+        times = [msg.clock.to_nsec() for msg in list(self.topics['/clock'].messages)]
+        self.assertEqual({10000000}, {b - a for a, b in zip(times, times[1:])})
+
+    def test_idle_teleop_sends_zeros(self):
+        wait_for(lambda: len(self.idle.messages) > 10, 'Twists of the idle teleop')
+        for msg in list(self.idle.messages):
+            self.assertEqual(Twist(), msg)
+
+
+if __name__ == '__main__':
+    rospy.init_node('frames_test')
+    rostest.rosrun('img_recog', 'frames', FramesTest)

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""The services of simulator and camera, called in the running demo."""
+import os
+import sys
+import unittest
+
+import rospy
+import rostest
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.srv import SetCameraInfo
+from std_srvs.srv import Empty
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, wait_for  # noqa: E402
+
+
+def call(name):
+    rospy.wait_for_service(name)
+    return rospy.ServiceProxy(name, Empty)()
+
+
+class ServicesTest(unittest.TestCase):
+    """Each test leaves the system running as it found it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.clock = Recorder('/clock', Clock)
+        cls.odometry = Recorder('/odom', Odometry)
+        cls.joints = Recorder('/joint_states', JointState)
+        cls.images = Recorder('/usb_cam/image_raw', Image)
+        cls.infos = Recorder('/usb_cam/camera_info', CameraInfo)
+        cls.clock.wait()
+
+    def test_pause_holds_the_clock_and_unpause_lets_it_go(self):
+        call('/gazebo/pause_physics')
+        self.images.wait(5)         # the clock's last messages have had time to arrive
+        before = len(self.clock.messages)
+        self.images.wait(10)        # a third of a second goes by on the wall
+        self.assertEqual(before, len(self.clock.messages))
+        paused = self.clock.messages[-1].clock.to_sec()
+        call('/gazebo/unpause_physics')
+        self.clock.wait(10)
+        resumed = self.clock.messages[before].clock.to_sec()
+        self.assertAlmostEqual(0.01, resumed - paused, 6)
+
+    def _at_start(self, msg):
+        position = msg.pose.pose.position
+        return abs(position.x + 2.0) < 0.02 and abs(position.y + 0.5) < 0.02
+
+    def _wait_moved(self):
+        wait_for(lambda: not self._at_start(self.odometry.messages[-1]), 'the robot to leave')
+
+    def test_reset_world_goes_back_and_time_goes_on(self):
+        self._wait_moved()
+        before = self.clock.messages[-1].clock
+        call('/gazebo/reset_world')
+        wait_for(lambda: self._at_start(self.odometry.messages[-1]), 'the robot at its start')
+        self.assertGreater(self.clock.messages[-1].clock, before)
+        self.joints.wait(5)
+
+    def test_reset_simulation_goes_back_and_time_to_zero(self):
+        self._wait_moved()
+        wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 5.0, 'five simulated seconds')
+        call('/gazebo/reset_simulation')
+        wait_for(lambda: self.clock.messages[-1].clock.to_sec() < 4.0, 'the clock near zero')
+        for recorder in (self.odometry, self.joints, self.images):
+            recorder.wait(5)
+        wait_for(lambda: self._at_start(self.odometry.messages[-1]), 'the robot at its start')
+        self.assertLess(self.odometry.messages[-1].header.stamp.to_sec(), 60.0)
+
+    def test_stop_and_start_capture(self):
+        for _ in range(2):      # a second call changes nothing
+            call('/usb_cam/stop_capture')
+        self.clock.wait(30)
+        before = len(self.images.messages)
+        self.clock.wait(50)
+        self.assertEqual(before, len(self.images.messages))
+        for _ in range(2):
+            call('/usb_cam/start_capture')
+        self.images.wait(5)
+
+    def test_set_camera_info_is_published_and_written(self):
+        given = CameraInfo(width=640, height=480, distortion_model='plumb_bob',
+                           D=[0.1, -0.2, 0.0, 0.0, 0.01],
+                           K=[500.0, 0, 320, 0, 510.0, 240, 0, 0, 1],
+                           R=[1, 0, 0, 0, 1, 0, 0, 0, 1],
+                           P=[500.0, 0, 320, 0, 0, 510.0, 240, 0, 0, 0, 1, 0])
+        rospy.wait_for_service('/usb_cam/set_camera_info')
+        answer = rospy.ServiceProxy('/usb_cam/set_camera_info', SetCameraInfo)(given)
+        self.assertTrue(answer.success, answer.status_message)
+        wait_for(lambda: self.infos.messages[-1].K == tuple(given.K), 'the calibration')
+        self.assertEqual(tuple(given.D), self.infos.messages[-1].D)
+        self.assertEqual(tuple(given.P), self.infos.messages[-1].P)
+        with open(answer.status_message) as file:
+            self.assertIn('camera_matrix', file.read())
+        os.unlink(answer.status_message)
+
+
+if __name__ == '__main__':
+    rospy.init_node('services_test')
+    rostest.rosrun('img_recog', 'services', ServicesTest)

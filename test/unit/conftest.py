@@ -1,0 +1,50 @@
+"""Fixtures that several unit tests share."""
+import cv2
+import numpy as np
+import pytest
+
+FILM_RATE_HZ = 12.5
+
+
+class FakeClock:
+    """A clock that stands still until it is told to advance."""
+
+    def __init__(self):
+        self.now_s = 100.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+    def advance(self, seconds: float) -> None:
+        """Let `seconds` go by."""
+        self.now_s += seconds
+
+
+@pytest.fixture
+def clock():
+    """A FakeClock."""
+    return FakeClock()
+
+
+def smooth_image(number, width=96, height=64):
+    """Draw a bgr8 gradient, different for each number, that codecs keep well."""
+    ramp = np.linspace(0, 150, width) + 15 * number
+    image = np.empty((height, width, 3), np.uint8)
+    image[..., 0], image[..., 1], image[..., 2] = 40, 90, ramp
+    return image
+
+
+@pytest.fixture
+def make_film(tmp_path):
+    """A function that writes a film of smooth images, 12.5 Hz, and returns its path."""
+    def make(name='film.avi', fourcc='MJPG', frames=6, size=(96, 64)):
+        path = str(tmp_path / name)
+        writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*fourcc),
+                                 FILM_RATE_HZ, size)
+        if not writer.isOpened():
+            pytest.skip('this OpenCV cannot write {}'.format(fourcc))
+        for number in range(frames):
+            writer.write(smooth_image(number, *size))
+        writer.release()
+        return path
+    return make

@@ -1,0 +1,128 @@
+"""Settings: what each field accepts, what it refuses, and in which words."""
+import dataclasses
+from typing import Any
+
+import pytest
+
+from img_recog.camera.settings import CameraSettings
+from img_recog.errors import UserError
+from img_recog.settings import (SettingError, Settings, above, at_least, between, declared,
+                                not_empty, one_of, setting)
+from img_recog.teleoperation.settings import TeleopSettings
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample(Settings):
+    """One field of each kind."""
+
+    width: int = setting(640, between(1, 800))
+    count: int = setting(0, at_least(0))
+    rate: float = setting(30.0, above(0))
+    enabled: bool = setting(True)
+    mode: str = setting('slow', one_of('slow', 'fast'))
+    name: str = setting('sample', not_empty())
+    note: str = setting('')
+    unchecked: Any = None
+
+
+@pytest.mark.parametrize('name, value', [
+    ('width', 1), ('width', 800), ('count', 0), ('count', 10 ** 12), ('rate', 1e-9),
+    ('enabled', False), ('mode', 'fast'), ('name', 'x'), ('note', ''), ('unchecked', object)])
+def test_allowed_value_is_kept(name, value):
+    kept = getattr(Sample(**{name: value}), name)
+    assert kept == value and type(kept) is type(value)
+
+
+def test_defaults_are_in_force_without_arguments():
+    assert dataclasses.astuple(Sample()) == (640, 0, 30.0, True, 'slow', 'sample', '', None)
+
+
+def test_whole_number_becomes_float_where_a_float_is_wanted():
+    rate = Sample(rate=25).rate
+    assert rate == 25.0 and type(rate) is float
+
+
+@pytest.mark.parametrize('name, value, allowed', [
+    ('width', 0, 'a whole number from 1 to 800'),
+    ('width', 801, 'a whole number from 1 to 800'),
+    ('width', 640.0, 'a whole number from 1 to 800'),
+    ('width', '640', 'a whole number from 1 to 800'),
+    ('width', True, 'a whole number from 1 to 800'),
+    ('width', None, 'a whole number from 1 to 800'),
+    ('count', -1, 'a whole number at least 0'),
+    ('rate', 0, 'a finite number above 0'),
+    ('rate', -0.5, 'a finite number above 0'),
+    ('rate', float('nan'), 'a finite number above 0'),
+    ('rate', float('inf'), 'a finite number above 0'),
+    ('rate', True, 'a finite number above 0'),
+    ('rate', '30', 'a finite number above 0'),
+    ('rate', [30.0], 'a finite number above 0'),
+    ('enabled', 1, 'true or false'),
+    ('enabled', 0.0, 'true or false'),
+    ('enabled', 'true', 'true or false'),
+    ('mode', 'medium', 'a text one of slow, fast'),
+    ('mode', 'slo', 'a text one of slow, fast'),
+    ('name', '', 'a text not empty'),
+    ('name', ' \n', 'a text not empty'),
+    ('note', 5, 'a text'),
+    ('note', b'bytes', 'a text')])
+def test_refusal_names_field_value_and_what_is_allowed(name, value, allowed):
+    with pytest.raises(SettingError) as refused:
+        Sample(**{name: value})
+    assert str(refused.value) == '{}: got {!r}, allowed is {}'.format(name, value, allowed)
+    assert '\n' not in str(refused.value)
+    assert (refused.value.name, refused.value.allowed) == (name, allowed)
+    assert refused.value.value is value
+    assert isinstance(refused.value, UserError)
+
+
+def test_replacing_a_field_checks_it_again():
+    with pytest.raises(SettingError, match='^width: got 9999'):
+        dataclasses.replace(Sample(), width=9999)
+    assert dataclasses.replace(Sample(), width=7).width == 7
+
+
+def test_settings_are_frozen():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        Sample().width = 320
+
+
+def test_declared_yields_the_fields_made_by_setting_in_order():
+    assert [field.name for field in declared(Sample)] == [
+        'width', 'count', 'rate', 'enabled', 'mode', 'name', 'note']
+
+
+def test_camera_defaults_are_those_of_usb_cam():
+    assert dataclasses.asdict(CameraSettings()) == {
+        'video_device': '/dev/video0', 'io_method': 'mmap', 'pixel_format': 'mjpeg',
+        'image_width': 640, 'image_height': 480, 'framerate': 30.0,
+        'camera_frame_id': 'head_camera', 'camera_name': 'head_camera', 'camera_info_url': ''}
+
+
+@pytest.mark.parametrize('name, value', [
+    ('video_device', ''), ('io_method', 'dma'), ('pixel_format', 'yuv'), ('image_width', 0),
+    ('image_height', 16385), ('framerate', 0.05), ('framerate', 0), ('camera_frame_id', '')])
+def test_camera_refuses(name, value):
+    with pytest.raises(SettingError, match='^{}: got '.format(name)):
+        CameraSettings(**{name: value})
+
+
+def test_camera_refusal_of_a_pixel_format_lists_the_known_ones():
+    with pytest.raises(SettingError) as refused:
+        CameraSettings(pixel_format='yuv')
+    assert str(refused.value) == (
+        "pixel_format: got 'yuv', allowed is a text one of grey, mjpeg, rgb24, uyvy, yuvmono10, "
+        "yuyv")
+
+
+def test_teleop_defaults_are_those_of_the_burger():
+    assert dataclasses.asdict(TeleopSettings()) == {
+        'linear_step': 0.01, 'angular_step': 0.1,
+        'max_linear_velocity': 0.22, 'max_angular_velocity': 2.84}
+
+
+@pytest.mark.parametrize('name', ['linear_step', 'angular_step', 'max_linear_velocity',
+                                  'max_angular_velocity'])
+def test_teleop_refuses_what_is_not_above_zero(name):
+    with pytest.raises(SettingError, match='^{}: got 0.0, '.format(name)):
+        TeleopSettings(**{name: 0})

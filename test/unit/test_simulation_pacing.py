@@ -1,0 +1,85 @@
+"""The simulator's pacer on a clock that the test moves."""
+import pytest
+
+from img_recog.simulation.pacing import RealTimePacer
+
+# a binary fraction, so that the expected times are exact
+STEP_S = 0.0625
+
+
+def run(pacer, clock, steps, work_s=0.0):
+    """Simulate some steps of `work_s` each, waiting as told; return the wall time it took."""
+    start = clock.now_s
+    for _ in range(steps):
+        clock.advance(work_s)
+        clock.advance(pacer.delay_s(STEP_S))
+    return clock.now_s - start
+
+
+@pytest.mark.parametrize('factor, wall_s', [(1.0, 10.0), (2.0, 5.0), (0.5, 20.0), (0.0, 0.0)])
+def test_simulated_time_passes_at_the_factor(clock, factor, wall_s):
+    pacer = RealTimePacer(factor, now=clock)
+    assert run(pacer, clock, 160) == wall_s
+    assert not pacer.late
+
+
+def test_work_is_part_of_the_time(clock):
+    pacer = RealTimePacer(1.0, now=clock)
+    assert run(pacer, clock, 160, work_s=0.03125) == 10.0
+    assert not pacer.late
+
+
+def test_delay_is_what_is_left_of_the_step(clock):
+    pacer = RealTimePacer(2.0, now=clock)
+    clock.advance(0.0078125)
+    assert pacer.delay_s(STEP_S) == STEP_S / 2 - 0.0078125
+
+
+def test_factor_zero_never_waits_and_is_never_late(clock):
+    pacer = RealTimePacer(0.0, now=clock)
+    clock.advance(3600.0)
+    assert pacer.delay_s(STEP_S) == 0.0
+    assert not pacer.late
+
+
+def test_little_lateness_is_caught_up_with(clock):
+    pacer, start = RealTimePacer(1.0, now=clock), clock.now_s
+    clock.advance(0.5)
+    assert [pacer.delay_s(STEP_S) for _ in range(8)] == [0.0] * 8
+    assert pacer.delay_s(STEP_S) == STEP_S
+    assert not pacer.late
+    assert clock.now_s - start == 0.5
+
+
+@pytest.mark.parametrize('behind_s, late', [(0.5, False), (0.50390625, True), (60.0, True)])
+def test_late_flag_beyond_half_a_second(clock, behind_s, late):
+    pacer = RealTimePacer(1.0, now=clock)
+    clock.advance(STEP_S + behind_s)
+    assert pacer.delay_s(STEP_S) == 0.0
+    assert pacer.late is late
+
+
+def test_great_lateness_is_let_go(clock):
+    pacer = RealTimePacer(1.0, now=clock)
+    clock.advance(60.0)
+    assert pacer.delay_s(STEP_S) == 0.0
+    assert pacer.delay_s(STEP_S) == STEP_S
+
+
+def test_late_flag_stays_until_cleared(clock):
+    pacer = RealTimePacer(1.0, now=clock)
+    clock.advance(60.0)
+    run(pacer, clock, 5)
+    assert pacer.late
+    pacer.late = False
+    run(pacer, clock, 5)
+    assert not pacer.late
+
+
+def test_restart_does_not_catch_up_with_a_pause(clock):
+    pacer = RealTimePacer(1.0, now=clock)
+    run(pacer, clock, 5)
+    clock.advance(300.0)
+    pacer.restart()
+    assert pacer.delay_s(STEP_S) == STEP_S
+    assert not pacer.late

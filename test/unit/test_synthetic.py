@@ -1,0 +1,91 @@
+"""The synthetic scene: cards when they are due, the same frames every time, at any size."""
+import cv2
+import numpy as np
+import pytest
+
+from img_recog.camera.synthetic import (BLUE_FRAMES, PERIOD_FRAMES, RED_FRAMES, SyntheticSource,
+                                        draw_frame)
+from img_recog.recognition.areas import extract
+from img_recog.recognition.settings import BLUE, RED
+
+SIZES = [(320, 240), (640, 480), (1920, 1080), (333, 77)]
+KEY_FRAMES = {
+    'empty': (0, 29, 90, 135, 179, 240, 299),
+    'blue': (30, 31, 32, 33, 34, 60, 88, 89),
+    'red': (180, 181, 182, 183, 184, 210, 238, 239),
+}
+
+
+def areas_px(frame):
+    bgr = cv2.cvtColor(frame, cv2.COLOR_RGB2BGR)
+    return tuple(area.area_px for area in extract(bgr, [BLUE.color, RED.color]))
+
+
+def test_story_has_the_frames_it_says():
+    assert (PERIOD_FRAMES, BLUE_FRAMES, RED_FRAMES) == (300, range(30, 90), range(180, 240))
+
+
+def test_default_frame_is_rgb_640x480():
+    frame = draw_frame(0)
+    assert frame.shape == (480, 640, 3) and frame.dtype == np.uint8
+
+
+def test_cards_show_at_least_20000_px_of_their_colour_and_else_there_is_none():
+    for number in range(PERIOD_FRAMES):
+        blue, red = areas_px(draw_frame(number))
+        assert (blue >= 20000) if number in BLUE_FRAMES else (blue == 0), number
+        assert (red >= 20000) if number in RED_FRAMES else (red == 0), number
+
+
+@pytest.mark.parametrize('width, height', SIZES)
+def test_every_size_shows_the_cards_in_proportion(width, height):
+    enough = 20000 * width * height / (640 * 480) * 0.95
+    for kind, numbers in KEY_FRAMES.items():
+        for number in numbers:
+            frame = draw_frame(number, width, height)
+            assert frame.shape == (height, width, 3) and frame.dtype == np.uint8
+            blue, red = areas_px(frame)
+            assert (blue >= enough) if kind == 'blue' else (blue == 0), (number, blue)
+            assert (red >= enough) if kind == 'red' else (red == 0), (number, red)
+
+
+@pytest.mark.parametrize('width, height', [(1, 1), (2, 3), (16, 1)])
+def test_smallest_sizes_are_drawn(width, height):
+    for number in (0, 60, 210):
+        assert draw_frame(number, width, height).shape == (height, width, 3)
+
+
+@pytest.mark.parametrize('number', [0, 30, 31, 60, 210, 239])
+def test_frame_depends_on_its_number_alone_and_the_period_repeats(number):
+    first = draw_frame(number)
+    draw_frame(number + 45)
+    assert np.array_equal(draw_frame(number), first)
+    assert np.array_equal(draw_frame(number + PERIOD_FRAMES), first)
+    assert np.array_equal(draw_frame(number + 7 * PERIOD_FRAMES), first)
+
+
+def test_card_moves_in_and_out_in_mirrored_steps():
+    entering = [draw_frame(BLUE_FRAMES.start + step) for step in range(5)]
+    leaving = [draw_frame(BLUE_FRAMES.stop - 1 - step) for step in range(5)]
+    for step in range(5):
+        assert np.array_equal(entering[step], leaving[step])
+    for earlier, later in zip(entering, entering[1:]):
+        assert not np.array_equal(earlier, later)
+
+
+@pytest.mark.parametrize('width, height', [(640, 480), (320, 240)])
+def test_source_yields_the_frames_of_the_scene_in_order(width, height):
+    source = SyntheticSource(width, height, 15.0)
+    assert (source.width, source.height, source.rate_hz) == (width, height, 15.0)
+    assert source.encoding == 'rgb8'
+    assert source.description == 'synthetic scene, {}x{}, 15 Hz'.format(width, height)
+    for number in range(PERIOD_FRAMES + 35):
+        assert np.array_equal(source.read(), draw_frame(number, width, height)), number
+    source.close()
+    source.close()
+
+
+def test_frames_belong_to_the_caller():
+    source = SyntheticSource(64, 48, 30.0)
+    source.read()[:] = 0
+    assert np.array_equal(source.read(), draw_frame(1, 64, 48))

@@ -1,0 +1,97 @@
+"""Keys to targets, and targets to what is sent."""
+import pytest
+
+from img_recog.teleoperation.profile import VelocityProfile
+from img_recog.teleoperation.settings import TeleopSettings
+
+
+def pressed(keys, profile=None):
+    profile = profile or VelocityProfile()
+    for key in keys:
+        assert profile.press(key) is True
+    return profile
+
+
+def targets(profile):
+    return profile.target_linear, profile.target_angular
+
+
+def test_idle_sends_zeros():
+    profile = VelocityProfile()
+    assert [profile.tick() for _ in range(3)] == [(0.0, 0.0)] * 3
+
+
+@pytest.mark.parametrize('keys, linear, angular', [
+    ('w', 0.01, 0.0), ('x', -0.01, 0.0), ('a', 0.0, 0.1), ('d', 0.0, -0.1),
+    ('wx', 0.0, 0.0), ('ad', 0.0, 0.0), ('wwa', 0.02, 0.1), ('xdd', -0.01, -0.2)])
+def test_keys_move_the_target_by_a_step(keys, linear, angular):
+    assert targets(pressed(keys)) == (linear, angular)
+
+
+@pytest.mark.parametrize('key, linear, angular', [
+    ('w', 0.1, 0.0), ('x', -0.1, 0.0), ('a', 0.0, 1.0), ('d', 0.0, -1.0)])
+def test_ten_presses_are_exactly_ten_steps(key, linear, angular):
+    assert targets(pressed(key * 10)) == (linear, angular)
+
+
+@pytest.mark.parametrize('key, linear, angular', [
+    ('w', 0.22, 0.0), ('x', -0.22, 0.0), ('a', 0.0, 2.84), ('d', 0.0, -2.84)])
+def test_targets_end_at_the_limits_of_the_burger(key, linear, angular):
+    profile = pressed(key * 100)
+    assert targets(profile) == (linear, angular)
+    for _ in range(200):
+        sent = profile.tick()
+        assert abs(sent[0]) <= 0.22 and abs(sent[1]) <= 2.84
+    assert sent == (linear, angular)
+
+
+def test_sent_value_walks_to_the_target_by_half_a_step_a_tick():
+    profile = pressed('wwaa')
+    assert [profile.tick() for _ in range(5)] == [
+        (0.005, 0.05), (0.01, 0.1), (0.015, 0.15), (0.02, 0.2), (0.02, 0.2)]
+
+
+def test_sent_value_walks_down_through_zero():
+    profile = pressed('w')
+    profile.tick(), profile.tick()
+    pressed('xx', profile)
+    assert [profile.tick()[0] for _ in range(5)] == [0.005, 0.0, -0.005, -0.01, -0.01]
+
+
+def test_sent_value_does_not_overshoot_a_limit_that_is_no_multiple_of_the_step():
+    profile = VelocityProfile(TeleopSettings(linear_step=0.04, max_linear_velocity=0.05))
+    pressed('ww', profile)
+    assert profile.target_linear == 0.05
+    assert [profile.tick()[0] for _ in range(4)] == [0.02, 0.04, 0.05, 0.05]
+
+
+@pytest.mark.parametrize('key', ['s', ' '])
+def test_stop_keys_stop_at_once(key):
+    profile = pressed('w' * 22 + 'a' * 28)
+    for _ in range(20):
+        profile.tick()
+    assert profile.tick() == (0.105, 1.05)
+    pressed(key, profile)
+    assert targets(profile) == (0.0, 0.0)
+    assert profile.tick() == (0.0, 0.0)
+
+
+@pytest.mark.parametrize('key', ['q', 'W', 'S', '\n', '\x1b', '', '\ufffd', 'ww'])
+def test_other_keys_are_ignored(key):
+    profile = pressed('wa')
+    profile.tick()
+    assert profile.press(key) is False
+    assert targets(profile) == (0.01, 0.1)
+    assert profile.tick() == (0.01, 0.1)
+
+
+def test_steps_are_those_of_the_settings():
+    profile = VelocityProfile(TeleopSettings(linear_step=0.02, angular_step=0.5,
+                                             max_linear_velocity=1.0, max_angular_velocity=1.0))
+    assert targets(pressed('waaa', profile)) == (0.02, 1.0)
+    assert profile.tick() == (0.01, 0.25)
+
+
+def test_targets_of_one_profile_are_not_those_of_another():
+    pressed('wa')
+    assert targets(VelocityProfile()) == (0.0, 0.0)
