@@ -60,7 +60,8 @@ class FilmTest(unittest.TestCase):
 
     def test_the_film_is_the_one_expected(self):
         self.assertEqual(FRAMES, len(self.film))
-        self.assertEqual((1085, 1734), (max(f[1] for f in self.film), max(f[2] for f in self.film)))
+        _, blue, red = zip(*self.film)
+        self.assertEqual((1085, 1734), (max(blue), max(red)))
 
     def test_frames_arrive_in_order_bit_for_bit_and_loop(self):
         number = {frame[0]: index for index, frame in enumerate(self.film)}

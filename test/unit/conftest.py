@@ -1,9 +1,7 @@
 """Fixtures that several unit tests share."""
 import cv2
-import numpy as np
 import pytest
-
-FILM_RATE_HZ = 12.5
+from films import FILM_RATE_HZ, smooth_image
 
 
 class FakeClock:
@@ -24,14 +22,6 @@ class FakeClock:
 def clock():
     """A FakeClock."""
     return FakeClock()
-
-
-def smooth_image(number, width=96, height=64):
-    """Draw a bgr8 gradient, different for each number, that codecs keep well."""
-    ramp = np.linspace(0, 150, width) + 15 * number
-    image = np.empty((height, width, 3), np.uint8)
-    image[..., 0], image[..., 1], image[..., 2] = 40, 90, ramp
-    return image
 
 
 @pytest.fixture

@@ -50,7 +50,7 @@ def test_whole_number_becomes_float_where_a_float_is_wanted():
     ('width', True, 'a whole number from 1 to 800'),
     ('width', None, 'a whole number from 1 to 800'),
     ('count', -1, 'a whole number at least 0'),
-    ('rate', 0, 'a finite number above 0'),
+    ('rate', 0.0, 'a finite number above 0'),
     ('rate', -0.5, 'a finite number above 0'),
     ('rate', float('nan'), 'a finite number above 0'),
     ('rate', float('inf'), 'a finite number above 0'),

@@ -51,7 +51,8 @@ def load(path: str) -> Calibration:
             content = yaml.safe_load(file)
     except FileNotFoundError:
         raise
-    except (OSError, ValueError, yaml.YAMLError) as error:     # ValueError: bytes, impossible dates
+    # ValueError: bytes that are no text, and dates that do not exist
+    except (OSError, ValueError, yaml.YAMLError) as error:
         raise CalibrationError('cannot read calibration {}: {}'.format(path, _one_line(error)))
     if not isinstance(content, Mapping):
         raise CalibrationError('calibration {} holds no camera_matrix and other entries; write '

@@ -15,8 +15,10 @@ def run(name: str, serve: Callable[[], None]) -> int:
     rospy.init_node(name)
     try:
         serve()
-    except rospy.ROSInterruptException:
-        pass
+    except rospy.ROSException:
+        # a node that is shut down from outside finds its topics closed while it publishes
+        if not rospy.is_shutdown():
+            raise
     except UserError as error:
         rospy.logfatal('%s', error)
         rospy.signal_shutdown('cannot go on')

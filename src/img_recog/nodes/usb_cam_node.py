@@ -21,7 +21,6 @@ from img_recog.camera.pacing import Pacer
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource
-from img_recog.errors import UserError
 from img_recog.nodes import camera_info_msgs, camera_info_urls, image_msgs, parameters, running
 
 
@@ -64,7 +63,7 @@ class UsbCam:
             while not self._ended.is_set():
                 if self._wanted.wait(0.1):
                     self._publish_until_stopped()
-        except UserError as error:
+        except Exception as error:      # whatever it is, spin raises it in the main thread
             self._failure = error
             self._ended.set()
 

@@ -1,0 +1,121 @@
+"""What is wrong is named in one line, with what would be right; the exit code says so too."""
+import os
+import re
+
+import pytest
+
+BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
+
+
+def burger():
+    with open(BURGER) as file:
+        return file.read()
+
+
+def fatal_line(process):
+    """Return the one FATAL line of a program that ended with an error."""
+    code = process.wait()
+    lines = [line for line in process.output.splitlines() if '[FATAL]' in line]
+    assert code == 1, process.output
+    assert len(lines) == 1, process.output
+    assert 'Traceback' not in process.output, process.output
+    return lines[0]
+
+
+CAMERA_CASES = {
+    'missing path': ('_video_device:=/no/such.mp4', '/no/such.mp4: no such file', 'synthetic'),
+    'no camera': ('_video_device:=/dev/null', '/dev/null: no V4L2 capture device', 'have'),
+    'a directory': ('_video_device:=/tmp', '/tmp: neither a device nor a file', 'synthetic'),
+    'no video': ('_video_device:=' + BURGER, 'turtlebot3_burger.urdf: neither a film nor',
+                 'synthetic'),
+    'pixel format': ('_pixel_format:=mjpg', "/usb_cam/pixel_format: got 'mjpg'",
+                     'grey, mjpeg, rgb24, uyvy, yuvmono10, yuyv'),
+    'io method': ('_io_method:=dma', "/usb_cam/io_method: got 'dma'", 'mmap, read, userptr'),
+    'width': ('_image_width:=0', '/usb_cam/image_width: got 0', 'from 1 to'),
+    'type': ('_image_height:=tall', "/usb_cam/image_height: got 'tall'", 'a whole number'),
+    'rate': ('_framerate:=-1', '/usb_cam/framerate: got -1', 'a finite number from'),
+    'calibration': ('_camera_info_url:=http://x', "camera_info_url: got 'http://x'", 'file://'),
+}
+
+
+@pytest.mark.parametrize('parameter, named, advice', CAMERA_CASES.values(), ids=CAMERA_CASES)
+def test_camera(roscore, parameter, named, advice):
+    roscore.run('rosparam', 'delete', '/usb_cam')
+    arguments = [parameter]
+    if 'video_device' not in parameter:
+        arguments.append('_video_device:=synthetic')
+    line = fatal_line(roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', *arguments))
+    assert named in line and advice in line, line
+
+
+def test_camera_typo_is_a_warning(roscore):
+    roscore.run('rosparam', 'delete', '/usb_cam')
+    camera = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
+                           '_framrate:=10')
+    line = camera.wait_output(r'\[WARN\].*').group()
+    assert '/usb_cam/framrate' in line and 'did you mean framerate?' in line, line
+    camera.wait_output('camera: synthetic scene')
+    assert camera.interrupt() == 0
+
+
+def test_camera_goes_on_without_a_calibration_that_does_not_parse(roscore, tmp_path):
+    roscore.run('rosparam', 'delete', '/usb_cam')
+    path = tmp_path / 'camera.yaml'
+    path.write_text('image_width: 640\n')
+    camera = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
+                           '_camera_info_url:=file://{}'.format(path))
+    line = camera.wait_output(r'\[ERROR\].*').group()
+    assert str(path) in line and 'image_height' in line, line
+    camera.wait_output('camera: synthetic scene')
+
+
+def without(tag, name):
+    return re.sub(r'(?s)<{0} name="{1}".*?</{0}>'.format(tag, name), '', burger())
+
+
+SIMULATOR_CASES = {
+    'no description': (None, '', 'robot_description: got none', 'textfile'),
+    'no XML': (lambda: '<robot', '', 'robot_description is no XML', 'urdf'),
+    'no URDF': (lambda: '<sdf/>', '', 'root element <sdf>', '<robot>'),
+    'no wheel': (lambda: burger().replace('wheel_left_joint', 'left'), '',
+                 'no movable joint wheel_left_joint', 'wheel_right_joint'),
+    'lost link': (lambda: without('link', 'base_scan'), '', 'base_scan', 'does not exist'),
+    'no mass': (lambda: burger().replace('value="0.82573504"', 'value="0"'), '',
+                'mass of link base_link: got 0', 'more than 0'),
+    'NaN mass': (lambda: burger().replace('value="0.82573504"', 'value="nan"'), '',
+                 'mass of link base_link', 'finite'),
+    'position': (burger, '_x_pos:=here', "/gazebo/x_pos: got 'here'", 'a finite number'),
+    'factor': (burger, '_real_time_factor:=-1', '/gazebo/real_time_factor: got -1', 'at least 0'),
+    'world': (burger, '_world:=mars', "world: got 'mars'", 'turtlebot3_world, empty'),
+    'broken world': (burger, '_world:=' + os.path.abspath(__file__), 'world:', 'URDF'),
+    'period': (burger, '_odometry_period_s:=0.0335', 'odometry_period_s: got 0.0335',
+               '0.033 or 0.034'),
+}
+
+
+@pytest.mark.parametrize('urdf, parameter, named, advice', SIMULATOR_CASES.values(),
+                         ids=SIMULATOR_CASES)
+def test_simulator(roscore, tmp_path, urdf, parameter, named, advice):
+    roscore.run('rosparam', 'delete', '/gazebo')
+    roscore.run('rosparam', 'delete', '/robot_description')
+    if urdf is not None:
+        path = tmp_path / 'robot.urdf'
+        path.write_text(urdf())
+        roscore.run('rosparam', 'set', 'robot_description', '-t', path)
+    line = fatal_line(roscore.start('rosrun', 'img_recog', 'pybullet_sim.py',
+                                    *filter(None, [parameter])))
+    assert named in line and advice in line, line
+
+
+@pytest.mark.parametrize('argument, node, named', [
+    ('camera:=/no/such.mp4', 'usb_cam', '/no/such.mp4'),
+    ('world:=mars', 'gazebo', 'mars')])
+def test_in_the_demo_the_other_nodes_go_on(ros, argument, node, named):
+    demo = ros.demo(argument)
+    demo.wait_output(r'\[FATAL\].*' + re.escape(named))
+    demo.wait_output(node + r'-\d+\] process has died .*exit code 1')
+    others = {'/color_extract', '/turtlebot3_teleop_keyboard', '/usb_cam', '/gazebo',
+              '/robot_state_publisher'} - {'/' + node}
+    ros.wait_run(r'(?s)' + '.*'.join(sorted(others)), 'rosnode', 'list')
+    assert '/' + node not in ros.run('rosnode', 'list').split()
+    assert demo.interrupt() == 0

@@ -1,0 +1,97 @@
+"""The demo as a user runs it: started, looked at with ROS's tools, ended, parts of it killed."""
+import os
+import re
+import signal
+
+from conftest import wait_for
+
+NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_keyboard',
+         'usb_cam')
+
+
+def node_pids(ros):
+    """Return the process number of each node, once all of them have one."""
+    ros.wait_run(r'(?s)' + '.*'.join('/' + name for name in sorted(NODES)), 'rosnode', 'list')
+    return {name: node_pid(ros, name) for name in NODES}
+
+
+def node_pid(ros, name):
+    return int(ros.wait_run(r'Pid: (\d+)', 'rosnode', 'info', '/' + name).group(1))
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def test_ctrl_c_ends_everything_cleanly(ros):
+    demo = ros.demo()
+    demo.wait_output('the robot drives forward')
+    pids = node_pids(ros)
+    assert demo.interrupt() == 0
+    for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]'):
+        assert words not in demo.output, demo.output
+    assert [name for name, pid in pids.items() if alive(pid)] == []
+
+
+def test_the_log_tells_the_story(ros):
+    demo = ros.demo()
+    demo.wait_output(r'camera: synthetic scene, 640x480, 30 Hz')
+    demo.wait_output(r'(?s)blue=[1-9]\d{4}, red=0\n.*drives forward.*blue=0, red=0\n.*stands.*'
+                     r'blue=0, red=[1-9]\d{4}\n.*drives backward.*blue=0, red=0\n.*stands')
+
+
+def test_auto_says_which_camera_it_takes(ros):
+    demo = ros.start('roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'simulator:=false')
+    expected = 'V4L2 device /dev/video0|/dev/video0' if os.path.exists('/dev/video0') else \
+        'synthetic scene'
+    demo.wait_output('camera: ({})|cannot open ({})'.format(expected, expected))
+
+
+def test_tools_find_the_names_and_no_fault(ros):
+    demo = ros.demo()
+    demo.wait_output('the robot drives forward')
+    nodes = ros.run('rosnode', 'list').split()
+    assert set('/' + name for name in NODES) <= set(nodes)
+    topics = ros.run('rostopic', 'list').split()
+    assert {'/usb_cam/image_raw', '/usb_cam/camera_info', '/blue_image', '/red_image', '/cmd_vel',
+            '/odom', '/joint_states', '/tf', '/clock'} <= set(topics)
+    services = ros.run('rosservice', 'list').split()
+    assert {'/gazebo/pause_physics', '/gazebo/unpause_physics', '/gazebo/reset_world',
+            '/gazebo/reset_simulation', '/usb_cam/start_capture', '/usb_cam/stop_capture',
+            '/usb_cam/set_camera_info'} <= set(services)
+    report = ros.run('roswtf')
+    assert 'running graph rules' in report
+    assert not re.search(r'Found \d+ error|\bERROR\b', report), report
+
+
+def test_killed_camera_leaves_the_robot_standing_and_the_others_running(ros):
+    demo = ros.demo()
+    demo.wait_output('the robot drives forward')
+    pids = node_pids(ros)
+    os.kill(pids['usb_cam'], signal.SIGKILL)
+    demo.wait_output(r'usb_cam-\d+\] process has died')
+    wait_for(lambda: demo.output.rfind('the robot stands') > demo.output.rfind('drives'),
+             lambda: 'the robot to stand in:\n' + demo.output)
+    assert [name for name, pid in pids.items() if not alive(pid)] == ['usb_cam']
+
+
+def test_second_simulator_replaces_the_first(ros):
+    demo = ros.demo('recognition:=false')
+    demo.wait_output('simulating 1.0017 kg')
+    first = node_pid(ros, 'gazebo')
+    second = ros.start('rosrun', 'img_recog', 'pybullet_sim.py')
+    second.wait_output('simulating 1.0017 kg')
+    wait_for(lambda: not alive(first), lambda: 'the first simulator to end')
+    assert node_pid(ros, 'gazebo') == second.pid
+    assert 'Traceback' not in demo.output + second.output
+
+
+def test_window_without_a_display_is_one_warning(ros):
+    demo = ros.demo('gui:=true', 'recognition:=false')
+    demo.wait_output(r'\[WARN\].*no window: .*the simulation goes on')
+    ros.wait_run('clock:', 'rostopic', 'echo', '-n', '1', '/clock')
+    assert demo.interrupt() == 0

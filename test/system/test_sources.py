@@ -1,0 +1,56 @@
+"""The linters are content, and the launch file documents itself."""
+import os
+import re
+import subprocess
+import xml.etree.ElementTree as ElementTree
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+PYTHON = '/usr/bin/python3'     # the linters are the distribution's
+
+
+def run(*command):
+    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          check=False)
+    return done.returncode, done.stdout.decode()
+
+
+def test_flake8():
+    assert run(PYTHON, '-m', 'flake8', '--max-line-length', '99', '--exclude',
+               '.venv,build,.git', '.') == (0, '')
+
+
+def test_catkin_lint():
+    code, output = run('catkin_lint', '-W2', '--strict', '--ignore', 'package_path_name', '.')
+    assert code == 0, output
+
+
+def test_every_launch_argument_is_documented():
+    launch = ElementTree.parse(os.path.join(ROOT, 'launch', 'demo.launch')).getroot()
+    names = {arg.get('name') for arg in launch.iter('arg')}
+    code, output = run('roslaunch', '--ros-args', 'img_recog', 'demo.launch')
+    assert code == 0, output
+    documented = dict(re.findall(r'(?m)^  (\w+) \(default .*?\): (.+)$', output))
+    assert {'camera', 'image_width', 'image_height', 'framerate', 'pixel_format',
+            'camera_frame_id', 'camera_info_url', 'recognition', 'simulator', 'teleop', 'gui',
+            'image_view', 'world', 'urdf', 'x_pos', 'y_pos', 'z_pos', 'yaw', 'real_time_factor',
+            'use_sim_time'} == names == set(documented)
+    assert all(len(words) > 10 for words in documented.values()), documented
+
+
+def test_cmake_lists_is_short():
+    with open(os.path.join(ROOT, 'CMakeLists.txt')) as file:
+        assert len(file.readlines()) < 60
+
+
+def test_pure_modules_know_no_ros_and_nothing_of_each_other():
+    for folder in ('camera', 'recognition', 'simulation', 'teleoperation'):
+        others = {'camera', 'recognition', 'simulation', 'teleoperation', 'nodes'} - {folder}
+        forbidden = r'import rospy|from rospy|_msgs|' + '|'.join(
+            r'img_recog\.{}'.format(other) for other in others)
+        if folder != 'simulation':
+            forbidden += '|pybullet'
+        path = os.path.join(ROOT, 'src', 'img_recog', folder)
+        for name in filter(lambda name: name.endswith('.py'), os.listdir(path)):
+            with open(os.path.join(path, name)) as file:
+                imports = [line for line in file if re.match(r'\s*(import|from) ', line)]
+            assert [line for line in imports if re.search(forbidden, line)] == [], name

@@ -1,0 +1,95 @@
+"""The keyboard teleop on a real terminal, beside the idle one of the demo."""
+import os
+import pty
+import re
+import signal
+import termios
+
+from conftest import wait_for
+
+NAME = '/turtlebot3_teleop_keyboard'
+
+
+class Terminal:
+    """A pseudo terminal with the teleop in its foreground, as a user would start it."""
+
+    def __init__(self, ros):
+        self.pid, self._fd = pty.fork()
+        if self.pid == 0:
+            os.execvpe('rosrun', ['rosrun', 'img_recog', 'teleop_key.py'], ros.env)
+        self._status = None
+
+    def type(self, keys):
+        os.write(self._fd, keys)
+
+    def echoes(self):
+        """Return whether the terminal shows typed keys and waits for Enter, as a shell has it."""
+        flags = termios.tcgetattr(self._fd)[3]
+        return bool(flags & termios.ECHO) and bool(flags & termios.ICANON)
+
+    def wait(self):
+        """Return the exit status once the program has ended."""
+        wait_for(self._ended, lambda: 'the teleop to end')
+        return self._status
+
+    def _ended(self):
+        if self._status is None:
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+            self._status = status if pid else None
+        return self._status is not None
+
+    def close(self):
+        if not self._ended():
+            os.kill(self.pid, signal.SIGKILL)
+            self.wait()
+        os.close(self._fd)
+
+
+def values(text, field):
+    """Return the numbers of a field of `rostopic echo -p`, in order."""
+    column, rows = None, []
+    for line in text.splitlines():
+        if line.startswith('%time'):
+            column = line.split(',').index('field.' + field)
+        elif column is not None and line:
+            rows.append(float(line.split(',')[column]))
+    return rows
+
+
+def test_started_by_hand_it_takes_over_drives_and_stops(ros):
+    demo = ros.demo('camera:=none', 'recognition:=false')
+    demo.wait_output('no terminal to read keys from')
+    demo.wait_output('simulating 1.0017 kg')
+    echo = ros.start('rostopic', 'echo', '-p', '/cmd_vel')
+    wait_for(lambda: values(echo.output, 'linear.x')[:5] == [0.0] * 5, lambda: echo.output)
+
+    terminal = Terminal(ros)
+    try:
+        demo.wait_output(r'turtlebot3_teleop_keyboard-\d+\] process has finished cleanly')
+        wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
+        terminal.type(b'w')
+        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.01, lambda: echo.output)
+        moving = [value for value in values(echo.output, 'linear.x') if value]
+        assert moving[:2] == [0.005, 0.01]
+        terminal.type(b'aa')
+        wait_for(lambda: values(echo.output, 'angular.z')[-1] == 0.2, lambda: echo.output)
+        terminal.type(b's')
+        wait_for(lambda: values(echo.output, 'angular.z')[-1] == 0.0, lambda: echo.output)
+        assert values(echo.output, 'linear.x')[-1] == 0.0
+        terminal.type(b'wwww')
+        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.04, lambda: echo.output)
+        terminal.type(b'\x03')
+        assert terminal.wait() == 0
+        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.0, lambda: echo.output)
+        assert terminal.echoes()
+    finally:
+        terminal.close()
+    assert re.search(r'(?m)^' + NAME, ros.run('rosnode', 'list')) is None
+
+
+def test_limits_are_parameters_and_checked(ros):
+    core = ros.start('roscore', '-p', ros.port)
+    core.wait_output('started core service')
+    teleop = ros.start('rosrun', 'img_recog', 'teleop_key.py', '_max_linear_velocity:=fast')
+    assert teleop.wait() == 1
+    assert "max_linear_velocity: got 'fast', allowed is a finite number" in teleop.output

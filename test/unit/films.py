@@ -1,0 +1,12 @@
+"""What the films and still images of the tests show."""
+import numpy as np
+
+FILM_RATE_HZ = 12.5
+
+
+def smooth_image(number, width=96, height=64):
+    """Draw a bgr8 gradient, different for each number, that codecs keep well."""
+    ramp = np.linspace(0, 150, width) + 15 * number
+    image = np.empty((height, width, 3), np.uint8)
+    image[..., 0], image[..., 1], image[..., 2] = 40, 90, ramp
+    return image

@@ -1,0 +1,193 @@
+"""Calibration files: round trip, whole or not at all, and refusals that name file and entry."""
+import os
+import stat
+
+import pytest
+import yaml
+
+from img_recog.camera import calibration
+from img_recog.camera.calibration import Calibration, CalibrationError
+from img_recog.errors import UserError
+
+KNOWN = Calibration(
+    camera_name='head_camera', width=640, height=480, distortion_model='plumb_bob',
+    distortion=(0.1, -0.25, 1e-05, 0.0, 1 / 3),
+    camera_matrix=(500.5, 0.0, 320.0, 0.0, 501.25, 240.0, 0.0, 0.0, 1.0),
+    rectification=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+    projection=(500.5, 0.0, 320.0, -1e-17, 0.0, 501.25, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0))
+OTHER = Calibration('other', 320, 240, 'rational_polynomial', (0.5,) * 8, (2.0,) * 9, (3.0,) * 9,
+                    (4.0,) * 12)
+
+# as camera_calibration_parsers writes it, by yaml-cpp: numbers such as 1e-05 have no point
+FOREIGN = """\
+image_width: 640
+image_height: 480
+camera_name: narrow
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [500, 0, 320, 0, 501, 240, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [1e-05, -2E-3, 0, 0, 0]}
+rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+projection_matrix: {rows: 3, cols: 4, data: [500, 0, 320, 0, 0, 501, 240, 0, 0, 0, 1, 0]}
+"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    return str(tmp_path / 'head_camera.yaml')
+
+
+def refused_load(path, content):
+    """The error line that loading `content` ends with."""
+    with open(path, 'wb') as file:
+        file.write(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(CalibrationError) as refused:
+        calibration.load(path)
+    assert isinstance(refused.value, UserError)
+    assert path in str(refused.value) and '\n' not in str(refused.value)
+    return str(refused.value)
+
+
+def with_entry(key, value):
+    """FOREIGN with one entry replaced."""
+    return yaml.safe_dump(dict(yaml.safe_load(FOREIGN), **{key: value}))
+
+
+@pytest.mark.parametrize('known', [KNOWN, OTHER])
+def test_round_trip_is_exact(path, known):
+    calibration.save(path, known)
+    assert calibration.load(path) == known
+
+
+@pytest.mark.parametrize('name', ['', 'yes', '12', 'a: b', 'カメラ'])
+def test_round_trip_of_names_that_yaml_could_take_for_something_else(path, name):
+    named = Calibration(name, *[getattr(KNOWN, field) for field in (
+        'width', 'height', 'distortion_model', 'distortion', 'camera_matrix', 'rectification',
+        'projection')])
+    calibration.save(path, named)
+    assert calibration.load(path) == named
+
+
+def test_file_has_the_layout_of_camera_calibration_parsers(path):
+    calibration.save(path, KNOWN)
+    with open(path) as file:
+        content = yaml.safe_load(file)
+    assert list(content) == [
+        'image_width', 'image_height', 'camera_name', 'distortion_model', 'camera_matrix',
+        'distortion_coefficients', 'rectification_matrix', 'projection_matrix']
+    assert content['projection_matrix'] == {'rows': 3, 'cols': 4, 'data': list(KNOWN.projection)}
+    assert content['distortion_coefficients']['cols'] == 5
+    assert stat.S_IMODE(os.stat(path).st_mode) == 0o644
+
+
+def test_file_of_another_program_is_read(path):
+    with open(path, 'w') as file:
+        file.write(FOREIGN)
+    loaded = calibration.load(path)
+    assert (loaded.camera_name, loaded.width, loaded.height) == ('narrow', 640, 480)
+    assert loaded.distortion == (1e-05, -2e-3, 0.0, 0.0, 0.0)
+    assert loaded.camera_matrix == (500.0, 0.0, 320.0, 0.0, 501.0, 240.0, 0.0, 0.0, 1.0)
+    assert type(loaded.camera_matrix[0]) is float
+
+
+def test_missing_file_is_told_apart(path):
+    with pytest.raises(FileNotFoundError):
+        calibration.load(path)
+
+
+def test_saving_makes_the_folder_and_replaces_the_old_file(tmp_path):
+    path = str(tmp_path / 'ros' / 'camera_info' / 'head_camera.yaml')
+    calibration.save(path, KNOWN)
+    calibration.save(path, OTHER)
+    assert calibration.load(path) == OTHER
+    assert os.listdir(os.path.dirname(path)) == ['head_camera.yaml']
+
+
+@pytest.mark.parametrize('call', ['os.replace', 'os.chmod', 'yaml.safe_dump'])
+def test_failure_leaves_the_old_file_and_nothing_else(path, monkeypatch, call):
+    def fail(*_, **__):
+        raise OSError(28, 'No space left on device')
+    calibration.save(path, KNOWN)
+    with monkeypatch.context() as patched:
+        patched.setattr('img_recog.camera.calibration.' + call, fail)
+        with pytest.raises(CalibrationError) as refused:
+            calibration.save(path, OTHER)
+    assert str(refused.value) == (
+        'cannot write calibration {}: No space left on device'.format(path))
+    assert calibration.load(path) == KNOWN
+    assert os.listdir(os.path.dirname(path)) == ['head_camera.yaml']
+
+
+def test_saving_over_a_folder_is_refused_and_leaves_nothing(tmp_path):
+    os.mkdir(str(tmp_path / 'folder'))
+    with pytest.raises(CalibrationError, match='^cannot write calibration .*/folder: '):
+        calibration.save(str(tmp_path / 'folder'), KNOWN)
+    assert os.listdir(str(tmp_path)) == ['folder'] and not os.listdir(str(tmp_path / 'folder'))
+
+
+def test_saving_below_a_file_is_refused(path):
+    calibration.save(path, KNOWN)
+    with pytest.raises(CalibrationError, match='/head_camera.yaml/deeper.yaml: '):
+        calibration.save(path + '/deeper.yaml', OTHER)
+    assert calibration.load(path) == KNOWN
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason='root may write into every folder')
+def test_unwritable_folder_leaves_the_old_file(path):
+    calibration.save(path, KNOWN)
+    os.chmod(os.path.dirname(path), 0o555)
+    with pytest.raises(CalibrationError, match='Permission denied$'):
+        calibration.save(path, OTHER)
+    os.chmod(os.path.dirname(path), 0o755)
+    assert calibration.load(path) == KNOWN
+
+
+@pytest.mark.parametrize('content', [
+    'a: [1, 2', 'a: b: c', '\tx: 1', b'\x00\x01\x02', b'\x89PNG\r\n\x1a\n\xff\xfe', b'\xff' * 99,
+    FOREIGN.replace('narrow', '2020-13-45')])
+def test_file_that_is_no_yaml(path, content):
+    assert refused_load(path, content).startswith('cannot read calibration ' + path + ': ')
+
+
+@pytest.mark.parametrize('content', ['', 'just words', '[1, 2]', '5'])
+def test_yaml_without_entries(path, content):
+    assert 'holds no camera_matrix and other entries' in refused_load(path, content)
+
+
+def test_folder_in_place_of_a_file(tmp_path):
+    with pytest.raises(CalibrationError) as refused:
+        calibration.load(str(tmp_path))
+    assert str(refused.value).startswith('cannot read calibration {}: '.format(tmp_path))
+
+
+@pytest.mark.parametrize('key', [
+    'image_width', 'image_height', 'distortion_model', 'camera_matrix', 'rectification_matrix',
+    'distortion_coefficients', 'projection_matrix'])
+def test_missing_entry_is_named(path, key):
+    content = yaml.safe_load(FOREIGN)
+    del content[key]
+    assert 'has no usable entry ' + key + ' (' in refused_load(path, yaml.safe_dump(content))
+
+
+@pytest.mark.parametrize('key, value', [
+    ('image_width', 'wide'), ('image_width', 640.5), ('image_width', True),
+    ('image_height', float('inf')), ('image_height', None), ('image_height', [480]),
+    ('distortion_model', 5), ('distortion_model', ['plumb_bob']),
+    ('camera_matrix', 5), ('camera_matrix', [1.0] * 9), ('camera_matrix', 'none'),
+    ('camera_matrix', {'data': [1.0] * 8 + ['one']}), ('camera_matrix', {'data': [None] * 9}),
+    ('camera_matrix', {'data': '123456789'}), ('camera_matrix', {'rows': 3}),
+    ('projection_matrix', {'data': [[1, 2, 3, 4]] * 12}),
+    ('distortion_coefficients', {'data': [10 ** 400]})])
+def test_entry_of_a_wrong_type_is_named(path, key, value):
+    assert key in refused_load(path, with_entry(key, value)).split('no usable entry ')[1]
+
+
+@pytest.mark.parametrize('key, wanted, has', [
+    ('camera_matrix', 9, 8), ('camera_matrix', 9, 10), ('rectification_matrix', 9, 0),
+    ('projection_matrix', 12, 9)])
+def test_wrong_count_is_named(path, key, wanted, has):
+    message = refused_load(path, with_entry(key, {'rows': 3, 'cols': 3, 'data': [1.0] * has}))
+    assert message == 'calibration {} has no usable entry {} (wants {} numbers, has {})'.format(
+        path, key, wanted, has)
