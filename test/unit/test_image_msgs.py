@@ -1,0 +1,87 @@
+"""sensor_msgs/Image to arrays and back: every encoding, padded rows, endianness, refusals."""
+import cv2
+import numpy as np
+import pytest
+from sensor_msgs.msg import Image
+from std_msgs.msg import Header
+
+from img_recog.nodes.image_msgs import ImageError, from_msg, to_msg
+
+RNG = np.random.RandomState(3)
+COLOUR = RNG.randint(0, 256, (6, 8, 3)).astype(np.uint8)
+GREY = RNG.randint(0, 256, (6, 8)).astype(np.uint8)
+
+
+def message(image, encoding, padding=0, **fields):
+    rows = np.ascontiguousarray(image).reshape(len(image), -1).view(np.uint8)
+    data = np.full((len(rows), rows.shape[1] + padding), 255, np.uint8)
+    data[:, :rows.shape[1]] = rows
+    return Image(height=image.shape[0], width=image.shape[1], encoding=encoding,
+                 step=data.shape[1], data=data.tobytes(), **fields)
+
+
+@pytest.mark.parametrize('image, encoding', [(COLOUR, 'bgr8'), (COLOUR, 'rgb8'), (GREY, 'mono8')])
+def test_round_trip(image, encoding):
+    header = Header(frame_id='camera', seq=7)
+    msg = to_msg(image, encoding, header)
+    assert (msg.header, msg.encoding, msg.width, msg.height) == (header, encoding, 8, 6)
+    assert msg.step == image[0].nbytes
+    assert np.array_equal(from_msg(msg, encoding), image)
+
+
+BGRA = np.dstack([COLOUR, GREY])
+TO_BGR8 = [
+    (COLOUR, 'bgr8', COLOUR),
+    (COLOUR[..., ::-1], 'rgb8', COLOUR),
+    (BGRA, 'bgra8', COLOUR),
+    (BGRA[..., [2, 1, 0, 3]], 'rgba8', COLOUR),
+    (GREY, 'mono8', cv2.cvtColor(GREY, cv2.COLOR_GRAY2BGR)),
+    (GREY, 'bayer_rggb8', cv2.cvtColor(GREY, cv2.COLOR_BayerBG2BGR)),
+    (COLOUR[..., :2], 'yuv422', cv2.cvtColor(np.ascontiguousarray(COLOUR[..., :2]),
+                                             cv2.COLOR_YUV2BGR_UYVY)),
+]
+
+
+@pytest.mark.parametrize('padding', [0, 5])
+@pytest.mark.parametrize('image, encoding, bgr', TO_BGR8, ids=[case[1] for case in TO_BGR8])
+def test_to_bgr8(image, encoding, bgr, padding):
+    assert np.array_equal(from_msg(message(image, encoding, padding), 'bgr8'), bgr)
+
+
+@pytest.mark.parametrize('padding', [0, 6])
+def test_sixteen_bits_of_either_endianness(padding):
+    wide = RNG.randint(0, 65536, (6, 8)).astype(np.uint16)
+    for order, big in (('<u2', 0), ('>u2', 1)):
+        msg = message(wide.astype(order), 'mono16', padding, is_bigendian=big)
+        assert np.array_equal(from_msg(msg, 'mono16'), wide)
+
+
+def broken(**changes):
+    msg = message(COLOUR, 'bgr8')
+    for name, value in changes.items():
+        setattr(msg, name, value)
+    return msg
+
+
+REFUSED = {
+    'encoding': (broken(encoding='h264'), "'h264'"),
+    'no encoding': (broken(encoding=''), "encoding ''"),
+    'short data': (broken(data=b'123'), '3 bytes'),
+    'no data': (broken(data=b''), '0 bytes'),
+    'small step': (broken(step=1), 'a row takes 24 bytes'),
+    'no size': (broken(width=0, height=0), 'no pixels'),
+    'huge': (broken(width=1 << 20, height=1 << 20), 'a row takes'),
+    'depth': (message(GREY.astype(np.float32), '32FC1'), '32FC1'),
+}
+
+
+@pytest.mark.parametrize('msg, words', REFUSED.values(), ids=REFUSED)
+def test_refusals_are_one_line(msg, words):
+    with pytest.raises(ImageError) as error:
+        from_msg(msg, 'bgr8')
+    assert words in str(error.value) and '\n' not in str(error.value)
+
+
+def test_array_that_does_not_fit_the_encoding():
+    with pytest.raises(ImageError, match='as mono8'):
+        to_msg(COLOUR, 'mono8', Header())

@@ -1,0 +1,77 @@
+"""Twists, odometry, transforms, joint states and calibrations: round trips and refusals."""
+import math
+
+import numpy as np
+import pytest
+import rospy
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Header
+
+from img_recog.camera.calibration import Calibration
+from img_recog.nodes import camera_info_msgs, robot_msgs, twist_msgs
+from img_recog.simulation.robot import JointStates, Motion
+
+STAMP = rospy.Time(12, 34)
+MOTION = Motion(np.array([1.0, 2.0, 3.0]), (0.1, 0.2, 0.3, math.sqrt(0.86)),
+                np.array([0.4, 0.5, 0.6]), np.array([0.7, 0.8, 0.9]))
+
+
+def test_twist_round_trip():
+    msg = twist_msgs.to_msg(0.3, -0.4)
+    assert twist_msgs.from_msg(msg) == (0.3, -0.4)
+    msg.linear.x = msg.angular.z = 0.0
+    assert msg == Twist()
+
+
+@pytest.mark.parametrize('part', ['linear', 'angular'])
+@pytest.mark.parametrize('axis', 'xyz')
+@pytest.mark.parametrize('value', [float('nan'), float('inf'), -float('inf')])
+def test_twist_that_is_not_finite_is_refused_by_name(part, axis, value):
+    msg = Twist()
+    setattr(getattr(msg, part), axis, value)
+    with pytest.raises(twist_msgs.TwistError, match='{}.{}={}'.format(part, axis, value)):
+        twist_msgs.from_msg(msg)
+
+
+def test_odometry_round_trip():
+    msg = robot_msgs.odometry_to_msg(MOTION, STAMP, 'odom', 'base')
+    assert (msg.header.stamp, msg.header.frame_id, msg.child_frame_id) == (STAMP, 'odom', 'base')
+    again = robot_msgs.odometry_from_msg(msg)
+    for got, want in zip(again, MOTION):
+        assert np.array_equal(got, want)
+
+
+def test_transform_is_the_odometrys_pose():
+    msg = robot_msgs.transform_of(robot_msgs.odometry_to_msg(MOTION, STAMP, 'odom', 'base'))
+    moved, turned = msg.transform.translation, msg.transform.rotation
+    assert (msg.header.frame_id, msg.child_frame_id, msg.header.stamp) == ('odom', 'base', STAMP)
+    assert (moved.x, moved.y, moved.z) == (1.0, 2.0, 3.0)
+    assert (turned.x, turned.y, turned.z, turned.w) == MOTION.orientation
+
+
+def test_joint_states_round_trip():
+    states = JointStates(('left', 'right'), [0.1, 0.2], [0.3, 0.4], [0.5, 0.6])
+    msg = robot_msgs.joint_states_to_msg(states, STAMP)
+    assert msg.header.stamp == STAMP
+    assert robot_msgs.joint_states_from_msg(msg) == states
+
+
+@pytest.mark.parametrize('time_s, nanoseconds', [(0.033, 33000000), (0.07, 70000000),
+                                                 (33 * 3 * 0.001, 99000000), (1e6, 10 ** 15)])
+def test_stamps_are_exact(time_s, nanoseconds):
+    assert robot_msgs.stamp_of(time_s).to_nsec() == nanoseconds
+
+
+def test_camera_info_round_trip():
+    given = Calibration('cam', 640, 480, 'plumb_bob', (0.1, 0.2, 0.0, 0.0, 0.3),
+                        tuple(map(float, range(9))), tuple(map(float, range(9, 18))),
+                        tuple(map(float, range(18, 30))))
+    msg = camera_info_msgs.to_msg(given, 640, 480, Header(stamp=STAMP, frame_id='cam'))
+    assert (msg.header.stamp, msg.header.frame_id) == (STAMP, 'cam')
+    assert camera_info_msgs.from_msg(msg, 'cam') == given
+
+
+def test_camera_info_without_a_calibration_has_the_size_alone():
+    msg = camera_info_msgs.to_msg(None, 320, 240, Header())
+    assert (msg.width, msg.height, msg.distortion_model, len(msg.D)) == (320, 240, '', 0)
+    assert set(msg.K) | set(msg.R) | set(msg.P) == {0.0}

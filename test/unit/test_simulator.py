@@ -1,0 +1,189 @@
+"""The burger on PyBullet: how it stands, drives, turns, and that it does so the same each time."""
+import math
+
+import numpy as np
+import pytest
+from robots import simulator
+
+from img_recog.simulation.settings import (DriveSettings, SensorSettings, SimulationError,
+                                           whole_steps)
+
+
+def yaw_of(motion):
+    x, y, z, w = motion.orientation
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def test_mass_is_the_burgers():
+    assert simulator().robot.mass() == pytest.approx(1.0017329, abs=1e-6)
+
+
+def test_stands_still_for_a_minute():
+    sim = simulator()
+    sim.advance(1000)
+    before = sim.robot.motion()
+    sim.advance(60000)
+    after = sim.robot.motion()
+    assert np.linalg.norm(after.position - before.position) < 0.001
+    assert abs(yaw_of(after) - yaw_of(before)) < math.radians(0.1)
+
+
+@pytest.mark.parametrize('yaw', [0.0, 2.0])
+def test_drives_straight(yaw):
+    sim = simulator(yaw=yaw)
+    sim.command(0.22, 0.0)
+    sim.advance(1000)
+    before = sim.robot.motion()
+    sim.advance(22727)
+    along, across = before.position, sim.robot.motion().position - before.position
+    heading = np.array([math.cos(yaw), math.sin(yaw)])
+    forward = across[:2] @ heading
+    sideways = across[:2] @ np.array([-heading[1], heading[0]])
+    assert forward == pytest.approx(5.0, rel=0.02)
+    assert abs(sideways) < 0.02
+    assert sim.robot.motion().linear[0] == pytest.approx(0.22, rel=0.02)
+    assert along[2] == pytest.approx(0.0, abs=0.001)
+
+
+def test_backward_is_negative():
+    sim = simulator()
+    sim.command(-0.22, 0.0)
+    sim.advance(2000)
+    assert sim.robot.motion().linear[0] == pytest.approx(-0.22, rel=0.02)
+    assert sim.robot.motion().position[0] < -0.3
+
+
+def test_turns_in_place_to_the_left():
+    sim = simulator()
+    sim.command(0.0, 1.0)
+    sim.advance(1000)
+    start, last, turned = sim.robot.motion(), yaw_of(sim.robot.motion()), 0.0
+    for _ in range(628):
+        sim.advance(100)
+        turned += math.remainder(yaw_of(sim.robot.motion()) - last, 2 * math.pi)
+        last = yaw_of(sim.robot.motion())
+    assert turned == pytest.approx(62.8, rel=0.03)
+    assert np.linalg.norm(sim.robot.motion().position - start.position) < 0.03
+
+
+def test_acceleration_from_rest_is_that_of_the_plugin():
+    sim = simulator()
+    sim.advance(500)
+    sim.command(10.0, 0.0)
+    sim.advance(500)
+    assert 0.4 < sim.robot.motion().linear[0] < 0.55
+
+
+def test_forward_and_back_with_slipping_wheels_keeps_the_heading():
+    # the demo: full speed ahead and back, where the tyres slide
+    sim = simulator()
+    for speed in (10.0, 0.0, -10.0, 0.0):
+        sim.command(speed, 0.0)
+        sim.advance(2000)
+    assert abs(yaw_of(sim.robot.motion())) < 0.2
+
+
+def test_twist_is_in_the_robots_own_frame():
+    sim = simulator(yaw=math.pi / 2)
+    sim.command(0.2, 0.0)
+    sim.advance(2000)
+    motion = sim.robot.motion()
+    assert motion.position[1] > 0.3 and abs(motion.position[0]) < 0.01
+    assert motion.linear[0] == pytest.approx(0.2, rel=0.02)
+    assert abs(motion.linear[1]) < 0.005
+
+
+def test_wheels_turn_as_far_as_the_robot_drives():
+    sim = simulator()
+    sim.command(0.2, 0.0)
+    sim.advance(5000)
+    states = sim.robot.joint_states()
+    assert states.names == ('wheel_left_joint', 'wheel_right_joint')
+    assert states.velocities == pytest.approx([0.2 / 0.033] * 2, rel=0.01)
+    driven = sim.robot.motion().position[0]
+    assert states.positions == pytest.approx([driven / 0.033] * 2, rel=0.02)
+
+
+def test_starts_where_it_is_put():
+    motion = simulator(x=1.0, y=-2.0, yaw=0.5).robot.motion()
+    assert motion.position == pytest.approx([1.0, -2.0, 0.0], abs=1e-6)
+    assert yaw_of(motion) == pytest.approx(0.5, abs=1e-6)
+
+
+def test_a_wall_stops_it():
+    sim = simulator('turtlebot3_world', x=2.0, y=-0.5)
+    sim.command(0.22, 0.0)
+    sim.advance(8000)
+    # the inner side of the wall is at x 2.644 for y -0.5, the robot's nose 0.04 m before its root
+    assert 2.3 < sim.robot.motion().position[0] < 2.644
+
+
+def test_reset_world_keeps_time_and_forgets_the_command():
+    sim = simulator(x=-2.0)
+    sim.command(1.0, 0.5)
+    sim.advance(2000)
+    sim.reset_world()
+    assert sim.robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
+    assert sim.time_s == pytest.approx(2.0)
+    sim.advance(1000)
+    assert sim.robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
+
+
+def test_reset_simulation_sets_the_time_to_zero():
+    sim = simulator()
+    sim.command(1.0, 0.0)
+    sim.advance(1000)
+    sim.reset_simulation()
+    assert sim.time_s == 0.0
+    readings = sim.advance(33)
+    assert [(each.sensor, each.time_s) for each in readings] == [
+        ('odometry', pytest.approx(0.033)), ('joint_states', pytest.approx(0.033))]
+
+
+def test_sensors_observe_at_their_periods():
+    sim = simulator(sensors=SensorSettings(odometry_period_s=0.01, joint_state_period_s=0.025))
+    readings = sim.advance(100)
+    times = {name: [round(each.time_s, 6) for each in readings if each.sensor == name]
+             for name in ('odometry', 'joint_states')}
+    assert times['odometry'] == [round(0.01 * n, 6) for n in range(1, 11)]
+    assert times['joint_states'] == [0.025, 0.05, 0.075, 0.1]
+
+
+def trajectory(cut):
+    """Drive the same commands in pieces of `cut` steps and return every reading's bytes."""
+    sim, seen = simulator('turtlebot3_world', x=-2.0, y=-0.5), []
+    for linear, angular in ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0)):
+        sim.command(linear, angular)
+        for _ in range(1200 // cut):
+            for reading in sim.advance(cut):
+                if reading.sensor == 'odometry':
+                    seen.append((reading.value.position.tobytes(), reading.value.orientation,
+                                 reading.value.linear.tobytes()))
+    return seen
+
+
+def test_same_commands_same_trajectory_to_the_last_bit():
+    first = trajectory(10)
+    assert len(first) == 145
+    assert trajectory(10) == first
+    assert trajectory(400) == first
+
+
+def test_whole_steps():
+    assert whole_steps('p', 0.033, 0.001) == 33
+    assert whole_steps('p', 0.1, 0.001) == 100
+    for period in (0.0335, 0.0004):
+        with pytest.raises(SimulationError, match='does not divide'):
+            whole_steps('p', period, 0.001)
+
+
+@pytest.mark.parametrize('settings, words', [
+    ({'drive': DriveSettings(left_joint='axle')}, 'no movable joint axle'),
+    ({'drive': DriveSettings(drive_period_s=0.0105)}, 'drive_period_s: got 0.0105'),
+    ({'sensors': SensorSettings(odometry_period_s=0.0335)}, '0.033 or 0.034'),
+    ({'world_name': 'mars'}, "world: got 'mars'"),
+])
+def test_refusals(settings, words):
+    with pytest.raises(SimulationError) as error:
+        simulator(**settings)
+    assert words in str(error.value) and '\n' not in str(error.value)
