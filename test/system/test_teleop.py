@@ -27,6 +27,11 @@ class Terminal:
         flags = termios.tcgetattr(self._fd)[3]
         return bool(flags & termios.ECHO) and bool(flags & termios.ICANON)
 
+    def hang_up(self):
+        """Close the terminal's window."""
+        os.close(self._fd)
+        self._fd = None
+
     def wait(self):
         """Return the exit status once the program has ended."""
         wait_for(self._ended, lambda: 'the teleop to end')
@@ -42,7 +47,8 @@ class Terminal:
         if not self._ended():
             os.kill(self.pid, signal.SIGKILL)
             self.wait()
-        os.close(self._fd)
+        if self._fd is not None:
+            os.close(self._fd)
 
 
 def values(text, field):
@@ -85,6 +91,22 @@ def test_started_by_hand_it_takes_over_drives_and_stops(ros):
     finally:
         terminal.close()
     assert re.search(r'(?m)^' + NAME, ros.run('rosnode', 'list')) is None
+
+
+def test_closing_its_terminal_stops_the_robot(ros):
+    ros.demo('camera:=none', 'recognition:=false', 'teleop:=false').wait_output('simulating')
+    echo = ros.start('rostopic', 'echo', '-p', '/cmd_vel')
+    terminal = Terminal(ros)
+    try:
+        wait_for(lambda: values(echo.output, 'linear.x')[:1] == [0.0], lambda: echo.output)
+        wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
+        terminal.type(b'www')
+        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.03, lambda: echo.output)
+        terminal.hang_up()
+        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.0, lambda: echo.output)
+        assert terminal.wait() == 0
+    finally:
+        terminal.close()
 
 
 def test_limits_are_parameters_and_checked(ros):

@@ -53,6 +53,8 @@ def test_missing_device_says_that_there_is_none(monkeypatch):
 @pytest.mark.parametrize('name, content', [
     ('text.mp4', b'this is a text\n' * 50),
     ('text.png', b'this is a text\n' * 50),
+    ('text.txt', b'this is a text\n' * 50),
+    ('text.nfo', 'words of several bytes: \u9752\n'.encode() * 400),
     ('empty.mp4', b''),
     ('empty.png', b''),
     ('zeros.avi', bytes(5000)),

@@ -9,6 +9,9 @@ import numpy as np
 from img_recog.camera.settings import FOURCC, GREY_FORMATS, CameraSettings
 from img_recog.camera.source import FrameSource, SourceError
 
+_NOT_PLAYABLE = ('cannot play {}: neither a film nor an image that OpenCV reads; set video_device '
+                 'to one, or to synthetic')
+
 
 def list_devices() -> str:
     """Return the V4L2 devices of this machine as words for an error line."""
@@ -79,8 +82,7 @@ class FilmSource(FrameSource):
         self.rate_hz = self._capture.get(cv2.CAP_PROP_FPS)
         good, self._next = self._capture.read()
         if not good:
-            raise SourceError('cannot play {}: neither a film nor an image that OpenCV reads; '
-                              'set video_device to one, or to synthetic'.format(path))
+            raise SourceError(_NOT_PLAYABLE.format(path))
         if not self.rate_hz > 0:
             raise SourceError('cannot play {}: it does not say its frame rate'.format(path))
         self.height, self.width = self._next.shape[:2]
@@ -126,7 +128,11 @@ def open_file(path: str, rate_hz: float) -> FrameSource:
     if not os.access(path, os.R_OK):
         raise SourceError('cannot read {}: permission denied'.format(path))
     image = _read_image(path)
-    return FilmSource(path) if image is None else StillSource(path, image, rate_hz)
+    if image is not None:
+        return StillSource(path, image, rate_hz)
+    if _is_text(path):
+        raise SourceError(_NOT_PLAYABLE.format(path))
+    return FilmSource(path)
 
 
 def _read_image(path: str) -> Optional[np.ndarray]:
@@ -134,6 +140,13 @@ def _read_image(path: str) -> Optional[np.ndarray]:
         return cv2.imread(path, cv2.IMREAD_COLOR) if cv2.haveImageReader(path) else None
     except cv2.error:       # its header claims more pixels than OpenCV allows
         return None
+
+
+def _is_text(path: str) -> bool:
+    # ffmpeg plays a text file as a film of its letters
+    with open(path, 'rb') as file:
+        start = file.read(4096)
+    return bool(start) and all(byte >= 32 or byte in b'\t\n\f\r\x1b' for byte in start)
 
 
 def _converted(image: np.ndarray, encoding: str) -> np.ndarray:

@@ -20,7 +20,7 @@ def run(name: str, serve: Callable[[], None]) -> int:
         if not rospy.is_shutdown():
             raise
     except UserError as error:
-        rospy.logfatal('%s', error)
+        rospy.logfatal('%s', ' '.join(str(error).split()))
         rospy.signal_shutdown('cannot go on')
         return 1
     return 0

@@ -4,6 +4,7 @@ Publishes: cmd_vel (geometry_msgs/Twist, 10 Hz, always; zeros when idle and once
 Subscribes to nothing. Reads: ~linear_step, ~angular_step, ~max_linear_velocity,
 ~max_angular_velocity (TeleopSettings).
 """
+import signal
 import time
 
 import rospy
@@ -29,6 +30,8 @@ class TeleopKey:
         self._profile = VelocityProfile(settings)
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         rospy.on_shutdown(self._stop_robot)
+        # a terminal that is closed must not leave the robot driving
+        signal.signal(signal.SIGHUP, lambda *_: rospy.signal_shutdown('terminal closed'))
 
     def spin(self) -> None:
         """Read keys and send commands until the node is shut down."""

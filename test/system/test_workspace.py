@@ -1,0 +1,37 @@
+"""The ordinary way: the package among others in a catkin workspace, devel and install space."""
+import os
+import subprocess
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+# what a shell has in which nothing of ROS was sourced
+FOREIGN = ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH', 'PKG_CONFIG_PATH',
+           'LD_LIBRARY_PATH', 'CATKIN_TEST_RESULTS_DIR')
+
+
+def bash(script, env):
+    done = subprocess.run(['bash', '-e', '-c', script], env=env, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, check=False)
+    assert done.returncode == 0, done.stdout.decode()
+    return done.stdout.decode()
+
+
+def test_devel_and_install_space_run_the_demo(ros, tmp_path):
+    workspace = tmp_path / 'catkin_ws'
+    (workspace / 'src').mkdir(parents=True)
+    (workspace / 'src' / 'img_recog').symlink_to(ROOT)
+    env = {name: value for name, value in ros.env.items() if name not in FOREIGN}
+    env['PATH'] = '/usr/sbin:/usr/bin:/sbin:/bin'
+    noetic = '/opt/ros/noetic/setup.bash'
+    before = 'source {}; '.format(noetic) if os.path.exists(noetic) else ''
+    bash('{}cd {} && catkin_make -DCATKIN_ENABLE_TESTING=OFF install'.format(before, workspace),
+         env)
+    for space in ('devel', 'install'):
+        setup = '{}source {}/{}/setup.bash; '.format(before, workspace, space)
+        found = bash(setup + 'rospack find img_recog', env).strip()
+        assert found == str(workspace / {'devel': 'src', 'install': 'install/share'}[space]
+                            / 'img_recog')
+        demo = ros.start('bash', '-c', setup + 'exec roslaunch -p {} img_recog demo.launch '
+                         'camera:=synthetic'.format(ros.port), env=env)
+        demo.wait_output('the robot drives forward')
+        assert demo.interrupt() == 0
+        assert 'Traceback' not in demo.output, demo.output
