@@ -11,7 +11,7 @@ import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from support import Recorder, from_node, wait_for  # noqa: E402
@@ -36,11 +36,11 @@ class FramesTest(unittest.TestCase):
     def setUpClass(cls):
         types = {'/usb_cam/image_raw': Image, '/usb_cam/camera_info': CameraInfo,
                  '/blue_image': Image, '/red_image': Image, '/odom': Odometry,
-                 '/joint_states': JointState, '/clock': Clock}
+                 '/joint_states': JointState, '/imu': Imu, '/scan': LaserScan, '/clock': Clock}
         cls.topics = {name: Recorder(name, kind) for name, kind in types.items()}
         cls.idle = Recorder('/cmd_vel', Twist, from_node('/turtlebot3_teleop_keyboard'))
-        for recorder in cls.topics.values():
-            recorder.wait(60)
+        for name, recorder in cls.topics.items():
+            recorder.wait(10 if name == '/scan' else 60)
 
     def test_image_and_camera_info_share_each_header(self):
         images = self.topics['/usb_cam/image_raw'].messages[:50]
@@ -94,10 +94,32 @@ class FramesTest(unittest.TestCase):
             self.assertEqual(['wheel_left_joint', 'wheel_right_joint'], msg.name)
             self.assertEqual([2, 2, 2], [len(msg.position), len(msg.velocity), len(msg.effort)])
 
+    def test_scan(self):
+        for msg in list(self.topics['/scan'].messages):
+            self.assertEqual(('base_scan', 360), (msg.header.frame_id, len(msg.ranges)))
+            self.assertAlmostEqual(6.28319, msg.angle_min + 359 * msg.angle_increment, 4)
+            self.assertAlmostEqual(0.12, msg.range_min, 6)
+            self.assertEqual(3.5, msg.range_max)
+            ranges = np.array(msg.ranges)
+            self.assertGreater(np.isfinite(ranges).sum(), 100)
+            seen = ranges[np.isfinite(ranges)]
+            self.assertTrue(np.all((seen >= msg.range_min) & (seen <= msg.range_max)))
+            self.assertTrue(np.all(np.isposinf(ranges[~np.isfinite(ranges)])))
+
+    def test_imu(self):
+        messages = list(self.topics['/imu'].messages)
+        for msg in messages:
+            self.assertEqual('imu_link', msg.header.frame_id)
+            self.assertAlmostEqual(4e-8, msg.angular_velocity_covariance[0])
+            self.assertAlmostEqual(2.89e-4, msg.linear_acceleration_covariance[0])
+        self.assertAlmostEqual(9.8, np.mean([msg.linear_acceleration.z for msg in messages]), 0)
+
     def test_periods_in_simulated_time(self):
-        for name in ('/odom', '/joint_states'):
+        periods = {'/odom': 33, '/joint_states': 33, '/imu': 5, '/scan': 200}
+        for name, milliseconds in periods.items():
             times = [stamp.to_nsec() for stamp in stamps(list(self.topics[name].messages))]
-            self.assertEqual({33000000}, {b - a for a, b in zip(times, times[1:])}, name)
+            steps = {b - a for a, b in zip(times, times[1:])}
+            self.assertEqual({milliseconds * 1000000}, steps, name)
         times = [msg.clock.to_nsec() for msg in list(self.topics['/clock'].messages)]
         self.assertEqual({10000000}, {b - a for a, b in zip(times, times[1:])})
 

@@ -58,7 +58,7 @@ def test_tools_find_the_names_and_no_fault(ros):
     assert set('/' + name for name in NODES) <= set(nodes)
     topics = ros.run('rostopic', 'list').split()
     assert {'/usb_cam/image_raw', '/usb_cam/camera_info', '/blue_image', '/red_image', '/cmd_vel',
-            '/odom', '/joint_states', '/tf', '/clock'} <= set(topics)
+            '/odom', '/joint_states', '/imu', '/scan', '/tf', '/clock'} <= set(topics)
     services = ros.run('rosservice', 'list').split()
     assert {'/gazebo/pause_physics', '/gazebo/unpause_physics', '/gazebo/reset_world',
             '/gazebo/reset_simulation', '/usb_cam/start_capture', '/usb_cam/stop_capture',

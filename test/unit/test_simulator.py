@@ -136,12 +136,12 @@ def test_reset_simulation_sets_the_time_to_zero():
     sim.reset_simulation()
     assert sim.time_s == 0.0
     readings = sim.advance(33)
-    assert [(each.sensor, each.time_s) for each in readings] == [
+    assert [(each.sensor, each.time_s) for each in readings if each.sensor != 'imu'] == [
         ('odometry', pytest.approx(0.033)), ('joint_states', pytest.approx(0.033))]
 
 
 def test_sensors_observe_at_their_periods():
-    sim = simulator(sensors=SensorSettings(odometry_period_s=0.01, joint_state_period_s=0.025))
+    sim = simulator(sensors=SensorSettings(odometry_period_s=0.01, joint_states_period_s=0.025))
     readings = sim.advance(100)
     times = {name: [round(each.time_s, 6) for each in readings if each.sensor == name]
              for name in ('odometry', 'joint_states')}

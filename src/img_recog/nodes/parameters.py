@@ -1,4 +1,5 @@
 """The one place where the parameter server is read."""
+import dataclasses
 import difflib
 from typing import Type, TypeVar
 
@@ -26,6 +27,12 @@ def read(settings_class: Type[SettingsType]) -> SettingsType:
     except SettingError as error:
         raise ParameterError('parameter {}: got {!r}, allowed is {}'.format(
             rospy.resolve_name('~' + error.name), error.value, error.allowed))
+
+
+def read_group(group_class: type):
+    """Return a dataclass whose fields are settings, each read as by `read`."""
+    return group_class(**{field.name: read(type(field.default))
+                          for field in dataclasses.fields(group_class)})
 
 
 def warn_of_unknown(*settings_classes: Type[Settings]) -> None:

@@ -3,10 +3,10 @@
 Subscribes: cmd_vel (geometry_msgs/Twist; the last one holds until the next).
 Publishes: /clock (rosgraph_msgs/Clock, 100 Hz of simulated time), odom (nav_msgs/Odometry, frame
 odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_states
-(sensor_msgs/JointState, 30 Hz).
+(sensor_msgs/JointState, 30 Hz), imu (sensor_msgs/Imu, frame imu_link, 200 Hz), scan
+(sensor_msgs/LaserScan, frame base_scan, 5 Hz).
 Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty).
-Reads: robot_description, and the fields of PhysicsSettings, SpawnSettings, DriveSettings,
-SensorSettings and WindowSettings as private parameters.
+Reads: robot_description, and the fields of all settings of the simulation as private parameters.
 """
 import os
 
@@ -16,17 +16,15 @@ import tf2_ros
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Imu, JointState, LaserScan
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.nodes import parameters, robot_msgs, running, twist_msgs
+from img_recog.nodes import parameters, robot_msgs, running, sensing_msgs, twist_msgs
 from img_recog.nodes.slots import Newest, Requests
 from img_recog.simulation import description, world
 from img_recog.simulation.motion_state import MotionState
 from img_recog.simulation.pacing import RealTimePacer
-from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, SensorSettings,
-                                           SpawnSettings, WindowSettings,
-                                           whole_steps)
+from img_recog.simulation.settings import SimulatorSettings, WindowSettings, whole_steps
 from img_recog.simulation.simulator import Reading, Simulator
 from img_recog.simulation.viewer import Viewer
 
@@ -40,17 +38,16 @@ class PybulletSim:
     """Steps the simulation in one loop; callbacks and services leave their wishes for it."""
 
     def __init__(self):
-        physics, spawn = parameters.read(PhysicsSettings), parameters.read(SpawnSettings)
-        drive, sensors = parameters.read(DriveSettings), parameters.read(SensorSettings)
+        settings = parameters.read_group(SimulatorSettings)
         window = parameters.read(WindowSettings)
-        parameters.warn_of_unknown(PhysicsSettings, SpawnSettings, DriveSettings, SensorSettings,
-                                   WindowSettings)
+        parameters.warn_of_unknown(WindowSettings, *map(type, vars(settings).values()))
+        physics, self._scan, self._imu = settings.physics, settings.scan, settings.imu
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
         robot, worlds = description.parse(parameters.robot_description()), _worlds()
         self._root = robot.root
-        self._simulator = Simulator(robot, worlds, world.connect(), physics, drive, spawn, sensors)
-        self._viewer = Viewer(robot, worlds, physics, drive, spawn) if window.gui else None
+        self._simulator = Simulator(robot, worlds, world.connect(), settings)
+        self._viewer = Viewer(robot, worlds, settings) if window.gui else None
         self._pacer = RealTimePacer(physics.real_time_factor)
         self._motion_state = MotionState()
         self._paused = False
@@ -78,8 +75,11 @@ class PybulletSim:
         self._odometry = rospy.Publisher('odom', Odometry, queue_size=10)
         self._joint_states = rospy.Publisher('joint_states', JointState, queue_size=10)
         self._transforms = tf2_ros.TransformBroadcaster()
+        self._imus = rospy.Publisher('imu', Imu, queue_size=10)
+        self._scans = rospy.Publisher('scan', LaserScan, queue_size=10)
         self._publish = {'odometry': self._publish_odometry,
-                         'joint_states': self._publish_joint_states}
+                         'joint_states': self._publish_joint_states,
+                         'imu': self._publish_imu, 'scan': self._publish_scan}
         rospy.Subscriber('cmd_vel', Twist, self._keep_command, queue_size=10, tcp_nodelay=True)
         for name, action in (('pause_physics', self._pause), ('unpause_physics', self._unpause),
                              ('reset_world', self._simulator.reset_world),
@@ -127,6 +127,14 @@ class PybulletSim:
     def _publish_joint_states(self, reading: Reading) -> None:
         self._joint_states.publish(robot_msgs.joint_states_to_msg(
             reading.value, robot_msgs.stamp_of(reading.time_s)))
+
+    def _publish_imu(self, reading: Reading) -> None:
+        self._imus.publish(sensing_msgs.imu_to_msg(
+            reading.value, robot_msgs.stamp_of(reading.time_s), self._imu))
+
+    def _publish_scan(self, reading: Reading) -> None:
+        self._scans.publish(sensing_msgs.scan_to_msg(
+            reading.value, robot_msgs.stamp_of(reading.time_s), self._scan))
 
     def _warn_if_late(self) -> None:
         if self._pacer.late:

@@ -1,13 +1,15 @@
 """A robot in a world: its joints, its pose and its motion."""
-from typing import Dict, NamedTuple, Sequence, Tuple
+from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog.simulation.description import Description
+from img_recog.simulation.geometry import to_rpy
 from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
 from img_recog.simulation.world import load_urdf
 
+COLLISION_GROUP = 64            # the bit by which rays leave out the robot that they start in
 _DEFAULT_FRICTION = 1.0         # of links that state none (Gazebo's default)
 
 
@@ -58,6 +60,10 @@ class Robot:
         self._torques = (drive.wheel_torque, drive.wheel_torque)
         self._body = load_urdf(description.urdf, client)
         joints = _movable_joints(self._body, client)
+        self._root, self._frames = description.root, description.frames
+        self._link_indices = {_link_name(self._body, index, client): index
+                              for index in self._links() if index != -1}
+        self._link_indices[description.root] = -1
         self._joint_names = tuple(joints)
         self._joints = tuple(joints.values())
         self._wheels = tuple(_wheel(joints, name)
@@ -102,18 +108,41 @@ class Robot:
             self._body, self._wheels, pybullet.VELOCITY_CONTROL, targetVelocities=velocities,
             forces=self._torques, physicsClientId=self._client)
 
-    def motion(self) -> Motion:
-        """Return the motion of the root link."""
-        # PyBullet speaks of the centre of mass, whose frame is turned to the principal axes
-        centre, turned = pybullet.getBasePositionAndOrientation(
-            self._body, physicsClientId=self._client)
-        position, orientation = pybullet.multiplyTransforms(centre, turned, *self._root_in_mass)
-        linear, angular = pybullet.getBaseVelocity(self._body, physicsClientId=self._client)
+    def motion(self, frame: Optional[str] = None) -> Motion:
+        """Return the motion of a link of the description, by default of the root link.
+
+        Raises SimulationError when there is no such link.
+        """
+        link, pose = self._carrier(frame or self._root)
+        centre, origin, linear, angular = self._link_state(link)
+        position, orientation = pybullet.multiplyTransforms(*origin, *pose)
         arm = np.subtract(position, centre)
-        to_root = np.reshape(pybullet.getMatrixFromQuaternion(orientation), (3, 3)).T
+        to_frame = np.reshape(pybullet.getMatrixFromQuaternion(orientation), (3, 3)).T
         return Motion(np.array(position), orientation,
-                      to_root @ (np.array(linear) + np.cross(angular, arm)),
-                      to_root @ np.array(angular))
+                      to_frame @ (np.array(linear) + np.cross(angular, arm)),
+                      to_frame @ np.array(angular))
+
+    def _carrier(self, frame: str):
+        """Return the PyBullet link that carries a frame, and the frame's pose in it."""
+        if frame not in self._frames:
+            raise SimulationError('robot_description has no link {} (has {})'.format(
+                frame, ', '.join(sorted(self._frames))))
+        name, pose = self._frames[frame].link, self._frames[frame].pose
+        turned = pybullet.getQuaternionFromEuler(to_rpy(pose.rotation).tolist())
+        return self._link_indices[name], (pose.translation.tolist(), turned)
+
+    def _link_state(self, link: int):
+        """Return centre of mass, frame (position, quaternion) and velocities, in the world."""
+        if link == -1:
+            # PyBullet speaks of the centre of mass, whose frame is turned to the principal axes
+            centre, turned = pybullet.getBasePositionAndOrientation(
+                self._body, physicsClientId=self._client)
+            origin = pybullet.multiplyTransforms(centre, turned, *self._root_in_mass)
+            return (centre, origin, *pybullet.getBaseVelocity(
+                self._body, physicsClientId=self._client))
+        state = pybullet.getLinkState(self._body, link, computeLinkVelocity=1,
+                                      computeForwardKinematics=1, physicsClientId=self._client)
+        return state[0], state[4:6], state[6], state[7]
 
     def joint_states(self) -> JointStates:
         """Return the states of all movable joints, in the order of the description."""
@@ -130,8 +159,9 @@ class Robot:
         return range(-1, pybullet.getNumJoints(self._body, physicsClientId=self._client))
 
     def _set_dynamics(self, description: Description) -> None:
-        for link in self._links():
-            name = description.root if link == -1 else _link_name(self._body, link, self._client)
+        for name, link in self._link_indices.items():
+            pybullet.setCollisionFilterGroupMask(self._body, link, COLLISION_GROUP, ~0,
+                                                 physicsClientId=self._client)
             pybullet.changeDynamics(
                 self._body, link, linearDamping=0, angularDamping=0, jointDamping=0,
                 lateralFriction=description.friction.get(name, _DEFAULT_FRICTION),

@@ -3,7 +3,8 @@ import math
 from dataclasses import dataclass
 
 from img_recog.errors import UserError
-from img_recog.settings import Settings, above, anything, at_least, not_empty, setting
+from img_recog.settings import (Settings, above, anything, at_least, between, not_empty,
+                                setting)
 
 
 class SimulationError(UserError):
@@ -54,13 +55,43 @@ class DriveSettings(Settings):
 
 @dataclass(frozen=True)
 class SensorSettings(Settings):
-    """Sensor periods in simulated seconds; each is a multiple of the physics step.
+    """Sensor periods in simulated seconds, each a multiple of the physics step, and noise.
 
     30 Hz does not divide into steps of 1 ms: 33 ms is the nearest period that does.
+    seed: of the generator that all noise comes from.
     """
 
     odometry_period_s: float = setting(0.033, above(0))
-    joint_state_period_s: float = setting(0.033, above(0))
+    joint_states_period_s: float = setting(0.033, above(0))
+    imu_period_s: float = setting(0.005, above(0))
+    scan_period_s: float = setting(0.2, above(0))
+    seed: int = setting(0, between(0, 2 ** 32 - 1))
+
+
+@dataclass(frozen=True)
+class ScanSettings(Settings):
+    """The laser scanner, an LDS-01 as turtlebot3_gazebo has it.
+
+    Angles in rad about z of `scan_frame`, counted from its x; both ends have a ray. Ranges and
+    the standard deviation of their noise in m.
+    """
+
+    scan_frame: str = setting('base_scan', not_empty())
+    scan_samples: int = setting(360, between(2, 100000))
+    scan_angle_min: float = setting(0.0, anything())
+    scan_angle_max: float = setting(6.28319, anything())
+    scan_range_min: float = setting(0.120, at_least(0))
+    scan_range_max: float = setting(3.5, above(0))
+    scan_noise: float = setting(0.01, at_least(0))
+
+
+@dataclass(frozen=True)
+class ImuSettings(Settings):
+    """The inertial unit; standard deviations of its noise in rad/s and m/s2."""
+
+    imu_frame: str = setting('imu_link', not_empty())
+    gyro_noise: float = setting(2e-4, at_least(0))
+    accel_noise: float = setting(1.7e-2, at_least(0))
 
 
 @dataclass(frozen=True)
@@ -68,6 +99,18 @@ class WindowSettings(Settings):
     """gui: whether to show the simulation in a window."""
 
     gui: bool = setting(False)
+
+
+@dataclass(frozen=True)
+class SimulatorSettings:
+    """All of the above that make up a simulation."""
+
+    physics: PhysicsSettings = PhysicsSettings()
+    spawn: SpawnSettings = SpawnSettings()
+    drive: DriveSettings = DriveSettings()
+    sensors: SensorSettings = SensorSettings()
+    scan: ScanSettings = ScanSettings()
+    imu: ImuSettings = ImuSettings()
 
 
 def whole_steps(name: str, period_s: float, step_s: float) -> int:

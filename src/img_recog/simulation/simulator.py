@@ -1,11 +1,14 @@
 """World, robot, drive and sensors, advanced together by whole steps."""
 from typing import Any, Callable, Dict, List, NamedTuple
 
+import numpy as np
+
 from img_recog.simulation.description import Description
 from img_recog.simulation.differential_drive import DifferentialDrive
+from img_recog.simulation.imu import Imu
+from img_recog.simulation.laser_scanner import LaserScanner
 from img_recog.simulation.robot import Robot
-from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, SensorSettings,
-                                           SpawnSettings, whole_steps)
+from img_recog.simulation.settings import SimulatorSettings, whole_steps
 from img_recog.simulation.world import World
 
 
@@ -33,23 +36,30 @@ class Simulator:
     """
 
     def __init__(self, description: Description, worlds: Dict[str, str], client: int,
-                 physics: PhysicsSettings = PhysicsSettings(),
-                 drive: DriveSettings = DriveSettings(),
-                 spawn: SpawnSettings = SpawnSettings(),
-                 sensors: SensorSettings = SensorSettings()):
+                 settings: SimulatorSettings = SimulatorSettings()):
         """Build world and robot in the PyBullet client `client`.
 
         worlds: see World. Raises SimulationError when something cannot be built as asked.
         """
-        self._step_s = physics.step_s
+        self._step_s = settings.physics.step_s
         self._steps = 0
-        self._drive_steps = whole_steps('drive_period_s', drive.drive_period_s, physics.step_s)
-        self._world = World(physics, worlds, client)
-        self.robot = Robot(description, drive, spawn, client)
-        self._drive = DifferentialDrive(drive)
+        self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
+                                        self._step_s)
+        self._world = World(settings.physics, worlds, client)
+        self.robot = Robot(description, settings.drive, settings.spawn, client)
+        self._drive = DifferentialDrive(settings.drive)
         self._sensors: List[_Sensor] = []
-        self.add_sensor('odometry', sensors.odometry_period_s, self.robot.motion)
-        self.add_sensor('joint_states', sensors.joint_state_period_s, self.robot.joint_states)
+        self._add_sensors(settings, client)
+
+    def _add_sensors(self, settings: SimulatorSettings, client: int) -> None:
+        periods = settings.sensors
+        noise = np.random.RandomState(periods.seed)
+        scanner = LaserScanner(self.robot, settings.scan, noise, client)
+        self._imu = Imu(self.robot, settings.imu, periods.imu_period_s, noise)
+        self.add_sensor('odometry', periods.odometry_period_s, self.robot.motion)
+        self.add_sensor('joint_states', periods.joint_states_period_s, self.robot.joint_states)
+        self.add_sensor('imu', periods.imu_period_s, self._imu.observe)
+        self.add_sensor('scan', periods.scan_period_s, scanner.observe)
 
     @property
     def time_s(self) -> float:
@@ -86,6 +96,7 @@ class Simulator:
         """Put the robot back to its start, at rest and without a command; time goes on."""
         self._drive.reset()
         self.robot.reset()
+        self._imu.reset()
 
     def reset_simulation(self) -> None:
         """Put the robot back to its start and the time to 0."""

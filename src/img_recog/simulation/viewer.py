@@ -9,14 +9,14 @@ import multiprocessing
 import os
 import signal
 import time
-from typing import Any, Dict, Optional
+from typing import Dict, Optional
 
 import pybullet
 
 from img_recog.simulation.description import Description
 from img_recog.simulation.drawing import one_colour_a_link
 from img_recog.simulation.robot import Pose, Robot
-from img_recog.simulation.settings import DriveSettings, PhysicsSettings, SpawnSettings
+from img_recog.simulation.settings import SimulatorSettings
 from img_recog.simulation.world import add_floor, load_urdf, read_world
 
 _PERIOD_S = 1 / 30
@@ -32,13 +32,13 @@ class Viewer:
     """The sending end of a window."""
 
     def __init__(self, description: Description, worlds: Dict[str, str],
-                 physics: PhysicsSettings, drive: DriveSettings, spawn: SpawnSettings):
+                 settings: SimulatorSettings):
         """Open the window; the arguments are those of the Simulator that it shows."""
         # a forked child would share the simulation's descriptors and locks
         context = multiprocessing.get_context('spawn')
         receiver, self._sender = context.Pipe(duplex=False)
         self._process = context.Process(
-            target=_show, args=(receiver, (description, worlds, physics, drive, spawn)),
+            target=_show, args=(receiver, description, worlds, settings),
             daemon=True)
         self._process.start()
         receiver.close()
@@ -64,19 +64,20 @@ class Viewer:
         self._process.join()
 
 
-def _show(receiver, what: Any) -> None:
+def _show(receiver, description: Description, worlds: Dict[str, str],
+          settings: SimulatorSettings) -> None:
     # Ctrl-C reaches the whole process group; the window goes when the simulation does
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # where OpenGL runs on the processor, it would take the time of the physics
     os.nice(10)
     client = pybullet.connect(pybullet.GUI, options=_OPTIONS)
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, physicsClientId=client)
-    description, worlds, physics, drive, spawn = what
     add_floor(client)
-    if physics.world != 'empty':
-        load_urdf(one_colour_a_link(read_world(physics.world, worlds)), client, fixed=True)
+    if settings.physics.world != 'empty':
+        urdf = read_world(settings.physics.world, worlds)
+        load_urdf(one_colour_a_link(urdf), client, fixed=True)
     painted = dataclasses.replace(description, urdf=one_colour_a_link(description.urdf))
-    robot = Robot(painted, drive, spawn, client)
+    robot = Robot(painted, settings.drive, settings.spawn, client)
     pybullet.resetDebugVisualizerCamera(physicsClientId=client, **_CAMERA)
     try:
         while pybullet.isConnected(physicsClientId=client):

@@ -1,0 +1,50 @@
+"""An inertial measurement unit."""
+from typing import NamedTuple, Optional, Tuple
+
+import numpy as np
+import pybullet
+
+from img_recog.simulation.robot import Robot
+from img_recog.simulation.settings import ImuSettings
+from img_recog.simulation.world import GRAVITY
+
+
+class Inertial(NamedTuple):
+    """What the unit measures, in its own frame but for the orientation.
+
+    orientation: unit quaternion (x, y, z, w), in the world, without noise; angular_velocity
+    (3,): rad/s; linear_acceleration (3,): specific force in m/s2, 9.8 upwards at rest (REP 145).
+    """
+
+    orientation: Tuple[float, float, float, float]
+    angular_velocity: np.ndarray
+    linear_acceleration: np.ndarray
+
+
+class Imu:
+    """Differentiates the velocity of its frame between two observations."""
+
+    def __init__(self, robot: Robot, settings: ImuSettings, period_s: float,
+                 noise: np.random.RandomState):
+        """Mount the unit on a link of `robot`; SimulationError when there is no such link."""
+        robot.motion(settings.imu_frame)
+        self._robot, self._settings, self._noise = robot, settings, noise
+        self._period_s = period_s
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last velocity, as when the robot is put elsewhere."""
+        self._velocity: Optional[np.ndarray] = None
+
+    def observe(self) -> Inertial:
+        """Return what the unit measures now; to be called once a period."""
+        motion = self._robot.motion(self._settings.imu_frame)
+        to_world = np.reshape(pybullet.getMatrixFromQuaternion(motion.orientation), (3, 3))
+        velocity = to_world @ motion.linear
+        before = velocity if self._velocity is None else self._velocity
+        self._velocity = velocity
+        force = to_world.T @ ((velocity - before) / self._period_s + (0.0, 0.0, GRAVITY))
+        return Inertial(
+            motion.orientation,
+            motion.angular + self._noise.normal(0.0, self._settings.gyro_noise, 3),
+            force + self._noise.normal(0.0, self._settings.accel_noise, 3))

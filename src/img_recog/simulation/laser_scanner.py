@@ -1,0 +1,46 @@
+"""A laser scanner that casts rays into the world."""
+import numpy as np
+import pybullet
+
+from img_recog.simulation.robot import COLLISION_GROUP, Robot
+from img_recog.simulation.settings import ScanSettings, SimulationError
+
+
+class LaserScanner:
+    """Measures ranges all at once from the origin of its frame; blind to its own robot."""
+
+    def __init__(self, robot: Robot, settings: ScanSettings, noise: np.random.RandomState,
+                 client: int):
+        """Mount the scanner on a link of `robot` in the world of `client`.
+
+        Raises SimulationError when the robot has no such link or the ranges are in disorder.
+        """
+        if not settings.scan_range_min < settings.scan_range_max:
+            raise SimulationError('scan_range_min: got {:g} m, wants less than scan_range_max, '
+                                  '{:g} m'.format(settings.scan_range_min,
+                                                  settings.scan_range_max))
+        robot.motion(settings.scan_frame)
+        self._robot, self._settings, self._noise, self._client = robot, settings, noise, client
+        angles = np.linspace(settings.scan_angle_min, settings.scan_angle_max,
+                             settings.scan_samples)
+        self._directions = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+
+    def observe(self) -> np.ndarray:
+        """Return the ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit.
+
+        Hits are noisy but within range_min and range_max.
+        """
+        settings = self._settings
+        motion = self._robot.motion(settings.scan_frame)
+        rotation = np.reshape(pybullet.getMatrixFromQuaternion(motion.orientation), (3, 3))
+        ends = motion.position + settings.scan_range_max * (rotation @ self._directions).T
+        starts = np.broadcast_to(motion.position, ends.shape)
+        hits = pybullet.rayTestBatch(starts.tolist(), ends.tolist(),
+                                     collisionFilterMask=~COLLISION_GROUP,
+                                     physicsClientId=self._client)
+        ranges = np.array([hit[2] for hit in hits]) * settings.scan_range_max
+        missed = np.array([hit[0] < 0 for hit in hits])
+        # a draw for every ray, so that the noise does not hang on what is hit
+        ranges += self._noise.normal(0.0, settings.scan_noise, len(ranges))
+        ranges = np.clip(ranges, settings.scan_range_min, settings.scan_range_max)
+        return np.where(missed, np.inf, ranges)
