@@ -1,22 +1,11 @@
-"""What the rostests share: waiting for conditions and collecting messages."""
-import threading
-import time
+"""What the rostests share: collecting messages, and waiting for them."""
+import os
+import sys
 
 import rospy
 
-DEADLINE_S = 60.0           # wall time, generous: the machine may be busy
-_POLL = threading.Event()   # never set; waiting on it is how a poll passes the time
-
-
-def wait_for(condition, what, deadline_s=DEADLINE_S):
-    """Return the first true value of `condition()`; fail naming `what` after the deadline."""
-    end = time.monotonic() + deadline_s
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        _POLL.wait(0.02)
-    raise AssertionError('waited {} s in vain for {}'.format(deadline_s, what))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from waiting import DEADLINE_S, wait_for  # noqa: E402
 
 
 class Recorder:

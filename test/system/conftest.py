@@ -4,24 +4,13 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import threading
-import time
 
 import pytest
 
-DEADLINE_S = 90.0           # wall time, generous: the machine may be busy
-_POLL = threading.Event()   # never set; waiting on it is how a poll passes the time
-
-
-def wait_for(condition, what, deadline_s=DEADLINE_S):
-    """Return the first true value of `condition()`; fail with what `what()` says."""
-    end = time.monotonic() + deadline_s
-    while time.monotonic() < end:
-        value = condition()
-        if value:
-            return value
-        _POLL.wait(0.05)
-    pytest.fail('waited {} s in vain for {}'.format(deadline_s, what()))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from waiting import wait_for  # noqa: E402
 
 
 class Process:

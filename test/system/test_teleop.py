@@ -5,7 +5,7 @@ import re
 import signal
 import termios
 
-from conftest import wait_for
+from waiting import wait_for
 
 NAME = '/turtlebot3_teleop_keyboard'
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from conftest import wait_for
+from waiting import wait_for
 
 SIMULATOR = 'Bullet Physics'
 
