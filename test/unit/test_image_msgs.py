@@ -56,6 +56,10 @@ def test_sixteen_bits_of_either_endianness(padding):
         assert np.array_equal(from_msg(msg, 'mono16'), wide)
 
 
+def test_bytes_have_no_endianness():
+    assert np.array_equal(from_msg(message(COLOUR, 'bgr8', is_bigendian=1), 'bgr8'), COLOUR)
+
+
 def broken(**changes):
     msg = message(COLOUR, 'bgr8')
     for name, value in changes.items():

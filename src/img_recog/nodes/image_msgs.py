@@ -1,4 +1,6 @@
 """sensor_msgs/Image to and from arrays, by cv_bridge."""
+import sys
+
 import cv2
 import numpy as np
 from cv_bridge import CvBridge, CvBridgeError
@@ -36,25 +38,32 @@ def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:
     endianness. Raises ImageError naming the size, encoding and reason.
     """
     try:
-        return _bridge.imgmsg_to_cv2(_without_padding(msg), encoding)
+        return _bridge.imgmsg_to_cv2(_plain(msg), encoding)
     except (CvBridgeError, cv2.error, KeyError, RuntimeError, TypeError, ValueError) as error:
         raise ImageError('cannot convert an image of {}x{}, encoding {!r}, step {}, {} bytes to '
                          '{}: {}'.format(msg.width, msg.height, msg.encoding, msg.step,
                                          len(msg.data), encoding, ' '.join(str(error).split())))
 
 
-def _without_padding(msg: Image) -> Image:
-    """Return `msg` with rows that follow each other without a gap, as cv_bridge reads them."""
+def _plain(msg: Image) -> Image:
+    """Return `msg` as cv_bridge expects it: rows without a gap, pixels in this machine's order.
+
+    cv_bridge takes the rows for unpadded, and with numpy 2 fails on the other byte order.
+    """
     if msg.width == 0 or msg.height == 0:
         raise ValueError('it has no pixels')
-    dtype, channels = _bridge.encoding_to_dtype_with_channels(msg.encoding)
-    row = msg.width * channels * np.dtype(dtype).itemsize
+    name, channels = _bridge.encoding_to_dtype_with_channels(msg.encoding)
+    dtype = np.dtype(name)
+    row = msg.width * channels * dtype.itemsize
     if msg.step < row:
         raise ValueError('a row takes {} bytes'.format(row))
     if len(msg.data) < msg.step * (msg.height - 1) + row:
         raise ValueError('the data is too short')
-    if msg.step == row:
+    foreign = bool(msg.is_bigendian) == (sys.byteorder == 'little')
+    if msg.step == row and not foreign:
         return msg
     rows = np.ndarray((msg.height, row), np.uint8, msg.data, strides=(msg.step, 1))
+    pixels = np.ascontiguousarray(rows).view(dtype)
     return Image(header=msg.header, height=msg.height, width=msg.width, encoding=msg.encoding,
-                 is_bigendian=msg.is_bigendian, step=row, data=rows.tobytes())
+                 is_bigendian=sys.byteorder == 'big', step=row,
+                 data=(pixels.byteswap() if foreign else pixels).tobytes())
