@@ -70,6 +70,15 @@ class ServicesTest(unittest.TestCase):
         wait_for(lambda: self._at_start(self.odometry.messages[-1]), 'the robot at its start')
         self.assertLess(self.odometry.messages[-1].header.stamp.to_sec(), 60.0)
 
+    def test_reset_simulation_while_paused_tells_the_time_at_once(self):
+        wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 1.0, 'a simulated second')
+        call('/gazebo/pause_physics')
+        call('/gazebo/reset_simulation')
+        wait_for(lambda: self.clock.messages[-1].clock.to_nsec() == 0, 'the clock at zero')
+        call('/gazebo/unpause_physics')
+        wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 0.1, 'the clock to go on')
+        self.odometry.wait(5)
+
     def test_stop_and_start_capture(self):
         for _ in range(2):      # a second call changes nothing
             call('/usb_cam/stop_capture')

@@ -83,7 +83,7 @@ class PybulletSim:
         rospy.Subscriber('cmd_vel', Twist, self._keep_command, queue_size=10, tcp_nodelay=True)
         for name, action in (('pause_physics', self._pause), ('unpause_physics', self._unpause),
                              ('reset_world', self._simulator.reset_world),
-                             ('reset_simulation', self._simulator.reset_simulation)):
+                             ('reset_simulation', self._reset_simulation)):
             rospy.Service('~' + name, Empty, self._handler(name, action))
 
     def _handler(self, name, action):
@@ -99,6 +99,11 @@ class PybulletSim:
     def _unpause(self) -> None:
         self._paused = False
 
+    def _reset_simulation(self) -> None:
+        self._simulator.reset_simulation()
+        # told at once: while the physics is paused no step would do so
+        self._publish_clock()
+
     def _keep_command(self, msg: Twist) -> None:
         try:
             self._commands.put(twist_msgs.from_msg(msg))
@@ -111,9 +116,12 @@ class PybulletSim:
             self._simulator.command(*command)
         readings = self._simulator.advance(self._clock_steps)
         # the clock first, so that no sensor is ahead of it
-        self._clock.publish(Clock(robot_msgs.stamp_of(self._simulator.time_s)))
+        self._publish_clock()
         for reading in readings:
             self._publish[reading.sensor](reading)
+
+    def _publish_clock(self) -> None:
+        self._clock.publish(Clock(robot_msgs.stamp_of(self._simulator.time_s)))
 
     def _publish_odometry(self, reading: Reading) -> None:
         msg = robot_msgs.odometry_to_msg(reading.value, robot_msgs.stamp_of(reading.time_s),
