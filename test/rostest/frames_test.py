@@ -117,11 +117,17 @@ class FramesTest(unittest.TestCase):
     def test_periods_in_simulated_time(self):
         periods = {'/odom': 33, '/joint_states': 33, '/imu': 5, '/scan': 200}
         for name, milliseconds in periods.items():
-            times = [stamp.to_nsec() for stamp in stamps(list(self.topics[name].messages))]
-            steps = {b - a for a, b in zip(times, times[1:])}
-            self.assertEqual({milliseconds * 1000000}, steps, name)
-        times = [msg.clock.to_nsec() for msg in list(self.topics['/clock'].messages)]
-        self.assertEqual({10000000}, {b - a for a, b in zip(times, times[1:])})
+            stamped = stamps(list(self.topics[name].messages))
+            self._check_period(name, milliseconds, [stamp.to_nsec() for stamp in stamped])
+        self._check_period('/clock', 10, [msg.clock.to_nsec()
+                                          for msg in list(self.topics['/clock'].messages)])
+
+    def _check_period(self, name, milliseconds, times):
+        periods = [(b - a) / (milliseconds * 1e6) for a, b in zip(times, times[1:])]
+        # on a busy machine ROS drops messages, and then there are whole gaps
+        self.assertEqual([round(period) for period in periods], periods, name)
+        self.assertGreater(min(periods), 0, name)
+        self.assertGreater(periods.count(1), 0.8 * len(periods), name)
 
     def test_idle_teleop_sends_zeros(self):
         wait_for(lambda: len(self.idle.messages) > 10, 'Twists of the idle teleop')

@@ -99,12 +99,16 @@ class ServicesTest(unittest.TestCase):
         rospy.wait_for_service('/usb_cam/set_camera_info')
         answer = rospy.ServiceProxy('/usb_cam/set_camera_info', SetCameraInfo)(given)
         self.assertTrue(answer.success, answer.status_message)
+        self.addCleanup(os.unlink, answer.status_message)
         wait_for(lambda: self.infos.messages[-1].K == tuple(given.K), 'the calibration')
         self.assertEqual(tuple(given.D), self.infos.messages[-1].D)
         self.assertEqual(tuple(given.P), self.infos.messages[-1].P)
         with open(answer.status_message) as file:
             self.assertIn('camera_matrix', file.read())
-        os.unlink(answer.status_message)
+        given.width = 320
+        refused = rospy.ServiceProxy('/usb_cam/set_camera_info', SetCameraInfo)(given)
+        self.assertFalse(refused.success)
+        self.assertIn('320x480, the images are 640x480', refused.status_message)
 
 
 if __name__ == '__main__':

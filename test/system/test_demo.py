@@ -87,7 +87,7 @@ def test_second_simulator_replaces_the_first(ros):
     second.wait_output('simulating 1.0017 kg')
     wait_for(lambda: not alive(first), lambda: 'the first simulator to end')
     assert node_pid(ros, 'gazebo') == second.pid
-    assert 'Traceback' not in demo.output + second.output
+    assert 'Traceback' not in demo.output + second.output, demo.output + second.output
 
 
 def test_window_without_a_display_is_one_warning(ros):

@@ -75,7 +75,11 @@ REFUSED = {
     'no link': (ROBOT.format(''), '0 root links'),
     'two roots': (ROBOT.format(link('a') + link('b')), '2 root links (a, b)'),
     'loop': (ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b') + joint('k', 'b', 'a')),
-             '0 root links'),
+             'link a hangs on itself through joint k'),
+    'loop beside a root': (ROBOT.format(link('r') + link('a') + link('b') + joint('j', 'a', 'b')
+                                        + joint('k', 'b', 'a')), 'link a hangs on itself'),
+    'no name': (ROBOT.format('<link/>' + link('a')), 'each <link> wants a name of its own'),
+    'same name': (ROBOT.format(link('a') + link('a')), 'each <link> wants a name of its own'),
     'two parents': (ROBOT.format(link('a') + link('b') + link('c') + joint('j', 'a', 'c')
                                  + joint('k', 'b', 'c')), 'two parents, the joints j and k'),
     'lost link': (ROBOT.format(link('a') + joint('j', 'a', 'b')), 'child link b, which does not'),

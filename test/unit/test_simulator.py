@@ -179,6 +179,7 @@ def test_whole_steps():
 
 @pytest.mark.parametrize('settings, words', [
     ({'drive': DriveSettings(left_joint='axle')}, 'no movable joint axle'),
+    ({'drive': DriveSettings(left_joint='wheel_right_joint')}, 'which is right_joint as well'),
     ({'drive': DriveSettings(drive_period_s=0.0105)}, 'drive_period_s: got 0.0105'),
     ({'sensors': SensorSettings(odometry_period_s=0.0335)}, '0.033 or 0.034'),
     ({'world_name': 'mars'}, "world: got 'mars'"),

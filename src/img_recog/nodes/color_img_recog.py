@@ -1,6 +1,6 @@
 """The node color_extract: colours in images to commands for a robot.
 
-Subscribes: /usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge turns into bgr8).
+Subscribes: usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge turns into bgr8).
 Publishes, for every frame that it handles: blue_image, red_image (sensor_msgs/Image, bgr8, with
 the frame's header: the frame with everything else black), then cmd_vel (geometry_msgs/Twist,
 none, one or two: linear.x 10 m/s for blue, then -10 m/s for red).
@@ -10,7 +10,7 @@ import rospy
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import Image
 
-from img_recog.nodes import image_msgs, running, twist_msgs
+from img_recog.nodes import image_msgs, parameters, running, twist_msgs
 from img_recog.nodes.slots import Newest
 from img_recog.recognition.areas import extract
 from img_recog.recognition.commands import commands
@@ -25,11 +25,12 @@ class ColorExtract:
     """Handles the newest frame; frames that arrive meanwhile replace each other."""
 
     def __init__(self):
+        parameters.warn_of_unknown()
         self._frames = Newest()
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         self._images = [rospy.Publisher(rule.color.name + '_image', Image, queue_size=1)
                         for rule in RULES]
-        rospy.Subscriber('/usb_cam/image_raw', Image, self._frames.put, queue_size=1,
+        rospy.Subscriber('usb_cam/image_raw', Image, self._frames.put, queue_size=1,
                          buff_size=_BUFFER_BYTES, tcp_nodelay=True)
 
     def spin(self) -> None:

@@ -40,7 +40,8 @@ def warn_of_unknown(*settings_classes: Type[Settings]) -> None:
     known = sorted(field.name for each in settings_classes for field in declared(each))
     for name in sorted(set(_private_parameters()) - set(known)):
         near = difflib.get_close_matches(name, known, 1)
-        advice = 'did you mean {}?'.format(near[0]) if near else 'known are ' + ', '.join(known)
+        advice = ('did you mean {}?'.format(near[0]) if near else
+                  'known are {}'.format(', '.join(known) or 'none'))
         rospy.logwarn('parameter %s is not one of this node: %s',
                       rospy.resolve_name('~' + name), advice)
 

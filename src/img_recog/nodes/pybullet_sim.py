@@ -8,7 +8,9 @@ odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_sta
 Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty).
 Reads: robot_description, and the fields of all settings of the simulation as private parameters.
 """
+import dataclasses
 import os
+import time
 
 import rospkg
 import rospy
@@ -19,7 +21,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState, LaserScan
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.nodes import parameters, robot_msgs, running, sensing_msgs, twist_msgs
+from img_recog.nodes import (parameters, robot_msgs, running, sensing_msgs, twist_msgs,
+                             user_paths)
 from img_recog.nodes.slots import Newest, Requests
 from img_recog.simulation import description, world
 from img_recog.simulation.motion_state import MotionState
@@ -30,7 +33,7 @@ from img_recog.simulation.viewer import Viewer
 
 _ODOM_FRAME = 'odom'
 _WARNING_PERIOD_S = 5.0
-_PAUSED_WAIT_S = 0.1
+_LOOK_UP_S = 0.1
 _SERVICE_TIMEOUT_S = 5.0
 
 
@@ -46,6 +49,8 @@ class PybulletSim:
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
         robot, worlds = description.parse(parameters.robot_description()), _worlds()
         self._root = robot.root
+        settings = dataclasses.replace(settings, physics=dataclasses.replace(
+            physics, world=user_paths.found(physics.world)))
         self._simulator = Simulator(robot, worlds, world.connect(), settings)
         self._viewer = Viewer(robot, worlds, settings) if window.gui else None
         self._pacer = RealTimePacer(physics.real_time_factor)
@@ -60,22 +65,30 @@ class PybulletSim:
         """Simulate until the node is shut down."""
         while not rospy.is_shutdown():
             if self._paused:
-                self._requests.serve(_PAUSED_WAIT_S)
+                self._requests.serve(_LOOK_UP_S)
                 self._pacer.restart()
             else:
                 self._advance()
-                self._requests.serve(self._pacer.delay_s(self._clock_period_s))
+                self._wait(self._pacer.delay_s(self._clock_period_s))
             self._warn_if_late()
             self._update_window()
         if self._viewer is not None:
             self._viewer.close()
 
+    def _wait(self, delay_s: float) -> None:
+        """Serve requests until the next piece of time is due; look up at least ten times a second.
+        """
+        due = time.monotonic() + delay_s
+        self._requests.serve(min(delay_s, _LOOK_UP_S))
+        while time.monotonic() < due and not rospy.is_shutdown():
+            self._requests.serve(min(due - time.monotonic(), _LOOK_UP_S))
+
     def _advertise(self) -> None:
-        self._clock = rospy.Publisher('/clock', Clock, queue_size=10, latch=True)
+        self._clock = rospy.Publisher('/clock', Clock, queue_size=100, latch=True)
         self._odometry = rospy.Publisher('odom', Odometry, queue_size=10)
         self._joint_states = rospy.Publisher('joint_states', JointState, queue_size=10)
         self._transforms = tf2_ros.TransformBroadcaster()
-        self._imus = rospy.Publisher('imu', Imu, queue_size=10)
+        self._imus = rospy.Publisher('imu', Imu, queue_size=100)
         self._scans = rospy.Publisher('scan', LaserScan, queue_size=10)
         self._publish = {'odometry': self._publish_odometry,
                          'joint_states': self._publish_joint_states,

@@ -16,8 +16,9 @@ def run(name: str, serve: Callable[[], None]) -> int:
     try:
         serve()
     except rospy.ROSException:
-        # a node that is shut down from outside finds its topics closed while it publishes
-        if not rospy.is_shutdown():
+        # a node that is shut down from outside finds its topics closed while it publishes, and
+        # that before is_shutdown says so
+        if not rospy.core.is_shutdown_requested():
             raise
     except UserError as error:
         rospy.logfatal('%s', ' '.join(str(error).split()))

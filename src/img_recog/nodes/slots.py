@@ -35,10 +35,16 @@ class Requests:
     def do(self, action: Callable[[], None], timeout_s: float) -> bool:
         """Have the loop call `action`; return whether it did within `timeout_s`."""
         done = threading.Event()
+        request = (action, done)
         with self._condition:
-            self._waiting.append((action, done))
+            self._waiting.append(request)
             self._condition.notify()
-        return done.wait(timeout_s)
+        if done.wait(timeout_s):
+            return True
+        with self._condition:
+            if request in self._waiting:    # what is called failed must not be done later
+                self._waiting.remove(request)
+        return False
 
     def serve(self, timeout_s: float) -> None:
         """Call in the loop: do what is asked, or wait up to `timeout_s` for the first request."""

@@ -1,11 +1,10 @@
 """The node usb_cam: frames of a camera, a film, a still image or the synthetic scene.
 
 Publishes, for every frame and with one header: ~image_raw (sensor_msgs/Image, rgb8, or mono8 for
-grey pixel formats) and ~camera_info (sensor_msgs/CameraInfo), at the rate of the source.
+grey pixel formats of a device) and ~camera_info (sensor_msgs/CameraInfo), at the rate of the source.
 Subscribes to nothing. Serves: ~start_capture, ~stop_capture (std_srvs/Empty), ~set_camera_info
 (sensor_msgs/SetCameraInfo). Reads: the fields of CameraSettings as private parameters.
 """
-import os
 import threading
 from typing import Optional
 
@@ -21,7 +20,10 @@ from img_recog.camera.pacing import Pacer
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource
-from img_recog.nodes import camera_info_msgs, camera_info_urls, image_msgs, parameters, running
+from img_recog.nodes import (camera_info_msgs, camera_info_urls, image_msgs, parameters, running,
+                             user_paths)
+
+_CLOSING_S = 1.0
 
 
 class UsbCam:
@@ -46,15 +48,18 @@ class UsbCam:
 
     def spin(self) -> None:
         """Publish frames until the node is shut down; raise the error that ends them earlier."""
-        threading.Thread(target=self._capture, daemon=True).start()
+        capture = threading.Thread(target=self._capture, daemon=True)
+        capture.start()
         self._ended.wait()
+        # time to give the device back, but no more: a read may block for seconds
+        capture.join(_CLOSING_S)
         if self._failure is not None:
             raise self._failure
 
     def _open(self) -> FrameSource:
-        # roslaunch starts nodes in ROS_HOME; PWD still names the folder that the user stands in
-        source = open_source(self._settings, folders=(os.environ.get('PWD', ''), os.getcwd()))
+        source = open_source(self._settings, user_paths.folders())
         rospy.loginfo('camera: %s', source.description)
+        self._size = (source.width, source.height)
         self._check_calibration(source)
         return source
 
@@ -95,6 +100,10 @@ class UsbCam:
 
     def _set_camera_info(self, request) -> SetCameraInfoResponse:
         given = camera_info_msgs.from_msg(request.camera_info, self._settings.camera_name)
+        if (given.width, given.height) != self._size:
+            return SetCameraInfoResponse(success=False, status_message=(
+                'the calibration is for {}x{}, the images are {}x{}'.format(
+                    given.width, given.height, *self._size)))
         try:
             calibration.save(self._calibration_path, given)
         except calibration.CalibrationError as error:

@@ -84,6 +84,11 @@ def _parsed(urdf: str) -> ElementTree.Element:
     if robot.tag != 'robot':
         raise SimulationError('robot_description has the root element <{}>, wants <robot> (URDF)'
                               .format(robot.tag))
+    for tag in ('link', 'joint'):
+        names = [element.get('name') for element in robot.findall(tag)]
+        if None in names or len(set(names)) < len(names):
+            raise SimulationError('robot_description: each <{}> wants a name of its own (names: '
+                                  '{})'.format(tag, ', '.join(map(str, names))))
     return robot
 
 
@@ -106,6 +111,14 @@ def _joints_by_child(robot, links) -> Dict[str, ElementTree.Element]:
 
 
 def _root(links, parents) -> str:
+    for name in links:
+        ancestors, above = {name}, name
+        while above in parents:
+            above = parents[above].find('parent').get('link')
+            if above in ancestors:
+                raise SimulationError('link {} hangs on itself through joint {}; a robot is a '
+                                      'tree'.format(above, parents[above].get('name')))
+            ancestors.add(above)
     roots = [name for name in links if name not in parents]
     if len(roots) != 1:
         raise SimulationError('robot_description has {} root links ({}), wants one'.format(

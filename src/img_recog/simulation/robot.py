@@ -66,6 +66,9 @@ class Robot:
         self._link_indices[description.root] = -1
         self._joint_names = tuple(joints)
         self._joints = tuple(joints.values())
+        if drive.left_joint == drive.right_joint:
+            raise SimulationError('left_joint: got {!r}, which is right_joint as well; a '
+                                  'differential drive has two wheels'.format(drive.left_joint))
         self._wheels = tuple(_wheel(joints, name)
                              for name in (drive.left_joint, drive.right_joint))
         self._mass_in_root = _inertial_pose(self._body, client)

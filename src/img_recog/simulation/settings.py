@@ -3,8 +3,8 @@ import math
 from dataclasses import dataclass
 
 from img_recog.errors import UserError
-from img_recog.settings import (Settings, above, anything, at_least, between, not_empty,
-                                setting)
+from img_recog.settings import (Allowed, Settings, above, anything, at_least, between,
+                                not_empty, setting)
 
 
 class SimulationError(UserError):
@@ -20,9 +20,10 @@ class PhysicsSettings(Settings):
     world: turtlebot3_world, empty, or the path of a URDF file.
     """
 
-    step_s: float = setting(0.001, above(0))
-    clock_period_s: float = setting(0.01, above(0))
-    real_time_factor: float = setting(1.0, at_least(0))
+    step_s: float = setting(0.001, between(1e-5, 0.1))
+    clock_period_s: float = setting(0.01, between(1e-5, 1))
+    real_time_factor: float = setting(1.0, Allowed(
+        '0 or from 0.001 to 1000', lambda value: value == 0 or 0.001 <= value <= 1000))
     world: str = setting('turtlebot3_world', not_empty())
 
 
@@ -65,7 +66,7 @@ class SensorSettings(Settings):
     joint_states_period_s: float = setting(0.033, above(0))
     imu_period_s: float = setting(0.005, above(0))
     scan_period_s: float = setting(0.2, above(0))
-    seed: int = setting(0, between(0, 2 ** 32 - 1))
+    seed: int = setting(0, between(0, 2 ** 31 - 1))
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ class ScanSettings(Settings):
     """
 
     scan_frame: str = setting('base_scan', not_empty())
-    scan_samples: int = setting(360, between(2, 100000))
+    scan_samples: int = setting(360, between(2, 16383))
     scan_angle_min: float = setting(0.0, anything())
     scan_angle_max: float = setting(6.28319, anything())
     scan_range_min: float = setting(0.120, at_least(0))

@@ -7,6 +7,7 @@ the simulation sends poses; it may come and go without the simulation noticing.
 import dataclasses
 import multiprocessing
 import os
+import select
 import signal
 import time
 from typing import Dict, Optional
@@ -20,6 +21,7 @@ from img_recog.simulation.settings import SimulatorSettings
 from img_recog.simulation.world import add_floor, load_urdf, read_world
 
 _PERIOD_S = 1 / 30
+_PATIENCE_S = 2.0               # with a window that was told to close
 _OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
             '--background_color_blue=0.7 --width=1024 --height=768')
 # What Gazebo's user camera of turtlebot3_world sees, straight down from (0.8, 0, 12) with x
@@ -52,16 +54,24 @@ class Viewer:
             return None
         self._next_s = now + _PERIOD_S
         try:
-            self._sender.send(pose)
+            # a window that is slow to open or stalls must not hold up the simulation
+            if select.select([], [self._sender], [], 0)[1]:
+                self._sender.send(pose)
         except OSError:
-            self._process.join()
+            self._end()
             return 'closed' if self._process.exitcode == 0 else 'it could not be opened or broke'
         return None
 
     def close(self) -> None:
         """Close the window."""
         self._sender.close()
-        self._process.join()
+        self._end()
+
+    def _end(self) -> None:
+        self._process.join(_PATIENCE_S)
+        if self._process.is_alive():
+            self._process.terminate()
+            self._process.join()
 
 
 def _show(receiver, description: Description, worlds: Dict[str, str],
