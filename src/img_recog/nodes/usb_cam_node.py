@@ -1,9 +1,10 @@
 """The node usb_cam: frames of a camera, a film, a still image or the synthetic scene.
 
 Publishes, for every frame and with one header: ~image_raw (sensor_msgs/Image, rgb8, or mono8 for
-grey pixel formats of a device) and ~camera_info (sensor_msgs/CameraInfo), at the rate of the source.
-Subscribes to nothing. Serves: ~start_capture, ~stop_capture (std_srvs/Empty), ~set_camera_info
-(sensor_msgs/SetCameraInfo). Reads: the fields of CameraSettings as private parameters.
+grey pixel formats of a device) and ~camera_info (sensor_msgs/CameraInfo), at the rate of the
+source. Subscribes to nothing. Serves: ~start_capture, ~stop_capture (std_srvs/Empty),
+~set_camera_info (sensor_msgs/SetCameraInfo). Reads: the fields of CameraSettings as private
+parameters.
 """
 import threading
 from typing import Optional
