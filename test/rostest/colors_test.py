@@ -12,6 +12,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
+from std_srvs.srv import Empty
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from support import Recorder, from_node, wait_for  # noqa: E402
@@ -169,6 +170,22 @@ class ColorsTest(unittest.TestCase):
         self.drive.publish(Twist())
         wait_for(lambda: abs(self.odometry.messages[-1].twist.twist.linear.x) < 0.005,
                  'the robot at rest')
+
+    def test_command_from_before_a_reset_is_forgotten(self):
+        def call(name):
+            rospy.wait_for_service(name)
+            rospy.ServiceProxy(name, Empty)()
+        echo = Recorder('/cmd_vel', Twist, lambda msg: msg.linear.x == 0.5)
+        call('/gazebo/pause_physics')
+        twist = Twist()
+        twist.linear.x = 0.5
+        wait_for(lambda: self.drive.publish(twist) or echo.messages, 'the command to be sent')
+        call('/gazebo/reset_world')
+        call('/gazebo/unpause_physics')
+        before = len(self.odometry.messages)
+        self.odometry.wait(30)
+        self.assertLess(max(abs(msg.twist.twist.linear.x)
+                            for msg in self.odometry.messages[before:]), 0.01)
 
 
 if __name__ == '__main__':

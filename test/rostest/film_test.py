@@ -70,7 +70,6 @@ class FilmTest(unittest.TestCase):
         steps = {(b - a) % FRAMES for a, b in zip(seen, seen[1:])}
         self.assertLessEqual(max(steps), 5, 'frames may be missed on a busy machine, not shuffled')
         self.assertNotIn(0, steps)
-        self.assertEqual(set(range(FRAMES)) & set(seen), set(seen))
         self.assertGreater(len(set(seen)), 0.9 * FRAMES)
 
     def test_masked_images_frame_by_frame(self):

@@ -53,11 +53,11 @@ class NamesTest(unittest.TestCase):
         return [dict(entries) for entries in self.master.getSystemState()]
 
     def test_nodes(self):
-        def missing():
+        def all_there():
             names = {node for entries in self._state() for nodes in entries.values()
                      for node in nodes}
             return NODES <= names
-        wait_for(missing, 'the nodes {}'.format(NODES))
+        wait_for(all_there, 'the nodes {}'.format(NODES))
 
     def test_topics_and_types(self):
         wait_for(lambda: set(TOPICS) <= set(dict(self.master.getTopicTypes())), 'the topics')

@@ -38,7 +38,8 @@ CAMERA_CASES = {
 }
 
 
-@pytest.mark.parametrize('parameter, named, advice', CAMERA_CASES.values(), ids=CAMERA_CASES)
+@pytest.mark.parametrize('parameter, named, advice', list(CAMERA_CASES.values()),
+                         ids=list(CAMERA_CASES))
 def test_camera(roscore, parameter, named, advice):
     roscore.run('rosparam', 'delete', '/usb_cam')
     arguments = [parameter]
@@ -94,8 +95,8 @@ SIMULATOR_CASES = {
 }
 
 
-@pytest.mark.parametrize('urdf, parameter, named, advice', SIMULATOR_CASES.values(),
-                         ids=SIMULATOR_CASES)
+@pytest.mark.parametrize('urdf, parameter, named, advice', list(SIMULATOR_CASES.values()),
+                         ids=list(SIMULATOR_CASES))
 def test_simulator(roscore, tmp_path, urdf, parameter, named, advice):
     roscore.run('rosparam', 'delete', '/gazebo')
     roscore.run('rosparam', 'delete', '/robot_description')

@@ -97,7 +97,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize('urdf, words', REFUSED.values(), ids=REFUSED)
+@pytest.mark.parametrize('urdf, words', list(REFUSED.values()), ids=list(REFUSED))
 def test_refusals_name_what_is_wrong_in_one_line(urdf, words):
     with pytest.raises(SimulationError) as error:
         parse(urdf)

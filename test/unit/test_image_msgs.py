@@ -79,7 +79,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize('msg, words', REFUSED.values(), ids=REFUSED)
+@pytest.mark.parametrize('msg, words', list(REFUSED.values()), ids=list(REFUSED))
 def test_refusals_are_one_line(msg, words):
     with pytest.raises(ImageError) as error:
         from_msg(msg, 'bgr8')

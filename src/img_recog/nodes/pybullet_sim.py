@@ -50,7 +50,7 @@ class PybulletSim:
         robot, worlds = description.parse(parameters.robot_description()), _worlds()
         self._root = robot.root
         settings = dataclasses.replace(settings, physics=dataclasses.replace(
-            physics, world=user_paths.found(physics.world)))
+            physics, world=user_paths.found(physics.world, but=('empty', *worlds))))
         self._simulator = Simulator(robot, worlds, world.connect(), settings)
         self._viewer = Viewer(robot, worlds, settings) if window.gui else None
         self._pacer = RealTimePacer(physics.real_time_factor)
@@ -95,7 +95,7 @@ class PybulletSim:
                          'imu': self._publish_imu, 'scan': self._publish_scan}
         rospy.Subscriber('cmd_vel', Twist, self._keep_command, queue_size=10, tcp_nodelay=True)
         for name, action in (('pause_physics', self._pause), ('unpause_physics', self._unpause),
-                             ('reset_world', self._simulator.reset_world),
+                             ('reset_world', self._reset_world),
                              ('reset_simulation', self._reset_simulation)):
             rospy.Service('~' + name, Empty, self._handler(name, action))
 
@@ -112,7 +112,12 @@ class PybulletSim:
     def _unpause(self) -> None:
         self._paused = False
 
+    def _reset_world(self) -> None:
+        self._commands.take()       # one from before the reset is not for after it
+        self._simulator.reset_world()
+
     def _reset_simulation(self) -> None:
+        self._commands.take()
         self._simulator.reset_simulation()
         # told at once: while the physics is paused no step would do so
         self._publish_clock()

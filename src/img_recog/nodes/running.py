@@ -1,4 +1,6 @@
 """From a script to a running node and back to an exit code."""
+import signal
+import threading
 from typing import Callable
 
 import rospy
@@ -6,13 +8,18 @@ import rospy
 from img_recog.errors import UserError
 
 
-def run(name: str, serve: Callable[[], None]) -> int:
+def run(name: str, serve: Callable[[], None], rospy_signals: bool = False) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
 
     What a user can mend ends the node with one line at FATAL and code 1; being shut down is
     code 0.
     """
-    rospy.init_node(name)
+    # rospy's own handler shuts down within the interrupted call; where that is a publish in the
+    # main thread, both wait for the same lock for ever
+    rospy.init_node(name, disable_signals=not rospy_signals)
+    if not rospy_signals:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, _shut_down)
     try:
         serve()
     except rospy.ROSException:
@@ -25,3 +32,7 @@ def run(name: str, serve: Callable[[], None]) -> int:
         rospy.signal_shutdown('cannot go on')
         return 1
     return 0
+
+
+def _shut_down(number: int, _) -> None:
+    threading.Thread(target=rospy.signal_shutdown, args=('signal {}'.format(number),)).start()

@@ -62,4 +62,5 @@ class TeleopKey:
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return running.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin())
+    return running.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin(),
+                       rospy_signals=True)

@@ -1,0 +1,36 @@
+"""Calibration URLs and the paths that users type."""
+import os
+
+import pytest
+
+from img_recog.nodes import camera_info_urls, user_paths
+
+
+def test_calibration_urls(monkeypatch, tmp_path):
+    monkeypatch.setenv('ROS_HOME', str(tmp_path))
+    default = str(tmp_path / 'camera_info' / 'front.yaml')
+    assert camera_info_urls.path_of('', 'front') == default
+    assert camera_info_urls.path_of('file://${ROS_HOME}/camera_info/${NAME}.yaml',
+                                    'front') == default
+    assert camera_info_urls.path_of('file:///a/b.yaml', 'front') == '/a/b.yaml'
+    package = camera_info_urls.path_of('package://sensor_msgs/c/d.yaml', 'front')
+    assert package.endswith('sensor_msgs/c/d.yaml') and os.path.isabs(package)
+
+
+@pytest.mark.parametrize('url, words', [
+    ('http://x/y', "got 'http://x/y', allowed is file:///PATH"),
+    ('file://relative', "got 'file://relative'"),
+    ('package://no_such_package/a.yaml', 'there is no package no_such_package')])
+def test_calibration_urls_that_are_refused(url, words):
+    with pytest.raises(camera_info_urls.UrlError) as error:
+        camera_info_urls.path_of(url, 'front')
+    assert words in str(error.value)
+
+
+def test_relative_paths_are_looked_for_where_the_user_stands(monkeypatch, tmp_path):
+    (tmp_path / 'my.urdf').write_text('')
+    (tmp_path / 'empty').write_text('')
+    monkeypatch.setenv('PWD', str(tmp_path))
+    assert user_paths.found('my.urdf') == str(tmp_path / 'my.urdf')
+    assert user_paths.found('no.urdf') == 'no.urdf'
+    assert user_paths.found('empty', but=('empty',)) == 'empty'
