@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Recognise colours in images and command the robot."""
+import signal
 import sys
 
-from img_recog.nodes.color_img_recog import main
-
 if __name__ == '__main__':
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    from img_recog.nodes.color_img_recog import main
     sys.exit(main())

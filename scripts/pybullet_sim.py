@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Simulate the TurtleBot3 burger in the place of Gazebo."""
+import signal
 import sys
 
-from img_recog.nodes.pybullet_sim import main
-
 if __name__ == '__main__':
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    from img_recog.nodes.pybullet_sim import main
     sys.exit(main())

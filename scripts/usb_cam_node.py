@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Publish the frames of a camera, a film, a still image or the synthetic scene."""
+import signal
 import sys
 
-from img_recog.nodes.usb_cam_node import main
-
 if __name__ == '__main__':
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    from img_recog.nodes.usb_cam_node import main
     sys.exit(main())

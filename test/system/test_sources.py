@@ -1,4 +1,4 @@
-"""The linters are content, and the launch file documents itself."""
+"""The linters are content, and the launch file and its arguments are explained."""
 import os
 import re
 import subprocess
@@ -54,3 +54,9 @@ def test_pure_modules_know_no_ros_and_nothing_of_each_other():
             with open(os.path.join(path, name)) as file:
                 imports = [line for line in file if re.match(r'\s*(import|from) ', line)]
             assert [line for line in imports if re.search(forbidden, line)] == [], name
+
+
+def test_run_refuses_a_misspelt_launch_argument():
+    code, output = run('./run', 'demo', 'camra:=synthetic')
+    assert code == 1
+    assert output.startswith('[run] demo.launch has no argument camra; it has camera image_width')

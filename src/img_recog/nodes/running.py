@@ -8,17 +8,18 @@ import rospy
 from img_recog.errors import UserError
 
 
-def run(name: str, serve: Callable[[], None], rospy_signals: bool = False) -> int:
+def run(name: str, serve: Callable[[], None]) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
 
     What a user can mend ends the node with one line at FATAL and code 1; being shut down is
-    code 0.
+    code 0. SIGINT, SIGTERM and SIGHUP (a terminal that is closed) shut it down; `serve` still
+    runs while the hooks of rospy.on_shutdown do.
     """
     # rospy's own handler shuts down within the interrupted call; where that is a publish in the
     # main thread, both wait for the same lock for ever
-    rospy.init_node(name, disable_signals=not rospy_signals)
-    if not rospy_signals:
-        for number in (signal.SIGINT, signal.SIGTERM):
+    rospy.init_node(name, disable_signals=True)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
             signal.signal(number, _shut_down)
     try:
         serve()

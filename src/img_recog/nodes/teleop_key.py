@@ -4,7 +4,7 @@ Publishes: cmd_vel (geometry_msgs/Twist, 10 Hz, always; zeros when idle and once
 Subscribes to nothing. Reads: ~linear_step, ~angular_step, ~max_linear_velocity,
 ~max_angular_velocity (TeleopSettings).
 """
-import signal
+import threading
 import time
 
 import rospy
@@ -29,9 +29,9 @@ class TeleopKey:
         parameters.warn_of_unknown(TeleopSettings)
         self._profile = VelocityProfile(settings)
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+        self._sending = threading.Lock()
+        self._stopped = False
         rospy.on_shutdown(self._stop_robot)
-        # a terminal that is closed must not leave the robot driving
-        signal.signal(signal.SIGHUP, lambda *_: rospy.signal_shutdown('terminal closed'))
 
     def spin(self) -> None:
         """Read keys and send commands until the node is shut down."""
@@ -41,7 +41,7 @@ class TeleopKey:
                           'terminal of its own to drive')
             deadline = time.monotonic()
             while not rospy.is_shutdown():
-                self._velocity.publish(twist_msgs.to_msg(*self._profile.tick()))
+                self._send(*self._profile.tick())
                 deadline = max(deadline + _PERIOD_S, time.monotonic())
                 self._take_keys(keyboard, deadline)
 
@@ -54,13 +54,19 @@ class TeleopKey:
                               self._profile.target_linear, self._profile.target_angular)
             remaining = deadline - time.monotonic()
 
+    def _send(self, linear: float, angular: float) -> None:
+        with self._sending:
+            if not self._stopped:
+                self._velocity.publish(twist_msgs.to_msg(linear, angular))
+
     def _stop_robot(self) -> None:
-        self._velocity.publish(twist_msgs.to_msg(0.0))
+        with self._sending:
+            self._stopped = True        # spin goes on until all shutdown hooks have run
+            self._velocity.publish(twist_msgs.to_msg(0.0))
         # the publisher sends from a thread of its own, which the shutdown would cut off
         time.sleep(_FLUSH_S)
 
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return running.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin(),
-                       rospy_signals=True)
+    return running.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin())
