@@ -35,22 +35,22 @@ def test_noise_is_as_large_as_it_says():
 def test_driving_off_pushes_forward():
     sim = simulator(imu=QUIET)
     sim.advance(1000)
-    sim.command(0.4, 0.0)
+    sim.vehicles[0].command(0.4, 0.0)
     force = np.mean([value.linear_acceleration for value in measure(sim, 300)], axis=0)
-    assert force[0] == pytest.approx(sim.robot.motion().linear[0] / 0.3, rel=0.1)
+    assert force[0] == pytest.approx(sim.vehicles[0].robot.motion().linear[0] / 0.3, rel=0.1)
     assert force[0] > 0.5
 
 
 def test_turning_left_is_positive_about_z():
     sim = simulator(imu=QUIET)
-    sim.command(0.0, 1.0)
+    sim.vehicles[0].command(0.0, 1.0)
     sim.advance(1000)
     assert measure(sim, 100)[-1].angular_velocity[2] == pytest.approx(1.0, rel=0.03)
 
 
 def test_being_put_elsewhere_is_no_push():
     sim = simulator(imu=QUIET)
-    sim.command(1.0, 0.0)
+    sim.vehicles[0].command(1.0, 0.0)
     sim.advance(1000)
     sim.reset_world()
     first = measure(sim, 5)[0]

@@ -13,7 +13,7 @@ ANGLES = np.linspace(0.0, 6.28319, 360)
 def scan(sim):
     """Return the first scan and where its origin is in the world."""
     reading = next(each for each in sim.advance(200) if each.sensor == 'scan')
-    return reading.value, sim.robot.motion('base_scan')
+    return reading.value, sim.vehicles[0].robot.motion('base_scan')
 
 
 def ray_to_circle(origin, direction, centre, radius):

@@ -2,7 +2,7 @@
 import numpy as np
 
 from img_recog.simulation.motion_state import MotionState
-from img_recog.simulation.robot import Motion
+from img_recog.simulation.body import Motion
 
 
 def moving(linear_x=0.0, angular_z=0.0):

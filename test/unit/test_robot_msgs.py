@@ -10,7 +10,8 @@ from std_msgs.msg import Header
 from img_recog.camera.calibration import Calibration
 from img_recog.nodes import camera_info_msgs, robot_msgs, sensing_msgs, twist_msgs
 from img_recog.simulation.imu import Inertial
-from img_recog.simulation.robot import JointStates, Motion
+from img_recog.simulation.body import Motion
+from img_recog.simulation.robot import JointStates
 from img_recog.simulation.settings import ImuSettings, ScanSettings
 
 STAMP = rospy.Time(12, 34)

@@ -15,15 +15,15 @@ def yaw_of(motion):
 
 
 def test_mass_is_the_burgers():
-    assert simulator().robot.mass() == pytest.approx(1.0017329, abs=1e-6)
+    assert simulator().vehicles[0].robot.mass() == pytest.approx(1.0017329, abs=1e-6)
 
 
 def test_stands_still_for_a_minute():
     sim = simulator()
     sim.advance(1000)
-    before = sim.robot.motion()
+    before = sim.vehicles[0].robot.motion()
     sim.advance(60000)
-    after = sim.robot.motion()
+    after = sim.vehicles[0].robot.motion()
     assert np.linalg.norm(after.position - before.position) < 0.001
     assert abs(yaw_of(after) - yaw_of(before)) < math.radians(0.1)
 
@@ -31,63 +31,63 @@ def test_stands_still_for_a_minute():
 @pytest.mark.parametrize('yaw', [0.0, 2.0])
 def test_drives_straight(yaw):
     sim = simulator(yaw=yaw)
-    sim.command(0.22, 0.0)
+    sim.vehicles[0].command(0.22, 0.0)
     sim.advance(1000)
-    before = sim.robot.motion()
+    before = sim.vehicles[0].robot.motion()
     sim.advance(22727)
-    along, across = before.position, sim.robot.motion().position - before.position
+    along, across = before.position, sim.vehicles[0].robot.motion().position - before.position
     heading = np.array([math.cos(yaw), math.sin(yaw)])
     forward = across[:2] @ heading
     sideways = across[:2] @ np.array([-heading[1], heading[0]])
     assert forward == pytest.approx(5.0, rel=0.02)
     assert abs(sideways) < 0.02
-    assert sim.robot.motion().linear[0] == pytest.approx(0.22, rel=0.02)
+    assert sim.vehicles[0].robot.motion().linear[0] == pytest.approx(0.22, rel=0.02)
     assert along[2] == pytest.approx(0.0, abs=0.001)
 
 
 def test_backward_is_negative():
     sim = simulator()
-    sim.command(-0.22, 0.0)
+    sim.vehicles[0].command(-0.22, 0.0)
     sim.advance(2000)
-    assert sim.robot.motion().linear[0] == pytest.approx(-0.22, rel=0.02)
-    assert sim.robot.motion().position[0] < -0.3
+    assert sim.vehicles[0].robot.motion().linear[0] == pytest.approx(-0.22, rel=0.02)
+    assert sim.vehicles[0].robot.motion().position[0] < -0.3
 
 
 def test_turns_in_place_to_the_left():
     sim = simulator()
-    sim.command(0.0, 1.0)
+    sim.vehicles[0].command(0.0, 1.0)
     sim.advance(1000)
-    start, last, turned = sim.robot.motion(), yaw_of(sim.robot.motion()), 0.0
+    start, last, turned = sim.vehicles[0].robot.motion(), yaw_of(sim.vehicles[0].robot.motion()), 0.0
     for _ in range(628):
         sim.advance(100)
-        turned += math.remainder(yaw_of(sim.robot.motion()) - last, 2 * math.pi)
-        last = yaw_of(sim.robot.motion())
+        turned += math.remainder(yaw_of(sim.vehicles[0].robot.motion()) - last, 2 * math.pi)
+        last = yaw_of(sim.vehicles[0].robot.motion())
     assert turned == pytest.approx(62.8, rel=0.03)
-    assert np.linalg.norm(sim.robot.motion().position - start.position) < 0.03
+    assert np.linalg.norm(sim.vehicles[0].robot.motion().position - start.position) < 0.03
 
 
 def test_acceleration_from_rest_is_that_of_the_plugin():
     sim = simulator()
     sim.advance(500)
-    sim.command(10.0, 0.0)
+    sim.vehicles[0].command(10.0, 0.0)
     sim.advance(500)
-    assert 0.4 < sim.robot.motion().linear[0] < 0.55
+    assert 0.4 < sim.vehicles[0].robot.motion().linear[0] < 0.55
 
 
 def test_forward_and_back_with_slipping_wheels_keeps_the_heading():
     # the demo: full speed ahead and back, where the tyres slide
     sim = simulator()
     for speed in (10.0, 0.0, -10.0, 0.0):
-        sim.command(speed, 0.0)
+        sim.vehicles[0].command(speed, 0.0)
         sim.advance(2000)
-    assert abs(yaw_of(sim.robot.motion())) < 0.2
+    assert abs(yaw_of(sim.vehicles[0].robot.motion())) < 0.2
 
 
 def test_twist_is_in_the_robots_own_frame():
     sim = simulator(yaw=math.pi / 2)
-    sim.command(0.2, 0.0)
+    sim.vehicles[0].command(0.2, 0.0)
     sim.advance(2000)
-    motion = sim.robot.motion()
+    motion = sim.vehicles[0].robot.motion()
     assert motion.position[1] > 0.3 and abs(motion.position[0]) < 0.01
     assert motion.linear[0] == pytest.approx(0.2, rel=0.02)
     assert abs(motion.linear[1]) < 0.005
@@ -95,43 +95,43 @@ def test_twist_is_in_the_robots_own_frame():
 
 def test_wheels_turn_as_far_as_the_robot_drives():
     sim = simulator()
-    sim.command(0.2, 0.0)
+    sim.vehicles[0].command(0.2, 0.0)
     sim.advance(5000)
-    states = sim.robot.joint_states()
+    states = sim.vehicles[0].robot.joint_states()
     assert states.names == ('wheel_left_joint', 'wheel_right_joint')
     assert states.velocities == pytest.approx([0.2 / 0.033] * 2, rel=0.01)
-    driven = sim.robot.motion().position[0]
+    driven = sim.vehicles[0].robot.motion().position[0]
     assert states.positions == pytest.approx([driven / 0.033] * 2, rel=0.02)
 
 
 def test_starts_where_it_is_put():
-    motion = simulator(x=1.0, y=-2.0, yaw=0.5).robot.motion()
+    motion = simulator(x=1.0, y=-2.0, yaw=0.5).vehicles[0].robot.motion()
     assert motion.position == pytest.approx([1.0, -2.0, 0.0], abs=1e-6)
     assert yaw_of(motion) == pytest.approx(0.5, abs=1e-6)
 
 
 def test_a_wall_stops_it():
     sim = simulator('turtlebot3_world', x=2.0, y=-0.5)
-    sim.command(0.22, 0.0)
+    sim.vehicles[0].command(0.22, 0.0)
     sim.advance(8000)
     # the inner side of the wall is at x 2.644 for y -0.5, the robot's nose 0.04 m before its root
-    assert 2.3 < sim.robot.motion().position[0] < 2.644
+    assert 2.3 < sim.vehicles[0].robot.motion().position[0] < 2.644
 
 
 def test_reset_world_keeps_time_and_forgets_the_command():
     sim = simulator(x=-2.0)
-    sim.command(1.0, 0.5)
+    sim.vehicles[0].command(1.0, 0.5)
     sim.advance(2000)
     sim.reset_world()
-    assert sim.robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
+    assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
     assert sim.time_s == pytest.approx(2.0)
     sim.advance(1000)
-    assert sim.robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
+    assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
 
 
 def test_reset_simulation_sets_the_time_to_zero():
     sim = simulator()
-    sim.command(1.0, 0.0)
+    sim.vehicles[0].command(1.0, 0.0)
     sim.advance(1000)
     sim.reset_simulation()
     assert sim.time_s == 0.0
@@ -153,7 +153,7 @@ def trajectory(cut):
     """Drive the same commands in pieces of `cut` steps and return every reading's bytes."""
     sim, seen = simulator('turtlebot3_world', x=-2.0, y=-0.5), []
     for linear, angular in ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0)):
-        sim.command(linear, angular)
+        sim.vehicles[0].command(linear, angular)
         for _ in range(1200 // cut):
             for reading in sim.advance(cut):
                 if reading.sensor == 'odometry':

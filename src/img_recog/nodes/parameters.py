@@ -1,13 +1,15 @@
 """The one place where the parameter server is read."""
 import dataclasses
 import difflib
-from typing import Type, TypeVar
+from types import MappingProxyType
+from typing import Any, Mapping, Type, TypeVar
 
 import rospy
 
 from img_recog.errors import UserError
 from img_recog.settings import SettingError, Settings, declared
 
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
 SettingsType = TypeVar('SettingsType', bound=Settings)
 
 
@@ -15,23 +17,28 @@ class ParameterError(UserError):
     """A parameter is missing or has a value that is not allowed."""
 
 
-def read(settings_class: Type[SettingsType]) -> SettingsType:
+def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHING) -> SettingsType:
     """Return the settings with every field overridden for which there is a private parameter.
 
+    stated: values that come before the defaults and after the parameters: those of a robot
+    description.
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
     private = _private_parameters()
     names = {field.name for field in declared(settings_class)}
+    given = {**stated, **private}
     try:
-        return settings_class(**{name: private[name] for name in names & set(private)})
+        return settings_class(**{name: given[name] for name in names & set(given)})
     except SettingError as error:
-        raise ParameterError('parameter {}: got {!r}, allowed is {}'.format(
-            rospy.resolve_name('~' + error.name), error.value, error.allowed))
+        where = ('parameter ' + rospy.resolve_name('~' + error.name) if error.name in private
+                 else '{}, as robot_description states it'.format(error.name))
+        raise ParameterError('{}: got {!r}, allowed is {}'.format(
+            where, error.value, error.allowed))
 
 
-def read_group(group_class: type):
+def read_group(group_class: type, stated: Mapping[str, Any] = _NOTHING):
     """Return a dataclass whose fields are settings, each read as by `read`."""
-    return group_class(**{field.name: read(type(field.default))
+    return group_class(**{field.name: read(type(field.default), stated)
                           for field in dataclasses.fields(group_class)})
 
 

@@ -4,34 +4,40 @@ Subscribes: cmd_vel (geometry_msgs/Twist; the last one holds until the next).
 Publishes: /clock (rosgraph_msgs/Clock, 100 Hz of simulated time), odom (nav_msgs/Odometry, frame
 odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_states
 (sensor_msgs/JointState, 30 Hz), imu (sensor_msgs/Imu, frame imu_link, 200 Hz), scan
-(sensor_msgs/LaserScan, frame base_scan, 5 Hz).
-Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty).
+(sensor_msgs/LaserScan, frame base_scan, 5 Hz), ~real_time_factor (std_msgs/Float64, as measured,
+1 Hz of wall time), ~view/image_raw (sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
+~model_states (gazebo_msgs/ModelStates, 100 Hz) where gazebo_msgs is installed.
+Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), and
+~get_model_state, ~set_model_state (gazebo_msgs) where that is installed.
 Reads: robot_description, and the fields of all settings of the simulation as private parameters.
 """
-import dataclasses
 import os
 import time
+from concurrent.futures import TimeoutError as LateError
+from typing import Callable
 
 import rospkg
 import rospy
-import tf2_ros
-from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu, JointState, LaserScan
+from std_msgs.msg import Float64
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.nodes import (parameters, robot_msgs, running, sensing_msgs, twist_msgs,
-                             user_paths)
-from img_recog.nodes.slots import Newest, Requests
-from img_recog.simulation import description, world
-from img_recog.simulation.motion_state import MotionState
-from img_recog.simulation.pacing import RealTimePacer
-from img_recog.simulation.settings import SimulatorSettings, WindowSettings, whole_steps
-from img_recog.simulation.simulator import Reading, Simulator
-from img_recog.simulation.viewer import Viewer
+from img_recog.nodes import gazebo_interface, mesh_uris, parameters, robot_msgs, running, user_paths
+from img_recog.nodes.prompt_publisher import PromptPublisher
+from img_recog.nodes.robot_topics import RobotTopics, TopicSettings
+from img_recog.nodes.slots import Requests
+from img_recog.nodes.view_topic import ViewTopic
+from img_recog.simulation import description, gazebo_tags, loading, meshes, world_file
+from img_recog.simulation.models import Models
+from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer
+from img_recog.simulation.scene import Scene, poses_of
+from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, ViewSettings,
+                                           whole_steps)
+from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.window import Window
+from img_recog.simulation.world import World
 
-_ODOM_FRAME = 'odom'
 _WARNING_PERIOD_S = 5.0
 _LOOK_UP_S = 0.1
 _SERVICE_TIMEOUT_S = 5.0
@@ -41,25 +47,59 @@ class PybulletSim:
     """Steps the simulation in one loop; callbacks and services leave their wishes for it."""
 
     def __init__(self):
-        settings = parameters.read_group(SimulatorSettings)
-        window = parameters.read(WindowSettings)
-        parameters.warn_of_unknown(WindowSettings, *map(type, vars(settings).values()))
-        physics, self._scan, self._imu = settings.physics, settings.scan, settings.imu
+        physics, view = parameters.read(PhysicsSettings), parameters.read(ViewSettings)
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
-        robot, worlds = description.parse(parameters.robot_description()), _worlds()
-        self._root = robot.root
-        settings = dataclasses.replace(settings, physics=dataclasses.replace(
-            physics, world=user_paths.found(physics.world, but=('empty', *worlds))))
-        self._simulator = Simulator(robot, worlds, world.connect(), settings)
-        self._viewer = Viewer(robot, worlds, settings) if window.gui else None
+        urdf = parameters.robot_description()
+        robot = description.parse(urdf, mesh_uris.find)
+        stated = gazebo_tags.settings(urdf, physics.step_s)
+        settings = parameters.read_group(RobotSettings, stated)
+        topics = parameters.read(TopicSettings, stated)
+        parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings,
+                                   *map(type, vars(settings).values()))
+        file = _world_file(physics.world)
+        _warn_of_what_is_left_out(robot, urdf, file)
+
+        client = loading.connect()
+        world = World(physics, file, client)
+        vehicle = Vehicle(robot, settings, physics.step_s, client)
+        self._simulator = Simulator(world, [vehicle])
+        scene = Scene([robot], file)
+        self._window = Window(scene) if view.gui else None
+        self._factor = RealTimeFactor()
+        self._wanted_factor = physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
-        self._motion_state = MotionState()
         self._paused = False
-        self._commands, self._requests = Newest(), Requests()
+        self._requests = Requests()
         self._advertise()
-        rospy.loginfo('simulating %.4f kg with root link %s in world %s',
-                      self._simulator.robot.mass(), robot.root, physics.world)
+        self._view = ViewTopic(scene, view)
+        self._topics = {vehicle.robot.name: RobotTopics(vehicle, topics)}
+        rospy.loginfo('simulating %.4f kg with root link %s in world %s', vehicle.robot.mass(),
+                      robot.root, physics.world)
+
+    def _advertise(self) -> None:
+        self._clock = PromptPublisher('/clock', Clock, latch=True)
+        self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
+        for name, action in (('pause_physics', self._pause), ('unpause_physics', self._unpause),
+                             ('reset_world', self._reset_world),
+                             ('reset_simulation', self._reset_simulation)):
+            rospy.Service('~' + name, Empty, self._handler(name, action))
+        self._gazebo = None
+        if gazebo_interface.AVAILABLE:
+            self._gazebo = gazebo_interface.GazeboInterface(
+                Models(self._simulator), self._requests, lambda: self._simulator.time_s)
+        else:
+            rospy.loginfo('no gazebo_msgs installed: model_states, get_model_state and '
+                          'set_model_state are not offered')
+
+    def _handler(self, name: str, action: Callable[[], None]):
+        def handle(_):
+            try:
+                self._requests.do(action, _SERVICE_TIMEOUT_S)
+            except LateError:
+                raise rospy.ServiceException(name + ': the simulation does not answer')
+            return EmptyResponse()
+        return handle
 
     def spin(self) -> None:
         """Simulate until the node is shut down."""
@@ -67,13 +107,15 @@ class PybulletSim:
             if self._paused:
                 self._requests.serve(_LOOK_UP_S)
                 self._pacer.restart()
+                self._measure(0.0)
             else:
                 self._advance()
+                self._measure(self._clock_period_s)
                 self._wait(self._pacer.delay_s(self._clock_period_s))
-            self._warn_if_late()
-            self._update_window()
-        if self._viewer is not None:
-            self._viewer.close()
+            self._show()
+        self._view.close()
+        if self._window is not None:
+            self._window.close()
 
     def _wait(self, delay_s: float) -> None:
         """Serve requests until the next piece of time is due; look up at least ten times a second.
@@ -83,28 +125,41 @@ class PybulletSim:
         while time.monotonic() < due and not rospy.is_shutdown():
             self._requests.serve(min(due - time.monotonic(), _LOOK_UP_S))
 
-    def _advertise(self) -> None:
-        self._clock = rospy.Publisher('/clock', Clock, queue_size=100, latch=True)
-        self._odometry = rospy.Publisher('odom', Odometry, queue_size=10)
-        self._joint_states = rospy.Publisher('joint_states', JointState, queue_size=10)
-        self._transforms = tf2_ros.TransformBroadcaster()
-        self._imus = rospy.Publisher('imu', Imu, queue_size=100)
-        self._scans = rospy.Publisher('scan', LaserScan, queue_size=10)
-        self._publish = {'odometry': self._publish_odometry,
-                         'joint_states': self._publish_joint_states,
-                         'imu': self._publish_imu, 'scan': self._publish_scan}
-        rospy.Subscriber('cmd_vel', Twist, self._keep_command, queue_size=10, tcp_nodelay=True)
-        for name, action in (('pause_physics', self._pause), ('unpause_physics', self._unpause),
-                             ('reset_world', self._reset_world),
-                             ('reset_simulation', self._reset_simulation)):
-            rospy.Service('~' + name, Empty, self._handler(name, action))
+    def _advance(self) -> None:
+        for topics in self._topics.values():
+            topics.before()
+        readings = self._simulator.advance(self._clock_steps)
+        # the clock first, so that no sensor is ahead of it
+        self._publish_clock()
+        for reading in readings:
+            self._topics[reading.robot].publish(reading)
+        if self._gazebo is not None:
+            self._gazebo.update()
 
-    def _handler(self, name, action):
-        def handle(_):
-            if not self._requests.do(action, _SERVICE_TIMEOUT_S):
-                raise rospy.ServiceException(name + ': the simulation does not answer')
-            return EmptyResponse()
-        return handle
+    def _publish_clock(self) -> None:
+        now = robot_msgs.stamp_of(self._simulator.time_s)
+        running.set_time(now)
+        self._clock.publish(Clock(now))
+
+    def _measure(self, simulated_s: float) -> None:
+        measured = self._factor.update(simulated_s)
+        if measured is not None:
+            self._factors.publish(Float64(measured))
+        if self._pacer.late:
+            self._pacer.late = False
+            rospy.logwarn_throttle(
+                _WARNING_PERIOD_S, 'this machine is too slow for real_time_factor {:g}: simulated '
+                'time falls behind (now {:.2f}), no step is skipped'.format(
+                    self._wanted_factor, self._factor.last))
+
+    def _show(self) -> None:
+        self._view.update(self._simulator)
+        if self._window is None or not self._window.due():
+            return
+        gone = self._window.show(poses_of(self._simulator))
+        if gone is not None:
+            rospy.logwarn('no window: %s; the simulation goes on without', gone)
+            self._window = None
 
     def _pause(self) -> None:
         self._paused = True
@@ -113,76 +168,36 @@ class PybulletSim:
         self._paused = False
 
     def _reset_world(self) -> None:
-        self._commands.take()       # one from before the reset is not for after it
+        for topics in self._topics.values():
+            topics.forget_command()
         self._simulator.reset_world()
 
     def _reset_simulation(self) -> None:
-        self._commands.take()
+        self._reset_world()
         self._simulator.reset_simulation()
         # told at once: while the physics is paused no step would do so
         self._publish_clock()
 
-    def _keep_command(self, msg: Twist) -> None:
-        try:
-            self._commands.put(twist_msgs.from_msg(msg))
-        except twist_msgs.TwistError as error:
-            rospy.logwarn_throttle(_WARNING_PERIOD_S, 'cmd_vel ignored: {}'.format(error))
 
-    def _advance(self) -> None:
-        command = self._commands.take()
-        if command is not None:
-            self._simulator.command(*command)
-        readings = self._simulator.advance(self._clock_steps)
-        # the clock first, so that no sensor is ahead of it
-        self._publish_clock()
-        for reading in readings:
-            self._publish[reading.sensor](reading)
-
-    def _publish_clock(self) -> None:
-        self._clock.publish(Clock(robot_msgs.stamp_of(self._simulator.time_s)))
-
-    def _publish_odometry(self, reading: Reading) -> None:
-        msg = robot_msgs.odometry_to_msg(reading.value, robot_msgs.stamp_of(reading.time_s),
-                                         _ODOM_FRAME, self._root)
-        self._odometry.publish(msg)
-        self._transforms.sendTransform(robot_msgs.transform_of(msg))
-        news = self._motion_state.update(reading.value)
-        if news is not None:
-            rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', news, *reading.value.position[:2])
-
-    def _publish_joint_states(self, reading: Reading) -> None:
-        self._joint_states.publish(robot_msgs.joint_states_to_msg(
-            reading.value, robot_msgs.stamp_of(reading.time_s)))
-
-    def _publish_imu(self, reading: Reading) -> None:
-        self._imus.publish(sensing_msgs.imu_to_msg(
-            reading.value, robot_msgs.stamp_of(reading.time_s), self._imu))
-
-    def _publish_scan(self, reading: Reading) -> None:
-        self._scans.publish(sensing_msgs.scan_to_msg(
-            reading.value, robot_msgs.stamp_of(reading.time_s), self._scan))
-
-    def _warn_if_late(self) -> None:
-        if self._pacer.late:
-            self._pacer.late = False
-            rospy.logwarn_throttle(
-                _WARNING_PERIOD_S, 'this machine is too slow for the real_time_factor asked for: '
-                                   'simulated time falls behind, no step is skipped')
-
-    def _update_window(self) -> None:
-        if self._viewer is None:
-            return
-        gone = self._viewer.show(self._simulator.robot.pose())
-        if gone is not None:
-            rospy.logwarn('no window: %s; the simulation goes on without', gone)
-            self._viewer = None
-
-
-def _worlds() -> dict:
+def _world_file(world: str) -> world_file.WorldFile:
     folder = os.path.join(rospkg.RosPack().get_path('img_recog'), 'urdf')
-    return {'turtlebot3_world': os.path.join(folder, 'turtlebot3_world.urdf')}
+    worlds = {'turtlebot3_world': os.path.join(folder, 'turtlebot3_world.urdf')}
+    path = user_paths.found(world, but=(world_file.EMPTY, *worlds))
+    return world_file.read(path, worlds, mesh_uris.find)
+
+
+def _warn_of_what_is_left_out(robot: description.Description, urdf: str,
+                              file: world_file.WorldFile) -> None:
+    if robot.missing_meshes:
+        rospy.logwarn('robot_description: %s', meshes.described(robot.missing_meshes))
+    strange = gazebo_tags.not_simulated(urdf)
+    if strange:
+        rospy.logwarn('robot_description: <gazebo> tags that this simulator has nothing for: %s',
+                      ', '.join(strange))
+    for warning in file.warnings:
+        rospy.logwarn('%s', warning)
 
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return running.run('gazebo', lambda: PybulletSim().spin())
+    return running.run('gazebo', lambda: PybulletSim().spin(), source_of_time=True)

@@ -5,15 +5,16 @@ from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 
-from img_recog.simulation.robot import JointStates, Motion
+from img_recog.simulation.body import Motion
+from img_recog.simulation.robot import JointStates
 
 # of x, y, z, roll, pitch, yaw (libgazebo_ros_diff_drive): z, roll and pitch are not estimated
-_POSE_VARIANCES = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
+_POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist()
 
 
 def stamp_of(time_s: float) -> rospy.Time:
     """Return simulated time as a stamp, to the nearest nanosecond (from_sec would cut off)."""
-    return rospy.Time(nsecs=round(time_s * 1e9))
+    return rospy.Time(*divmod(round(time_s * 1e9), 1000000000))
 
 
 def odometry_to_msg(motion: Motion, stamp: rospy.Time, frame_id: str,
@@ -23,7 +24,7 @@ def odometry_to_msg(motion: Motion, stamp: rospy.Time, frame_id: str,
     msg.header.stamp, msg.header.frame_id = stamp, frame_id
     msg.pose.pose.position = Point(*motion.position)
     msg.pose.pose.orientation = Quaternion(*motion.orientation)
-    msg.pose.covariance = np.diag(_POSE_VARIANCES).ravel().tolist()
+    msg.pose.covariance = _POSE_COVARIANCE
     msg.twist.twist.linear = Vector3(*motion.linear)
     msg.twist.twist.angular = Vector3(*motion.angular)
     return msg

@@ -8,8 +8,10 @@ import rospy
 from img_recog.errors import UserError
 
 
-def run(name: str, serve: Callable[[], None]) -> int:
+def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
+
+    source_of_time: whether it publishes /clock itself, and then calls `set_time`.
 
     What a user can mend ends the node with one line at FATAL and code 1; being shut down is
     code 0. SIGINT, SIGTERM and SIGHUP (a terminal that is closed) shut it down; `serve` still
@@ -17,7 +19,7 @@ def run(name: str, serve: Callable[[], None]) -> int:
     """
     # rospy's own handler shuts down within the interrupted call; where that is a publish in the
     # main thread, both wait for the same lock for ever
-    rospy.init_node(name, disable_signals=True)
+    rospy.init_node(name, disable_signals=True, disable_rostime=source_of_time)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
             signal.signal(number, _shut_down)
@@ -33,6 +35,14 @@ def run(name: str, serve: Callable[[], None]) -> int:
         rospy.signal_shutdown('cannot go on')
         return 1
     return 0
+
+
+def set_time(now: rospy.Time) -> None:
+    """Set this node's own time, which others have from /clock.
+
+    To subscribe to the clock that one publishes costs a quarter of the speed of a simulation.
+    """
+    rospy.rostime._set_rostime(now)
 
 
 def _shut_down(number: int, _) -> None:

@@ -42,4 +42,4 @@ def imu_from_msg(msg: Imu) -> Inertial:
 
 
 def _isotropic(variance: float) -> list:
-    return np.diag([variance] * 3).ravel().tolist()
+    return [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]

@@ -1,5 +1,6 @@
 """Where callbacks leave what they received for the one loop of a node."""
 import threading
+from concurrent.futures import Future
 from typing import Any, Callable, Optional
 
 
@@ -32,19 +33,20 @@ class Requests:
         self._condition = threading.Condition()
         self._waiting = []
 
-    def do(self, action: Callable[[], None], timeout_s: float) -> bool:
-        """Have the loop call `action`; return whether it did within `timeout_s`."""
-        done = threading.Event()
-        request = (action, done)
+    def do(self, action: Callable[[], Any], timeout_s: float) -> Any:
+        """Have the loop call `action`; return what it returns, raise what it raises.
+
+        Raises concurrent.futures.TimeoutError when the loop does not begin and end in time; what
+        has not begun by then is not done later.
+        """
+        future = Future()
         with self._condition:
-            self._waiting.append(request)
+            self._waiting.append((action, future))
             self._condition.notify()
-        if done.wait(timeout_s):
-            return True
-        with self._condition:
-            if request in self._waiting:    # what is called failed must not be done later
-                self._waiting.remove(request)
-        return False
+        try:
+            return future.result(timeout_s)
+        finally:
+            future.cancel()
 
     def serve(self, timeout_s: float) -> None:
         """Call in the loop: do what is asked, or wait up to `timeout_s` for the first request."""
@@ -52,6 +54,9 @@ class Requests:
             if not self._waiting and timeout_s > 0:
                 self._condition.wait(timeout_s)
             waiting, self._waiting = self._waiting, []
-        for action, done in waiting:
-            action()
-            done.set()
+        for action, future in waiting:
+            if future.set_running_or_notify_cancel():
+                try:
+                    future.set_result(action())
+                except Exception as error:      # belongs to whoever asked, not to the loop
+                    future.set_exception(error)

@@ -7,14 +7,16 @@ frame went. A fixed link that has a friction of its own stays, since PyBullet kn
 a link.
 """
 import math
+import os
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
-from typing import Dict, Optional
+from typing import Dict, Optional, Sequence
 
 import numpy as np
 
 from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
                                            to_rpy)
+from img_recog.simulation.meshes import FindMesh, find_file, resolve
 from img_recog.simulation.settings import SimulationError
 
 _INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')
@@ -32,23 +34,28 @@ class Frame:
 class Description:
     """A lumped robot.
 
-    urdf: XML text for PyBullet; root: name of the root link; frames: every link of the original
-    description; friction: lateral friction coefficient of the lumped links that state one.
+    name: of the robot; urdf: XML text for PyBullet; root: name of the root link; frames: every
+    link of the original description; friction: lateral friction coefficient of the lumped links
+    that state one; missing_meshes: URIs of meshes that were not found.
     """
 
+    name: str
     urdf: str
     root: str
     frames: Dict[str, Frame]
     friction: Dict[str, float]
+    missing_meshes: Sequence[str] = ()
 
 
-def parse(urdf: str) -> Description:
+def parse(urdf: str, find_mesh: FindMesh = find_file(os.sep)) -> Description:
     """Read and lump a robot description.
 
+    find_mesh: how the URI of a mesh leads to a file.
     Raises SimulationError in one line when it is no URDF, is no tree, or when something in it
     has a mass or a number that cannot be simulated.
     """
     robot = _parsed(urdf)
+    missing = resolve(robot, find_mesh)
     links = {link.get('name'): link for link in robot.findall('link')}
     parents = _joints_by_child(robot, links)
     root = _root(links, parents)
@@ -72,7 +79,8 @@ def parse(urdf: str) -> Description:
             _set_origin(joint, carrier.pose @ _origin(joint))
     for name in {frame.link for frame in frames.values()}:
         _set_inertia(name, links[name], inertias[name])
-    return Description(ElementTree.tostring(robot, 'unicode'), root, frames, friction)
+    return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'), root,
+                       frames, friction, tuple(missing))
 
 
 def _parsed(urdf: str) -> ElementTree.Element:

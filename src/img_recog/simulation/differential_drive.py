@@ -14,22 +14,33 @@ class DifferentialDrive:
         self._half_separation = settings.wheel_separation / 2
         self._radius = settings.wheel_diameter / 2
         self._step = settings.wheel_acceleration * settings.drive_period_s
+        self._limits = settings.max_linear_velocity, settings.max_angular_velocity
+        # in periods, since simulated time is counted, not summed up
+        self._timeout = settings.cmd_vel_timeout / settings.drive_period_s
         self.reset()
 
     def reset(self) -> None:
         """Forget the last command and stand."""
         self._target = self._sent = (0.0, 0.0)
+        self._age = 0
 
     def command(self, linear_x: float, angular_z: float) -> None:
         """Take the command that holds until the next one: m/s and rad/s of the root link."""
+        linear_x, angular_z = (
+            max(-limit, min(limit, value)) if limit else value
+            for value, limit in zip((linear_x, angular_z), self._limits))
         difference = angular_z * self._half_separation
         self._target = (linear_x - difference, linear_x + difference)
+        self._age = 0
 
     def update(self, velocities: Tuple[float, float]) -> Tuple[float, float]:
         """Return the angular velocities to ask of the left and right wheel, in rad/s.
 
         velocities: those measured now, in rad/s. To be called once a drive period.
         """
+        if self._timeout and self._age >= self._timeout:
+            self._target = (0.0, 0.0)
+        self._age += 1
         near = any(abs(target - velocity * self._radius) < _CLOSE
                    for target, velocity in zip(self._target, velocities))
         if self._step == 0 or near:

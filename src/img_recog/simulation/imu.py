@@ -2,11 +2,13 @@
 from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
-import pybullet
 
+from img_recog.simulation.body import rotation_matrix
 from img_recog.simulation.robot import Robot
 from img_recog.simulation.settings import ImuSettings
 from img_recog.simulation.world import GRAVITY
+
+_UPWARDS = np.array((0.0, 0.0, GRAVITY))       # what an accelerometer at rest feels
 
 
 class Inertial(NamedTuple):
@@ -30,21 +32,20 @@ class Imu:
         robot.motion(settings.imu_frame)
         self._robot, self._settings, self._noise = robot, settings, noise
         self._period_s = period_s
-        self.reset()
+        self._deviations = np.repeat((settings.gyro_noise, settings.accel_noise), 3)
+        self.restart()
 
-    def reset(self) -> None:
-        """Forget the last velocity, as when the robot is put elsewhere."""
+    def restart(self) -> None:
+        """Forget the last velocity, as when the robot is put elsewhere or time has gone by."""
         self._velocity: Optional[np.ndarray] = None
 
     def observe(self) -> Inertial:
         """Return what the unit measures now; to be called once a period."""
         motion = self._robot.motion(self._settings.imu_frame)
-        to_world = np.reshape(pybullet.getMatrixFromQuaternion(motion.orientation), (3, 3))
+        to_world = rotation_matrix(motion.orientation)
         velocity = to_world @ motion.linear
         before = velocity if self._velocity is None else self._velocity
         self._velocity = velocity
-        force = to_world.T @ ((velocity - before) / self._period_s + (0.0, 0.0, GRAVITY))
-        return Inertial(
-            motion.orientation,
-            motion.angular + self._noise.normal(0.0, self._settings.gyro_noise, 3),
-            force + self._noise.normal(0.0, self._settings.accel_noise, 3))
+        force = ((velocity - before) / self._period_s + _UPWARDS) @ to_world
+        noise = self._noise.standard_normal(6) * self._deviations
+        return Inertial(motion.orientation, motion.angular + noise[:3], force + noise[3:])

@@ -2,6 +2,7 @@
 import numpy as np
 import pybullet
 
+from img_recog.simulation.body import rotation_matrix
 from img_recog.simulation.robot import COLLISION_GROUP, Robot
 from img_recog.simulation.settings import ScanSettings, SimulationError
 
@@ -25,6 +26,9 @@ class LaserScanner:
                              settings.scan_samples)
         self._directions = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
 
+    def restart(self) -> None:
+        """Do nothing: a scan hangs on nothing before."""
+
     def observe(self) -> np.ndarray:
         """Return the ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit.
 
@@ -32,11 +36,11 @@ class LaserScanner:
         """
         settings = self._settings
         motion = self._robot.motion(settings.scan_frame)
-        rotation = np.reshape(pybullet.getMatrixFromQuaternion(motion.orientation), (3, 3))
+        rotation = rotation_matrix(motion.orientation)
         ends = motion.position + settings.scan_range_max * (rotation @ self._directions).T
         starts = np.broadcast_to(motion.position, ends.shape)
         hits = pybullet.rayTestBatch(starts.tolist(), ends.tolist(),
-                                     collisionFilterMask=~COLLISION_GROUP,
+                                     collisionFilterMask=~COLLISION_GROUP, numThreads=0,
                                      physicsClientId=self._client)
         ranges = np.array([hit[2] for hit in hits]) * settings.scan_range_max
         missed = np.array([hit[0] < 0 for hit in hits])

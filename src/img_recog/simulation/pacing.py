@@ -1,9 +1,10 @@
-"""Holds simulated time to real time."""
+"""Holds simulated time to real time, and measures how well that goes."""
 import time
-from typing import Callable
+from typing import Callable, Optional
 
 # s of wall time: a machine that is later than this is too slow, and the difference is let go
 _MAX_DELAY = 0.5
+_MEASURING_S = 1.0
 
 
 class RealTimePacer:
@@ -32,3 +33,25 @@ class RealTimePacer:
             self.late = True
             self.restart()
         return max(0.0, delay_s)
+
+
+class RealTimeFactor:
+    """Measures the simulated seconds a second of wall time.
+
+    last: the newest measurement, 0 before the first.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic):
+        self._now = now
+        self._since, self._simulated_s = now(), 0.0
+        self.last = 0.0
+
+    def update(self, simulated_s: float) -> Optional[float]:
+        """Count simulated time; return the factor over the last second once that is over."""
+        self._simulated_s += simulated_s
+        passed = self._now() - self._since
+        if passed < _MEASURING_S:
+            return None
+        self.last = self._simulated_s / passed
+        self._since, self._simulated_s = self._now(), 0.0
+        return self.last

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from img_recog.errors import UserError
 from img_recog.settings import (Allowed, Settings, above, anything, at_least, between,
-                                not_empty, setting)
+                                not_empty, one_of, setting)
 
 
 class SimulationError(UserError):
@@ -17,7 +17,7 @@ class PhysicsSettings(Settings):
 
     step_s: of the physics; clock_period_s: between two /clock messages, a multiple of it.
     real_time_factor: simulated seconds a second; 0 is as fast as it goes.
-    world: turtlebot3_world, empty, or the path of a URDF file.
+    world: turtlebot3_world, empty, or the path of a URDF or SDF file.
     """
 
     step_s: float = setting(0.001, between(1e-5, 0.1))
@@ -43,6 +43,9 @@ class DriveSettings(Settings):
 
     wheel_separation, wheel_diameter: m. wheel_torque: N m a wheel. wheel_acceleration: m/s2 at
     the rim. drive_period_s: between two corrections of the wheel speeds.
+    max_linear_velocity, max_angular_velocity: m/s and rad/s that a command is cut off at; 0 is
+    no limit (the real burger has 0.22 and 2.84). cmd_vel_timeout: simulated s after which a
+    command that no other has followed ends; 0 is never.
     """
 
     left_joint: str = setting('wheel_left_joint', not_empty())
@@ -52,6 +55,24 @@ class DriveSettings(Settings):
     wheel_torque: float = setting(10.0, above(0))
     wheel_acceleration: float = setting(1.0, at_least(0))
     drive_period_s: float = setting(0.01, above(0))
+    max_linear_velocity: float = setting(0.0, at_least(0))
+    max_angular_velocity: float = setting(0.0, at_least(0))
+    cmd_vel_timeout: float = setting(0.0, at_least(0))
+
+
+@dataclass(frozen=True)
+class OdometrySettings(Settings):
+    """Odometry as libgazebo_ros_diff_drive has it.
+
+    odometry_source: the pose is the true one in the world, or counted from the start by the
+    turns of the wheels. odom_frame, base_frame: its frame_id and child_frame_id; without the
+    latter it is the root link. publish_odom_tf: whether the pose goes to tf as well.
+    """
+
+    odometry_source: str = setting('world', one_of('encoder', 'world'))
+    odom_frame: str = setting('odom', not_empty())
+    base_frame: str = setting('', anything())
+    publish_odom_tf: bool = setting(True)
 
 
 @dataclass(frozen=True)
@@ -96,19 +117,27 @@ class ImuSettings(Settings):
 
 
 @dataclass(frozen=True)
-class WindowSettings(Settings):
-    """gui: whether to show the simulation in a window."""
+class ViewSettings(Settings):
+    """What is drawn for people.
+
+    gui: whether to show the simulation in a window. view: from where ~view/image_raw is seen;
+    view_rate: images a second of wall time, at most; view_width, view_height: pixels.
+    """
 
     gui: bool = setting(False)
+    view: str = setting('above', one_of('above', 'follow'))
+    view_rate: float = setting(10.0, between(0.1, 60))
+    view_width: int = setting(640, between(16, 4096))
+    view_height: int = setting(480, between(16, 4096))
 
 
 @dataclass(frozen=True)
-class SimulatorSettings:
-    """All of the above that make up a simulation."""
+class RobotSettings:
+    """All that belongs to one robot."""
 
-    physics: PhysicsSettings = PhysicsSettings()
     spawn: SpawnSettings = SpawnSettings()
     drive: DriveSettings = DriveSettings()
+    odometry: OdometrySettings = OdometrySettings()
     sensors: SensorSettings = SensorSettings()
     scan: ScanSettings = ScanSettings()
     imu: ImuSettings = ImuSettings()
@@ -127,3 +156,8 @@ def whole_steps(name: str, period_s: float, step_s: float) -> int:
     nearest = ' or '.join('{:g}'.format(value) for value in (below, up) if value > 0)
     raise SimulationError('{}: got {:g} s, which does not divide into physics steps of {:g} s; '
                           'set {}'.format(name, period_s, step_s, nearest))
+
+
+def nearest_period(rate_hz: float, step_s: float) -> float:
+    """Return the period in s nearest to a rate that is a whole number of steps, at least one."""
+    return max(1, round(1 / rate_hz / step_s)) * step_s

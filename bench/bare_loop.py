@@ -1,0 +1,36 @@
+"""Print the steps a second of PyBullet alone: the world and robot of the node, and no more."""
+import os
+import sys
+import time
+
+from img_recog.simulation import description, loading, world_file
+from img_recog.simulation.settings import PhysicsSettings, RobotSettings
+from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.world import World
+
+FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'urdf')
+BATCH = 1000
+
+
+def main() -> int:
+    """Step for the seconds given as argument."""
+    seconds = float(sys.argv[1])
+    worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
+    client, physics = loading.connect(), PhysicsSettings()
+    world = World(physics, world_file.read('turtlebot3_world', worlds), client)
+    with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
+        robot = description.parse(file.read())
+    vehicle = Vehicle(robot, RobotSettings(), physics.step_s, client)
+    # as fast as the node's: 0.1 m/s and 0.5 rad/s, at once
+    vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))
+    world.step(BATCH)
+    steps, start = 0, time.perf_counter()
+    while time.perf_counter() - start < seconds:
+        world.step(BATCH)
+        steps += BATCH
+    sys.stdout.write('{}\n'.format(steps / (time.perf_counter() - start)))
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,71 @@
+"""Nodes under measurement, with a master of their own."""
+import os
+import signal
+import socket
+import subprocess
+import threading
+import time
+from typing import Dict, Optional
+
+_PATIENCE_S = 60.0
+_POLL = threading.Event()
+
+
+class Master:
+    """A master on a free port, and the nodes that are started with it; ends them all."""
+
+    def __init__(self):
+        with socket.socket() as probe:
+            probe.bind(('127.0.0.1', 0))
+            port = probe.getsockname()[1]
+        self.env = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:{}'.format(port),
+                        ROS_HOSTNAME='127.0.0.1')
+        self._processes = []
+        self.start('roscore', '-p', str(port))
+
+    def __enter__(self) -> 'Master':
+        wait_for(lambda: self._call('rosparam', 'list') == 0, 'the master')
+        return self
+
+    def __exit__(self, *_):
+        for process in reversed(self._processes):
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+                try:
+                    process.wait(20)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+
+    def start(self, *command: str, env: Optional[Dict[str, str]] = None) -> subprocess.Popen:
+        """Start a program that belongs to this master."""
+        process = subprocess.Popen(command, env={**self.env, **(env or {})},
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL)
+        self._processes.append(process)
+        return process
+
+    def set_parameter(self, name: str, value: str) -> None:
+        """Set a parameter, `value` as YAML or with rosparam's -t option a file."""
+        self._call('rosparam', 'set', name, value)
+
+    def _call(self, *command: str) -> int:
+        return subprocess.run(command, env=self.env, stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, check=False).returncode
+
+
+def wait_for(condition, what: str):
+    """Return the first true value of `condition()`; RuntimeError when it never comes."""
+    end = time.monotonic() + _PATIENCE_S
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        _POLL.wait(0.1)
+    raise RuntimeError('waited {:g} s in vain for {}'.format(_PATIENCE_S, what))
+
+
+def cpu_s(pid: int) -> float:
+    """Return the seconds of processor time that a process has taken so far."""
+    with open('/proc/{}/stat'.format(pid)) as file:
+        fields = file.read().rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')

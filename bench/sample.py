@@ -1,0 +1,39 @@
+"""Drive a running simulator in a circle and print, as JSON, how fast it is and what it takes."""
+import json
+import sys
+import time
+
+import rospy
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from ros_processes import cpu_s
+from rosgraph_msgs.msg import Clock
+
+
+def simulated_s() -> float:
+    """Return the time of /clock, subscribed to for this one message."""
+    return rospy.wait_for_message('/clock', Clock).clock.to_sec()
+
+
+def main() -> int:
+    """Sample for the seconds of the first argument the process of the second."""
+    seconds, pid = float(sys.argv[1]), int(sys.argv[2])
+    rospy.init_node('sample', disable_rostime=True)
+    commands = rospy.Publisher('/cmd_vel', Twist, latch=True, queue_size=1)
+    command = Twist()
+    command.linear.x, command.angular.z = 0.1, 0.5
+    commands.publish(command)
+    while rospy.wait_for_message('/odom', Odometry).twist.twist.linear.x < 0.09:
+        time.sleep(0.1)
+    commands.unregister()
+    simulated, processor, wall = simulated_s(), cpu_s(pid), time.perf_counter()
+    time.sleep(seconds)
+    simulated = simulated_s() - simulated
+    processor, wall = cpu_s(pid) - processor, time.perf_counter() - wall
+    sys.stdout.write(json.dumps({'real_time_factor': simulated / wall,
+                                 'cpu_share': processor / wall}) + '\n')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

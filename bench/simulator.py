@@ -1,0 +1,81 @@
+"""How fast the simulator node is, beside PyBullet alone."""
+import json
+import os
+import subprocess
+import sys
+from statistics import median
+
+import rosgraph
+from ros_processes import Master, wait_for
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PACKAGE = os.path.dirname(HERE)
+ROUNDS = 3
+SECONDS = 5.0
+STEPS_A_SECOND = 1000           # of simulated time: the step is 1 ms
+
+
+def run(name: str, *arguments, env=None):
+    """Return what a script of this folder printed last, as JSON."""
+    command = [sys.executable, os.path.join(HERE, name), *map(str, arguments)]
+    output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                            check=True).stdout
+    return json.loads(output.decode().splitlines()[-1])
+
+
+def node(real_time_factor: float, watched: bool) -> dict:
+    """Return what sample.py measures at a node of its own, whose topics are watched or not."""
+    with Master() as master:
+        server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
+        with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
+            server.setParam('/robot_description', file.read())
+        server.setParam('/use_sim_time', True)
+        server.setParam('/gazebo/real_time_factor', float(real_time_factor))
+        process = master.start(
+            sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo')
+        if watched:
+            master.start(sys.executable, os.path.join(HERE, 'watch_all.py'))
+        wait_for(lambda: '/clock' in dict(server.getPublishedTopics('')), 'the simulator')
+        return run('sample.py', SECONDS, process.pid, env=master.env)
+
+
+CASES = (('free run, no subscriber', 0, False), ('free run, all topics subscribed', 0, True),
+         ('real time, no subscriber', 1, False), ('real time, all topics subscribed', 1, True))
+
+
+def measure(progress) -> dict:
+    """Return the medians over some rounds, in each of which everything has its turn.
+
+    progress: called after each measurement with the share that is done.
+    """
+    bare, cases, done = [], {case: [] for case in CASES}, 0
+    for _ in range(ROUNDS):
+        bare.append(run('bare_loop.py', SECONDS))
+        for case in CASES:
+            cases[case].append(node(*case[1:]))
+            done += 1
+            progress(done / (ROUNDS * len(CASES)))
+    rows = []
+    for case, samples in cases.items():
+        factor = median(sample['real_time_factor'] for sample in samples)
+        # the ratio within each round: a machine that is slow for a while is slow for both
+        ratio = median(sample['real_time_factor'] * STEPS_A_SECOND / alone
+                       for sample, alone in zip(samples, bare))
+        rows.append({'case': case[0], 'steps_per_s': factor * STEPS_A_SECOND,
+                     'real_time_factor': factor, 'of_bare_loop': ratio,
+                     'cpu_share': median(sample['cpu_share'] for sample in samples)})
+    return {'bare_loop_steps_per_s': median(bare), 'node': rows}
+
+
+def table(results: dict) -> str:
+    """Return the results as a person reads them."""
+    lines = ['{:34} {:>10} {:>10} {:>12} {:>10}'.format(
+        'simulator in turtlebot3_world', 'steps/s', 'real time', 'of the bare', 'CPU of'),
+        '{:34} {:>10} {:>10} {:>12} {:>10}'.format('', '', 'factor', 'loop', 'a core')]
+    lines.append('{:34} {:10.0f} {:10.1f} {:>12}'.format(
+        'bare loop of stepSimulation', results['bare_loop_steps_per_s'],
+        results['bare_loop_steps_per_s'] / STEPS_A_SECOND, '1'))
+    for row in results['node']:
+        lines.append('{case:34} {steps_per_s:10.0f} {real_time_factor:10.2f} '
+                     '{of_bare_loop:12.2f} {cpu_share:10.1%}'.format(**row))
+    return '\n'.join(lines)

@@ -1,0 +1,19 @@
+"""Subscribe to every topic of the simulator, as a busy system would, and drop what comes."""
+import sys
+
+import rospy
+
+TOPICS = ('/clock', '/imu', '/joint_states', '/odom', '/scan', '/tf')
+
+
+def main() -> int:
+    """Watch until shut down."""
+    rospy.init_node('watch_all', disable_rostime=True)
+    for topic in TOPICS:
+        rospy.Subscriber(topic, rospy.AnyMsg, lambda msg: None)
+    rospy.spin()
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

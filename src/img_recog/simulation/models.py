@@ -1,0 +1,104 @@
+"""All bodies of a simulation by name, as Gazebo's models: asked for, and put elsewhere."""
+from typing import Dict, List, NamedTuple, Sequence
+
+import numpy as np
+import pybullet
+
+from img_recog.simulation.body import Body, Pose, rotation_matrix
+from img_recog.simulation.settings import SimulationError
+from img_recog.simulation.simulator import Simulator
+
+WORLD = 'world'
+
+
+class State(NamedTuple):
+    """Pose and velocity of a model in a reference frame: m, unit quaternion (x, y, z, w), m/s,
+    rad/s.
+    """
+
+    position: Sequence[float]
+    orientation: Sequence[float]
+    linear: Sequence[float]
+    angular: Sequence[float]
+
+
+_REST = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+class Models:
+    """The models of a simulator: the floor, the bodies of the world, the robots."""
+
+    def __init__(self, simulator: Simulator):
+        self._vehicles = {vehicle.robot.name: vehicle for vehicle in simulator.vehicles}
+        world = simulator.world
+        self._bodies: Dict[str, Body] = {}
+        for body in [world.floor, *world.bodies,
+                     *(vehicle.robot for vehicle in simulator.vehicles)]:
+            self._bodies[self._free_name(body.name)] = body
+
+    def _free_name(self, name: str) -> str:
+        number, free = 0, name
+        while free in self._bodies:
+            free, number = '{}_{}'.format(name, number), number + 1
+        return free
+
+    @property
+    def names(self) -> List[str]:
+        """The names of all models."""
+        return list(self._bodies)
+
+    def state(self, name: str, frame: str = WORLD) -> State:
+        """Return the state of a model as seen from `frame`, the world or another model.
+
+        Raises SimulationError when there is no such model or frame.
+        """
+        model, seen_from = self._state_in_world(name), self._frame(frame)
+        back = pybullet.invertTransform(seen_from.position, seen_from.orientation)
+        position, orientation = pybullet.multiplyTransforms(*back, model.position,
+                                                            model.orientation)
+        turn = rotation_matrix(back[1])
+        return State(position, orientation,
+                     turn @ np.subtract(model.linear, seen_from.linear),
+                     turn @ np.subtract(model.angular, seen_from.angular))
+
+    def set_state(self, name: str, state: State, frame: str = WORLD) -> None:
+        """Put a model where `state` says in `frame`; its joints turn to 0.
+
+        Raises SimulationError when there is no such model or frame, the model is part of the
+        world that never moves, or the state holds what is no number or no rotation.
+        """
+        body, origin = self._body(name), self._frame(frame)
+        if body.mass() == 0 or body.fixed:
+            raise SimulationError('model {} never moves'.format(name))
+        _check(state)
+        norm = np.linalg.norm(state.orientation)
+        position, orientation = pybullet.multiplyTransforms(
+            origin.position, origin.orientation, state.position,
+            (np.array(state.orientation) / norm).tolist())
+        turn = rotation_matrix(origin.orientation)
+        body.place(Pose(position, orientation, [0.0] * len(body.joints)))
+        body.move((turn @ state.linear).tolist(), (turn @ state.angular).tolist())
+        if name in self._vehicles:
+            self._vehicles[name].restart_sensors()
+
+    def _body(self, name: str) -> Body:
+        if name not in self._bodies:
+            raise SimulationError('no model {!r} (have {})'.format(name, ', '.join(self.names)))
+        return self._bodies[name]
+
+    def _frame(self, name: str) -> State:
+        return _REST if name == WORLD else self._state_in_world(name)
+
+    def _state_in_world(self, name: str) -> State:
+        motion = self._body(name).motion()
+        turn = rotation_matrix(motion.orientation)
+        return State(motion.position.tolist(), motion.orientation, turn @ motion.linear,
+                     turn @ motion.angular)
+
+
+def _check(state: State) -> None:
+    values = np.concatenate([np.array(part, float) for part in state])
+    if not np.all(np.isfinite(values)):
+        raise SimulationError('a state wants finite numbers, got {}'.format(values.tolist()))
+    if np.linalg.norm(state.orientation) < 1e-6:
+        raise SimulationError('a state wants an orientation that is no zero quaternion')

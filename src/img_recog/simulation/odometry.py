@@ -1,0 +1,63 @@
+"""Where a robot believes it is."""
+import math
+
+import numpy as np
+
+from img_recog.simulation.body import Motion
+from img_recog.simulation.robot import Robot
+from img_recog.simulation.settings import DriveSettings, OdometrySettings
+
+WORLD = 'world'
+
+
+class WorldOdometry:
+    """The true pose of a frame in the world (libgazebo_ros_diff_drive's odometrySource world)."""
+
+    def __init__(self, robot: Robot, frame: str):
+        """Observe a link of `robot`; SimulationError when there is no such link."""
+        robot.motion(frame)
+        self._robot, self._frame = robot, frame
+
+    def restart(self) -> None:
+        """Do nothing: the true pose hangs on nothing before."""
+
+    def observe(self) -> Motion:
+        """Return the motion of the frame."""
+        return self._robot.motion(self._frame)
+
+
+class WheelOdometry:
+    """Integrates how far the wheels have turned; the pose is zero at the start and at a reset."""
+
+    def __init__(self, robot: Robot, drive: DriveSettings, period_s: float):
+        self._robot, self._period_s = robot, period_s
+        self._radius, self._separation = drive.wheel_diameter / 2, drive.wheel_separation
+        self.restart()
+
+    def restart(self) -> None:
+        """Be at zero."""
+        self._x = self._y = self._yaw = 0.0
+        self._wheels = self._robot.wheel_positions()
+
+    def observe(self) -> Motion:
+        """Return the motion of the point between the wheels; to be called once a period."""
+        wheels = self._robot.wheel_positions()
+        left, right = ((now - before) * self._radius for now, before in zip(wheels, self._wheels))
+        self._wheels = wheels
+        distance, turn = (left + right) / 2, (right - left) / self._separation
+        # the chord of the arc has the direction of its middle (Siegwart et al. 2011, 5.2.4)
+        self._x += distance * math.cos(self._yaw + turn / 2)
+        self._y += distance * math.sin(self._yaw + turn / 2)
+        self._yaw += turn
+        return Motion(np.array([self._x, self._y, 0.0]),
+                      (0.0, 0.0, math.sin(self._yaw / 2), math.cos(self._yaw / 2)),
+                      np.array([distance / self._period_s, 0.0, 0.0]),
+                      np.array([0.0, 0.0, turn / self._period_s]))
+
+
+def make_odometry(robot: Robot, settings: OdometrySettings, drive: DriveSettings,
+                  period_s: float):
+    """Return the odometry that `settings` ask for."""
+    if settings.odometry_source == WORLD:
+        return WorldOdometry(robot, settings.base_frame or robot.root)
+    return WheelOdometry(robot, drive, period_s)

@@ -1,0 +1,82 @@
+"""A copy of the simulation to look at, in a process of its own.
+
+Drawing takes far longer than a step of the physics, and PyBullet ends the process when its
+window is closed or no display can be opened. So what is drawn is a copy, to which the simulation
+sends poses; it may come and go without the simulation noticing.
+"""
+import multiprocessing
+import os
+import signal
+from typing import Callable, NamedTuple, Sequence, Tuple
+
+from img_recog.simulation.body import Body, Pose
+from img_recog.simulation.description import Description
+from img_recog.simulation.drawing import one_colour_a_link
+from img_recog.simulation.loading import load_urdf
+from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.world import add_floor, load_bodies
+from img_recog.simulation.world_file import WorldFile
+
+_PATIENCE_S = 2.0               # with a process that was told to end
+
+
+class Scene(NamedTuple):
+    """What a copy is built from; it can be sent to another process."""
+
+    robots: Sequence[Description]
+    world: WorldFile
+
+
+class SceneCopy:
+    """The bodies of a scene in a physics client that never steps."""
+
+    def __init__(self, scene: Scene, client: int, floor: bool):
+        """Load the scene, with a visible floor if wanted."""
+        world = scene.world
+        if not world.sdf and world.text:
+            world = world._replace(text=one_colour_a_link(world.text))
+        self._bodies = [Body(load_urdf(one_colour_a_link(robot.urdf), client), client)
+                        for robot in scene.robots]
+        self._bodies += load_bodies(world, client)
+        if floor:
+            add_floor(client, visible=True)
+
+    def place(self, poses: Sequence[Pose]) -> None:
+        """Put the bodies where `poses_of` says that those of the simulation are."""
+        for body, pose in zip(self._bodies, poses):
+            body.place(pose)
+
+
+def poses_of(simulator: Simulator) -> Sequence[Pose]:
+    """Return the poses of robots and world bodies in the order of a SceneCopy."""
+    bodies = [vehicle.robot for vehicle in simulator.vehicles] + simulator.world.bodies
+    return [body.pose() for body in bodies]
+
+
+class Helper:
+    """A process that runs `target(connection, *args)`; `connection` is this end of its pipe."""
+
+    def __init__(self, target: Callable, args: Tuple):
+        # a forked child would share the simulation's descriptors and locks
+        context = multiprocessing.get_context('spawn')
+        self.connection, other = context.Pipe()
+        self._process = context.Process(target=_run, args=(target, other, args), daemon=True)
+        self._process.start()
+        other.close()
+
+    def end(self) -> bool:
+        """End the process; return whether it ended well, by itself or as it was told."""
+        self.connection.close()
+        self._process.join(_PATIENCE_S)
+        if self._process.is_alive():
+            self._process.terminate()
+            self._process.join()
+        return self._process.exitcode == 0
+
+
+def _run(target: Callable, connection, args: Tuple) -> None:
+    # Ctrl-C reaches the whole process group; a copy goes when the simulation does
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # it would take the time of the physics where OpenGL runs on the processor
+    os.nice(10)
+    target(connection, *args)
