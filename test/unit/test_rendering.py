@@ -9,6 +9,7 @@ from img_recog.simulation.rendering import FLOOR_SHADOW, GREY, SUN, Camera, rend
 RED = (0.8, 0.1, 0.2)
 ABOVE = Camera((0.0, 0.0, 0.0), 3.0, 0.0, -89.99)
 SIZE = (320, 240)
+HALF_VIEW = np.tan(np.radians(rendering.FIELD_OF_VIEW / 2))
 SUN_COSINES = np.array(SUN) / np.linalg.norm(SUN)
 
 
@@ -32,7 +33,7 @@ def seen(image, camera, point):
     height, width, _ = image.shape
     view = pybullet.computeViewMatrixFromYawPitchRoll(
         camera.target, camera.distance, camera.yaw, camera.pitch, 0, 2)
-    projection = pybullet.computeProjectionMatrixFOV(60, width / height, 0.1, 100)
+    projection = pybullet.computeProjectionMatrixFOV(rendering.FIELD_OF_VIEW, width / height, 0.1, 100)
     x, y, _, w = np.array((*point, 1)) @ np.reshape(view, (4, 4)) @ np.reshape(projection, (4, 4))
     return int(round(height * (1 - y / w) / 2)) - 1, int(round(width * (1 + x / w) / 2))
 
@@ -78,7 +79,7 @@ def test_top_of_a_box_is_lit_evenly(client, yaw):
     assert_shade(image, camera, (0, 0, 0.5), 0.75 + 0.25 * SUN_COSINES[2])
     # nothing else of the box is seen, and the top has no outline
     body = image[image[:, :, 0] > image[:, :, 1] + 50.0]
-    assert len(body) == pytest.approx((0.5 / 2.5 * SIZE[1] / 2 / np.tan(np.pi / 6)) ** 2, rel=0.1)
+    assert len(body) == pytest.approx((0.5 / 2.5 * SIZE[1] / 2 / HALF_VIEW) ** 2, rel=0.1)
     assert len(np.unique(body, axis=0)) == 1
 
 

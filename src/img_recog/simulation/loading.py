@@ -11,9 +11,9 @@ from img_recog.simulation.settings import SimulationError
 _URDF_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 
 
-def connect() -> int:
-    """Return a new physics client without a window."""
-    client = pybullet.connect(pybullet.DIRECT)
+def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
+    """Return a new physics client, by default one without a window."""
+    client = pybullet.connect(mode, options=options)
     if client < 0:
         raise SimulationError('PyBullet gives no physics client; are too many in use?')
     # it knows files by their names, and the text below has the same name each time

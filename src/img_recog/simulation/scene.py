@@ -9,6 +9,8 @@ import os
 import signal
 from typing import Callable, NamedTuple, Sequence, Tuple
 
+import pybullet
+
 from img_recog.simulation.body import Body, Pose
 from img_recog.simulation.description import Description
 from img_recog.simulation.drawing import one_colour_a_link
@@ -38,6 +40,11 @@ class SceneCopy:
         self._bodies = [Body(load_urdf(one_colour_a_link(robot.urdf), client), client)
                         for robot in scene.robots]
         self._bodies += load_bodies(world, client)
+        for body in self._bodies:
+            for link in body.links:
+                # else each tall body would show the mirror image of the sun
+                pybullet.changeVisualShape(body.number, link, specularColor=(0, 0, 0),
+                                           physicsClientId=client)
         if floor:
             add_floor(client, visible=True)
 

@@ -11,9 +11,8 @@ from img_recog.simulation.rendering import Camera, render
 from img_recog.simulation.scene import Helper, Scene, SceneCopy
 from img_recog.simulation.settings import SimulationError, ViewSettings
 
-# What Gazebo's user camera of turtlebot3_world sees, straight down from (0.8, 0, 12) with x
-# upwards. Its view is 60 degrees wide, PyBullet's 60 degrees high: from 9 m that is the same.
-ABOVE = Camera(target=(0.8, 0.0, 0.0), distance=9.0, yaw=-90.0, pitch=-89.99)
+# as Gazebo's user camera of turtlebot3_world: straight down from (0.8, 0, 12) with x upwards
+ABOVE = Camera(target=(0.8, 0.0, 0.0), distance=12.0, yaw=-90.0, pitch=-89.99)
 _FOLLOW_DISTANCE = 1.7          # m, and degrees: over the walls of turtlebot3_world
 _FOLLOW_PITCH = -42.0
 

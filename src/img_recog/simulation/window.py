@@ -1,4 +1,5 @@
 """A window on the simulation."""
+import math
 import select
 import time
 from typing import Optional, Sequence
@@ -6,11 +7,14 @@ from typing import Optional, Sequence
 import pybullet
 
 from img_recog.simulation.body import Pose
-from img_recog.simulation.rendering import WINDOW_LIGHT
+from img_recog.simulation.loading import connect
+from img_recog.simulation.rendering import FIELD_OF_VIEW, WINDOW_LIGHT
 from img_recog.simulation.scene import Helper, Scene, SceneCopy
 from img_recog.simulation.view import ABOVE
 
 _PERIOD_S = 1 / 30
+# the window's field of view is 90 degrees high: from so much nearer it shows as much of the floor
+_NEARER = math.tan(math.radians(FIELD_OF_VIEW / 2)) / math.tan(math.radians(45))
 _OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
             '--background_color_blue=0.7 --width=1024 --height=768')
 
@@ -45,12 +49,12 @@ class Window:
 
 
 def _show(connection, scene: Scene) -> None:
-    client = pybullet.connect(pybullet.GUI, options=_OPTIONS)
+    client = connect(pybullet.GUI, _OPTIONS)
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0, physicsClientId=client)
     pybullet.configureDebugVisualizer(physicsClientId=client, **WINDOW_LIGHT)
     copy = SceneCopy(scene, client, floor=True)
     pybullet.resetDebugVisualizerCamera(
-        cameraDistance=ABOVE.distance, cameraYaw=ABOVE.yaw, cameraPitch=ABOVE.pitch,
+        cameraDistance=ABOVE.distance * _NEARER, cameraYaw=ABOVE.yaw, cameraPitch=ABOVE.pitch,
         cameraTargetPosition=ABOVE.target, physicsClientId=client)
     try:
         while pybullet.isConnected(physicsClientId=client):
