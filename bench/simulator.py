@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from statistics import median
+from typing import Callable
 
 import rosgraph
 from ros_processes import Master, wait_for
@@ -43,18 +44,23 @@ CASES = (('free run, no subscriber', 0, False), ('free run, all topics subscribe
          ('real time, no subscriber', 1, False), ('real time, all topics subscribed', 1, True))
 
 
-def measure(progress) -> dict:
+def count() -> int:
+    """Return how many measurements `measure` makes."""
+    return ROUNDS * (1 + len(CASES))
+
+
+def measure(done: Callable[[], None]) -> dict:
     """Return the medians over some rounds, in each of which everything has its turn.
 
-    progress: called after each measurement with the share that is done.
+    done: called after each measurement.
     """
-    bare, cases, done = [], {case: [] for case in CASES}, 0
+    bare, cases = [], {case: [] for case in CASES}
     for _ in range(ROUNDS):
         bare.append(run('bare_loop.py', SECONDS))
+        done()
         for case in CASES:
             cases[case].append(node(*case[1:]))
-            done += 1
-            progress(done / (ROUNDS * len(CASES)))
+            done()
     rows = []
     for case, samples in cases.items():
         factor = median(sample['real_time_factor'] for sample in samples)

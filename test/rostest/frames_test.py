@@ -12,6 +12,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
+from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from support import Recorder, from_node, wait_for  # noqa: E402
@@ -36,7 +37,8 @@ class FramesTest(unittest.TestCase):
     def setUpClass(cls):
         types = {'/usb_cam/image_raw': Image, '/usb_cam/camera_info': CameraInfo,
                  '/blue_image': Image, '/red_image': Image, '/odom': Odometry,
-                 '/joint_states': JointState, '/imu': Imu, '/scan': LaserScan, '/clock': Clock}
+                 '/joint_states': JointState, '/imu': Imu, '/scan': LaserScan, '/clock': Clock,
+                 '/tf': TFMessage}
         cls.topics = {name: Recorder(name, kind) for name, kind in types.items()}
         cls.idle = Recorder('/cmd_vel', Twist, from_node('/turtlebot3_teleop_keyboard'))
         for name, recorder in cls.topics.items():
@@ -87,6 +89,14 @@ class FramesTest(unittest.TestCase):
             self.assertEqual([1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3],
                              [msg.pose.covariance[i] for i in range(0, 36, 7)])
             self.assertEqual(30, msg.pose.covariance.count(0.0))
+
+    def test_tf_has_one_parent_a_frame_and_no_stamp_twice(self):
+        transforms = [each for msg in list(self.topics['/tf'].messages) for each in msg.transforms]
+        parents = {(each.child_frame_id, each.header.frame_id) for each in transforms}
+        self.assertEqual({('base_footprint', 'odom'), ('wheel_left_link', 'base_link'),
+                          ('wheel_right_link', 'base_link')}, parents)
+        stamped = [(each.child_frame_id, each.header.stamp) for each in transforms]
+        self.assertEqual(len(set(stamped)), len(stamped))
 
     def test_joint_states(self):
         for msg in list(self.topics['/joint_states'].messages):

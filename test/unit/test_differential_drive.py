@@ -63,3 +63,56 @@ def test_reset_forgets_the_command():
     follow(drive, 20)
     drive.reset()
     assert follow(drive, 3)[-1] == (0.0, 0.0)
+
+
+@pytest.mark.parametrize('command, wanted', [
+    ((1.0, 0.0), (0.22, 0.22)), ((-1.0, 0.0), (-0.22, -0.22)),
+    ((0.0, 9.0), (-0.16, 0.16)), ((0.0, -9.0), (0.16, -0.16)),
+    ((0.21, 1.9), (0.058, 0.362)), ((9.0, -9.0), (0.38, 0.06))])
+def test_speeds_are_cut_off_at_their_limits(command, wanted):
+    drive = DifferentialDrive(DriveSettings(
+        wheel_acceleration=0.0, max_linear_velocity=0.22, max_angular_velocity=2.0))
+    drive.command(*command)
+    assert follow(drive, 1)[-1] == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize('limits, wanted', [
+    ({'max_linear_velocity': 0.22}, (-0.58, 1.02)), ({'max_angular_velocity': 2.0}, (8.84, 9.16)),
+    ({}, (8.2, 9.8))])
+def test_limit_of_zero_is_none(limits, wanted):
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, **limits))
+    drive.command(9.0, 10.0)
+    assert follow(drive, 1)[-1] == pytest.approx(wanted)
+
+
+# 0.07 and 0.14 s are, as floats, a little more than 7 and 14 times 0.01 s
+@pytest.mark.parametrize('timeout_s, updates', [
+    (0.05, 5), (0.07, 7), (0.14, 14), (0.5, 50), (0.054, 6), (0.001, 1)])
+def test_command_ends_after_the_timeout(timeout_s, updates):
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=timeout_s))
+    drive.command(0.2, 0.0)
+    speeds = follow(drive, updates + 3)
+    assert speeds[updates - 1] == pytest.approx((0.2, 0.2))
+    assert speeds[updates:] == [(0.0, 0.0)] * 3
+
+
+def test_command_that_ends_is_braked_like_any_other():
+    drive = DifferentialDrive(DriveSettings(cmd_vel_timeout=0.5))
+    drive.command(0.3, 0.0)
+    assert follow(drive, 60, start=(0.0, 0.0))[-1] == pytest.approx((0.2, 0.2))
+
+
+def test_new_command_begins_the_timeout_anew():
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    for _ in range(4):
+        drive.command(0.2, 0.0)
+        assert follow(drive, 4) == [pytest.approx((0.2, 0.2))] * 4
+    assert follow(drive, 2) == [pytest.approx((0.2, 0.2)), (0.0, 0.0)]
+    drive.command(0.1, 0.0)
+    assert follow(drive, 1)[-1] == pytest.approx((0.1, 0.1))
+
+
+def test_timeout_of_zero_is_never():
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
+    drive.command(0.2, 0.0)
+    assert follow(drive, 100000)[-1] == pytest.approx((0.2, 0.2))

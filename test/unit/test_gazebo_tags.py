@@ -3,8 +3,8 @@ import os
 
 import pytest
 
-from img_recog.simulation.gazebo_tags import not_simulated, overrides
-from img_recog.simulation.settings import SimulationError
+from img_recog.simulation.gazebo_tags import not_simulated, overrides, settings
+from img_recog.simulation.settings import SensorSettings, SimulationError, whole_steps
 
 OURS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'urdf',
                     'turtlebot3_burger.urdf')
@@ -95,6 +95,36 @@ def test_official_kind_of_burger_states_every_setting_with_its_type():
     assert {name: type(value) for name, value in found.items()} == {
         name: type(value) for name, value in wanted.items()}
     assert not_simulated(urdf) == []
+
+
+def test_settings_have_periods_in_whole_steps_for_rates():
+    found = settings(robot(drive(), imu(), ray()), 0.001)
+    rates = {'odometry_rate', 'scan_rate', 'imu_rate'}
+    periods = {'odometry_period_s': 0.033, 'joint_states_period_s': 0.033, 'scan_period_s': 0.2,
+               'imu_period_s': 0.005}
+    assert set(found) == (set(DRIVE_SETTINGS) | set(SCAN_SETTINGS) | set(IMU_SETTINGS)
+                          | set(periods)) - rates
+    assert {name: found[name] for name in periods} == pytest.approx(periods)
+    assert found['wheel_separation'] == 0.16 and found['scan_topic'] == 'scan'
+
+
+@pytest.mark.parametrize('rate, step_s, period_s', [
+    ('30', 0.001, 0.033), ('30', 0.004, 0.032), ('60', 0.001, 0.017), ('50', 0.001, 0.02),
+    ('5000', 0.001, 0.001), ('1', 0.001, 1.0)])
+def test_period_is_the_nearest_that_divides_and_at_least_a_step(rate, step_s, period_s):
+    found = settings(robot(drive(updateRate=rate)), step_s)
+    assert found['odometry_period_s'] == pytest.approx(period_s)
+    assert found['joint_states_period_s'] == found['odometry_period_s']
+    assert whole_steps('odometry_period_s', found['odometry_period_s'], step_s) >= 1
+    SensorSettings(odometry_period_s=found['odometry_period_s'])
+
+
+def test_settings_leave_out_what_no_tag_states():
+    assert settings(robot(), 0.001) == {}
+    assert set(settings(robot(ray()), 0.001)) == set(SCAN_SETTINGS) - {'scan_rate'} | {
+        'scan_period_s'}
+    nothing = settings(robot(drive(updateRate='0'), ray(rate='0'), imu(updateRate='0')), 0.001)
+    assert not [name for name in nothing if name.endswith(('_rate', '_period_s'))]
 
 
 def test_missing_tags_are_missing_settings():

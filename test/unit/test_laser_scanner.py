@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 import pytest
+import turtlebot3_world
 from robots import simulator
 
 from img_recog.simulation.settings import ScanSettings, SensorSettings, SimulationError
@@ -16,65 +17,33 @@ def scan(sim):
     return reading.value, sim.vehicles[0].robot.motion('base_scan')
 
 
-def ray_to_circle(origin, direction, centre, radius):
-    offset = np.subtract(centre, origin)
-    along = offset @ direction
-    square = radius ** 2 - (offset @ offset - along ** 2)
-    return along - math.sqrt(square) if square >= 0 and along > 0 else math.inf
-
-
-def ray_inside_hexagon(origin, direction, apothem):
-    """Return the distance to a hexagon around the world's origin, corners on the x axis."""
-    normals = [(math.cos(a), math.sin(a)) for a in np.radians(range(30, 390, 60))]
-    return min((apothem - np.dot(normal, origin)) / np.dot(normal, direction)
-               for normal in normals if np.dot(normal, direction) > 1e-9)
-
-
-def geometric_model(origin, angles):
-    """Return the ranges in turtlebot3_world from inside the wall, where no prism stands free."""
-    ranges = []
-    for angle in angles:
-        direction = np.array([math.cos(angle), math.sin(angle)])
-        hits = [ray_to_circle(origin, direction, (x, y), 0.15)
-                for x in (-1.1, 0, 1.1) for y in (-1.1, 0, 1.1)]
-        hits.append(ray_inside_hexagon(origin, direction, 2.540))
-        # a prism reaches through the wall where its corner does
-        for centre, corner in (((3.5, 0), 1.173), *(((x, y), 0.807) for x in (-1.8, 1.8)
-                                                    for y in (-2.7, 2.7))):
-            hits.append(ray_to_hexagon(origin, direction, centre, corner))
-        nearest = min(hits)
-        ranges.append(nearest if nearest <= 3.5 else math.inf)
-    return np.array(ranges)
-
-
-def ray_to_hexagon(origin, direction, centre, corner):
-    """Return the distance to a hexagon from outside (slab by slab)."""
-    enter, leave, apothem = -math.inf, math.inf, corner * math.sqrt(3) / 2
-    for angle in np.radians((30, 90, 150)):
-        normal = np.array([math.cos(angle), math.sin(angle)])
-        speed, offset = normal @ direction, normal @ np.subtract(centre, origin)
-        if abs(speed) < 1e-12:
-            if abs(offset) > apothem:
-                return math.inf
-            continue
-        near, far = sorted(((offset - apothem) / speed, (offset + apothem) / speed))
-        enter, leave = max(enter, near), min(leave, far)
-    return enter if 0 < enter <= leave else math.inf
-
-
 @pytest.mark.parametrize('x, y, yaw', [(-2.0, -0.5, 0.0), (0.5, 0.4, 1.0), (1.9, -0.6, -2.5)])
 def test_scan_of_the_world_is_its_geometry(x, y, yaw):
     exact = ScanSettings(scan_noise=0.0)
     ranges, motion = scan(simulator('turtlebot3_world', x, y, yaw, scan=exact))
     qx, qy, qz, qw = motion.orientation
     heading = math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
-    model = geometric_model(motion.position[:2], heading + ANGLES)
+    model = turtlebot3_world.ranges(motion.position[:2], heading + ANGLES, 3.5)
     both = np.isfinite(ranges) & np.isfinite(model)
     assert np.count_nonzero(both) > 300
     # a ray that grazes the rim of a post may see it or what is behind it
     grazing = np.isfinite(ranges) != np.isfinite(model)
     grazing[both] = np.abs(ranges[both] - model[both]) > 0.03
     assert np.count_nonzero(grazing) <= 2
+
+
+def test_scan_of_a_wall_of_known_distance(tmp_path):
+    wall = tmp_path / 'wall.sdf'
+    wall.write_text('<sdf version="1.6"><model name="wall"><static>true</static>'
+                    '<pose>1.55 0 0.5 0 0 0</pose><link name="l"><collision name="c"><geometry>'
+                    '<box><size>0.1 4 1</size></box></geometry></collision></link></model></sdf>')
+    sim = simulator(str(wall), x=0.032, scan=ScanSettings(scan_noise=0.0))
+    ranges, motion = scan(sim)
+    assert motion.position[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
+    hit = np.cos(ANGLES) > math.cos(math.atan2(1.9, 1.5))       # within the wall's ends
+    assert np.count_nonzero(hit) > 100
+    assert ranges[hit] == pytest.approx(1.5 / np.cos(ANGLES[hit]), abs=0.02)
+    assert np.all(np.isposinf(ranges[np.cos(ANGLES) < 0]))
 
 
 def test_scan_in_the_open_is_infinite_and_blind_to_the_robot():

@@ -33,7 +33,8 @@ def seen(image, camera, point):
     height, width, _ = image.shape
     view = pybullet.computeViewMatrixFromYawPitchRoll(
         camera.target, camera.distance, camera.yaw, camera.pitch, 0, 2)
-    projection = pybullet.computeProjectionMatrixFOV(rendering.FIELD_OF_VIEW, width / height, 0.1, 100)
+    projection = pybullet.computeProjectionMatrixFOV(rendering.FIELD_OF_VIEW, width / height,
+                                                     0.1, 100)
     x, y, _, w = np.array((*point, 1)) @ np.reshape(view, (4, 4)) @ np.reshape(projection, (4, 4))
     return int(round(height * (1 - y / w) / 2)) - 1, int(round(width * (1 + x / w) / 2))
 

@@ -1,7 +1,7 @@
-"""The simulator's pacer on a clock that the test moves."""
+"""The simulator's pacer and its measure on a clock that the test moves."""
 import pytest
 
-from img_recog.simulation.pacing import RealTimePacer
+from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer
 
 # a binary fraction, so that the expected times are exact
 STEP_S = 0.0625
@@ -83,3 +83,37 @@ def test_restart_does_not_catch_up_with_a_pause(clock):
     pacer.restart()
     assert pacer.delay_s(STEP_S) == STEP_S
     assert not pacer.late
+
+
+def test_factor_is_none_until_a_second_is_over(clock):
+    factor = RealTimeFactor(now=clock)
+    for _ in range(15):
+        clock.advance(STEP_S)
+        assert factor.update(STEP_S / 2) is None
+    assert factor.last == 0.0
+    clock.advance(STEP_S)
+    assert factor.update(STEP_S / 2) == 0.5
+    assert factor.last == 0.5
+
+
+def test_factor_is_over_the_time_that_really_went_by(clock):
+    factor = RealTimeFactor(now=clock)
+    clock.advance(4.0)
+    assert factor.update(1.0) == 0.25
+
+
+def test_factor_counts_each_second_anew_and_keeps_the_last(clock):
+    factor, seen = RealTimeFactor(now=clock), []
+    for simulated_s in (3.0, 0.5, 0.5, 0.0, 0.0):
+        clock.advance(0.5)
+        seen.append((factor.update(simulated_s), factor.last))
+    assert seen == [(None, 0.0), (3.5, 3.5), (None, 3.5), (0.5, 0.5), (None, 0.5)]
+
+
+def test_factor_is_zero_when_paused(clock):
+    factor = RealTimeFactor(now=clock)
+    clock.advance(1.0)
+    assert factor.update(1.0) == 1.0
+    clock.advance(1.0)
+    assert factor.update(0.0) == 0.0
+    assert factor.last == 0.0

@@ -8,6 +8,8 @@ from robots import simulator
 from img_recog.simulation.settings import (DriveSettings, SensorSettings, SimulationError,
                                            whole_steps)
 
+SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
+
 
 def yaw_of(motion):
     x, y, z, w = motion.orientation
@@ -57,7 +59,8 @@ def test_turns_in_place_to_the_left():
     sim = simulator()
     sim.vehicles[0].command(0.0, 1.0)
     sim.advance(1000)
-    start, last, turned = sim.vehicles[0].robot.motion(), yaw_of(sim.vehicles[0].robot.motion()), 0.0
+    start, turned = sim.vehicles[0].robot.motion(), 0.0
+    last = yaw_of(start)
     for _ in range(628):
         sim.advance(100)
         turned += math.remainder(yaw_of(sim.vehicles[0].robot.motion()) - last, 2 * math.pi)
@@ -167,6 +170,71 @@ def test_same_commands_same_trajectory_to_the_last_bit():
     assert len(first) == 145
     assert trajectory(10) == first
     assert trajectory(400) == first
+
+
+def drive_with(switches):
+    """Drive with sensors switched as told before each quarter; return poses and readings."""
+    sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
+    vehicle, places, readings = sim.vehicles[0], [], []
+    for quarter, command in enumerate(((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))):
+        vehicle.command(*command)
+        for sensor, on in switches.get(quarter, {}).items():
+            vehicle.switch(sensor, on)
+        for _ in range(100):
+            readings.extend(sim.advance(10))
+            motion = vehicle.robot.motion()
+            places.append((motion.position.tobytes(), motion.orientation,
+                           motion.linear.tobytes(), motion.angular.tobytes()))
+    return places, readings
+
+
+def seen_by(sensor, readings):
+    return [(each.time_s, each.value) for each in readings if each.sensor == sensor]
+
+
+def test_sensors_that_are_off_see_nothing_and_change_nothing():
+    places, readings = drive_with({})
+    assert [len(seen_by(name, readings)) for name in SENSORS] == [121, 121, 800, 20]
+    for off in ({name: False for name in SENSORS}, {'imu': False}, {'scan': False}):
+        others, fewer = drive_with({0: off})
+        assert others == places
+        assert {each.sensor for each in fewer} == set(SENSORS) - set(off)
+    others, fewer = drive_with({1: {'imu': False, 'scan': False}, 3: {'imu': True, 'scan': True}})
+    assert others == places
+    assert [len(seen_by(name, fewer)) for name in SENSORS] == [121, 121, 400, 10]
+    assert [time_s for time_s, _ in seen_by('scan', fewer)] == pytest.approx(
+        [0.2, 0.4, 0.6, 0.8, 1.0, 3.2, 3.4, 3.6, 3.8, 4.0])
+
+
+def test_noise_of_the_scan_does_not_hang_on_the_imu():
+    scans = [[value.tolist() for _, value in seen_by('scan', drive_with(off)[1])]
+             for off in ({}, {0: {'imu': False}})]
+    assert scans[0] == scans[1] and len(scans[0]) == 20
+    forces = [[value.linear_acceleration.tolist()
+               for _, value in seen_by('imu', drive_with(off)[1])]
+              for off in ({}, {0: {'scan': False}})]
+    assert forces[0] == forces[1] and len(forces[0]) == 800
+
+
+def test_imu_that_is_switched_on_again_feels_no_push_from_what_it_missed():
+    sim = simulator()
+    sim.advance(1000)
+    sim.vehicles[0].switch('imu', False)
+    sim.vehicles[0].command(0.5, 0.0)
+    sim.advance(1000)
+    assert sim.vehicles[0].robot.motion().linear[0] > 0.4
+    sim.vehicles[0].switch('imu', True)
+    values = [value for _, value in seen_by('imu', sim.advance(20))]
+    assert len(values) == 4
+    assert np.abs([value.linear_acceleration[0] for value in values]).max() < 1.0
+
+
+def test_switching_on_what_is_on_changes_nothing():
+    quarters = {quarter: {'imu': True} for quarter in range(4)}
+    forces = [[value.linear_acceleration.tolist()
+               for _, value in seen_by('imu', drive_with(switches)[1])]
+              for switches in ({}, quarters)]
+    assert forces[0] == forces[1]
 
 
 def test_whole_steps():

@@ -22,7 +22,8 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.nodes import gazebo_interface, mesh_uris, parameters, robot_msgs, running, user_paths
+from img_recog.nodes import (gazebo_interface, mesh_uris, parameters, robot_msgs, running,
+                             user_paths)
 from img_recog.nodes.prompt_publisher import PromptPublisher
 from img_recog.nodes.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.slots import Requests

@@ -13,6 +13,7 @@ from img_recog.simulation.view import View
 
 _FRAME = 'view'                 # no frame of tf: the camera is none of the robot's
 _LOOK_UP_S = 0.1
+_PATIENCE_S = 2.0               # with an image that is being drawn
 
 
 class ViewTopic:
@@ -23,12 +24,16 @@ class ViewTopic:
         self._images = rospy.Publisher('~view/image_raw', Image, queue_size=1)
         self._asked = threading.Event()
         self._broken = False
-        threading.Thread(target=self._publish, daemon=True).start()
+        self._publisher = threading.Thread(target=self._publish, daemon=True)
+        self._publisher.start()
 
     def update(self, simulator: Simulator) -> None:
         """Call in the loop: have an image drawn if one is wanted and it is time for it."""
         if not self._broken and self._images.get_num_connections() and self._view.due():
-            self._view.request(poses_of(simulator), simulator.time_s)
+            try:
+                self._view.request(poses_of(simulator), simulator.time_s)
+            except OSError:
+                pass            # that process has ended; taking the image tells
             self._asked.set()
 
     def _publish(self) -> None:
@@ -49,4 +54,6 @@ class ViewTopic:
     def close(self) -> None:
         """End the process that draws."""
         self._broken = True
+        # it may be reading an image from what is closed next
+        self._publisher.join(_PATIENCE_S)
         self._view.close()

@@ -5,6 +5,7 @@ from img_recog.simulation.settings import DriveSettings
 
 # m/s at the rim; a wheel this near to its target ends the ramp of both (gazebo_plugins)
 _CLOSE = 0.01
+_ROUNDING = 1e-6        # periods: 0.07 s by 0.01 s is a little more than 7
 
 
 class DifferentialDrive:
@@ -38,7 +39,7 @@ class DifferentialDrive:
 
         velocities: those measured now, in rad/s. To be called once a drive period.
         """
-        if self._timeout and self._age >= self._timeout:
+        if self._timeout and self._age > self._timeout - _ROUNDING:
             self._target = (0.0, 0.0)
         self._age += 1
         near = any(abs(target - velocity * self._radius) < _CLOSE

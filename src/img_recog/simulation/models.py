@@ -7,8 +7,11 @@ import pybullet
 from img_recog.simulation.body import Body, Pose, rotation_matrix
 from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.vehicle import Vehicle
 
 WORLD = 'world'
+# far beyond it PyBullet calculates with NaN, and the floor bears nothing from then on
+_LARGEST = 1e6
 
 
 class State(NamedTuple):
@@ -29,12 +32,13 @@ class Models:
     """The models of a simulator: the floor, the bodies of the world, the robots."""
 
     def __init__(self, simulator: Simulator):
-        self._vehicles = {vehicle.robot.name: vehicle for vehicle in simulator.vehicles}
-        world = simulator.world
         self._bodies: Dict[str, Body] = {}
-        for body in [world.floor, *world.bodies,
-                     *(vehicle.robot for vehicle in simulator.vehicles)]:
+        self._vehicles: Dict[str, Vehicle] = {}
+        for body in [simulator.world.floor, *simulator.world.bodies]:
             self._bodies[self._free_name(body.name)] = body
+        for vehicle in simulator.vehicles:
+            name = self._free_name(vehicle.robot.name)
+            self._bodies[name], self._vehicles[name] = vehicle.robot, vehicle
 
     def _free_name(self, name: str) -> str:
         number, free = 0, name
@@ -62,7 +66,9 @@ class Models:
                      turn @ np.subtract(model.angular, seen_from.angular))
 
     def set_state(self, name: str, state: State, frame: str = WORLD) -> None:
-        """Put a model where `state` says in `frame`; its joints turn to 0.
+        """Put a model where `state` says in `frame`; its joints stay as they are.
+
+        A velocity is what the model then has in the world, turned from the axes of `frame`.
 
         Raises SimulationError when there is no such model or frame, the model is part of the
         world that never moves, or the state holds what is no number or no rotation.
@@ -76,10 +82,10 @@ class Models:
             origin.position, origin.orientation, state.position,
             (np.array(state.orientation) / norm).tolist())
         turn = rotation_matrix(origin.orientation)
-        body.place(Pose(position, orientation, [0.0] * len(body.joints)))
+        body.place(Pose(position, orientation, body.pose().joints))
         body.move((turn @ state.linear).tolist(), (turn @ state.angular).tolist())
         if name in self._vehicles:
-            self._vehicles[name].restart_sensors()
+            self._vehicles[name].moved()
 
     def _body(self, name: str) -> Body:
         if name not in self._bodies:
@@ -100,5 +106,8 @@ def _check(state: State) -> None:
     values = np.concatenate([np.array(part, float) for part in state])
     if not np.all(np.isfinite(values)):
         raise SimulationError('a state wants finite numbers, got {}'.format(values.tolist()))
+    if np.abs(values).max() > _LARGEST:
+        raise SimulationError('a state wants numbers from -{0:g} to {0:g}, got {1}'.format(
+            _LARGEST, values.tolist()))
     if np.linalg.norm(state.orientation) < 1e-6:
         raise SimulationError('a state wants an orientation that is no zero quaternion')

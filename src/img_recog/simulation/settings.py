@@ -31,9 +31,9 @@ class PhysicsSettings(Settings):
 class SpawnSettings(Settings):
     """Where the robot's root link stands at the start and after a reset: m, rad, in the world."""
 
-    x_pos: float = setting(-2.0, anything())
-    y_pos: float = setting(-0.5, anything())
-    z_pos: float = setting(0.0, anything())
+    x_pos: float = setting(-2.0, between(-1000, 1000))
+    y_pos: float = setting(-0.5, between(-1000, 1000))
+    z_pos: float = setting(0.0, between(-1000, 1000))
     yaw: float = setting(0.0, anything())
 
 

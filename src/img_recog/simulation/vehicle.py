@@ -59,11 +59,12 @@ class Vehicle:
         # a generator each: the noise of one sensor does not hang on who watches the other
         scan_noise, imu_noise = (np.random.RandomState((periods.seed, number))
                                  for number in range(2))
+        self._imu = Imu(self.robot, settings.imu, periods.imu_period_s, imu_noise)
         devices = {
             'odometry': make_odometry(self.robot, settings.odometry, settings.drive,
                                       periods.odometry_period_s),
             'joint_states': _Joints(self.robot),
-            'imu': Imu(self.robot, settings.imu, periods.imu_period_s, imu_noise),
+            'imu': self._imu,
             'scan': LaserScanner(self.robot, settings.scan, scan_noise, client)}
         self._sensors = {name: _Sensor(name, self._period(name, step_s), device)
                          for name, device in devices.items()}
@@ -103,9 +104,9 @@ class Vehicle:
         """Put the robot back to its start, at rest and without a command."""
         self._drive.reset()
         self.robot.reset()
-        self.restart_sensors()
-
-    def restart_sensors(self) -> None:
-        """Have the sensors forget what was before, as when the robot was put elsewhere."""
         for sensor in self._sensors.values():
             sensor.device.restart()
+
+    def moved(self) -> None:
+        """Tell that the robot was put elsewhere: no acceleration, and nothing that wheels see."""
+        self._imu.restart()

@@ -13,8 +13,8 @@ from img_recog.simulation.settings import SimulationError, ViewSettings
 
 # as Gazebo's user camera of turtlebot3_world: straight down from (0.8, 0, 12) with x upwards
 ABOVE = Camera(target=(0.8, 0.0, 0.0), distance=12.0, yaw=-90.0, pitch=-89.99)
-_FOLLOW_DISTANCE = 1.7          # m, and degrees: over the walls of turtlebot3_world
-_FOLLOW_PITCH = -42.0
+_FOLLOW_DISTANCE = 1.3          # m, and degrees: over the walls of turtlebot3_world
+_FOLLOW_PITCH = -68.0
 
 
 class ViewImage(NamedTuple):

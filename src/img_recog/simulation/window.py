@@ -13,8 +13,9 @@ from img_recog.simulation.scene import Helper, Scene, SceneCopy
 from img_recog.simulation.view import ABOVE
 
 _PERIOD_S = 1 / 30
-# the window's field of view is 90 degrees high: from so much nearer it shows as much of the floor
-_NEARER = math.tan(math.radians(FIELD_OF_VIEW / 2)) / math.tan(math.radians(45))
+# the window's field of view is 90 degrees high: from so much nearer it shows as much of what is
+# high as the view does
+_NEARER = 1.25 * math.tan(math.radians(FIELD_OF_VIEW / 2)) / math.tan(math.radians(45))
 _OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
             '--background_color_blue=0.7 --width=1024 --height=768')
 

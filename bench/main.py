@@ -1,0 +1,26 @@
+"""Measure what ./run bench measures: a table for people, and JSON in the file given."""
+import json
+import sys
+
+import simulator
+from tqdm import tqdm
+
+BENCHMARKS = {'simulator': simulator}
+
+
+def main() -> int:
+    """Run all benchmarks."""
+    results = {}
+    total = sum(benchmark.count() for benchmark in BENCHMARKS.values())
+    with tqdm(total=total, desc='measuring', unit='measurement', file=sys.stderr) as bar:
+        for name, benchmark in BENCHMARKS.items():
+            results[name] = benchmark.measure(bar.update)
+    with open(sys.argv[1], 'w') as file:
+        json.dump(results, file, indent=2)
+    for name, benchmark in BENCHMARKS.items():
+        sys.stdout.write('\n' + benchmark.table(results[name]) + '\n')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

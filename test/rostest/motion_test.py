@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""The burger in the empty world, driven through ROS: how far, how straight, how it turns."""
+import math
+import os
+import sys
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Empty
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, wait_for  # noqa: E402
+
+
+def twist(linear, angular):
+    msg = Twist()
+    msg.linear.x, msg.angular.z = linear, angular
+    return msg
+
+
+def stamp(msg):
+    return msg.header.stamp.to_sec()
+
+
+def position(msg):
+    return np.array((msg.pose.pose.position.x, msg.pose.pose.position.y))
+
+
+def yaw(msg):
+    return 2 * math.atan2(msg.pose.pose.orientation.z, msg.pose.pose.orientation.w)
+
+
+class MotionTest(unittest.TestCase):
+    """Each test begins at rest at the origin."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.commands = rospy.Publisher('/cmd_vel', Twist, queue_size=10)
+        wait_for(lambda: cls.commands.get_num_connections(), 'the simulator')
+        rospy.wait_for_service('/gazebo/reset_world')
+
+    def setUp(self):
+        rospy.ServiceProxy('/gazebo/reset_world', Empty)()
+        self.odometry = Recorder('/odom', Odometry)
+        self.joints = Recorder('/joint_states', JointState)
+        self.odometry.wait(3)
+
+    def _drive(self, linear, angular, simulated_s):
+        """Send one command, which holds; return the odometry from then on."""
+        first = len(self.odometry.messages)
+        start = stamp(self.odometry.messages[-1])
+        self.commands.publish(twist(linear, angular))
+        wait_for(lambda: stamp(self.odometry.messages[-1]) > start + simulated_s,
+                 '{} simulated seconds'.format(simulated_s))
+        return self.odometry.messages[first:]
+
+    def test_five_metres_straight(self):
+        driven = self._drive(0.22, 0.0, 26.0)
+        first = next(msg for msg in driven if msg.twist.twist.linear.x > 0.21)
+        last = next(msg for msg in driven if position(msg)[0] > position(first)[0] + 5.0)
+        along, across = position(last) - position(first)
+        self.assertAlmostEqual(0.22, along / (stamp(last) - stamp(first)), delta=0.02 * 0.22)
+        self.assertLess(abs(across), 0.02)
+        self.assertAlmostEqual(0.22, last.twist.twist.linear.x, delta=0.02 * 0.22)
+        self.assertAlmostEqual(0.0, last.twist.twist.linear.y, delta=0.01)
+        rim = np.array(self.joints.messages[-1].velocity) * 0.033
+        self.assertLess(np.abs(rim - 0.22).max(), 0.005)
+
+    def test_ten_turns_in_place(self):
+        turned = self._drive(0.0, 1.0, 65.0)
+        first = next(msg for msg in turned if msg.twist.twist.angular.z > 0.98)
+        angles = np.unwrap([yaw(msg) for msg in turned[turned.index(first):]])
+        count = int(np.argmax(angles > angles[0] + 20 * math.pi))
+        self.assertGreater(count, 0)
+        last = turned[turned.index(first) + count]
+        self.assertAlmostEqual(1.0, (angles[count] - angles[0]) / (stamp(last) - stamp(first)),
+                               delta=0.03)
+        self.assertLess(np.linalg.norm(position(last) - position(first)), 0.03)
+
+    def test_full_speed_ramps_up_at_one_metre_a_second_squared(self):
+        driven = self._drive(10.0, 0.0, 1.5)
+        moving = next(msg for msg in driven if msg.twist.twist.linear.x > 0.005)
+        later = next(msg for msg in driven if stamp(msg) > stamp(moving) + 0.4999)
+        # the first odometry of the motion is up to one period old
+        self.assertGreater(later.twist.twist.linear.x, 0.4)
+        self.assertLess(later.twist.twist.linear.x, 0.55 + 0.033)
+
+
+if __name__ == '__main__':
+    rospy.init_node('motion_test')
+    rostest.rosrun('img_recog', 'motion', MotionTest)

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""A driver that knows nothing but the scan goes about in turtlebot3_world and touches nothing."""
+import math
+import os
+import sys
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, wait_for  # noqa: E402
+import turtlebot3_world  # noqa: E402
+
+SIMULATED_S = 180.0
+# a circle that holds the burger seen from above: its middle is so far behind base_footprint
+MIDDLE, RADIUS = -0.032, 0.112
+
+
+class Driver:
+    """Goes ahead, bends away from what is near, and turns on the spot before what is in front."""
+
+    def __init__(self):
+        self._turn = 0.0
+        self._commands = rospy.Publisher('/cmd_vel', Twist, queue_size=1)
+        rospy.Subscriber('/scan', LaserScan, self._drive, queue_size=1, tcp_nodelay=True)
+
+    def _drive(self, scan):
+        angles = scan.angle_min + np.arange(len(scan.ranges)) * scan.angle_increment
+        angles = (angles + math.pi) % (2 * math.pi) - math.pi
+        ranges = np.minimum(scan.ranges, scan.range_max)
+        ahead = ranges[np.abs(angles) < math.radians(45)].min()
+        left, right = (ranges[np.abs(angles - side * math.radians(60)) < math.radians(50)].min()
+                       for side in (1, -1))
+        command = Twist()
+        if ahead < 0.4:
+            self._turn = self._turn or math.copysign(1.0, left - right)
+            command.angular.z = self._turn
+        else:
+            self._turn = 0.0
+            command.linear.x = 0.2
+            command.angular.z = min(left, 0.6) - min(right, 0.6)
+        self._commands.publish(command)
+
+
+def middle_of(msg):
+    pose = msg.pose.pose
+    yaw = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
+    return np.array((pose.position.x + MIDDLE * math.cos(yaw),
+                     pose.position.y + MIDDLE * math.sin(yaw)))
+
+
+class PatrolTest(unittest.TestCase):
+    """Watches the true pose beside the driver."""
+
+    def test_three_minutes_without_touching_anything(self):
+        odometry = Recorder('/odom', Odometry)
+        odometry.wait()
+        start = odometry.messages[0].header.stamp.to_sec()
+        Driver()
+        wait_for(lambda: odometry.messages[-1].header.stamp.to_sec() > start + SIMULATED_S,
+                 'three simulated minutes', deadline_s=280.0)
+        path = np.array([middle_of(msg) for msg in odometry.messages])
+        nearest = min(turtlebot3_world.clearance(point) for point in path)
+        self.assertGreater(nearest, RADIUS)
+        length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+        self.assertGreater(length, 10.0)
+        # it gets about: not a circle on the spot
+        self.assertGreater(np.ptp(path, axis=0).min(), 1.0)
+        rospy.loginfo('drove %.1f m, never nearer than %.3f m', length, nearest - RADIUS)
+
+
+if __name__ == '__main__':
+    rospy.init_node('patrol_test')
+    rostest.rosrun('img_recog', 'patrol', PatrolTest)

@@ -1,0 +1,148 @@
+"""What callbacks leave for the loop, and what service handlers ask of it; events, no sleeps."""
+import concurrent.futures
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from img_recog.nodes import slots
+from img_recog.nodes.slots import Newest, Requests
+
+GENEROUS_S = 20.0       # waited for only when something is broken
+
+
+class Asker(threading.Thread):
+    """Asks in a thread of its own, as a service handler does, and keeps what came of it."""
+
+    def __init__(self, requests, action, timeout_s=GENEROUS_S):
+        super().__init__(daemon=True)
+        self._requests, self._action, self._timeout_s = requests, action, timeout_s
+        self.result, self.error = None, None
+        self.start()
+
+    def run(self):
+        try:
+            self.result = self._requests.do(self._action, self._timeout_s)
+        except Exception as error:
+            self.error = error
+
+    def end(self):
+        self.join(GENEROUS_S)
+        assert not self.is_alive()
+        return self
+
+
+def future_that_first_calls(action):
+    """Return a class of futures that call `action` when their request stands in the queue."""
+    class Announced(concurrent.futures.Future):
+        def result(self, timeout=None):
+            action()
+            return super().result(timeout)
+    return Announced
+
+
+def serve_until_ended(requests, *askers):
+    for _ in range(1000):
+        requests.serve(0.05)
+        if not any(asker.is_alive() for asker in askers):
+            break
+    return [asker.end() for asker in askers]
+
+
+def test_newest_is_taken_once():
+    slot = Newest()
+    assert slot.take() is None
+    for item in (1, 2, 3):
+        slot.put(item)
+    assert slot.take() == 3
+    assert slot.take() is None
+    slot.put(0)
+    assert slot.take() == 0
+
+
+def test_newest_waits_until_there_is_one(monkeypatch):
+    waiting, got = threading.Event(), []
+
+    class Announced(threading.Condition):
+        def wait(self, timeout=None):
+            waiting.set()
+            return super().wait(timeout)
+    monkeypatch.setattr(slots, 'threading', SimpleNamespace(Condition=Announced))
+    slot = Newest()
+    taker = threading.Thread(target=lambda: got.append(slot.take(3 * GENEROUS_S)), daemon=True)
+    taker.start()
+    assert waiting.wait(GENEROUS_S)
+    slot.put('frame')
+    taker.join(GENEROUS_S)
+    assert got == ['frame']
+    waiting.clear()
+    slot.put('next')
+    assert slot.take(GENEROUS_S) == 'next'
+    assert not waiting.is_set()         # there was nothing to wait for
+
+
+def test_newest_gives_up_after_the_timeout():
+    assert Newest().take(0.01) is None
+
+
+def test_result_comes_from_the_thread_of_the_loop():
+    requests = Requests()
+    asker, = serve_until_ended(requests, Asker(requests, lambda: (7, threading.get_ident())))
+    assert asker.error is None
+    assert asker.result == (7, threading.get_ident())
+
+
+def test_exception_goes_to_the_asker_and_leaves_the_loop_alone():
+    requests = Requests()
+
+    def fail():
+        raise KeyError('no such model')
+    first, second = serve_until_ended(requests, Asker(requests, fail),
+                                      Asker(requests, lambda: 'still there'))
+    assert isinstance(first.error, KeyError) and first.error.args == ('no such model',)
+    assert second.result == 'still there'
+
+
+def test_what_is_late_is_refused_and_not_done_later():
+    requests, done = Requests(), []
+    with pytest.raises(concurrent.futures.TimeoutError):
+        requests.do(lambda: done.append('late'), 0.01)
+    requests.serve(0.0)
+    assert done == []
+    serve_until_ended(requests, Asker(requests, lambda: done.append('in time')))
+    assert done == ['in time']
+
+
+def test_what_begins_in_time_and_ends_late_is_refused_and_harms_nobody(monkeypatch):
+    requests, begun, go_on, after = Requests(), threading.Event(), threading.Event(), []
+    monkeypatch.setattr(slots, 'Future', future_that_first_calls(
+        lambda: begun.wait(GENEROUS_S)))
+
+    def slow():
+        begun.set()
+        after.append(go_on.wait(GENEROUS_S))
+    loop = threading.Thread(target=lambda: requests.serve(GENEROUS_S), daemon=True)
+    loop.start()
+    asker = Asker(requests, slow, timeout_s=0.01).end()
+    assert isinstance(asker.error, concurrent.futures.TimeoutError)
+    go_on.set()
+    loop.join(GENEROUS_S)
+    assert after == [True] and not loop.is_alive()
+
+
+def test_several_are_done_in_the_order_they_came(monkeypatch):
+    requests, order, arrived = Requests(), [], threading.Semaphore(0)
+    monkeypatch.setattr(slots, 'Future', future_that_first_calls(arrived.release))
+    askers = []
+    for number in range(5):
+        askers.append(Asker(requests, lambda number=number: order.append(number)))
+        assert arrived.acquire(timeout=GENEROUS_S)
+    requests.serve(0.0)
+    assert [asker.end().error for asker in askers] == [None] * 5
+    assert order == [0, 1, 2, 3, 4]
+
+
+def test_serve_without_requests_returns():
+    requests = Requests()
+    requests.serve(0.0)
+    requests.serve(0.01)
