@@ -54,7 +54,8 @@ def parse(urdf: str, find_mesh: FindMesh = find_file(os.sep)) -> Description:
     Raises SimulationError in one line when it is no URDF, is no tree, or when something in it
     has a mass or a number that cannot be simulated.
     """
-    robot = _parsed(urdf)
+    robot = root_of(urdf)
+    _check_names(robot)
     missing = resolve(robot, find_mesh)
     links = {link.get('name'): link for link in robot.findall('link')}
     parents = _joints_by_child(robot, links)
@@ -83,7 +84,8 @@ def parse(urdf: str, find_mesh: FindMesh = find_file(os.sep)) -> Description:
                        frames, friction, tuple(missing))
 
 
-def _parsed(urdf: str) -> ElementTree.Element:
+def root_of(urdf: str) -> ElementTree.Element:
+    """Return the <robot> of a URDF's text; SimulationError when it has none."""
     try:
         robot = ElementTree.fromstring(urdf)
     except ElementTree.ParseError as error:
@@ -92,12 +94,15 @@ def _parsed(urdf: str) -> ElementTree.Element:
     if robot.tag != 'robot':
         raise SimulationError('robot_description has the root element <{}>, wants <robot> (URDF)'
                               .format(robot.tag))
+    return robot
+
+
+def _check_names(robot: ElementTree.Element) -> None:
     for tag in ('link', 'joint'):
         names = [element.get('name') for element in robot.findall(tag)]
         if None in names or len(set(names)) < len(names):
             raise SimulationError('robot_description: each <{}> wants a name of its own (names: '
                                   '{})'.format(tag, ', '.join(map(str, names))))
-    return robot
 
 
 def _joints_by_child(robot, links) -> Dict[str, ElementTree.Element]:

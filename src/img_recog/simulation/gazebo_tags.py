@@ -7,6 +7,7 @@ import math
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
+from img_recog.simulation.description import root_of
 from img_recog.simulation.settings import SimulationError, nearest_period
 
 _Values = Dict[str, Union[str, float, int, bool]]
@@ -58,16 +59,8 @@ class _Part(NamedTuple):
 
 def _sorted(urdf: str) -> Tuple[Dict[str, _Part], List[str]]:
     """Return the first part of each role, and the labels of all other parts."""
-    try:
-        robot = ElementTree.fromstring(urdf)
-    except ElementTree.ParseError as error:
-        raise SimulationError('robot_description is no XML: {}; check the file given as urdf'
-                              .format(error))
-    if robot.tag != 'robot':
-        raise SimulationError('robot_description has the root element <{}>, wants <robot> (URDF)'
-                              .format(robot.tag))
     first, others = {}, []
-    for part in _parts(robot):
+    for part in _parts(root_of(urdf)):
         if part.role and part.role not in first:
             first[part.role] = part
         else:
