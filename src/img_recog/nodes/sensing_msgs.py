@@ -12,7 +12,7 @@ def scan_to_msg(ranges: np.ndarray, stamp: rospy.Time, settings: ScanSettings) -
     """Return the message for ranges in m, one a ray; all rays are cast at `stamp`."""
     msg = LaserScan(angle_min=settings.scan_angle_min, angle_max=settings.scan_angle_max,
                     range_min=settings.scan_range_min, range_max=settings.scan_range_max,
-                    ranges=ranges.tolist())
+                    ranges=ranges.tolist(), intensities=[0.0] * len(ranges))
     msg.angle_increment = (msg.angle_max - msg.angle_min) / (len(ranges) - 1)
     msg.header.stamp, msg.header.frame_id = stamp, settings.scan_frame
     return msg

@@ -1,4 +1,5 @@
 """Images of the simulation for those who watch."""
+import contextlib
 import threading
 
 import rospy
@@ -9,11 +10,10 @@ from img_recog.nodes import image_msgs, robot_msgs
 from img_recog.simulation.scene import Scene, poses_of
 from img_recog.simulation.settings import SimulationError, ViewSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.view import View
+from img_recog.simulation.view import View, ViewImage
 
 _FRAME = 'view'                 # no frame of tf: the camera is none of the robot's
 _LOOK_UP_S = 0.1
-_PATIENCE_S = 2.0               # with an image that is being drawn
 
 
 class ViewTopic:
@@ -22,38 +22,35 @@ class ViewTopic:
     def __init__(self, scene: Scene, settings: ViewSettings):
         self._view = View(scene, settings)
         self._images = rospy.Publisher('~view/image_raw', Image, queue_size=1)
-        self._asked = threading.Event()
-        self._broken = False
+        self._ended = threading.Event()
         self._publisher = threading.Thread(target=self._publish, daemon=True)
         self._publisher.start()
 
     def update(self, simulator: Simulator) -> None:
         """Call in the loop: have an image drawn if one is wanted and it is time for it."""
-        if not self._broken and self._images.get_num_connections() and self._view.due():
-            try:
-                self._view.request(poses_of(simulator), simulator.time_s)
-            except OSError:
-                pass            # that process has ended; taking the image tells
-            self._asked.set()
+        if (self._images.get_num_connections() and self._view.due()
+                and not self._ended.is_set()):
+            self._view.request(poses_of(simulator), simulator.time_s)
 
     def _publish(self) -> None:
-        while not rospy.is_shutdown():
-            if not self._asked.wait(_LOOK_UP_S):
-                continue
-            self._asked.clear()
+        while not self._ended.is_set():
             try:
-                image = self._view.next_image()
+                image = self._view.next_image(_LOOK_UP_S)
             except SimulationError as error:
-                self._broken = True
-                if not rospy.is_shutdown():
-                    rospy.logwarn('no more view: %s; the simulation goes on without', error)
+                self._ended.set()
+                rospy.logwarn('no more view: %s; the simulation goes on without', error)
                 return
-            header = Header(stamp=robot_msgs.stamp_of(image.time_s), frame_id=_FRAME)
+            if image is not None:
+                self._publish_image(image)
+
+    def _publish_image(self, image: ViewImage) -> None:
+        header = Header(stamp=robot_msgs.stamp_of(image.time_s), frame_id=_FRAME)
+        # the topic is closed by a shutdown before the node knows of it
+        with contextlib.suppress(rospy.ROSException):
             self._images.publish(image_msgs.to_msg(image.pixels, 'rgb8', header))
 
     def close(self) -> None:
         """End the process that draws."""
-        self._broken = True
-        # it may be reading an image from what is closed next
-        self._publisher.join(_PATIENCE_S)
+        self._ended.set()
+        self._publisher.join()      # it must not read from what is closed next
         self._view.close()

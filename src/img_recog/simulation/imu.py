@@ -29,7 +29,7 @@ class Imu:
     def __init__(self, robot: Robot, settings: ImuSettings, period_s: float,
                  noise: np.random.RandomState):
         """Mount the unit on a link of `robot`; SimulationError when there is no such link."""
-        robot.motion(settings.imu_frame)
+        robot.check_frame('imu_frame', settings.imu_frame)
         self._robot, self._settings, self._noise = robot, settings, noise
         self._period_s = period_s
         self._deviations = np.repeat((settings.gyro_noise, settings.accel_noise), 3)

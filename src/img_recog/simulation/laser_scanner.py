@@ -20,7 +20,7 @@ class LaserScanner:
             raise SimulationError('scan_range_min: got {:g} m, wants less than scan_range_max, '
                                   '{:g} m'.format(settings.scan_range_min,
                                                   settings.scan_range_max))
-        robot.motion(settings.scan_frame)
+        robot.check_frame('scan_frame', settings.scan_frame)
         self._robot, self._settings, self._noise, self._client = robot, settings, noise, client
         angles = np.linspace(settings.scan_angle_min, settings.scan_angle_max,
                              settings.scan_samples)

@@ -13,7 +13,8 @@ _URDF_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_C
 
 def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
     """Return a new physics client, by default one without a window."""
-    client = pybullet.connect(mode, options=options)
+    # given no options at all, it says nothing about them
+    client = pybullet.connect(mode, **({'options': options} if options else {}))
     if client < 0:
         raise SimulationError('PyBullet gives no physics client; are too many in use?')
     # it knows files by their names, and the text below has the same name each time

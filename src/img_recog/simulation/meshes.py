@@ -69,6 +69,6 @@ def find_file(folder: str) -> FindMesh:
 
 def described(missing: List[str]) -> str:
     """Return one line about meshes that are missing."""
-    return ('mesh{} not found, the collision shape stands in: {}; PyBullet reads {} files, and '
-            'package:// needs the package to be built and sourced'.format(
+    return ('mesh{} not found, other shapes of the link stand in: {}; PyBullet reads {} files, '
+            'and package:// needs the package to be built and sourced'.format(
                 '' if len(missing) == 1 else 'es', ', '.join(missing), ', '.join(_READABLE)))

@@ -15,7 +15,7 @@ class WorldOdometry:
 
     def __init__(self, robot: Robot, frame: str):
         """Observe a link of `robot`; SimulationError when there is no such link."""
-        robot.motion(frame)
+        robot.check_frame('base_frame', frame)
         self._robot, self._frame = robot, frame
 
     def restart(self) -> None:

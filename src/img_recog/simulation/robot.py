@@ -90,6 +90,13 @@ class Robot(Body):
                                       computeForwardKinematics=1, physicsClientId=self.client)
         return moving(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
 
+    def check_frame(self, setting: str, frame: str) -> None:
+        """Raise SimulationError when the frame that a setting names is no link."""
+        try:
+            self._carrier(frame)
+        except SimulationError as error:
+            raise SimulationError('{}: {}'.format(setting, error))
+
     def _carrier(self, frame: str):
         """Return the PyBullet link that carries a frame, and the frame's pose in it.
 

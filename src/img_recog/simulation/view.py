@@ -1,5 +1,6 @@
 """Images of the simulation for people, drawn without a display."""
 import math
+import threading
 import time
 from typing import NamedTuple, Optional, Sequence
 
@@ -35,6 +36,7 @@ class View:
         self._helper: Optional[Helper] = None
         self._busy = False
         self._next_s = 0.0
+        self._started = threading.Event()
 
     def due(self) -> bool:
         """Return whether an image may be asked for: the last has come and its time is over."""
@@ -44,16 +46,24 @@ class View:
         """Ask for an image of these poses; the first is what a following camera follows."""
         if self._helper is None:
             self._helper = Helper(_draw, (self._scene, self._settings))
+            self._started.set()
         self._next_s = time.monotonic() + 1 / self._settings.view_rate
         self._busy = True
-        self._helper.connection.send((poses, time_s))
+        try:
+            self._helper.connection.send((poses, time_s))
+        except OSError:
+            pass                    # that process has ended, as next_image will tell
 
-    def next_image(self) -> ViewImage:
-        """Return the image that was asked for once it has come.
+    def next_image(self, timeout_s: float) -> Optional[ViewImage]:
+        """Return the image that was asked for if it comes in time, else None.
 
         Raises SimulationError when the process that draws has ended.
         """
+        if not self._started.wait(timeout_s):
+            return None
         try:
+            if not self._helper.connection.poll(timeout_s):
+                return None
             image = self._helper.connection.recv()
         except (EOFError, OSError):
             raise SimulationError('the process that draws the view has ended')
