@@ -1,7 +1,7 @@
 """Frozen dataclasses whose fields know which values they allow."""
 import dataclasses
 import math
-from typing import Any, Callable, Iterator, NamedTuple
+from typing import Any, Callable, Iterator, NamedTuple, Optional, Tuple
 
 from img_recog.errors import UserError
 
@@ -17,30 +17,38 @@ class SettingError(UserError):
 
 
 class Allowed(NamedTuple):
-    """What a setting accepts: words for the error line and the test behind them."""
+    """What a setting accepts: words for the error line and the test behind them.
+
+    low, high: no number outside of them is accepted; choices: the words that are, where counted.
+    """
 
     text: str
     accepts: Callable[[Any], bool]
+    low: Optional[float] = None
+    high: Optional[float] = None
+    choices: Tuple[str, ...] = ()
 
 
 def at_least(low: float) -> Allowed:
     """Accept numbers from `low` upwards."""
-    return Allowed('at least {:g}'.format(low), lambda value: value >= low)
+    return Allowed('at least {:g}'.format(low), lambda value: value >= low, low)
 
 
 def above(low: float) -> Allowed:
     """Accept numbers greater than `low`."""
-    return Allowed('above {:g}'.format(low), lambda value: value > low)
+    return Allowed('above {:g}'.format(low), lambda value: value > low, low)
 
 
 def between(low: float, high: float) -> Allowed:
     """Accept numbers from `low` to `high`, both included."""
-    return Allowed('from {:g} to {:g}'.format(low, high), lambda value: low <= value <= high)
+    return Allowed('from {:g} to {:g}'.format(low, high), lambda value: low <= value <= high,
+                   low, high)
 
 
 def one_of(*choices: str) -> Allowed:
     """Accept one of the given words."""
-    return Allowed('one of ' + ', '.join(choices), lambda value: value in choices)
+    return Allowed('one of ' + ', '.join(choices), lambda value: value in choices,
+                   choices=choices)
 
 
 def not_empty() -> Allowed:
@@ -56,13 +64,15 @@ def anything() -> Allowed:
 _KINDS = {int: 'a whole number', float: 'a finite number', bool: 'true or false', str: 'a text'}
 
 
-def setting(default: Any, allowed: Allowed = anything()) -> Any:
+def setting(default: Any, allowed: Allowed = anything(), description: str = '') -> Any:
     """Declare a field of a `Settings` class.
 
     default: the value in force unless it is overridden; its type is the type that is accepted.
     allowed: which values of that type are accepted.
+    description: one line for those who change the setting while the node runs.
     """
-    return dataclasses.field(default=default, metadata={'allowed': allowed})
+    return dataclasses.field(default=default,
+                             metadata={'allowed': allowed, 'description': description})
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,7 +2,7 @@
 import dataclasses
 import difflib
 from types import MappingProxyType
-from typing import Any, Mapping, Type, TypeVar
+from typing import Any, Callable, Iterable, Mapping, Type, TypeVar
 
 import rospy
 
@@ -17,23 +17,38 @@ class ParameterError(UserError):
     """A parameter is missing or has a value that is not allowed."""
 
 
-def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHING) -> SettingsType:
+def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHING,
+         namespace: str = '~') -> SettingsType:
     """Return the settings with every field overridden for which there is a private parameter.
 
     stated: values that come before the defaults and after the parameters: those of a robot
     description.
+    namespace: where the parameters are, if they are not the private ones: a resolved name.
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
-    private = _private_parameters()
+    private = _parameters_in(namespace)
     names = {field.name for field in declared(settings_class)}
     given = {**stated, **private}
     try:
         return settings_class(**{name: given[name] for name in names & set(given)})
     except SettingError as error:
-        where = ('parameter ' + rospy.resolve_name('~' + error.name) if error.name in private
+        where = ('parameter ' + _name_in(namespace, error.name) if error.name in private
                  else '{}, as robot_description states it'.format(error.name))
         raise ParameterError('{}: got {!r}, allowed is {}'.format(
             where, error.value, error.allowed))
+
+
+def read_one(name: str, default: Any, checked: Callable[[Any], Any]) -> Any:
+    """Return the private parameter `name` as `checked` returns it.
+
+    checked: raises SettingError for a value that is not allowed.
+    Raises ParameterError naming the parameter, its value and what is allowed.
+    """
+    try:
+        return checked(_parameters_in('~').get(name, default))
+    except SettingError as error:
+        raise ParameterError('parameter {}: got {!r}, allowed is {}'.format(
+            _name_in('~', name), error.value, error.allowed))
 
 
 def read_group(group_class: type, stated: Mapping[str, Any] = _NOTHING):
@@ -42,15 +57,20 @@ def read_group(group_class: type, stated: Mapping[str, Any] = _NOTHING):
                           for field in dataclasses.fields(group_class)})
 
 
-def warn_of_unknown(*settings_classes: Type[Settings]) -> None:
-    """Log one warning for each private parameter that none of the settings has: a likely typo."""
+def warn_of_unknown(*settings_classes: Type[Settings], besides: Iterable[str] = (),
+                    namespace: str = '~') -> None:
+    """Log one warning for each private parameter that none of the settings has: a likely typo.
+
+    besides: more names that are known: those of namespaces, as of a topic's own parameters.
+    namespace: as for `read`.
+    """
     known = sorted(field.name for each in settings_classes for field in declared(each))
-    for name in sorted(set(_private_parameters()) - set(known)):
+    for name in sorted(set(_parameters_in(namespace)) - {*known, *besides}):
         near = difflib.get_close_matches(name, known, 1)
         advice = ('did you mean {}?'.format(near[0]) if near else
                   'known are {}'.format(', '.join(known) or 'none'))
         rospy.logwarn('parameter %s is not one of this node: %s',
-                      rospy.resolve_name('~' + name), advice)
+                      _name_in(namespace, name), advice)
 
 
 def robot_description() -> str:
@@ -69,6 +89,10 @@ def robot_description() -> str:
     return text
 
 
-def _private_parameters() -> dict:
-    private = rospy.get_param('~', {})
-    return private if isinstance(private, dict) else {}
+def _parameters_in(namespace: str) -> dict:
+    found = rospy.get_param(namespace, {})
+    return found if isinstance(found, dict) else {}
+
+
+def _name_in(namespace: str, name: str) -> str:
+    return rospy.resolve_name(('~' if namespace == '~' else namespace + '/') + name)

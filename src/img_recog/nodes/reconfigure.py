@@ -1,0 +1,154 @@
+"""Settings that others change while the node runs, by dynamic_reconfigure without a .cfg file."""
+import dataclasses
+import threading
+from types import SimpleNamespace
+from typing import Any, Callable, Mapping, Optional, Type
+
+import rospy
+from dynamic_reconfigure.encoding import Config
+from dynamic_reconfigure.server import Server
+
+from img_recog.errors import UserError
+from img_recog.settings import SettingError, Settings, declared
+
+# What dynamic_reconfigure's own generator calls the types, and its bounds where there are none.
+_TYPES = {bool: 'bool', int: 'int', float: 'double', str: 'str'}
+_BOUNDS = {bool: (False, True), int: (-0x80000000, 0x7fffffff),
+           float: (-float('inf'), float('inf')), str: ('', '')}
+
+
+def config_type(settings_class: Type[Settings]) -> SimpleNamespace:
+    """Return what dynamic_reconfigure's generator makes of a .cfg file, made of the settings.
+
+    Names, defaults, types, bounds, choices and descriptions are those of the fields. Whole
+    numbers must fit into 32 bits.
+    """
+    described = [_describe(field) for field in declared(settings_class)]
+    by_name = {key: {each['name']: each[key] for each in described}
+               for key in ('min', 'max', 'level', 'type')}
+    return SimpleNamespace(
+        config_description={'name': 'Default', 'type': '', 'state': True, 'cstate': 'true',
+                            'id': 0, 'parent': 0, 'parameters': described, 'groups': []},
+        defaults=Config((each['name'], each['default']) for each in described),
+        all_level=0, **by_name)
+
+
+def changed(settings: Settings, values: Mapping[str, Any]) -> Settings:
+    """Return `settings` with some values replaced.
+
+    Raises SettingError naming the field, its value and what is allowed.
+    """
+    names = [field.name for field in declared(type(settings))]
+    for name, value in values.items():
+        if name not in names:
+            raise SettingError(name, value, 'one of the parameters ' + ', '.join(names))
+    return dataclasses.replace(settings, **values)
+
+
+class Reconfigurable:
+    """Serves settings under a namespace as dynamic_reconfigure's tools expect them.
+
+    Publishes, latched: parameter_descriptions (dynamic_reconfigure/ConfigDescription) and
+    parameter_updates (dynamic_reconfigure/Config). Serves: set_parameters
+    (dynamic_reconfigure/Reconfigure). Writes the values in force to the parameter server, where
+    those tools and the next start of the node find them.
+    """
+
+    def __init__(self, settings: Settings, on_change: Callable[[Settings], None],
+                 namespace: Optional[str] = None):
+        """Serve from now on.
+
+        settings: the values in force; they are not read from the parameter server here.
+        on_change: called with the new settings, in the thread of the service and never twice at
+        once; by a UserError it refuses them.
+        namespace: a resolved name; the node's own when there is none.
+        """
+        self._settings, self._on_change = settings, on_change
+        self._namespace = namespace or rospy.get_name()
+        self._server = _Server(config_type(type(settings)), settings, self._change,
+                               self._namespace)
+
+    @property
+    def settings(self) -> Settings:
+        """The settings in force."""
+        return self._settings
+
+    def close(self) -> None:
+        """Serve no more."""
+        self._server.set_service.shutdown('closed')
+        self._server.descr_topic.unregister()
+        self._server.update_topic.unregister()
+
+    def _change(self, values: Mapping[str, Any]) -> Settings:
+        """Put the values in force, or log why not; return what is in force."""
+        try:
+            settings = changed(self._settings, values)
+            if settings != self._settings:
+                self._on_change(settings)
+                self._settings = settings
+        except SettingError as error:
+            rospy.logerr('parameter %s/%s: got %r, allowed is %s; nothing is changed',
+                         self._namespace, error.name, error.value, error.allowed)
+        except UserError as error:
+            rospy.logerr('parameters of %s: %s; nothing is changed', self._namespace,
+                         ' '.join(str(error).split()))
+        return self._settings
+
+
+class _Server(Server):
+    """The distribution's server, less what it does of its own accord.
+
+    It would read the parameter server again, and would move a value that is out of bounds to the
+    next one that is not, in place of refusing it.
+    """
+
+    def __init__(self, kind: SimpleNamespace, settings: Settings,
+                 change: Callable[[Mapping[str, Any]], Settings], namespace: str):
+        self._initial, self._change = _values(settings), change
+        self._serving = threading.Event()
+        super().__init__(kind, self._called, namespace)
+        self._serving.set()
+
+    def _copy_from_parameter_server(self) -> None:
+        self.config.update(self._initial)
+
+    def _clamp(self, config: Config) -> None:
+        pass
+
+    def _set_callback(self, req):
+        # the service is there before the constructor of Server is done
+        self._serving.wait()
+        return super()._set_callback(req)
+
+    def _called(self, config: Config, _level: int) -> Config:
+        values = {name: value for name, value in config.items() if name != 'groups'}
+        in_force = _values(self._change(values))
+        result = Config((name, value) for name, value in config.items()
+                        if name in in_force or name == 'groups')
+        result.update(in_force)
+        return result
+
+
+def _values(settings: Settings) -> dict:
+    return {field.name: getattr(settings, field.name) for field in declared(type(settings))}
+
+
+def _describe(field) -> dict:
+    kind, allowed = type(field.default), field.metadata['allowed']
+    low, high = _BOUNDS[kind]
+    if kind in (int, float):
+        low = low if allowed.low is None else kind(allowed.low)
+        high = high if allowed.high is None else kind(allowed.high)
+    return {'name': field.name, 'type': _TYPES[kind], 'default': field.default, 'level': 0,
+            'min': low, 'max': high, 'description': field.metadata['description'],
+            'edit_method': _edit_method(field.name, allowed.choices)}
+
+
+def _edit_method(name: str, choices) -> str:
+    """Return the text of which tools make a list to choose from, empty for no list."""
+    if not choices:
+        return ''
+    enum = [{'name': choice, 'type': 'str', 'value': choice, 'description': '', 'srcline': 0,
+             'srcfile': '', 'ctype': 'std::string', 'cconsttype': 'const char * const'}
+            for choice in choices]
+    return repr({'enum': enum, 'enum_description': name})

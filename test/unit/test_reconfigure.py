@@ -1,0 +1,151 @@
+"""dynamic_reconfigure's config type made from settings, and changes of settings."""
+import dataclasses
+import logging
+
+import pytest
+from dynamic_reconfigure.encoding import decode_description, encode_description, extract_params
+
+from img_recog.errors import UserError
+from img_recog.nodes import reconfigure
+from img_recog.nodes.compressed_image_msgs import CompressionSettings
+from img_recog.nodes.reconfigure import Reconfigurable, changed, config_type
+from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,
+                                one_of, setting)
+
+INFINITY = float('inf')
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample(Settings):
+    """One field of each kind."""
+
+    width: int = setting(640, between(1, 800), 'pixels in a row')
+    count: int = setting(0, at_least(0))
+    offset: int = setting(-3)
+    rate: float = setting(30.0, above(0), 'frames a second')
+    gain: float = setting(1.5)
+    enabled: bool = setting(True, description='whether at all')
+    mode: str = setting('slow', one_of('slow', 'fast'))
+    name: str = setting('sample', not_empty())
+    unchecked: object = None
+
+
+EXPECTED = {        # type, default, min, max, description
+    'width': ('int', 640, 1, 800, 'pixels in a row'),
+    'count': ('int', 0, 0, 2 ** 31 - 1, ''),
+    'offset': ('int', -3, -2 ** 31, 2 ** 31 - 1, ''),
+    'rate': ('double', 30.0, 0.0, INFINITY, 'frames a second'),
+    'gain': ('double', 1.5, -INFINITY, INFINITY, ''),
+    'enabled': ('bool', True, False, True, 'whether at all'),
+    'mode': ('str', 'slow', '', '', ''),
+    'name': ('str', 'sample', '', '', ''),
+}
+
+
+def test_fields_are_described_in_order():
+    made = config_type(Sample)
+    assert list(made.defaults) == list(EXPECTED)
+    for name, expected in EXPECTED.items():
+        got = (made.type[name], made.defaults[name], made.min[name], made.max[name])
+        assert got == expected[:4]
+        assert len({type(value) for value in got[1:]}) == 1
+        assert made.level[name] == 0
+
+
+def test_tools_read_the_description():
+    read = decode_description(encode_description(config_type(Sample)))
+    params = {each['name']: each for each in extract_params(read)}
+    assert list(params) == list(EXPECTED)
+    for name, each in params.items():
+        assert (each['type'], each['default'], each['min'], each['max'],
+                each['description']) == EXPECTED[name]
+        assert (each['edit_method'] != '') == (name == 'mode')
+
+
+def test_choices_are_a_list_to_choose_from():
+    mode = {each['name']: each for each in config_type(Sample).config_description['parameters']}
+    enum = eval(mode['mode']['edit_method'])['enum']        # as the tools do
+    assert [(each['name'], each['value'], each['type']) for each in enum] == [
+        ('slow', 'slow', 'str'), ('fast', 'fast', 'str')]
+
+
+def test_compression_has_the_parameters_of_the_plugin():
+    made = config_type(CompressionSettings)
+    assert made.defaults == {'format': 'jpeg', 'jpeg_quality': 80, 'jpeg_progressive': False,
+                             'jpeg_optimize': False, 'jpeg_restart_interval': 0, 'png_level': 9}
+    assert (made.min['png_level'], made.max['png_level']) == (1, 9)
+    assert (made.min['jpeg_quality'], made.max['jpeg_quality']) == (1, 100)
+
+
+def test_changed_replaces_some_values():
+    assert changed(Sample(width=2), {'rate': 5, 'mode': 'fast'}) == Sample(
+        width=2, rate=5.0, mode='fast')
+
+
+@pytest.mark.parametrize('name, value, allowed', [
+    ('width', 801, 'a whole number from 1 to 800'),
+    ('width', '5', 'a whole number from 1 to 800'),
+    ('rate', 0.0, 'a finite number above 0'),
+    ('rate', INFINITY, 'a finite number above 0'),
+    ('enabled', 1, 'true or false'),
+    ('mode', 'medium', 'a text one of slow, fast'),
+    ('nmae', 'x', 'one of the parameters ' + ', '.join(EXPECTED)),
+    ('unchecked', 1, 'one of the parameters ' + ', '.join(EXPECTED))])
+def test_refusal_names_what_is_allowed(name, value, allowed):
+    before = Sample(width=2)
+    with pytest.raises(SettingError) as refused:
+        changed(before, {name: value, 'count': 7})
+    assert (refused.value.name, refused.value.value, refused.value.allowed) == (
+        name, value, allowed)
+    assert before == Sample(width=2)
+
+
+class Caller:
+    """In the place of the server: keeps what a request would call."""
+
+    def __init__(self, _kind, settings, change, namespace):
+        self.settings, self.change, self.namespace = settings, change, namespace
+
+
+@pytest.fixture
+def errors():
+    """The lines that rospy logs at ERROR."""
+    lines = []
+    handler = logging.Handler(logging.ERROR)
+    handler.emit = lambda record: lines.append(record.getMessage())
+    logger = logging.getLogger('rosout')
+    logger.addHandler(handler)
+    yield lines
+    logger.removeHandler(handler)
+
+
+def served(monkeypatch, on_change):
+    monkeypatch.setattr(reconfigure, '_Server', Caller)
+    each = Reconfigurable(Sample(width=2), on_change, '/camera')
+    return each, each._server.change
+
+
+def test_change_is_passed_on_and_in_force(monkeypatch, errors):
+    seen = []
+    reconfigurable, change = served(monkeypatch, seen.append)
+    assert reconfigurable.settings == Sample(width=2) and seen == []
+    assert change({'width': 5}) == reconfigurable.settings == Sample(width=5)
+    change({'width': 5, 'count': 0})
+    assert seen == [Sample(width=5)] and errors == []
+
+
+def test_refused_value_leaves_the_old_ones_and_is_one_line(monkeypatch, errors):
+    seen = []
+    reconfigurable, change = served(monkeypatch, seen.append)
+    assert change({'width': 801, 'count': 7}) == reconfigurable.settings == Sample(width=2)
+    assert seen == []
+    assert errors == ['parameter /camera/width: got 801, allowed is a whole number from 1 to 800; '
+                      'nothing is changed']
+
+
+def test_refusal_by_the_receiver_leaves_the_old_ones(monkeypatch, errors):
+    def refuse(_):
+        raise UserError('the camera\nis gone')
+    reconfigurable, change = served(monkeypatch, refuse)
+    assert change({'width': 5}) == reconfigurable.settings == Sample(width=2)
+    assert errors == ['parameters of /camera: the camera is gone; nothing is changed']
