@@ -15,12 +15,16 @@ class Recorder:
         self.messages = []
         self._topic = topic
         self._accept = accept
-        rospy.Subscriber(topic, message_type, self._take, queue_size=1000, buff_size=1 << 26,
-                         tcp_nodelay=True)
+        self._subscriber = rospy.Subscriber(topic, message_type, self._take, queue_size=1000,
+                                            buff_size=1 << 26, tcp_nodelay=True)
 
     def _take(self, msg):
         if self._accept(msg):
             self.messages.append(msg)
+
+    def close(self):
+        """Collect no more."""
+        self._subscriber.unregister()
 
     def wait(self, count=1, deadline_s=DEADLINE_S):
         """Return the messages once there are `count` more than now."""

@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Compressed images over real connections: who asks gets them, color_extract reads them."""
+import os
+import subprocess
+import sys
+import unittest
+from unittest import mock
+
+import numpy as np
+import rospy
+import rostest
+from cv_bridge import CvBridge
+from dynamic_reconfigure.client import Client
+from dynamic_reconfigure.msg import Config, ConfigDescription
+from geometry_msgs.msg import Twist
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, from_node, wait_for  # noqa: E402
+
+from img_recog.nodes import compressed_image_msgs, image_msgs  # noqa: E402
+from img_recog.nodes.compressed_images import CompressedImages  # noqa: E402
+
+BLUE, RED = (20, 60, 200), (220, 20, 60)        # RGB
+NODES = ('color_extract', 'from_compressed')
+
+
+def picture(blue_px=0, red_px=0, seed=1):
+    """Return a noisy grey rgb8 picture of 320x240 with so many pixels of each colour."""
+    image = np.random.RandomState(seed).randint(110, 150, (240 * 320, 3)).astype(np.uint8)
+    image[:blue_px] = BLUE
+    image[len(image) - red_px:] = RED
+    return image.reshape(240, 320, 3)
+
+
+def header():
+    """Return a header with a stamp of now."""
+    return Header(stamp=rospy.Time.now(), frame_id='test_camera')
+
+
+def dynparam(*words):
+    """Call dynamic_reconfigure's tool; return what it prints."""
+    return subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', *words], timeout=60,
+                          check=True, stdout=subprocess.PIPE).stdout.decode()
+
+
+class CompressedTest(unittest.TestCase):
+    """Each test has topics of its own, but for those of the two nodes that look for colours."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.logs = Recorder('/rosout', Log)
+
+    def _publisher(self, topic):
+        publisher = CompressedImages(topic)
+        self.addCleanup(publisher.close)
+        return publisher
+
+    def _get(self, publisher, recorder, image, encoding='rgb8'):
+        """Publish until a message has come, and return the newest."""
+        before = len(recorder.messages)
+        wait_for(lambda: publisher.publish(image, encoding, header()) or
+                 len(recorder.messages) > before, 'a compressed image')
+        return recorder.messages[-1]
+
+    def _wait_log(self, level, *words):
+        def logged():
+            return [log.msg for log in self.logs.messages
+                    if log.level == level and all(word in log.msg for word in words)]
+        found = wait_for(logged, 'a log line with {}'.format(words))
+        self.assertNotIn('\n', found[-1])
+
+    def test_nothing_is_compressed_without_a_subscriber(self):
+        real, done = compressed_image_msgs.to_msg, []
+
+        def counted(image, encoding, head, settings):
+            done.append(head.stamp)
+            return real(image, encoding, head, settings)
+        with mock.patch.object(compressed_image_msgs, 'to_msg', counted):
+            publisher = self._publisher('/lonely/image_raw')
+            for _ in range(20):
+                publisher.publish(picture(), 'rgb8', header())
+            first = rospy.Time.now()
+            recorder = Recorder('/lonely/image_raw/compressed', CompressedImage)
+            self._get(publisher, recorder, picture())
+            self.assertGreaterEqual(min(done), first)
+            recorder.close()
+            wait_for(lambda: publisher._publisher.get_num_connections() == 0, 'no subscriber')
+            wait_for(lambda: publisher._images.take() is None, 'an idle worker')
+            last = rospy.Time.now()
+            for _ in range(20):
+                publisher.publish(picture(), 'rgb8', header())
+            recorder = Recorder('/lonely/image_raw/compressed', CompressedImage)
+            again = rospy.Time.now()
+            self._get(publisher, recorder, picture())
+            self.assertEqual([], [stamp for stamp in done if last <= stamp < again])
+
+    def test_cv_bridge_reads_what_is_sent(self):
+        publisher = self._publisher('/small/image_raw')
+        recorder = Recorder('/small/image_raw/compressed', CompressedImage)
+        wait_for(lambda: publisher._publisher.get_num_connections() == 1, 'a subscriber')
+        sent = header()
+        publisher.publish(picture(500, 700), 'rgb8', sent)
+        wait_for(lambda: recorder.messages, 'a compressed image')
+        msg, = recorder.messages
+        # png and level 1 by parameters, and the misspelt parameter is named
+        self.assertEqual('rgb8; png compressed bgr8', msg.format)
+        self.assertEqual((sent.stamp, sent.frame_id), (msg.header.stamp, msg.header.frame_id))
+        read = CvBridge().compressed_imgmsg_to_cv2(msg, 'rgb8')
+        self.assertTrue(np.array_equal(picture(500, 700), read))
+        self.assertEqual(1, publisher._parameters.settings.png_level)
+        self._wait_log(Log.WARN, '/small/image_raw/compressed/jpeg_qualty',
+                       'did you mean jpeg_quality?')
+        publisher.publish(picture(), 'mono8', header())
+        self._wait_log(Log.WARN, 'cannot compress', "encoding 'mono8' as png")
+
+    def test_dynparam_changes_the_format_and_refuses_bad_values(self):
+        name = '/live/image_raw/compressed'
+        publisher = self._publisher('/live/image_raw')
+        recorder = Recorder(name, CompressedImage)
+        updates = Recorder(name + '/parameter_updates', Config)
+        descriptions = Recorder(name + '/parameter_descriptions', ConfigDescription)
+        self.assertEqual('rgb8; jpeg compressed bgr8',
+                         self._get(publisher, recorder, picture()).format)
+        wait_for(lambda: descriptions.messages and updates.messages, 'the latched topics')
+        group, = descriptions.messages[0].groups
+        self.assertIn(('format', 'str'), [(each.name, each.type) for each in group.parameters])
+        dynparam('set', name, 'format', 'png')
+        wait_for(lambda: self._get(publisher, recorder, picture()).format ==
+                 'rgb8; png compressed bgr8', 'png')
+        self.assertEqual('png', rospy.get_param(name + '/format'))
+        for parameter, value in (('format', 'gif'), ('png_level', '10'), ('jpeg_quality', '0')):
+            before = len(updates.messages)
+            dynparam('set', name, parameter, value)
+            self._wait_log(Log.ERROR, 'parameter {}/{}: got '.format(name, parameter), value,
+                           'allowed is ')
+            wait_for(lambda: len(updates.messages) > before, 'the values in force')
+            strings = {each.name: each.value for each in updates.messages[-1].strs}
+            numbers = {each.name: each.value for each in updates.messages[-1].ints}
+            self.assertEqual(('png', 9, 80), (strings['format'], numbers['png_level'],
+                                              numbers['jpeg_quality']))
+            self.assertEqual('png', rospy.get_param(name + '/format'))
+        self.assertIn("'format': 'png'", dynparam('get', name))
+        self.assertIn(name, dynparam('list'))
+        client = Client(name, timeout=30)
+        self.assertEqual(50, client.update_configuration({'jpeg_quality': 50})['jpeg_quality'])
+        client.close()
+
+    def test_color_extract_sees_the_same_in_png_as_in_raw(self):
+        rospy.set_param('/usb_cam/image_raw/compressed/format', 'png')
+        raw = rospy.Publisher('/usb_cam/image_raw', Image, queue_size=10)
+        compressed = self._publisher('/usb_cam/image_raw')
+        areas = {node: Recorder('/rosout', Log, lambda log, node=node: log.name == '/' + node and
+                                log.msg.startswith('blue=')) for node in NODES}
+        twists = {'color_extract': Recorder('/cmd_vel', Twist, from_node('/color_extract')),
+                  'from_compressed': Recorder('/from_compressed/cmd_vel', Twist)}
+        images = {(node, colour): Recorder(prefix + colour + '_image', Image)
+                  for node, prefix in zip(NODES, ('/', '/from_compressed/'))
+                  for colour in ('blue', 'red')}
+        wait_for(lambda: raw.get_num_connections() == 1 and
+                 compressed._publisher.get_num_connections() == 1, 'both nodes to subscribe')
+
+        def send(image):
+            before = {node: len(areas[node].messages) for node in NODES}
+            sent = header()
+            raw.publish(image_msgs.to_msg(image, 'rgb8', sent))
+            compressed.publish(image, 'rgb8', sent)
+            wait_for(lambda: all(len(areas[node].messages) > before[node] for node in NODES),
+                     'areas of both nodes', 10)
+            return sent.stamp
+
+        def connected():
+            send(picture(2000, 2000))
+            return all(each.messages for each in [*twists.values(), *images.values()])
+        wait_for(connected, 'the outputs of both nodes')
+        cases = [(0, 0), (1000, 1000), (0, 1500), (0, 1001), (2345, 3456)]
+        for number, (blue, red) in enumerate(cases):
+            stamp = send(picture(blue, red, number))
+            self.assertEqual(*(areas[node].messages[-1].msg for node in NODES))
+            for colour in ('blue', 'red'):
+                pair = [images[node, colour] for node in NODES]
+                wait_for(lambda: all(each.messages[-1].header.stamp == stamp for each in pair),
+                         colour + '_image')
+                self.assertEqual(*(each.messages[-1].data for each in pair))
+        for node in NODES:
+            # the first is of the last frame before the cases, the first two of which give none
+            wait_for(lambda: [twist.linear.x for twist in twists[node].messages[-5:]] ==
+                     [-10.0, -10.0, -10.0, 10.0, -10.0], 'the Twists of ' + node)
+
+        self._check_undecodable_is_skipped(areas['from_compressed'])
+        send(picture(5000, 0))      # and then the node goes on
+        self.assertEqual(*(areas[node].messages[-1].msg for node in NODES))
+
+    def _check_undecodable_is_skipped(self, areas):
+        before = len(areas.messages)
+        other = rospy.Publisher('/usb_cam/image_raw/compressed', CompressedImage, queue_size=10)
+        wait_for(lambda: other.get_num_connections() == 1, 'from_compressed to subscribe')
+        other.publish(CompressedImage(format='rgb8; png compressed bgr8', data=b'no image'))
+        self._wait_log(Log.WARN, 'frame skipped: cannot decode', '8 bytes')
+        self.assertEqual(before, len(areas.messages))
+
+
+if __name__ == '__main__':
+    rospy.init_node('compressed_test')
+    rostest.rosrun('img_recog', 'compressed', CompressedTest)
