@@ -25,7 +25,7 @@ def fatal_line(process):
 CAMERA_CASES = {
     'missing path': ('_video_device:=/no/such.mp4', '/no/such.mp4: no such file', 'synthetic'),
     'no camera': ('_video_device:=/dev/null', '/dev/null: no V4L2 capture device', 'have'),
-    'a directory': ('_video_device:=/tmp', '/tmp: neither a device nor a file', 'synthetic'),
+    'a directory': ('_video_device:=/usr', '/usr: neither a device nor a file', 'synthetic'),
     'no video': ('_video_device:=' + BURGER, 'turtlebot3_burger.urdf: neither a film nor',
                  'synthetic'),
     'pixel format': ('_pixel_format:=mjpg', "/usb_cam/pixel_format: got 'mjpg'",

@@ -191,3 +191,37 @@ def test_wrong_count_is_named(path, key, wanted, has):
     message = refused_load(path, with_entry(key, {'rows': 3, 'cols': 3, 'data': [1.0] * has}))
     assert message == 'calibration {} has no usable entry {} (wants {} numbers, has {})'.format(
         path, key, wanted, has)
+
+
+def test_scaled_to_half_the_size():
+    small = calibration.scaled(KNOWN, 320, 240)
+    assert (small.width, small.height) == (320, 240)
+    assert small.camera_matrix == (250.25, 0.0, 160.0, 0.0, 250.625, 120.0, 0.0, 0.0, 1.0)
+    assert small.projection == (250.25, 0.0, 160.0, -5e-18, 0.0, 250.625, 120.0, 0.0, 0.0, 0.0,
+                                1.0, 0.0)
+    assert (small.distortion, small.rectification, small.camera_name) == (
+        KNOWN.distortion, KNOWN.rectification, KNOWN.camera_name)
+
+
+def test_scaled_to_its_own_size_is_itself():
+    assert calibration.scaled(KNOWN, 640, 480) is KNOWN
+
+
+def test_scaled_to_a_size_that_a_camera_rounds():
+    wide = Calibration('wide', 1920, 1080, 'plumb_bob', (0.0,) * 5, KNOWN.camera_matrix,
+                       KNOWN.rectification, KNOWN.projection)
+    assert calibration.scaled(wide, 854, 480).width == 854
+
+
+@pytest.mark.parametrize('size', [(640, 360), (480, 640), (640, 470), (1, 480)])
+def test_another_aspect_ratio_is_refused(size):
+    with pytest.raises(CalibrationError, match='^the calibration is for 640x480, the images are '
+                                               '{}x{}, another shape$'.format(*size)):
+        calibration.scaled(KNOWN, *size)
+
+
+def test_calibration_without_a_size_is_refused():
+    empty = Calibration('x', 0, 0, 'plumb_bob', (), KNOWN.camera_matrix, KNOWN.rectification,
+                        KNOWN.projection)
+    with pytest.raises(CalibrationError):
+        calibration.scaled(empty, 640, 480)

@@ -1,12 +1,15 @@
 """V4L2 devices, with OpenCV's capture replaced: what is asked for and what is made of it."""
+import os
+
 import cv2
 import numpy as np
 import pytest
 
-from img_recog.camera.opencv_source import DeviceSource
+from img_recog.camera.device_source import DeviceSource
 from img_recog.camera.settings import CameraSettings
-from img_recog.camera.source import SourceError
+from img_recog.camera.source import FrameSkipped, SourceError
 
+DAMAGED = object()
 BGR = np.random.RandomState(3).randint(0, 256, (48, 64, 3)).astype(np.uint8)
 
 
@@ -14,11 +17,12 @@ class FakeCapture:
     """Grants a camera of 64x48 at 15 Hz and gives the frames it is told."""
 
     frames = [BGR]
+    captured_s = -1.0
 
     def __init__(self, path, backend):
         self.opened, self.asked, self.released = (path, backend), [], 0
         self._given = {cv2.CAP_PROP_FRAME_WIDTH: 64.0, cv2.CAP_PROP_FRAME_HEIGHT: 48.0,
-                       cv2.CAP_PROP_FPS: 15.0,
+                       cv2.CAP_PROP_FPS: 15.0, cv2.CAP_PROP_POS_MSEC: self.captured_s * 1000.0,
                        cv2.CAP_PROP_FOURCC: float(cv2.VideoWriter_fourcc(*'YUYV'))}
         self._frames = iter(self.frames)
 
@@ -32,9 +36,12 @@ class FakeCapture:
     def get(self, prop):
         return self._given[prop]
 
-    def read(self):
-        image = next(self._frames, None)
-        return image is not None, image
+    def grab(self):
+        self._image = next(self._frames, None)
+        return self._image is not None
+
+    def retrieve(self):
+        return self._image is not DAMAGED, None if self._image is DAMAGED else self._image
 
     def release(self):
         self.released += 1
@@ -48,7 +55,8 @@ def open_device(monkeypatch):
         monkeypatch.setattr(cv2, 'VideoCapture',
                             lambda *arguments: captures.append(FakeCapture(*arguments))
                             or captures[-1])
-        source = DeviceSource(CameraSettings(video_device='/dev/null', **settings))
+        source = DeviceSource(CameraSettings(video_device='/dev/null', **settings),
+                              now=lambda: 100.0)
         return source, captures[0]
     return open_with
 
@@ -100,8 +108,8 @@ def test_unplugged_device_is_an_error_of_one_line(open_device):
     source.read()
     with pytest.raises(SourceError) as refused:
         source.read()
-    assert str(refused.value) == ('/dev/null gives no more frames: unplugged or silent; plug it '
-                                  'in and start the node again')
+    assert str(refused.value) == '/dev/null gives no frames: unplugged or silent'
+    assert source.reconnects
 
 
 def test_close_releases_the_device(open_device):
@@ -116,8 +124,64 @@ def test_close_releases_the_device(open_device):
 def test_device_that_cannot_be_opened_says_why(open_device, monkeypatch, error, words):
     def refuse(*_):
         raise error
-    monkeypatch.setattr('img_recog.camera.opencv_source.os.open', refuse)
+    monkeypatch.setattr('img_recog.camera.device_source.os.open', refuse)
     with pytest.raises(SourceError) as refused:
         open_device()
     assert str(refused.value).startswith('cannot open /dev/null: ' + words)
     assert '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize('captured_s, age_s', [
+    (99.96, 0.04), (100.0, 0.0), (98.5, 1.5),
+    (97.0, 0.0), (100.5, 0.0), (1.7e9, 0.0), (0.0, 0.0), (-1.0, 0.0)])
+def test_age_is_the_drivers_where_it_is_sane(open_device, monkeypatch, captured_s, age_s):
+    monkeypatch.setattr(FakeCapture, 'captured_s', captured_s)
+    source, _ = open_device()
+    source.read()
+    assert source.age_s == pytest.approx(age_s, abs=1e-9)
+
+
+@pytest.mark.parametrize('frame', [DAMAGED, np.empty((0, 0, 3), np.uint8)])
+def test_empty_frame_is_skipped_and_the_next_one_read(open_device, monkeypatch, frame):
+    monkeypatch.setattr(FakeCapture, 'frames', [frame, BGR])
+    source, _ = open_device()
+    with pytest.raises(FrameSkipped, match='^/dev/null gave an empty or damaged frame$'):
+        source.read()
+    assert np.array_equal(source.read(), BGR[..., ::-1])
+
+
+def test_frame_in_one_row_gets_its_shape(open_device, monkeypatch):
+    monkeypatch.setattr(FakeCapture, 'frames', [BGR.reshape(1, -1)])
+    source, _ = open_device()
+    assert np.array_equal(source.read(), BGR[..., ::-1])
+
+
+def test_frame_of_another_size_is_skipped(open_device, monkeypatch):
+    monkeypatch.setattr(FakeCapture, 'frames', [BGR[:40]])
+    source, _ = open_device()
+    with pytest.raises(FrameSkipped, match=r'shape \(40, 64, 3\) in place of 64x48'):
+        source.read()
+
+
+def test_rates_and_silence_follow_what_was_asked_for_and_given(open_device):
+    fast, _ = open_device(framerate=10)
+    assert (fast.most_hz, fast.expected_hz, fast.silence_s) == (10.0, 10.0, 1.5)
+    slow, _ = open_device(framerate=0.5)
+    assert (slow.most_hz, slow.expected_hz, slow.silence_s) == (0.5, 0.5, 6.0)
+    usual, _ = open_device(framerate=30)
+    assert (usual.most_hz, usual.expected_hz) == (30.0, 15.0)
+
+
+def test_path_is_what_a_link_stands_for(open_device, tmp_path, monkeypatch):
+    link = tmp_path / 'by-id'
+    link.symlink_to('/dev/null')
+    captures = []
+    monkeypatch.setattr(cv2, 'VideoCapture', lambda *arguments: captures.append(
+        FakeCapture(*arguments)) or captures[-1])
+    source = DeviceSource(CameraSettings(video_device=str(link)))
+    assert (source.name, source.path) == (str(link), '/dev/null')
+    assert captures[0].opened == ('/dev/null', cv2.CAP_V4L2)
+
+
+def test_opencv_is_told_to_wait_for_two_seconds():
+    assert os.environ['OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT'] == '2'

@@ -7,8 +7,7 @@ import cv2
 import pytest
 from films import smooth_image
 
-from img_recog.camera.opencv_source import open_file
-from img_recog.camera.selection import open_source
+from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceError
 from img_recog.errors import UserError
@@ -36,7 +35,7 @@ def png_header(width, height):
 
 
 def test_missing_file_lists_what_exists_and_what_to_set(tmp_path, monkeypatch):
-    monkeypatch.setattr('img_recog.camera.opencv_source.glob.glob',
+    monkeypatch.setattr('img_recog.camera.device_source.glob.glob',
                         lambda pattern: ['/dev/video3', '/dev/video1'])
     path = tmp_path / 'missing.mp4'
     assert refusal(path) == (
@@ -45,7 +44,7 @@ def test_missing_file_lists_what_exists_and_what_to_set(tmp_path, monkeypatch):
 
 
 def test_missing_device_says_that_there_is_none(monkeypatch):
-    monkeypatch.setattr('img_recog.camera.opencv_source.glob.glob', lambda pattern: [])
+    monkeypatch.setattr('img_recog.camera.device_source.glob.glob', lambda pattern: [])
     assert refusal('/dev/no-video0').startswith(
         'cannot open /dev/no-video0: no such file or device (have no /dev/video*); ')
 
@@ -85,8 +84,9 @@ def test_truncated_still_image(tmp_path):
 
 
 def test_directory(tmp_path):
-    assert refusal(tmp_path) == ('cannot open {}: neither a device nor a file; set video_device '
-                                 'to one, or to synthetic'.format(tmp_path))
+    assert refusal(tmp_path) == (
+        'cannot open {}: neither a device nor a file, nor a folder with images; set video_device '
+        'to one, or to synthetic'.format(tmp_path))
 
 
 def test_pipe(tmp_path):
@@ -100,7 +100,7 @@ def test_dangling_link(tmp_path):
 
 
 def test_character_device_that_is_no_camera(monkeypatch):
-    monkeypatch.setattr('img_recog.camera.opencv_source.glob.glob',
+    monkeypatch.setattr('img_recog.camera.device_source.glob.glob',
                         lambda pattern: ['/dev/video7'])
     assert refusal('/dev/null') == (
         'cannot open /dev/null: no V4L2 capture device, or in use by another program (have '

@@ -1,14 +1,21 @@
 """From video_device to a frame source."""
+import functools
+import http.server
+import os
+import socket
+import threading
+
 import cv2
 import numpy as np
 import pytest
 from films import smooth_image
 
 from img_recog.camera import selection
-from img_recog.camera.opencv_source import FilmSource, StillSource
+from img_recog.camera.film_source import FilmSource, StreamSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
-from img_recog.camera.source import SourceError
+from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
+from img_recog.camera.still_source import FolderSource, StillSource
 from img_recog.camera.synthetic import SyntheticSource, draw_frame
 
 
@@ -117,3 +124,154 @@ def test_tilde_is_the_home_folder_whatever_the_folders(tmp_path, monkeypatch):
     save_still(tmp_path / 'home' / 'still.png', 4)
     monkeypatch.setenv('HOME', str(tmp_path / 'home'))
     assert shows(opened('~/still.png', (str(tmp_path),)), 4)
+
+
+def test_folder_of_stills_is_played_by_name_at_the_framerate(tmp_path):
+    for name, number in (('b.png', 1), ('a.png', 0), ('c.PNG', 2)):
+        save_still(tmp_path / name.lower(), number)
+        (tmp_path / name.lower()).rename(tmp_path / name)
+    (tmp_path / 'notes.txt').write_text('no image')
+    (tmp_path / '.hidden.png').write_bytes((tmp_path / 'a.png').read_bytes())
+    (tmp_path / 'd.png').mkdir()
+    source = opened(tmp_path, framerate=5)
+    assert isinstance(source, FolderSource) and source.rate_hz == 5.0
+    assert source.description == 'folder {} of 3 images, 96x64, 5 Hz, played in a loop'.format(
+        tmp_path)
+    for number in (0, 1, 2, 0, 1, 2, 0):
+        assert shows(source, number)
+
+
+def test_folder_without_loop_ends(tmp_path):
+    save_still(tmp_path / 'a.png', 0)
+    save_still(tmp_path / 'b.png', 1)
+    source = opened(tmp_path, loop=False)
+    assert shows(source, 0) and shows(source, 1)
+    with pytest.raises(SourceEnded, match='^the folder .* is over after 2 images$'):
+        source.read()
+
+
+def test_images_of_a_folder_that_do_not_fit_are_skipped(tmp_path):
+    save_still(tmp_path / 'a.png', 0)
+    assert cv2.imwrite(str(tmp_path / 'b.png'), smooth_image(1, 80, 48))
+    (tmp_path / 'c.png').write_bytes((tmp_path / 'a.png').read_bytes()[:60])
+    save_still(tmp_path / 'd.png', 3)
+    source = opened(tmp_path)
+    assert shows(source, 0)
+    with pytest.raises(FrameSkipped, match='b.png is 80x48 in a folder of 96x64'):
+        source.read()
+    with pytest.raises(FrameSkipped, match='^cannot read the image .*c.png$'):
+        source.read()
+    assert shows(source, 3) and shows(source, 0)
+
+
+def test_folder_that_is_emptied_ends(tmp_path):
+    save_still(tmp_path / 'a.png', 0)
+    source = opened(tmp_path)
+    assert shows(source, 0)
+    (tmp_path / 'a.png').unlink()
+    with pytest.raises(FrameSkipped):
+        source.read()
+    with pytest.raises(SourceError, match='can no longer be read: emptied'):
+        source.read()
+
+
+def test_film_without_loop_ends_after_its_last_frame(make_film):
+    path = make_film()
+    source = opened(path, loop=False)
+    assert source.description.endswith('12.5 Hz, played once')
+    for _ in range(6):
+        source.read()
+    with pytest.raises(SourceEnded) as ended:
+        source.read()
+    assert str(ended.value) == 'the film {} is over after 6 frames'.format(path)
+    source.close()
+
+
+@pytest.mark.parametrize('loop', [True, False])
+def test_film_that_breaks_off_is_told_in_one_line_once(make_film, loop):
+    path, warnings = make_film(frames=60), []
+    size = os.path.getsize(path)
+    os.truncate(path, size // 2)
+    source = open_source(CameraSettings(video_device=path, loop=loop), warn=warnings.append)
+    count = 0
+    try:
+        while count < 100:
+            source.read()
+            count += 1
+    except SourceEnded:
+        assert not loop and 10 < count < 50
+    assert len(warnings) == 1
+    assert warnings[0].startswith('the film {} breaks off after '.format(path))
+    assert warnings[0].endswith(' of 60 frames: truncated or damaged')
+    source.close()
+
+
+def test_whole_film_is_not_called_truncated(make_film):
+    warnings = []
+    source = open_source(CameraSettings(video_device=make_film()), warn=warnings.append)
+    for _ in range(20):
+        source.read()
+    source.close()
+    assert warnings == []
+
+
+def test_auto_is_settled_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(selection, 'DEFAULT_DEVICE', str(tmp_path))
+    settings = selection.settled(CameraSettings(video_device='auto'))
+    assert settings.video_device == str(tmp_path)
+    assert selection.settled(settings) is settings
+
+
+class Silent(http.server.SimpleHTTPRequestHandler):
+    """Serves files and logs nothing."""
+
+    def log_message(self, *_):
+        pass
+
+
+@pytest.fixture
+def serve(tmp_path):
+    """The URL of a server of the files in tmp_path."""
+    server = http.server.ThreadingHTTPServer(
+        ('127.0.0.1', 0), functools.partial(Silent, directory=str(tmp_path)))
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    yield 'http://127.0.0.1:{}/'.format(server.server_port)
+    server.shutdown()
+    server.server_close()
+    thread.join()
+
+
+def test_film_at_a_url_plays_at_its_own_rate(make_film, serve):
+    make_film()
+    source = opened(serve + 'film.avi')
+    assert isinstance(source, FilmSource) and source.rate_hz == 12.5
+    assert source.read().shape == (64, 96, 3)
+    source.close()
+
+
+def test_stream_gives_frames_as_they_come_and_then_is_worth_waiting_for(make_film, serve):
+    path = make_film()
+    os.rename(path, os.path.join(os.path.dirname(path), 'live'))
+    source = opened(serve + 'live')
+    assert isinstance(source, StreamSource)
+    assert (source.rate_hz, source.reconnects, source.width, source.height) == (None, True, 96, 64)
+    for _ in range(6):
+        assert source.read().shape == (64, 96, 3)
+    with pytest.raises(SourceError, match='live gives no more frames: ended or silent$'):
+        source.read()
+    source.close()
+
+
+def test_stream_that_nobody_serves_is_refused_without_its_password():
+    with socket.socket() as free:
+        free.bind(('127.0.0.1', 0))
+        port = free.getsockname()[1]
+    with pytest.raises(SourceError) as refused:
+        opened('http://me:secret@127.0.0.1:{}/live'.format(port))
+    assert str(refused.value).startswith('cannot open http://127.0.0.1:{}/live: '.format(port))
+
+
+def test_other_url_is_refused_with_those_that_are_known():
+    with pytest.raises(SourceError, match='^cannot open gopher://x: .* http://, https://, rtmp'):
+        opened('gopher://me@x')

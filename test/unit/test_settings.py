@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from img_recog.camera.settings import CameraSettings
+from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.errors import UserError
 from img_recog.settings import (SettingError, Settings, above, at_least, between, declared,
                                 not_empty, one_of, setting)
@@ -96,7 +96,8 @@ def test_camera_defaults_are_those_of_usb_cam():
     assert dataclasses.asdict(CameraSettings()) == {
         'video_device': '/dev/video0', 'io_method': 'mmap', 'pixel_format': 'mjpeg',
         'image_width': 640, 'image_height': 480, 'framerate': 30.0,
-        'camera_frame_id': 'head_camera', 'camera_name': 'head_camera', 'camera_info_url': ''}
+        'camera_frame_id': 'head_camera', 'camera_name': 'head_camera', 'camera_info_url': '',
+        'create_suspended': False, 'loop': True}
 
 
 @pytest.mark.parametrize('name, value', [
@@ -113,6 +114,27 @@ def test_camera_refusal_of_a_pixel_format_lists_the_known_ones():
     assert str(refused.value) == (
         "pixel_format: got 'yuv', allowed is a text one of grey, mjpeg, rgb24, uyvy, yuvmono10, "
         "yuyv")
+
+
+def test_control_defaults_are_those_of_usb_cam():
+    assert dataclasses.asdict(ControlSettings()) == {
+        'brightness': -1, 'contrast': -1, 'saturation': -1, 'sharpness': -1, 'gain': -1,
+        'autofocus': False, 'focus': -1, 'autoexposure': True, 'exposure': 100,
+        'auto_white_balance': True, 'white_balance': 4000}
+
+
+@pytest.mark.parametrize('given, values', [
+    ({}, {}), ({'gain': 5, 'focus_auto': True}, {'gain': 5, 'focus_auto': 1}),
+    ({'gain': 5, 'hue': 3, 'ignore': ['hue']}, {'gain': 5})])
+def test_intrinsic_controls(given, values):
+    assert intrinsic_controls(given) == values
+
+
+@pytest.mark.parametrize('given', [5, 'gain', [1], {'gain': 'much'}, {'gain': 0.5},
+                                   {'gain': None}, {'ignore': 'gain'}])
+def test_intrinsic_controls_refuses(given):
+    with pytest.raises(SettingError, match='^intrinsic_controls: got .* allowed is a map of V4L2'):
+        intrinsic_controls(given)
 
 
 def test_teleop_defaults_are_those_of_the_burger():

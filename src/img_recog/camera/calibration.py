@@ -1,4 +1,5 @@
 """Camera calibration files in the YAML layout of camera_calibration_parsers."""
+import dataclasses
 import os
 import tempfile
 from dataclasses import dataclass
@@ -38,6 +39,30 @@ _MATRICES = {
     'rectification': ('rectification_matrix', 3, 3),
     'projection': ('projection_matrix', 3, 4),
 }
+
+
+# sizes that a camera rounds, such as 854x480 for 16:9, are off by less than this
+_ASPECT_TOLERANCE = 0.01
+
+
+def scaled(calibration: Calibration, width: int, height: int) -> Calibration:
+    """Return the calibration for images of another size that show the same.
+
+    Focal lengths and centres are in pixels and grow with the image (sensor_msgs/CameraInfo); the
+    distortion has no unit.
+    Raises CalibrationError when the aspect ratio is another: then nobody knows what was cut off.
+    """
+    if (width, height) == (calibration.width, calibration.height):
+        return calibration
+    across = width / calibration.width if calibration.width > 0 else 0.0
+    down = height / calibration.height if calibration.height > 0 else 0.0
+    if across <= 0.0 or down <= 0.0 or abs(across / down - 1.0) > _ASPECT_TOLERANCE:
+        raise CalibrationError('the calibration is for {}x{}, the images are {}x{}, another shape'
+                               .format(calibration.width, calibration.height, width, height))
+    return dataclasses.replace(
+        calibration, width=width, height=height,
+        camera_matrix=_rows_scaled(calibration.camera_matrix, 3, across, down),
+        projection=_rows_scaled(calibration.projection, 4, across, down))
 
 
 def load(path: str) -> Calibration:
@@ -96,6 +121,12 @@ def save(path: str, calibration: Calibration) -> None:
             raise
     except OSError as error:
         raise CalibrationError('cannot write calibration {}: {}'.format(path, error.strerror))
+
+
+def _rows_scaled(matrix: Tuple[float, ...], columns: int, across: float,
+                 down: float) -> Tuple[float, ...]:
+    factors = [across] * columns + [down] * columns + [1.0] * columns
+    return tuple(value * factor for value, factor in zip(matrix, factors))
 
 
 def _entry(content: Mapping[str, Any], key: str, kind: type, words: str) -> Any:

@@ -1,35 +1,81 @@
 """From the text of `video_device` to the frame source that it names."""
 import dataclasses
 import os
+import re
 import stat
-from typing import Sequence
+from typing import Callable, Sequence
 
-from img_recog.camera.opencv_source import DeviceSource, list_devices, open_file
+from img_recog.camera.device_source import DeviceSource, list_devices
+from img_recog.camera.film_source import NOT_PLAYABLE, FilmSource, StreamSource, name_for_log
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError
+from img_recog.camera.still_source import FolderSource, StillSource, read_image
 from img_recog.camera.synthetic import SyntheticSource
 
 DEFAULT_DEVICE = '/dev/video0'
+_SCHEMES = ('http', 'https', 'rtmp', 'rtsp', 'rtsps')
+# A film at a URL has an end, which it tells; a live stream has none.
+_FILM_URL = re.compile(r'https?://[^?#]*\.(avi|m4v|mkv|mov|mp4|mpe?g|ogv|webm)$', re.IGNORECASE)
 
 
-def open_source(settings: CameraSettings, folders: Sequence[str] = ('',)) -> FrameSource:
+def settled(settings: CameraSettings) -> CameraSettings:
+    """Return the settings with `auto` replaced by what it stands for now.
+
+    Once for a node: a camera that is unplugged is not to be replaced by the synthetic scene.
+    """
+    if settings.video_device != 'auto':
+        return settings
+    found = DEFAULT_DEVICE if os.path.exists(DEFAULT_DEVICE) else 'synthetic'
+    return dataclasses.replace(settings, video_device=found)
+
+
+def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
+                warn: Callable[[str], None] = lambda _: None) -> FrameSource:
     """Open what `settings.video_device` names.
 
     folders: where a relative path is looked for, in this order.
+    warn: told in one line what is wrong with a source that can be used all the same.
     Raises SourceError naming the path, what there is instead and what to set.
     """
+    settings = settled(settings)
     name = settings.video_device
-    if name == 'auto':
-        name = DEFAULT_DEVICE if os.path.exists(DEFAULT_DEVICE) else 'synthetic'
     if name == 'synthetic':
         return SyntheticSource(settings.image_width, settings.image_height, settings.framerate)
+    if '://' in name:
+        return _open_url(name, settings.loop, warn)
     path = _find(name, folders)
-    if stat.S_ISREG(os.stat(path).st_mode):
-        return open_file(path, settings.framerate)
-    if stat.S_ISCHR(os.stat(path).st_mode):
+    mode = os.stat(path).st_mode
+    if stat.S_ISREG(mode):
+        return open_file(path, settings.framerate, settings.loop, warn)
+    if stat.S_ISDIR(mode):
+        return FolderSource(path, settings.framerate, settings.loop)
+    if stat.S_ISCHR(mode):
         return DeviceSource(dataclasses.replace(settings, video_device=path))
     raise SourceError('cannot open {}: neither a device nor a file; set video_device to one, '
                       'or to synthetic'.format(path))
+
+
+def open_file(path: str, rate_hz: float, loop: bool = True,
+              warn: Callable[[str], None] = lambda _: None) -> FrameSource:
+    """Open a still image (repeated at `rate_hz`) or a film (at its own rate).
+
+    Raises SourceError when OpenCV reads the file as neither.
+    """
+    if not os.access(path, os.R_OK):
+        raise SourceError('cannot read {}: permission denied'.format(path))
+    image = read_image(path)
+    if image is not None:
+        return StillSource(path, image, rate_hz)
+    if _is_text(path):
+        raise SourceError(NOT_PLAYABLE.format(path))
+    return FilmSource(path, loop, warn)
+
+
+def _open_url(url: str, loop: bool, warn: Callable[[str], None]) -> FrameSource:
+    if url.partition('://')[0].lower() not in _SCHEMES:
+        raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
+            name_for_log(url), ', '.join(scheme + '://' for scheme in _SCHEMES)))
+    return FilmSource(url, loop, warn) if _FILM_URL.match(url) else StreamSource(url)
 
 
 def _find(name: str, folders: Sequence[str]) -> str:
@@ -40,3 +86,10 @@ def _find(name: str, folders: Sequence[str]) -> str:
     raise SourceError('cannot open {}: no such file or device (have {}); set video_device to a '
                       'device, a film, a still image, synthetic or auto'
                       .format(candidates[0], list_devices()))
+
+
+def _is_text(path: str) -> bool:
+    # ffmpeg plays a text file as a film of its letters
+    with open(path, 'rb') as file:
+        start = file.read(4096)
+    return bool(start) and all(byte >= 32 or byte in b'\t\n\f\r\x1b' for byte in start)

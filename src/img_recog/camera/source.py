@@ -1,4 +1,4 @@
-"""What every frame source offers to the node."""
+"""What every frame source offers to those who capture from it."""
 import abc
 from typing import Optional
 
@@ -11,26 +11,48 @@ class SourceError(UserError):
     """A frame source cannot be opened or gives no more frames."""
 
 
+class SourceEnded(Exception):
+    """A film or folder is over; the text says so in one line."""
+
+
+class FrameSkipped(Exception):
+    """One frame could not be used, the next may be; the text says why in one line."""
+
+
 class FrameSource(abc.ABC):
     """A stream of frames of one size and encoding.
 
     description: one line for the log, what the frames come from and in which format.
+    name: what the frames come from, as the user named it.
     width, height: of every frame, in pixels.
     encoding: of every frame, `rgb8` or `mono8` (sensor_msgs/image_encodings.h).
     rate_hz: the rate to play the frames at, or None where `read` itself waits for the device.
+    expected_hz: the rate at which frames are expected to come, None where nobody knows.
+    most_hz: the rate above which frames are left out, None for none.
+    reconnects: whether it may come back after `read` has failed, and is worth waiting for.
+    silence_s: a `read` that takes longer than this means that something is wrong; None: never.
+    age_s: from the capture of the frame that was read last to the return of `read`.
     """
 
     description: str
+    name: str
     width: int
     height: int
     encoding: str = 'rgb8'
     rate_hz: Optional[float] = None
+    expected_hz: Optional[float] = None
+    most_hz: Optional[float] = None
+    reconnects: bool = False
+    silence_s: Optional[float] = None
+    age_s: float = 0.0
 
     @abc.abstractmethod
     def read(self) -> np.ndarray:
         """Return the next frame, uint8 of shape (height, width, 3), or (height, width) if mono8.
 
-        The array belongs to the caller. Raises SourceError when there is no next frame.
+        The array belongs to the caller. Raises SourceEnded when all frames have been read,
+        FrameSkipped when one cannot be used, and SourceError when there are no more for another
+        reason.
         """
 
     def close(self) -> None:

@@ -35,7 +35,9 @@ class SyntheticSource(FrameSource):
     """The scene as an endless source."""
 
     def __init__(self, width: int, height: int, rate_hz: float):
-        self.width, self.height, self.rate_hz = width, height, rate_hz
+        self.name = 'synthetic'
+        self.width, self.height = width, height
+        self.rate_hz = self.expected_hz = rate_hz
         self.description = 'synthetic scene, {}x{}, {:g} Hz'.format(width, height, rate_hz)
         self._room = _draw_room(width, height)
         self._number = 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from films import FILM_RATE_HZ, smooth_image
 
-from img_recog.camera.opencv_source import open_file
+from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError
 
 

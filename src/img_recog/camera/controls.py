@@ -1,0 +1,197 @@
+"""V4L2 controls of a device: brightness, exposure, focus and whatever else it has.
+
+Ids, structures and names are those of linux/v4l2-controls.h and linux/videodev2.h. Controls are
+set by id, since the kernel has renamed some of them over the years.
+"""
+import fcntl
+import os
+import re
+import struct
+from typing import Dict, List, Mapping, NamedTuple, Optional
+
+from img_recog.camera.settings import ControlSettings
+
+BRIGHTNESS, CONTRAST, SATURATION = 0x00980900, 0x00980901, 0x00980902
+AUTO_WHITE_BALANCE, GAIN = 0x0098090c, 0x00980913
+WHITE_BALANCE_TEMPERATURE, SHARPNESS = 0x0098091a, 0x0098091b
+EXPOSURE_AUTO, EXPOSURE_ABSOLUTE = 0x009a0901, 0x009a0902
+FOCUS_ABSOLUTE, FOCUS_AUTO = 0x009a090a, 0x009a090c
+
+EXPOSURE_MANUAL, EXPOSURE_APERTURE_PRIORITY = 1, 3      # enum v4l2_exposure_auto_type
+
+# what v4l2-ctl prints with older and newer kernels
+KNOWN_NAMES = {
+    'auto_exposure': EXPOSURE_AUTO,
+    'brightness': BRIGHTNESS,
+    'contrast': CONTRAST,
+    'exposure_absolute': EXPOSURE_ABSOLUTE,
+    'exposure_auto': EXPOSURE_AUTO,
+    'exposure_time_absolute': EXPOSURE_ABSOLUTE,
+    'focus_absolute': FOCUS_ABSOLUTE,
+    'focus_auto': FOCUS_AUTO,
+    'focus_automatic_continuous': FOCUS_AUTO,
+    'gain': GAIN,
+    'saturation': SATURATION,
+    'sharpness': SHARPNESS,
+    'white_balance_automatic': AUTO_WHITE_BALANCE,
+    'white_balance_temperature': WHITE_BALANCE_TEMPERATURE,
+    'white_balance_temperature_auto': AUTO_WHITE_BALANCE,
+}
+
+_QUERYCTRL, _CONTROL = struct.Struct('=II32siiiiI8x'), struct.Struct('=Ii')
+_NEXT_CTRL = 0x80000000
+_FLAG_DISABLED, _FLAG_READ_ONLY = 0x0001, 0x0004
+_TYPE_CTRL_CLASS = 6
+# integer, boolean, menu, button, bitmask, integer menu; the others need another ioctl
+_SETTABLE_TYPES = (1, 2, 3, 4, 8, 9)
+
+
+def _iowr(number: int, size: int) -> int:
+    return 3 << 30 | size << 16 | ord('V') << 8 | number       # linux/ioctl.h
+
+
+_VIDIOC_QUERYCTRL = _iowr(36, _QUERYCTRL.size)
+_VIDIOC_G_CTRL = _iowr(27, _CONTROL.size)
+_VIDIOC_S_CTRL = _iowr(28, _CONTROL.size)
+
+
+class Control(NamedTuple):
+    """What a device says of one of its controls."""
+
+    id: int
+    name: str
+    minimum: int
+    maximum: int
+    step: int
+    default: int
+    settable: bool
+
+
+class ControlDevice:
+    """The controls of an open V4L2 device, by a file descriptor of its own.
+
+    Every method raises OSError as the driver reports it.
+    """
+
+    def __init__(self, path: str):
+        self._descriptor = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+
+    def controls(self) -> List[Control]:
+        """Return all controls of the device, in the order of their ids."""
+        found, number = [], 0
+        while True:
+            try:
+                answer = fcntl.ioctl(self._descriptor, _VIDIOC_QUERYCTRL,
+                                     _QUERYCTRL.pack(number | _NEXT_CTRL, 0, b'', *[0] * 5))
+            except OSError:         # EINVAL after the last one, ENOTTY where there are none
+                return found
+            number, kind, name, low, high, step, default, flags = _QUERYCTRL.unpack(answer)
+            if kind != _TYPE_CTRL_CLASS and not flags & _FLAG_DISABLED:
+                settable = kind in _SETTABLE_TYPES and not flags & _FLAG_READ_ONLY
+                found.append(Control(number, variable_name(name), low, high, step, default,
+                                     settable))
+
+    def get(self, number: int) -> int:
+        """Return the value of the control with this id."""
+        answer = fcntl.ioctl(self._descriptor, _VIDIOC_G_CTRL, _CONTROL.pack(number, 0))
+        return _CONTROL.unpack(answer)[1]
+
+    def set(self, number: int, value: int) -> None:
+        """Set the control with this id."""
+        fcntl.ioctl(self._descriptor, _VIDIOC_S_CTRL, _CONTROL.pack(number, value))
+
+    def close(self) -> None:
+        """Give back the file descriptor; harmless when repeated."""
+        descriptor, self._descriptor = self._descriptor, None
+        if descriptor is not None:
+            os.close(descriptor)
+
+
+def variable_name(name: bytes) -> str:
+    """Return a control's name as v4l2-ctl prints it: 'White Balance, Auto' is white_balance_auto.
+
+    name: as the driver gives it, ended by a zero byte.
+    """
+    text = name.split(b'\0')[0].decode('latin-1')
+    return re.sub('[^0-9a-z]+', '_', text.lower()).strip('_')
+
+
+def apply(device: ControlDevice, settings: ControlSettings,
+          intrinsic: Mapping[str, int]) -> List[str]:
+    """Set controls as usb_cam does: the automatics first, manual values where these are off.
+
+    intrinsic: values of any controls by name, set last.
+    Returns one line for each control that could not be set as wanted. What nobody asked for, as
+    autofocus off on a camera that has none, is not among them.
+    """
+    setter = _Setter(device)
+    for name, number in (('brightness', BRIGHTNESS), ('contrast', CONTRAST),
+                         ('saturation', SATURATION), ('sharpness', SHARPNESS), ('gain', GAIN)):
+        setter.set_given(name, number, getattr(settings, name))
+    setter.set_automatic('auto_white_balance', AUTO_WHITE_BALANCE,
+                         settings.auto_white_balance, usual=True)
+    if not settings.auto_white_balance:
+        setter.set_given('white_balance', WHITE_BALANCE_TEMPERATURE, settings.white_balance)
+    setter.set_exposure(settings.autoexposure)
+    if not settings.autoexposure:
+        setter.set_given('exposure', EXPOSURE_ABSOLUTE, settings.exposure)
+    setter.set_automatic('autofocus', FOCUS_AUTO, settings.autofocus, usual=False)
+    if not settings.autofocus:
+        setter.set_given('focus', FOCUS_ABSOLUTE, settings.focus)
+    for name, value in intrinsic.items():
+        setter.set_named(name, value)
+    return setter.problems
+
+
+class _Setter:
+    """Sets controls of one device and collects what went wrong."""
+
+    def __init__(self, device: ControlDevice):
+        self._device = device
+        controls = device.controls()
+        self._by_id: Dict[int, Control] = {each.id: each for each in controls}
+        self._by_name: Dict[str, Control] = {each.name: each for each in controls}
+        self.problems: List[str] = []
+
+    def set_given(self, name: str, number: int, value: int) -> None:
+        if value >= 0:
+            self._set(name, self._by_id.get(number), value)
+
+    def set_automatic(self, name: str, number: int, wanted: bool, usual: bool) -> None:
+        if number in self._by_id or wanted != usual:
+            self._set(name, self._by_id.get(number), int(wanted))
+
+    def set_exposure(self, automatic: bool) -> None:
+        control = self._by_id.get(EXPOSURE_AUTO)
+        if not automatic:
+            self._set('autoexposure', control, EXPOSURE_MANUAL)
+        elif control is not None and self._get(control) == EXPOSURE_MANUAL:
+            # usb_cam never turns it on again; cameras know mode 3, 0, or both
+            wanted = EXPOSURE_APERTURE_PRIORITY if control.maximum >= 3 else 0
+            self._set('autoexposure', control, wanted)
+
+    def set_named(self, name: str, value: int) -> None:
+        control = self._by_name.get(name) or self._by_id.get(KNOWN_NAMES.get(name, 0))
+        self._set(name, control, value)
+
+    def _get(self, control: Control) -> Optional[int]:
+        try:
+            return self._device.get(control.id)
+        except OSError:
+            return None
+
+    def _set(self, name: str, control: Optional[Control], value: int) -> None:
+        if control is None:
+            self.problems.append('the camera has no control {}; it has {}'.format(
+                name, ', '.join(sorted(self._by_name)) or 'none'))
+        elif not control.settable:
+            self.problems.append('control {}: it cannot be set'.format(name))
+        elif not control.minimum <= value <= control.maximum:
+            self.problems.append('control {}: got {}, allowed is {} to {}'.format(
+                name, value, control.minimum, control.maximum))
+        else:
+            try:
+                self._device.set(control.id, value)
+            except OSError as error:
+                self.problems.append('control {}: the camera refuses {}: {}'.format(
+                    name, value, error.strerror))

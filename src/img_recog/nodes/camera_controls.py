@@ -1,0 +1,51 @@
+"""The V4L2 controls of the camera, as parameters ask for them."""
+import threading
+from typing import Mapping, Optional
+
+import rospy
+
+from img_recog.camera import controls
+from img_recog.camera.controls import ControlDevice
+from img_recog.camera.settings import ControlSettings
+
+
+class CameraControls:
+    """Sets the controls of a device whenever it is opened, and whenever they change."""
+
+    def __init__(self, settings: ControlSettings, intrinsic: Mapping[str, int]):
+        self._settings, self._intrinsic = settings, intrinsic
+        self._path: Optional[str] = None
+        self._lock = threading.Lock()
+        self._told = set()
+
+    def device_is(self, path: Optional[str]) -> None:
+        """Set the controls of the device at `path`, which was opened; None for no device."""
+        with self._lock:
+            self._path = path
+            self._apply(self._intrinsic)
+
+    def change(self, settings: ControlSettings) -> None:
+        """Put other settings in force, now and when the device is opened again."""
+        with self._lock:
+            self._settings = settings
+            self._told.clear()
+            self._apply({})
+
+    def _apply(self, intrinsic: Mapping[str, int]) -> None:
+        if self._path is None:
+            return
+        try:
+            device = ControlDevice(self._path)
+        except OSError as error:
+            self._warn('cannot set the controls of {}: {}'.format(self._path, error.strerror))
+            return
+        try:
+            for problem in controls.apply(device, self._settings, intrinsic):
+                self._warn(problem)
+        finally:
+            device.close()
+
+    def _warn(self, problem: str) -> None:
+        if problem not in self._told:       # not again each time the device comes back
+            self._told.add(problem)
+            rospy.logwarn('%s', problem)

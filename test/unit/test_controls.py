@@ -1,0 +1,193 @@
+"""V4L2 controls, with the device replaced: what is set, in which order, and what is said."""
+import errno
+import os
+
+import pytest
+
+from img_recog.camera import controls
+from img_recog.camera.controls import Control, ControlDevice, apply, variable_name
+from img_recog.camera.settings import ControlSettings
+
+
+class FakeDevice:
+    """A camera whose controls are those it is told; remembers what was set."""
+
+    def __init__(self, *numbers, low=0, high=255, settable=True, values=(), names=None):
+        self._controls = [Control(number, (names or NAMES)[number], low, high, 1, 0, settable)
+                          for number in numbers]
+        self.values, self.done, self.refused = dict(values), [], None
+
+    def controls(self):
+        return self._controls
+
+    def get(self, number):
+        return self.values.get(number, 0)
+
+    def set(self, number, value):
+        if self.refused is not None:
+            raise self.refused
+        self.done.append((number, value))
+
+
+NAMES = {controls.BRIGHTNESS: 'brightness', controls.CONTRAST: 'contrast',
+         controls.SATURATION: 'saturation', controls.SHARPNESS: 'sharpness',
+         controls.GAIN: 'gain', controls.AUTO_WHITE_BALANCE: 'white_balance_automatic',
+         controls.WHITE_BALANCE_TEMPERATURE: 'white_balance_temperature',
+         controls.EXPOSURE_AUTO: 'auto_exposure',
+         controls.EXPOSURE_ABSOLUTE: 'exposure_time_absolute',
+         controls.FOCUS_ABSOLUTE: 'focus_absolute',
+         controls.FOCUS_AUTO: 'focus_automatic_continuous', 0x00980903: 'hue'}
+ALL = sorted(NAMES)
+
+
+def test_defaults_on_a_camera_without_controls_ask_for_nothing():
+    device = FakeDevice()
+    assert apply(device, ControlSettings(), {}) == []
+    assert device.done == []
+
+
+def test_defaults_set_the_automatics_as_usb_cam_does():
+    device = FakeDevice(*ALL, values={controls.EXPOSURE_AUTO: 3})
+    assert apply(device, ControlSettings(), {}) == []
+    assert device.done == [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 0)]
+
+
+def test_manual_values_come_after_their_automatics():
+    device = FakeDevice(*ALL, high=5000)
+    settings = ControlSettings(
+        brightness=1, contrast=2, saturation=3, sharpness=4, gain=0, autofocus=False, focus=6,
+        autoexposure=False, exposure=70, auto_white_balance=False, white_balance=3000)
+    assert apply(device, settings, {}) == []
+    assert device.done == [
+        (controls.BRIGHTNESS, 1), (controls.CONTRAST, 2), (controls.SATURATION, 3),
+        (controls.SHARPNESS, 4), (controls.GAIN, 0),
+        (controls.AUTO_WHITE_BALANCE, 0), (controls.WHITE_BALANCE_TEMPERATURE, 3000),
+        (controls.EXPOSURE_AUTO, 1), (controls.EXPOSURE_ABSOLUTE, 70),
+        (controls.FOCUS_AUTO, 0), (controls.FOCUS_ABSOLUTE, 6)]
+
+
+def test_manual_values_are_left_while_the_automatic_is_on():
+    device = FakeDevice(*ALL, values={controls.EXPOSURE_AUTO: 3})
+    apply(device, ControlSettings(autofocus=True, focus=6, exposure=70, white_balance=3000), {})
+    assert device.done == [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 1)]
+
+
+@pytest.mark.parametrize('highest, wanted', [(3, 3), (1, 0)])
+def test_exposure_is_made_automatic_again(highest, wanted):
+    device = FakeDevice(controls.EXPOSURE_AUTO, high=highest, values={controls.EXPOSURE_AUTO: 1})
+    assert apply(device, ControlSettings(), {}) == []
+    assert device.done == [(controls.EXPOSURE_AUTO, wanted)]
+
+
+@pytest.mark.parametrize('name, value', [
+    ('brightness', 5), ('gain', 0), ('focus', 3), ('autofocus', True), ('autoexposure', False),
+    ('auto_white_balance', False)])
+def test_missing_control_is_named_with_those_there_are(name, value):
+    device = FakeDevice(0x00980903)
+    problems = apply(device, ControlSettings(**{name: value}), {})
+    assert problems[0] == 'the camera has no control {}; it has hue'.format(name)
+    assert device.done == []
+
+
+def test_value_out_of_range_is_named_with_the_range_and_the_others_are_set():
+    device = FakeDevice(controls.BRIGHTNESS, controls.CONTRAST, low=10, high=90)
+    assert apply(device, ControlSettings(brightness=91, contrast=90), {}) == [
+        'control brightness: got 91, allowed is 10 to 90']
+    assert device.done == [(controls.CONTRAST, 90)]
+
+
+def test_refusal_of_the_driver_is_one_line():
+    device = FakeDevice(controls.GAIN)
+    device.refused = OSError(errno.EBUSY, 'Device or resource busy')
+    assert apply(device, ControlSettings(gain=5), {}) == [
+        'control gain: the camera refuses 5: Device or resource busy']
+
+
+def test_control_that_is_read_only_is_not_tried():
+    device = FakeDevice(controls.GAIN, settable=False)
+    assert apply(device, ControlSettings(gain=5), {}) == ['control gain: it cannot be set']
+    assert device.done == []
+
+
+def test_intrinsic_controls_go_by_any_name_of_the_device_and_come_last():
+    device = FakeDevice(0x00980903, controls.BRIGHTNESS)
+    assert apply(device, ControlSettings(brightness=9), {'hue': 7, 'brightness': 8}) == []
+    assert device.done == [(controls.BRIGHTNESS, 9), (0x00980903, 7), (controls.BRIGHTNESS, 8)]
+
+
+@pytest.mark.parametrize('name, number', [
+    ('exposure_auto', controls.EXPOSURE_AUTO), ('exposure_absolute', controls.EXPOSURE_ABSOLUTE),
+    ('focus_auto', controls.FOCUS_AUTO),
+    ('white_balance_temperature_auto', controls.AUTO_WHITE_BALANCE)])
+def test_names_of_older_kernels_are_understood(name, number):
+    device = FakeDevice(number)
+    assert NAMES[number] != name
+    assert apply(device, ControlSettings(auto_white_balance=True), {name: 1}) == []
+    assert device.done[-1] == (number, 1)
+
+
+def test_unknown_intrinsic_control_is_named():
+    assert apply(FakeDevice(controls.GAIN), ControlSettings(), {'gian': 1}) == [
+        'the camera has no control gian; it has gain']
+
+
+@pytest.mark.parametrize('name, variable', [
+    (b'Brightness\0\0\0', 'brightness'), (b'White Balance, Automatic', 'white_balance_automatic'),
+    (b'Exposure (Absolute)\0rest', 'exposure_absolute'), (b'LED1 Mode', 'led1_mode')])
+def test_names_are_those_of_v4l2_ctl(name, variable):
+    assert variable_name(name) == variable
+
+
+class FakeDriver:
+    """Answers fcntl.ioctl as a driver with two controls, a heading and a disabled one does."""
+
+    def __init__(self):
+        self.calls, self.value = [], 40
+        self._known = [(0x00980001, 6, b'User Controls', 0, 0, 0, 0, 0),
+                       (0x00980900, 1, b'Brightness', -10, 255, 5, 128, 0),
+                       (0x00980901, 1, b'Contrast', 0, 255, 1, 128, 0x0001),
+                       (0x009a0902, 1, b'Exposure Time, Absolute', 1, 9, 1, 3, 0x0004)]
+
+    def __call__(self, descriptor, request, data):
+        os.fstat(descriptor)        # is it open?
+        self.calls.append(request)
+        if request == 0xc0445624:       # VIDIOC_QUERYCTRL of linux/videodev2.h
+            asked = controls._QUERYCTRL.unpack(data)[0]
+            assert asked & 0x80000000
+            for known in self._known:
+                if known[0] > asked & 0x7fffffff:
+                    return controls._QUERYCTRL.pack(*known)
+            raise OSError(errno.EINVAL, 'Invalid argument')
+        number, value = controls._CONTROL.unpack(data)
+        assert number == 0x00980900
+        if request == 0xc008561c:       # VIDIOC_S_CTRL
+            self.value = value
+        else:
+            assert request == 0xc008561b        # VIDIOC_G_CTRL
+        return controls._CONTROL.pack(number, self.value)
+
+
+def test_device_speaks_the_ioctls_of_the_kernel(monkeypatch):
+    driver = FakeDriver()
+    monkeypatch.setattr('img_recog.camera.controls.fcntl.ioctl', driver)
+    device = ControlDevice('/dev/null')
+    assert device.controls() == [
+        Control(0x00980900, 'brightness', -10, 255, 5, 128, True),
+        Control(0x009a0902, 'exposure_time_absolute', 1, 9, 1, 3, False)]
+    assert device.get(0x00980900) == 40
+    device.set(0x00980900, -7)
+    assert device.get(0x00980900) == -7
+    device.close()
+    device.close()
+
+
+def test_device_that_is_no_camera_has_no_controls():
+    device, before = ControlDevice('/dev/null'), len(os.listdir('/proc/self/fd'))
+    assert device.controls() == []
+    device.close()
+    assert len(os.listdir('/proc/self/fd')) == before - 1
+
+
+def test_missing_device_is_an_error():
+    with pytest.raises(FileNotFoundError):
+        ControlDevice('/dev/no-such-video')
