@@ -1,6 +1,5 @@
 """Settings that others change while the node runs, by dynamic_reconfigure without a .cfg file."""
 import dataclasses
-import threading
 from types import SimpleNamespace
 from typing import Any, Callable, Mapping, Optional, Type
 
@@ -105,20 +104,13 @@ class _Server(Server):
     def __init__(self, kind: SimpleNamespace, settings: Settings,
                  change: Callable[[Mapping[str, Any]], Settings], namespace: str):
         self._initial, self._change = _values(settings), change
-        self._serving = threading.Event()
         super().__init__(kind, self._called, namespace)
-        self._serving.set()
 
     def _copy_from_parameter_server(self) -> None:
         self.config.update(self._initial)
 
     def _clamp(self, config: Config) -> None:
         pass
-
-    def _set_callback(self, req):
-        # the service is there before the constructor of Server is done
-        self._serving.wait()
-        return super()._set_callback(req)
 
     def _called(self, config: Config, _level: int) -> Config:
         values = {name: value for name, value in config.items() if name != 'groups'}
