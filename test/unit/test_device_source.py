@@ -172,6 +172,14 @@ def test_rates_and_silence_follow_what_was_asked_for_and_given(open_device):
     assert (usual.most_hz, usual.expected_hz) == (30.0, 15.0)
 
 
+def test_other_format_or_size_than_asked_for_is_known(open_device):
+    for differs, settings in ((False, ('yuyv', 64, 48)), (True, ('mjpeg', 64, 48)),
+                              (True, ('yuyv', 60, 48)), (True, ('yuyv', 64, 50))):
+        names = ('pixel_format', 'image_width', 'image_height')
+        source, _ = open_device(**dict(zip(names, settings)))
+        assert source.differs is differs, settings
+
+
 def test_path_is_what_a_link_stands_for(open_device, tmp_path, monkeypatch):
     link = tmp_path / 'by-id'
     link.symlink_to('/dev/null')

@@ -3,6 +3,7 @@
 Ids, structures and names are those of linux/v4l2-controls.h and linux/videodev2.h. Controls are
 set by id, since the kernel has renamed some of them over the years.
 """
+import difflib
 import fcntl
 import os
 import re
@@ -41,7 +42,7 @@ KNOWN_NAMES = {
 _QUERYCTRL, _CONTROL = struct.Struct('=II32siiiiI8x'), struct.Struct('=Ii')
 _NEXT_CTRL = 0x80000000
 _FLAG_DISABLED, _FLAG_READ_ONLY = 0x0001, 0x0004
-_TYPE_CTRL_CLASS = 6
+_TYPE_BUTTON, _TYPE_CTRL_CLASS, _TYPE_BITMASK = 4, 6, 8
 # integer, boolean, menu, button, bitmask, integer menu; the others need another ioctl
 _SETTABLE_TYPES = (1, 2, 3, 4, 8, 9)
 
@@ -86,6 +87,10 @@ class ControlDevice:
             except OSError:         # EINVAL after the last one, ENOTTY where there are none
                 return found
             number, kind, name, low, high, step, default, flags = _QUERYCTRL.unpack(answer)
+            if kind == _TYPE_BITMASK:
+                low, high = 0, high & 0xffffffff
+            elif kind == _TYPE_BUTTON:
+                low, high = 0, 1        # it is pressed by any value
             if kind != _TYPE_CTRL_CLASS and not flags & _FLAG_DISABLED:
                 settable = kind in _SETTABLE_TYPES and not flags & _FLAG_READ_ONLY
                 found.append(Control(number, variable_name(name), low, high, step, default,
@@ -98,7 +103,8 @@ class ControlDevice:
 
     def set(self, number: int, value: int) -> None:
         """Set the control with this id."""
-        fcntl.ioctl(self._descriptor, _VIDIOC_S_CTRL, _CONTROL.pack(number, value))
+        fcntl.ioctl(self._descriptor, _VIDIOC_S_CTRL,
+                    struct.pack('=II', number, value & 0xffffffff))
 
     def close(self) -> None:
         """Give back the file descriptor; harmless when repeated."""
@@ -182,8 +188,10 @@ class _Setter:
 
     def _set(self, name: str, control: Optional[Control], value: int) -> None:
         if control is None:
-            self.problems.append('the camera has no control {}; it has {}'.format(
-                name, ', '.join(sorted(self._by_name)) or 'none'))
+            near = difflib.get_close_matches(name, self._by_name, 1)
+            self.problems.append('the camera has no control {}; {}'.format(
+                name, 'did you mean {}?'.format(near[0]) if near else
+                'v4l2-ctl --list-ctrls shows what it has'))
         elif not control.settable:
             self.problems.append('control {}: it cannot be set'.format(name))
         elif not control.minimum <= value <= control.maximum:

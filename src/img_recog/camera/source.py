@@ -26,6 +26,7 @@ class FrameSource(abc.ABC):
     name: what the frames come from, as the user named it.
     width, height: of every frame, in pixels.
     encoding: of every frame, `rgb8` or `mono8` (sensor_msgs/image_encodings.h).
+    differs: whether the format or size is another than was asked for.
     rate_hz: the rate to play the frames at, or None where `read` itself waits for the device.
     expected_hz: the rate at which frames are expected to come, None where nobody knows.
     most_hz: the rate above which frames are left out, None for none.
@@ -39,6 +40,7 @@ class FrameSource(abc.ABC):
     width: int
     height: int
     encoding: str = 'rgb8'
+    differs: bool = False
     rate_hz: Optional[float] = None
     expected_hz: Optional[float] = None
     most_hz: Optional[float] = None

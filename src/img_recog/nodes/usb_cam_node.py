@@ -87,7 +87,8 @@ class UsbCam(Listener):
         return source
 
     def opened(self, source: FrameSource) -> None:
-        rospy.loginfo('camera: %s', source.description)
+        log = rospy.logwarn if source.differs else rospy.loginfo
+        log('camera: %s', source.description)
         self._opened_once = True
         self._calibration.images_are(source.width, source.height)
         self._diagnostics.opened(source)
