@@ -1,7 +1,7 @@
 """The camera's pacer on a clock that the test moves."""
 import pytest
 
-from img_recog.camera.pacing import Pacer
+from img_recog.camera.pacing import Pacer, Throttle
 
 # binary fractions, so that the expected times are exact
 RATE_HZ, PERIOD_S = 8.0, 0.125
@@ -56,3 +56,38 @@ def test_waiting_too_long_by_little_does_not_add_up(pacer, clock):
     for _ in range(100):
         clock.advance(pacer.delay_s() + 0.015625)
     assert clock.now_s - start == 99 * PERIOD_S + 0.015625
+
+
+def kept(intervals, rate_hz):
+    """Which of the frames that come at these intervals are let through, by their numbers."""
+    throttle, now_s, numbers = Throttle(rate_hz), 0.0, []
+    for number, interval_s in enumerate(intervals):
+        now_s += interval_s
+        if throttle.accepts(now_s):
+            numbers.append(number)
+    return numbers
+
+
+@pytest.mark.parametrize('given_hz, wanted_hz, steps', [
+    (64.0, 32.0, {2}), (64.0, 16.0, {4}), (30.0, 10.0, {3}), (30.0, 20.0, {1, 2}),
+    (60.0, 25.0, {2, 3}), (120.0, 1.0, {120})])
+def test_frames_too_many_are_left_out_evenly(given_hz, wanted_hz, steps):
+    numbers = kept([1.0 / given_hz] * 1200, wanted_hz)
+    assert len(numbers) == pytest.approx(1200 * wanted_hz / given_hz, abs=2)
+    # the first few until the rate is known
+    assert {b - a for a, b in zip(numbers[3:], numbers[4:])} == steps
+
+
+@pytest.mark.parametrize('given_hz', [5.0, 29.97, 30.0, 30.03, 31.0])
+def test_camera_within_its_rate_loses_no_frame(given_hz):
+    assert kept([1.0 / given_hz] * 2000, 30.0) == list(range(2000))
+
+
+def test_jitter_does_not_change_what_is_let_through():
+    numbers = kept([0.010, 0.023, 0.017, 0.0166] * 300, 30.0)
+    assert len(numbers) == pytest.approx(600, abs=3)
+
+
+def test_after_a_pause_there_is_no_burst():
+    numbers = kept([1 / 60] * 120 + [10.0] + [1 / 60] * 120, 30.0)
+    assert 118 <= len(numbers) <= 124
