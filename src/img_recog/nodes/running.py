@@ -1,11 +1,16 @@
 """From a script to a running node and back to an exit code."""
+import logging
+import os
 import signal
+import sys
 import threading
 from typing import Callable
 
 import rospy
 
 from img_recog.errors import UserError
+
+_LEAVING_S = 0.5
 
 
 def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> int:
@@ -35,6 +40,22 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
         rospy.signal_shutdown('cannot go on')
         return 1
     return 0
+
+
+def leave_blocked_threads(code: int) -> None:
+    """End the process with this exit code though a thread is blocked within a library.
+
+    Python would end the thread when the library returns, in the midst of C++, which aborts the
+    process.
+    """
+    rospy.signal_shutdown('done')
+    for thread in threading.enumerate():
+        if not thread.daemon and thread is not threading.current_thread():
+            thread.join(_LEAVING_S)     # one of them may be telling the master
+    logging.shutdown()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
 
 
 def set_time(now: rospy.Time) -> None:

@@ -35,7 +35,11 @@ _FOREIGN_PARAMETERS = ('diagnostic_period', 'image_raw', 'intrinsic_controls')
 
 
 class UsbCam(Listener):
-    """Publishes what a capture thread gives; reading a device may block for seconds."""
+    """Publishes what a capture thread gives; reading a device may block for seconds.
+
+    controls: `change` of it sets V4L2 controls while the node runs.
+    is_blocked: whether the thread was blocked when the node ended, and still is for all we know.
+    """
 
     def __init__(self):
         self._settings = selection.settled(parameters.read(CameraSettings))
@@ -51,6 +55,7 @@ class UsbCam(Listener):
         self._stamps = Stamps()
         self._failure: Optional[Exception] = None
         self._opened_once = False
+        self.is_blocked = False
         self._settled, self._ended = threading.Event(), threading.Event()
         rospy.on_shutdown(self._ended.set)
         rospy.on_shutdown(self._settled.set)
@@ -77,7 +82,7 @@ class UsbCam(Listener):
                 self._capture.check()
                 self._diagnostics.update(self._capture.wanted)
         finally:
-            self._capture.shut_down()
+            self.is_blocked = not self._capture.shut_down()
         if self._failure is not None:
             raise self._failure
 
@@ -145,4 +150,12 @@ class UsbCam(Listener):
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return running.run('usb_cam', lambda: UsbCam().spin())
+    nodes = []
+
+    def serve():
+        nodes.append(UsbCam())
+        nodes[0].spin()
+    code = running.run('usb_cam', serve)
+    if nodes and nodes[0].is_blocked:
+        running.leave_blocked_threads(code)
+    return code
