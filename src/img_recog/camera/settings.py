@@ -54,17 +54,17 @@ class ControlSettings(Settings):
     of each is off.
     """
 
-    brightness: int = setting(-1, at_least(-1))
-    contrast: int = setting(-1, at_least(-1))
-    saturation: int = setting(-1, at_least(-1))
-    sharpness: int = setting(-1, at_least(-1))
-    gain: int = setting(-1, at_least(-1))
-    autofocus: bool = setting(False)
-    focus: int = setting(-1, at_least(-1))
-    autoexposure: bool = setting(True)
-    exposure: int = setting(100, at_least(-1))
-    auto_white_balance: bool = setting(True)
-    white_balance: int = setting(4000, at_least(-1))
+    brightness: int = setting(-1, at_least(-1), '-1 leaves it as it is')
+    contrast: int = setting(-1, at_least(-1), '-1 leaves it as it is')
+    saturation: int = setting(-1, at_least(-1), '-1 leaves it as it is')
+    sharpness: int = setting(-1, at_least(-1), '-1 leaves it as it is')
+    gain: int = setting(-1, at_least(-1), '-1 leaves it as it is')
+    autofocus: bool = setting(False, description='whether the camera focuses by itself')
+    focus: int = setting(-1, at_least(-1), 'without autofocus; -1 leaves it as it is')
+    autoexposure: bool = setting(True, description='whether the camera exposes by itself')
+    exposure: int = setting(100, at_least(-1), 'in 0.1 ms, without autoexposure')
+    auto_white_balance: bool = setting(True, description='whether the camera finds its white')
+    white_balance: int = setting(4000, at_least(-1), 'in K, without auto_white_balance')
 
 
 _CONTROL_VALUES = ('a map of V4L2 control names to whole numbers, true or false, and of ignore to '
