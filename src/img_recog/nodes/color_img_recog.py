@@ -12,13 +12,13 @@ from sensor_msgs.msg import Image
 
 from img_recog.nodes import image_msgs, parameters, running, twist_msgs
 from img_recog.nodes.slots import Newest
+from img_recog.nodes.throttle import ThrottledWarning
 from img_recog.recognition.areas import extract
 from img_recog.recognition.commands import commands
 from img_recog.recognition.settings import RULES
 
 # bytes read from the socket at a time: more than any image, or rospy falls behind on large ones
 _BUFFER_BYTES = 1 << 26
-_WARNING_PERIOD_S = 5.0
 
 
 class ColorExtract:
@@ -27,6 +27,7 @@ class ColorExtract:
     def __init__(self):
         parameters.warn_of_unknown()
         self._frames = Newest()
+        self._warn = ThrottledWarning()
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         self._images = [rospy.Publisher(rule.color.name + '_image', Image, queue_size=1)
                         for rule in RULES]
@@ -44,7 +45,7 @@ class ColorExtract:
         try:
             image = image_msgs.from_msg(msg, 'bgr8')
         except image_msgs.ImageError as error:
-            rospy.logwarn_throttle(_WARNING_PERIOD_S, 'frame skipped: {}'.format(error))
+            self._warn('frame skipped: %s', error)
             return
         areas = extract(image, [rule.color for rule in RULES])
         for publisher, area in zip(self._images, areas):
