@@ -53,7 +53,7 @@ def one_of(*choices: str) -> Allowed:
 
 def not_empty() -> Allowed:
     """Accept any text but the empty one."""
-    return Allowed('not empty', lambda value: value.strip() != '')
+    return Allowed('a text that is not empty', lambda value: value.strip() != '')
 
 
 def anything() -> Allowed:
@@ -92,9 +92,21 @@ def declared(settings_class: type) -> Iterator[dataclasses.Field]:
     return (field for field in dataclasses.fields(settings_class) if 'allowed' in field.metadata)
 
 
+def _number(text: str) -> Any:
+    """Return the float in a text like 1e-3, which YAML 1.1 takes for no number, else the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def _checked(field: dataclasses.Field, value: Any) -> Any:
     kind, allowed = type(field.default), field.metadata['allowed']
     words = ' '.join(filter(None, (_KINDS[kind], allowed.text)))
+    if kind is str:
+        words = allowed.text or _KINDS[kind]
+    if kind is float and isinstance(value, str):
+        value = _number(value)
     if kind is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     # bool is a subclass of int, so a plain isinstance would take True for a width of 1

@@ -1,4 +1,5 @@
 """Whole processes under test, each with a master of its own on a free port."""
+import copy
 import os
 import re
 import signal
@@ -6,10 +7,12 @@ import socket
 import subprocess
 import sys
 import threading
+import xmlrpc.client
 
 import pytest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from simulator_tools import burger  # noqa: E402
 from waiting import wait_for  # noqa: E402
 
 
@@ -113,3 +116,28 @@ def roscore(tmp_path_factory):
     core.wait_output('started core service')
     yield ros
     ros.close()
+
+
+@pytest.fixture
+def shared_ros(roscore):
+    """The master of a module; what a test starts is ended after it."""
+    ros = copy.copy(roscore)
+    ros._processes = []
+    yield ros
+    for process in ros._processes:
+        if process._popen.poll() is None:
+            os.kill(process.pid, signal.SIGINT)         # all at once, it takes half a second
+    ros.close()
+
+
+@pytest.fixture
+def simulate(shared_ros):
+    """A function that starts the simulator."""
+    master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
+
+    def start(*parameters, urdf=None, **popen):
+        if master.hasParam('/test', '/gazebo')[2]:
+            master.deleteParam('/test', '/gazebo')
+        master.setParam('/test', '/robot_description', urdf or burger())
+        return shared_ros.start('rosrun', 'img_recog', 'pybullet_sim.py', *parameters, **popen)
+    return start

@@ -87,7 +87,7 @@ SIMULATOR_CASES = {
                  'mass of link base_link', 'finite'),
     'position': (burger, '_x_pos:=here', "/gazebo/x_pos: got 'here'", 'a finite number'),
     'factor': (burger, '_real_time_factor:=-1', '/gazebo/real_time_factor: got -1',
-               '0 or from 0.001 to 1000'),
+               'from 0.001 to 1000, or 0'),
     'world': (burger, '_world:=mars', "world: got 'mars'", 'turtlebot3_world, empty'),
     'broken world': (burger, '_world:=' + os.path.abspath(__file__), 'world:', 'URDF'),
     'period': (burger, '_odometry_period_s:=0.0335', 'odometry_period_s: got 0.0335',

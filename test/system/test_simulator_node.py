@@ -1,125 +1,20 @@
-"""The simulator as a process: what it takes, what it gives, and what it survives."""
-import copy
-import json
+"""The simulator as a process: what it refuses, what it obeys, and what it survives."""
 import os
 import re
 import signal
-import sys
-import xmlrpc.client
 
 import pytest
 
+from simulator_tools import (Echo, Images, alive, burger, call, complaints, descendants, drawing,
+                             drive, standing)
 from waiting import wait_for
 
-BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
-
-
-def burger(addition=''):
-    """Return the text of the burger's URDF with something added at its end."""
-    with open(BURGER) as file:
-        return file.read().replace('</robot>', addition + '</robot>')
-
 
 @pytest.fixture
-def ros(roscore):
-    """The master of this module; what a test starts is ended after it."""
-    ros = copy.copy(roscore)
-    ros._processes = []
-    yield ros
-    for process in ros._processes:
-        if process._popen.poll() is None:
-            os.kill(process.pid, signal.SIGINT)         # all at once, it takes half a second
-    ros.close()
+def ros(shared_ros):
+    """One master for all these tests."""
+    return shared_ros
 
-
-@pytest.fixture
-def simulate(ros):
-    """A function that starts the simulator."""
-    master = xmlrpc.client.ServerProxy(ros.env['ROS_MASTER_URI'])
-
-    def start(*parameters, urdf=None, **popen):
-        if master.hasParam('/test', '/gazebo')[2]:
-            master.deleteParam('/test', '/gazebo')
-        master.setParam('/test', '/robot_description', urdf or burger())
-        return ros.start('rosrun', 'img_recog', 'pybullet_sim.py', *parameters, **popen)
-    return start
-
-
-class Echo:
-    """Some numbers of a topic, as `rostopic echo` prints them: a row for each message."""
-
-    def __init__(self, ros, topic):
-        self._process = ros.start('rostopic', 'echo', '-p', topic)
-        self.pid = self._process.pid
-
-    @property
-    def rows(self):
-        _, _, table = self._process.output.partition('%time')
-        lines = table.split('\n')[1:-1]
-        return [[float(word) for word in line.split(',')[1:]] for line in lines]
-
-    def wait(self, accept, what):
-        """Return the newest row once `accept` says that it is as wanted."""
-        def newest():
-            rows = self.rows
-            return rows[-1:] if rows and accept(*rows[-1]) else None
-        return wait_for(newest, lambda: '{}; the newest are {}'.format(what, self.rows[-3:]))[0]
-
-    def wait_more(self, count):
-        """Return all rows once there are `count` more than now."""
-        goal = len(self.rows) + count
-        wait_for(lambda: len(self.rows) >= goal, lambda: '{} rows'.format(goal))
-        return self.rows
-
-    def close(self):
-        self._process.close()
-
-
-def drive(ros, linear):
-    """Send one command."""
-    return ros.start('rostopic', 'pub', '/cmd_vel', 'geometry_msgs/Twist',
-                     '{{linear: {{x: {}}}}}'.format(linear))
-
-
-def call(ros, service):
-    assert ros.run('rosservice', 'call', '/gazebo/' + service).strip() == ''
-
-
-def complaints(node):
-    """Return what a simulator found wrong, but for a busy machine."""
-    return [line for line in re.findall(r'\[(?:WARN|ERROR|FATAL)\].*', node.output)
-            if 'this machine is too slow' not in line]
-
-
-def descendants(pid):
-    """Return the process ids below `pid` and their command lines."""
-    parents, found = {}, {}
-    for entry in filter(str.isdigit, os.listdir('/proc')):
-        try:
-            with open('/proc/{}/stat'.format(entry)) as file:
-                parents[int(entry)] = int(file.read().rpartition(')')[2].split()[1])
-            with open('/proc/{}/cmdline'.format(entry)) as file:
-                found[int(entry)] = file.read().replace('\0', ' ')
-        except OSError:
-            continue            # it has ended meanwhile
-    below = {pid}
-    for _ in parents:
-        below |= {child for child, parent in parents.items() if parent in below}
-    return {child: found[child] for child in below - {pid} if child in found}
-
-
-def drawing(node):
-    """Return the id of the process that draws for a simulator, or None."""
-    return next((pid for pid, line in descendants(node.pid).items() if 'spawn_main' in line), None)
-
-
-def cpu_ticks(pid):
-    with open('/proc/{}/stat'.format(pid)) as file:
-        fields = file.read().rpartition(')')[2].split()
-    return int(fields[11]) + int(fields[12])
-
-
-# -- bad input
 
 WIDE = ('<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">'
         '<wheelSeparation>wide</wheelSeparation></plugin></gazebo>')
@@ -200,11 +95,6 @@ def test_a_command_that_none_follows_ends(ros, simulate):
     assert rows[-1][0] == pytest.approx(-1.9, abs=0.02)
 
 
-def standing(rows):
-    """Return whether 30 rows, of a second, say the same but for a trembling."""
-    return len(rows) == 30 and max(x for x, *_ in rows) - min(x for x, *_ in rows) < 1e-3
-
-
 def test_encoder_odometry_starts_at_zero_and_does_so_again(ros, simulate):
     simulate('_real_time_factor:=10', '_odometry_source:=encoder', '_publish_odom_tf:=false')
     place = Echo(ros, '/odom/pose/pose/position')
@@ -259,136 +149,6 @@ def test_gazebo_tags_are_honoured(ros, simulate):
     assert len(ramp) <= 2, ramp
 
 
-# -- the view
-
-IMAGES = '''
-import json
-import numpy, rospy
-from sensor_msgs.msg import Image
-
-def show(msg):
-    pixels = numpy.frombuffer(msg.data, numpy.uint8).reshape(msg.height, msg.width, 3)
-    def found(low, high):
-        rows, columns = numpy.nonzero(((pixels >= low) & (pixels <= high)).all(axis=2))
-        middle = [float(columns.mean()), float(rows.mean())] if len(rows) else None
-        return {'share': len(rows) / pixels[..., 0].size, 'middle': middle}
-    print(json.dumps({
-        'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id,
-        'size': [msg.width, msg.height, msg.step], 'encoding': msg.encoding,
-        'green': found((0, 90, 0), (60, 255, 60)), 'white': found((205,) * 3, (255,) * 3),
-        'wall': found((20,) * 3, (90,) * 3), 'dark': found((0,) * 3, (130,) * 3)}), flush=True)
-
-rospy.init_node('images', anonymous=True)
-rospy.Subscriber('/gazebo/view/image_raw', Image, show, queue_size=1, buff_size=1 << 24)
-rospy.spin()
-'''
-
-
-class Images:
-    """What the images of the view hold."""
-
-    def __init__(self, ros):
-        self._process = ros.start(sys.executable, '-c', IMAGES)
-
-    @property
-    def all(self):
-        return [json.loads(line) for line in self._process.output.split('\n')[:-1]
-                if line.startswith('{')]
-
-    def wait(self, accept=lambda image: True, count=1):
-        """Return the newest image once `count` more have come and it is as wanted."""
-        goal = len(self.all) + count
-
-        def newest():
-            images = self.all
-            return images[-1] if len(images) >= goal and accept(images[-1]) else None
-        return wait_for(newest, lambda: 'an image; the newest: {}\n{}'.format(
-            self.all[-1:], self._process.output[-500:]))
-
-    def close(self):
-        self._process.close()
-
-
-def test_the_view_is_drawn_while_somebody_looks(ros, simulate):
-    node = simulate()
-    clock = Echo(ros, '/clock/clock')
-    since = clock.wait_more(50)[-1][0] * 1e-9
-    assert descendants(node.pid) == {}
-    images = Images(ros)
-    image = images.wait(count=3)
-    assert image['stamp'] > since
-    clock.wait(lambda now: now * 1e-9 >= image['stamp'], 'the time of the image')
-    assert (image['size'], image['encoding']) == ([640, 480, 1920], 'rgb8')
-    assert image['frame'] == 'view'
-    assert image['green']['share'] > 0.03
-    assert image['white']['share'] > 0.0005
-    assert image['wall']['share'] > 0.01
-    stamps = [each['stamp'] for each in images.all]
-    assert stamps == sorted(set(stamps))
-
-    images.close()
-    drawer = drawing(node)
-    ros.wait_run('Subscribers: None', 'rostopic', 'info', '/gazebo/view/image_raw')
-
-    def idle():
-        before = cpu_ticks(drawer)
-        clock.wait_more(50)
-        return cpu_ticks(drawer) == before
-    wait_for(idle, 'an end of the drawing')
-
-
-def test_from_above_the_robot_is_where_it_is(ros, simulate):
-    simulate('_real_time_factor:=5', '_world:=empty')
-    images = Images(ros)
-    images.wait()
-    place = Echo(ros, '/odom/pose/pose/position')
-    place.wait_more(1)
-    x, y = images.wait(count=2)['dark']['middle']
-    # 46 pixels a metre about (0.8, 0), x upwards
-    assert (x, y) == pytest.approx((320 + 0.5 * 46.2, 240 + 2.8 * 46.2), abs=4)
-    driving = drive(ros, 0.5)
-    place.wait(lambda x, y, z: x > 0.0, 'the robot to drive')
-    driving.close()
-    drive(ros, 0.0)
-    x, _, _ = wait_for(lambda: place.rows[-1] if standing(place.rows[-30:]) else None, 'a halt')
-    assert images.wait(count=3)['dark']['middle'] == pytest.approx(
-        (320 + 0.5 * 46.2, 240 + (0.8 - x) * 46.2), abs=4)
-
-
-def test_following_keeps_the_robot_in_the_middle(ros, simulate):
-    simulate('_real_time_factor:=5', '_world:=empty', '_view:=follow')
-    images = Images(ros)
-    place = Echo(ros, '/odom/pose/pose/position')
-    place.wait_more(1)
-    first = images.wait(count=2)
-    drive(ros, 0.5)
-    place.wait(lambda x, y, z: x > 0.0, 'the robot to drive')
-    last = images.wait(count=2)
-    for image in (first, last):
-        assert image['dark']['share'] > 0.003
-        assert image['dark']['middle'] == pytest.approx((320, 240), abs=30)
-
-
-@pytest.mark.parametrize('busy', [False, True])
-def test_the_simulation_outlives_the_process_that_draws(ros, simulate, busy):
-    node = simulate('_view_rate:=2', '_real_time_factor:=5')
-    clock = Echo(ros, '/clock/clock')
-    clock.wait_more(1)
-    Images(ros).wait(count=2)
-    drawer = drawing(node)      # which has nothing to do for half a second
-    if busy:
-        os.kill(drawer, signal.SIGSTOP)
-        clock.wait_more(400)    # 0.8 s; meanwhile it is asked for an image
-    os.kill(drawer, signal.SIGKILL)
-    node.wait_output(r'\[WARN\].*no more view: .*; the simulation goes on without')
-    clock.wait_more(100)
-    assert len(complaints(node)) == 1, node.output
-    assert node.interrupt() == 0
-    assert 'Traceback' not in node.output
-
-
-# -- other processes
-
 def test_a_second_simulator_takes_over(ros, simulate, tmp_path):
     folder = tmp_path / 'tmp'
     folder.mkdir()
@@ -407,15 +167,6 @@ def test_a_second_simulator_takes_over(ros, simulate, tmp_path):
         Echo(ros, topic).wait_more(10)
     assert '/gazebo' in ros.run('rosnode', 'list').split()
     assert second.interrupt() == 0
-
-
-def alive(pid):
-    """Return whether a process runs; one that is only waited for does not."""
-    try:
-        with open('/proc/{}/stat'.format(pid)) as file:
-            return file.read().rpartition(')')[2].split()[0] != 'Z'
-    except OSError:
-        return False
 
 
 def test_a_subscriber_that_hangs_holds_up_nobody(ros, simulate):

@@ -17,10 +17,10 @@ def burger():
         return file.read()
 
 
-def simulator(world_name='empty', x=0.0, y=0.0, yaw=0.0, urdf=None, **settings):
+def simulator(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, **settings):
     """Return a simulator of the burger in a client of its own."""
     client, physics = loading.connect(), PhysicsSettings(world=world_name)
     world = World(physics, world_file.read(world_name, WORLDS), client)
-    settings = RobotSettings(spawn=SpawnSettings(x_pos=x, y_pos=y, yaw=yaw), **settings)
+    settings = RobotSettings(spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw), **settings)
     robot = description.parse(burger() if urdf is None else urdf)
     return Simulator(world, [Vehicle(robot, settings, physics.step_s, client)])

@@ -90,6 +90,13 @@ REFUSED = {
     'moving without mass': (ROBOT.format(link('a') + link('b', 0)
                                          + joint('j', 'a', 'b', 'continuous')),
                             'link b can move but has no mass'),
+    'planar joint': (ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b', 'planar')),
+                     'joint j is of type planar; simulated are continuous, fixed'),
+    'no axis': (ROBOT.format(link('a') + link('b') + joint(
+        'j', 'a', 'b', 'continuous', '<axis xyz="0 0 0"/>')), 'axis of joint j: got 0 0 0'),
+    'no inertia': (ROBOT.format(link('a').replace('"1"', '"0"')), 'link a, with what is fixed to'),
+    'negative inertia': (ROBOT.format(link('a').replace('ixx="1"', 'ixx="-1"')),
+                         'wants positive moments'),
     'infinite origin': (ROBOT.format(link('a') + link('b') + joint(
         'j', 'a', 'b', origin='<origin xyz="inf 0 0"/>')), "<origin> in <joint j>: got 'inf 0 0'"),
     'short origin': (ROBOT.format(link('a') + link('b') + joint(

@@ -3,10 +3,10 @@ import math
 
 import numpy as np
 import pytest
-from robots import simulator
+from robots import burger, simulator
 
-from img_recog.simulation.settings import (DriveSettings, SensorSettings, SimulationError,
-                                           whole_steps)
+from img_recog.simulation.settings import (DriveSettings, ImuSettings, SensorSettings,
+                                           SimulationError, whole_steps)
 
 SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
 
@@ -256,3 +256,20 @@ def test_refusals(settings, words):
     with pytest.raises(SimulationError) as error:
         simulator(**settings)
     assert words in str(error.value) and '\n' not in str(error.value)
+
+
+def test_goes_without_the_sensors_that_it_has_no_links_for():
+    urdf = burger().replace('imu_link', 'a_link').replace('base_scan', 'b_link')
+    sim = simulator(urdf=urdf)
+    assert sim.vehicles[0].missing == ['imu (no link imu_link)', 'scan (no link base_scan)']
+    assert {each.sensor for each in sim.advance(400)} == {'odometry', 'joint_states'}
+    sim.vehicles[0].switch('imu', True)
+    asked = simulator(urdf=urdf, imu=ImuSettings(imu_frame='a_link')).vehicles[0]
+    assert asked.missing == ['scan (no link base_scan)']
+
+
+@pytest.mark.parametrize('x, y, z, found', [
+    (-2.0, -0.5, 0.0, []), (0.0, 0.1, 0.0, ['turtlebot3_burger in turtlebot3_world']),
+    (-2.0, -0.5, -0.1, ['turtlebot3_burger in ground_plane'])])
+def test_a_start_inside_of_something_is_noticed(x, y, z, found):
+    assert simulator('turtlebot3_world', x=x, y=y, z=z).overlaps() == found

@@ -16,6 +16,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from img_recog.nodes import (compressed_image_msgs, compressed_images, image_msgs, parameters,
                              running, twist_msgs)
 from img_recog.nodes.slots import Newest
+from img_recog.nodes.throttle import ThrottledWarning
 from img_recog.recognition.areas import extract
 from img_recog.recognition.commands import commands
 from img_recog.recognition.settings import RULES
@@ -24,7 +25,6 @@ from img_recog.settings import Settings, one_of, setting
 _CAMERA = 'usb_cam/image_raw'
 # bytes read from the socket at a time: more than any image, or rospy falls behind on large ones
 _BUFFER_BYTES = 1 << 26
-_WARNING_PERIOD_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ class ColorExtract:
         compressed = parameters.read(TransportSettings).image_transport == 'compressed'
         parameters.warn_of_unknown(TransportSettings)
         self._frames = Newest()
+        self._warn = ThrottledWarning()
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         self._images = [rospy.Publisher(rule.color.name + '_image', Image, queue_size=1)
                         for rule in RULES]
@@ -63,7 +64,7 @@ class ColorExtract:
         try:
             image = self._decode(msg, 'bgr8')
         except image_msgs.ImageError as error:
-            rospy.logwarn_throttle(_WARNING_PERIOD_S, 'frame skipped: {}'.format(error))
+            self._warn('frame skipped: %s', error)
             return
         areas = extract(image, [rule.color for rule in RULES])
         for publisher, area in zip(self._images, areas):

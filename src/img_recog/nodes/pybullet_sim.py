@@ -16,6 +16,7 @@ import time
 from concurrent.futures import TimeoutError as LateError
 from typing import Callable
 
+import rosgraph
 import rospkg
 import rospy
 from rosgraph_msgs.msg import Clock
@@ -27,6 +28,7 @@ from img_recog.nodes import (gazebo_interface, mesh_uris, parameters, robot_msgs
 from img_recog.nodes.prompt_publisher import PromptPublisher
 from img_recog.nodes.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.slots import Requests
+from img_recog.nodes.throttle import ThrottledWarning
 from img_recog.nodes.view_topic import ViewTopic
 from img_recog.simulation import description, gazebo_tags, loading, meshes, world_file
 from img_recog.simulation.models import Models
@@ -39,7 +41,6 @@ from img_recog.simulation.vehicle import Vehicle
 from img_recog.simulation.window import Window
 from img_recog.simulation.world import World
 
-_WARNING_PERIOD_S = 5.0
 _LOOK_UP_S = 0.1
 _SERVICE_TIMEOUT_S = 5.0
 
@@ -71,12 +72,26 @@ class PybulletSim:
         self._wanted_factor = physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
         self._paused = False
-        self._requests = Requests()
+        self._requests, self._warn = Requests(), ThrottledWarning()
         self._advertise()
         self._view = ViewTopic(scene, view)
         self._topics = {vehicle.robot.name: RobotTopics(vehicle, topics)}
+        self._warn_at_start(vehicle)
         rospy.loginfo('simulating %.4f kg with root link %s in world %s', vehicle.robot.mass(),
                       robot.root, physics.world)
+
+    def _warn_at_start(self, vehicle: Vehicle) -> None:
+        for sensor in vehicle.missing:
+            rospy.logwarn('the robot goes without %s', sensor)
+        for overlap in self._simulator.overlaps():
+            rospy.logwarn('%s: the robot starts inside of what it will be thrown out of; set '
+                          'x_pos, y_pos, z_pos', overlap)
+        name = rospy.get_name()
+        clocks = dict(rosgraph.Master(name).getSystemState()[0]).get('/clock', ())
+        others = sorted(set(clocks) - {name})
+        if others:
+            rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
+                          'odometry; end one of them', ', '.join(others))
 
     def _advertise(self) -> None:
         self._clock = PromptPublisher('/clock', Clock, latch=True)
@@ -146,12 +161,11 @@ class PybulletSim:
         measured = self._factor.update(simulated_s)
         if measured is not None:
             self._factors.publish(Float64(measured))
-        if self._pacer.late:
+        if self._pacer.late and self._factor.last:
             self._pacer.late = False
-            rospy.logwarn_throttle(
-                _WARNING_PERIOD_S, 'this machine is too slow for real_time_factor {:g}: simulated '
-                'time falls behind (now {:.2f}), no step is skipped'.format(
-                    self._wanted_factor, self._factor.last))
+            self._warn('this machine is too slow for real_time_factor %g: simulated time falls '
+                       'behind, no step is skipped; at %.2f now', self._wanted_factor,
+                       self._factor.last)
 
     def _show(self) -> None:
         self._view.update(self._simulator)

@@ -11,11 +11,12 @@ from sensor_msgs.msg import Imu, JointState, LaserScan
 from img_recog.nodes import robot_msgs, sensing_msgs, twist_msgs
 from img_recog.nodes.prompt_publisher import PromptPublisher
 from img_recog.nodes.slots import Newest
+from img_recog.nodes.throttle import Throttle, ThrottledWarning
 from img_recog.settings import Settings, not_empty, setting
 from img_recog.simulation.motion_state import MotionState
 from img_recog.simulation.vehicle import Reading, Vehicle
 
-_WARNING_PERIOD_S = 5.0
+_NEWS_PERIOD_S = 0.1            # of wall time, between two lines about how the robot moves
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ class RobotTopics:
         settings = vehicle.settings
         self._scan, self._imu, self._odometry = settings.scan, settings.imu, settings.odometry
         self._base_frame = settings.odometry.base_frame or vehicle.robot.root
-        self._motion_state = MotionState()
+        self._motion_state, self._news = MotionState(), Throttle(_NEWS_PERIOD_S)
+        self._warn = ThrottledWarning()
         self._commands = Newest()
         self._transforms = tf2_ros.TransformBroadcaster()
         self._outputs = {
@@ -63,7 +65,7 @@ class RobotTopics:
             # looked at here, so that a bad command does not replace a good one
             self._commands.put(twist_msgs.from_msg(msg))
         except twist_msgs.TwistError as error:
-            rospy.logwarn_throttle(_WARNING_PERIOD_S, 'cmd_vel ignored: {}'.format(error))
+            self._warn('cmd_vel ignored: %s', error)
 
     def before(self) -> None:
         """Obey the newest command, and switch off the sensors that nobody listens to."""
@@ -83,14 +85,19 @@ class RobotTopics:
         self._commands.take()
 
     def _publish_odometry(self, reading: Reading) -> None:
-        news = self._motion_state.update(reading.value)
-        if news is not None:
-            rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', news, *reading.value.position[:2])
+        self._tell_news(reading)
         msg = robot_msgs.odometry_to_msg(reading.value, robot_msgs.stamp_of(reading.time_s),
                                          self._odometry.odom_frame, self._base_frame)
         self._outputs['odometry'].publisher.publish(msg)
         if self._odometry.publish_odom_tf:
             self._transforms.sendTransform(robot_msgs.transform_of(msg))
+
+    def _tell_news(self, reading: Reading) -> None:
+        if self._news.ready():
+            news = self._motion_state.update(reading.value)
+            if news is not None:
+                rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', news,
+                              *reading.value.position[:2])
 
     def _publish_joint_states(self, reading: Reading) -> None:
         self._outputs['joint_states'].publisher.publish(robot_msgs.joint_states_to_msg(

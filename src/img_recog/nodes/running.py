@@ -35,6 +35,11 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
         # that before is_shutdown says so
         if not rospy.core.is_shutdown_requested():
             raise
+    except ConnectionRefusedError:
+        rospy.logfatal('no master answers at %s: start roscore or roslaunch first, or set '
+                       'ROS_MASTER_URI', os.environ.get('ROS_MASTER_URI', ''))
+        rospy.signal_shutdown('no master')
+        return 1
     except UserError as error:
         rospy.logfatal('%s', ' '.join(str(error).split()))
         rospy.signal_shutdown('cannot go on')

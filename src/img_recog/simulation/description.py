@@ -19,6 +19,7 @@ from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transf
 from img_recog.simulation.meshes import FindMesh, find_file, resolve
 from img_recog.simulation.settings import SimulationError
 
+_JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
 _INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')
 
 
@@ -78,6 +79,8 @@ def parse(urdf: str, find_mesh: FindMesh = find_file(os.sep)) -> Description:
             carrier = frames[joint.find('parent').get('link')]
             joint.find('parent').set('link', carrier.link)
             _set_origin(joint, carrier.pose @ _origin(joint))
+    for joint in parents.values():
+        _check_joint(joint)
     for name in {frame.link for frame in frames.values()}:
         _set_inertia(name, links[name], inertias[name])
     return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'), root,
@@ -121,6 +124,16 @@ def _joints_by_child(robot, links) -> Dict[str, ElementTree.Element]:
                                   'tree'.format(child, joints[child].get('name'), name))
         joints[child] = joint
     return joints
+
+
+def _check_joint(joint: ElementTree.Element) -> None:
+    kind, axis = joint.get('type'), joint.find('axis')
+    if kind not in _JOINTS:
+        raise SimulationError('joint {} is of type {}; simulated are {}'.format(
+            joint.get('name'), kind, ', '.join(_JOINTS)))
+    name = 'axis of joint {}'.format(joint.get('name'))
+    if axis is not None and not np.any(_numbers(name, axis.get('xyz', '1 0 0'), 3)):
+        raise SimulationError('{}: got 0 0 0, wants a direction'.format(name))
 
 
 def _root(links, parents) -> str:
@@ -183,6 +196,10 @@ def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None
     if inertia.mass == 0:
         raise SimulationError('link {} can move but has no mass; give it, or a link fixed to it, '
                               'an <inertial>'.format(name))
+    if np.linalg.eigvalsh(inertia.matrix)[0] <= 0:
+        raise SimulationError('link {}, with what is fixed to it, has the inertia {}, wants '
+                              'positive moments about all axes'.format(
+                                  name, np.round(np.diag(inertia.matrix), 9).tolist()))
     for old in link.findall('inertial'):
         link.remove(old)
     inertial = ElementTree.SubElement(link, 'inertial')

@@ -90,6 +90,10 @@ class Robot(Body):
                                       computeForwardKinematics=1, physicsClientId=self.client)
         return moving(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
 
+    def has_frame(self, frame: str) -> bool:
+        """Return whether the description has this link."""
+        return frame in self._frames
+
     def check_frame(self, setting: str, frame: str) -> None:
         """Raise SimulationError when the frame that a setting names is no link."""
         try:

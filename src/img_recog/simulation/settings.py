@@ -23,7 +23,7 @@ class PhysicsSettings(Settings):
     step_s: float = setting(0.001, between(1e-5, 0.1))
     clock_period_s: float = setting(0.01, between(1e-5, 1))
     real_time_factor: float = setting(1.0, Allowed(
-        '0 or from 0.001 to 1000', lambda value: value == 0 or 0.001 <= value <= 1000))
+        'from 0.001 to 1000, or 0', lambda value: value == 0 or 0.001 <= value <= 1000))
     world: str = setting('turtlebot3_world', not_empty())
 
 
@@ -34,7 +34,7 @@ class SpawnSettings(Settings):
     x_pos: float = setting(-2.0, between(-1000, 1000))
     y_pos: float = setting(-0.5, between(-1000, 1000))
     z_pos: float = setting(0.0, between(-1000, 1000))
-    yaw: float = setting(0.0, anything())
+    yaw: float = setting(0.0, between(-2 * math.pi, 2 * math.pi))
 
 
 @dataclass(frozen=True)

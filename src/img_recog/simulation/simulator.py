@@ -1,8 +1,13 @@
 """World and vehicles, advanced together by whole steps."""
 from typing import List, Sequence
 
+import pybullet
+
 from img_recog.simulation.vehicle import Reading, Vehicle
 from img_recog.simulation.world import World
+
+
+_CONTACT_DEPTH = 0.005          # m
 
 
 class Simulator:
@@ -35,6 +40,21 @@ class Simulator:
             for vehicle in self.vehicles:
                 readings.extend(vehicle.after_step(self._steps, self.time_s))
         return readings
+
+    def overlaps(self) -> List[str]:
+        """Return what stands in what, as 'A in B', by more than contacts ever are."""
+        client = self.world.client
+        bodies = [self.world.floor, *self.world.bodies,
+                  *(vehicle.robot for vehicle in self.vehicles)]
+        names = {body.number: body.name for body in bodies}
+        pybullet.performCollisionDetection(physicsClientId=client)
+        found = []
+        for vehicle in self.vehicles:
+            for contact in pybullet.getContactPoints(vehicle.robot.number, physicsClientId=client):
+                words = '{} in {}'.format(vehicle.robot.name, names[contact[2]])
+                if contact[8] < -_CONTACT_DEPTH and words not in found:
+                    found.append(words)
+        return found
 
     def reset_world(self) -> None:
         """Put everything back to its start, at rest and without a command; time goes on."""

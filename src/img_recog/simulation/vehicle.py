@@ -9,7 +9,8 @@ from img_recog.simulation.imu import Imu
 from img_recog.simulation.laser_scanner import LaserScanner
 from img_recog.simulation.odometry import make_odometry
 from img_recog.simulation.robot import Robot
-from img_recog.simulation.settings import RobotSettings, whole_steps
+from img_recog.simulation.settings import (ImuSettings, RobotSettings, ScanSettings,
+                                           whole_steps)
 
 
 class Reading(NamedTuple):
@@ -42,7 +43,7 @@ class _Joints:
 class Vehicle:
     """Drives and observes one robot; the physics is somebody else's.
 
-    robot: the body; settings: what it was made with.
+    robot: the body; settings: what it was made with; missing: the sensors that it has no link for.
     """
 
     def __init__(self, description: Description, settings: RobotSettings, step_s: float,
@@ -59,22 +60,33 @@ class Vehicle:
         # a generator each: the noise of one sensor does not hang on who watches the other
         scan_noise, imu_noise = (np.random.RandomState((periods.seed, number))
                                  for number in range(2))
-        self._imu = Imu(self.robot, settings.imu, periods.imu_period_s, imu_noise)
         devices = {
             'odometry': make_odometry(self.robot, settings.odometry, settings.drive,
                                       periods.odometry_period_s),
-            'joint_states': _Joints(self.robot),
-            'imu': self._imu,
-            'scan': LaserScanner(self.robot, settings.scan, scan_noise, client)}
+            'joint_states': _Joints(self.robot)}
+        self.missing = []
+        if self._has('imu', settings.imu.imu_frame, ImuSettings().imu_frame):
+            devices['imu'] = Imu(self.robot, settings.imu, periods.imu_period_s, imu_noise)
+        if self._has('scan', settings.scan.scan_frame, ScanSettings().scan_frame):
+            devices['scan'] = LaserScanner(self.robot, settings.scan, scan_noise, client)
         self._sensors = {name: _Sensor(name, self._period(name, step_s), device)
                          for name, device in devices.items()}
+
+    def _has(self, sensor: str, frame: str, usual: str) -> bool:
+        """Return whether to mount a sensor: not where nobody asked for it and it has no link."""
+        if frame == usual and not self.robot.has_frame(frame):
+            self.missing.append('{} (no link {})'.format(sensor, frame))
+            return False
+        return True
 
     def _period(self, sensor: str, step_s: float) -> int:
         name = sensor + '_period_s'
         return whole_steps(name, getattr(self.settings.sensors, name), step_s)
 
     def switch(self, sensor: str, on: bool) -> None:
-        """Switch a sensor on or off; none of them changes how the robot moves."""
+        """Switch a sensor, if there is one, on or off; none changes how the robot moves."""
+        if sensor not in self._sensors:
+            return
         chosen = self._sensors[sensor]
         if on and not chosen.on:
             chosen.device.restart()
@@ -109,4 +121,5 @@ class Vehicle:
 
     def moved(self) -> None:
         """Tell that the robot was put elsewhere: no acceleration, and nothing that wheels see."""
-        self._imu.restart()
+        if 'imu' in self._sensors:
+            self._sensors['imu'].device.restart()

@@ -72,5 +72,6 @@ def load_bodies(file: WorldFile, client: int) -> List[Body]:
         return [body]
     bodies = [Body(number, client) for number in load_sdf(file.text, client, what)]
     if not bodies:
-        raise SimulationError('{}: PyBullet finds no model in it'.format(what))
+        raise SimulationError('{}: PyBullet finds no model in it; set world to the file of a '
+                              'model, whatever <include> leads to it'.format(what))
     return bodies

@@ -1,0 +1,93 @@
+"""The images of the simulation: when they are drawn, what they show, and what they survive."""
+import os
+import signal
+
+import pytest
+
+from simulator_tools import (Echo, Images, complaints, cpu_ticks, descendants, drawing, drive,
+                             standing)
+from waiting import wait_for
+
+
+@pytest.fixture
+def ros(shared_ros):
+    """One master for all these tests."""
+    return shared_ros
+
+
+def test_the_view_is_drawn_while_somebody_looks(ros, simulate):
+    node = simulate()
+    clock = Echo(ros, '/clock/clock')
+    since = clock.wait_more(50)[-1][0] * 1e-9
+    assert descendants(node.pid) == {}
+    images = Images(ros)
+    image = images.wait(count=3)
+    assert image['stamp'] > since
+    clock.wait(lambda now: now * 1e-9 >= image['stamp'], 'the time of the image')
+    assert (image['size'], image['encoding']) == ([640, 480, 1920], 'rgb8')
+    assert image['frame'] == 'view'
+    assert image['green']['share'] > 0.03
+    assert image['white']['share'] > 0.0005
+    assert image['wall']['share'] > 0.01
+    stamps = [each['stamp'] for each in images.all]
+    assert stamps == sorted(set(stamps))
+
+    images.close()
+    drawer = drawing(node)
+    ros.wait_run('Subscribers: None', 'rostopic', 'info', '/gazebo/view/image_raw')
+
+    def idle():
+        before = cpu_ticks(drawer)
+        clock.wait_more(50)
+        return cpu_ticks(drawer) == before
+    wait_for(idle, 'an end of the drawing')
+
+
+def test_from_above_the_robot_is_where_it_is(ros, simulate):
+    simulate('_real_time_factor:=5', '_world:=empty')
+    images = Images(ros)
+    images.wait()
+    place = Echo(ros, '/odom/pose/pose/position')
+    place.wait_more(1)
+    x, y = images.wait(count=2)['dark']['middle']
+    # 46 pixels a metre about (0.8, 0), x upwards
+    assert (x, y) == pytest.approx((320 + 0.5 * 46.2, 240 + 2.8 * 46.2), abs=4)
+    driving = drive(ros, 0.5)
+    place.wait(lambda x, y, z: x > 0.0, 'the robot to drive')
+    driving.close()
+    drive(ros, 0.0)
+    x, _, _ = wait_for(lambda: place.rows[-1] if standing(place.rows[-30:]) else None, 'a halt')
+    assert images.wait(count=3)['dark']['middle'] == pytest.approx(
+        (320 + 0.5 * 46.2, 240 + (0.8 - x) * 46.2), abs=4)
+
+
+def test_following_keeps_the_robot_in_the_middle(ros, simulate):
+    simulate('_real_time_factor:=5', '_world:=empty', '_view:=follow')
+    images = Images(ros)
+    place = Echo(ros, '/odom/pose/pose/position')
+    place.wait_more(1)
+    first = images.wait(count=2)
+    drive(ros, 0.5)
+    place.wait(lambda x, y, z: x > 0.0, 'the robot to drive')
+    last = images.wait(count=2)
+    for image in (first, last):
+        assert image['dark']['share'] > 0.003
+        assert image['dark']['middle'] == pytest.approx((320, 240), abs=30)
+
+
+@pytest.mark.parametrize('busy', [False, True])
+def test_the_simulation_outlives_the_process_that_draws(ros, simulate, busy):
+    node = simulate('_view_rate:=2', '_real_time_factor:=5')
+    clock = Echo(ros, '/clock/clock')
+    clock.wait_more(1)
+    Images(ros).wait(count=2)
+    drawer = drawing(node)      # which has nothing to do for half a second
+    if busy:
+        os.kill(drawer, signal.SIGSTOP)
+        clock.wait_more(400)    # 0.8 s; meanwhile it is asked for an image
+    os.kill(drawer, signal.SIGKILL)
+    node.wait_output(r'\[WARN\].*no more view: .*; the simulation goes on without')
+    clock.wait_more(100)
+    assert len(complaints(node)) == 1, node.output
+    assert node.interrupt() == 0
+    assert 'Traceback' not in node.output
