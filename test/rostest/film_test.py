@@ -6,13 +6,14 @@ import sys
 import unittest
 
 import cv2
+import cv_bridge
 import numpy as np
 import rospy
 import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CompressedImage, Image
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from support import Recorder, from_node, wait_for  # noqa: E402
@@ -48,6 +49,9 @@ class FilmTest(unittest.TestCase):
         for topic, kept in (('/usb_cam/image_raw', cls.raw), ('/blue_image', cls.blue),
                             ('/red_image', cls.red)):
             rospy.Subscriber(topic, Image, cls._keep, kept, queue_size=100, buff_size=1 << 26)
+        cls.png = {}
+        rospy.Subscriber('/usb_cam/image_raw/compressed', CompressedImage, cls._keep_png,
+                         queue_size=100, buff_size=1 << 26)
         cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
         cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
         cls.odometry = Recorder('/odom', Odometry)
@@ -57,6 +61,18 @@ class FilmTest(unittest.TestCase):
     def _keep(msg, kept):
         kept[msg.header.stamp] = (len(kept), digest(msg.data), int(np.count_nonzero(
             np.frombuffer(msg.data, np.uint8).reshape(-1, 3).any(axis=1))), msg.encoding)
+
+    @classmethod
+    def _keep_png(cls, msg):
+        cls.png[msg.header.stamp] = (msg.format, digest(cv2.cvtColor(
+            cv_bridge.CvBridge().compressed_imgmsg_to_cv2(msg), cv2.COLOR_BGR2RGB).tobytes()))
+
+    def test_compressed_as_png_the_frames_are_the_same(self):
+        both = set(self.png) & set(self.raw)
+        self.assertGreater(len(both), 0.5 * FRAMES, 'some may be left out, most are there')
+        for stamp in both:
+            self.assertEqual('rgb8; png compressed bgr8', self.png[stamp][0])
+            self.assertEqual(self.raw[stamp][1], self.png[stamp][1])
 
     def test_the_film_is_the_one_expected(self):
         self.assertEqual(FRAMES, len(self.film))

@@ -28,6 +28,10 @@ TOPICS = {
     '/tf_static': 'tf2_msgs/TFMessage',
     '/usb_cam/camera_info': 'sensor_msgs/CameraInfo',
     '/usb_cam/image_raw': 'sensor_msgs/Image',
+    '/usb_cam/image_raw/compressed': 'sensor_msgs/CompressedImage',
+    '/usb_cam/image_raw/compressed/parameter_descriptions':
+        'dynamic_reconfigure/ConfigDescription',
+    '/usb_cam/image_raw/compressed/parameter_updates': 'dynamic_reconfigure/Config',
 }
 SERVICES = {'/gazebo/pause_physics', '/gazebo/reset_simulation', '/gazebo/reset_world',
             '/gazebo/unpause_physics', '/usb_cam/set_camera_info', '/usb_cam/start_capture',

@@ -88,7 +88,7 @@ def test_changed_replaces_some_values():
     ('rate', 0.0, 'a finite number above 0'),
     ('rate', INFINITY, 'a finite number above 0'),
     ('enabled', 1, 'true or false'),
-    ('mode', 'medium', 'a text one of slow, fast'),
+    ('mode', 'medium', 'one of slow, fast'),
     ('nmae', 'x', 'one of the parameters ' + ', '.join(EXPECTED)),
     ('unchecked', 1, 'one of the parameters ' + ', '.join(EXPECTED))])
 def test_refusal_names_what_is_allowed(name, value, allowed):

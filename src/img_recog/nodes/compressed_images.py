@@ -11,8 +11,8 @@ from img_recog.nodes.compressed_image_msgs import CompressionSettings
 from img_recog.nodes.image_msgs import ImageError
 from img_recog.nodes.reconfigure import Reconfigurable
 from img_recog.nodes.slots import Newest
+from img_recog.nodes.throttle import ThrottledWarning
 
-_WARNING_PERIOD_S = 5.0
 _POLL_S = 0.2
 
 
@@ -42,6 +42,7 @@ class CompressedImages:
         settings = parameters.read(CompressionSettings, namespace=name)
         parameters.warn_of_unknown(CompressionSettings, namespace=name)
         self._images, self._closed = Newest(), threading.Event()
+        self._warn = ThrottledWarning()
         self._publisher = rospy.Publisher(name, CompressedImage, queue_size=1)
         self._parameters = Reconfigurable(settings, lambda _: None, name)
         self._worker = threading.Thread(target=self._work, daemon=True)
@@ -75,7 +76,7 @@ class CompressedImages:
         try:
             msg = compressed_image_msgs.to_msg(image, encoding, header, self._parameters.settings)
         except ImageError as error:
-            rospy.logwarn_throttle(_WARNING_PERIOD_S, str(error))
+            self._warn('%s', error)
             return
         try:
             self._publisher.publish(msg)

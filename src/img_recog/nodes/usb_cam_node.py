@@ -1,11 +1,15 @@
 """The node usb_cam: frames of a camera, a film, stills, a stream or the synthetic scene.
 
 Publishes, for every frame and with one header: ~image_raw (sensor_msgs/Image, rgb8, or mono8 for
-grey pixel formats of a device) and ~camera_info (sensor_msgs/CameraInfo), at the rate of the
-source, in the frame camera_frame_id; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz.
+grey pixel formats of a device), while somebody subscribes ~image_raw/compressed
+(sensor_msgs/CompressedImage), and ~camera_info (sensor_msgs/CameraInfo), at the rate of the
+source, in the frame camera_frame_id; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz;
+~parameter_descriptions and ~parameter_updates (dynamic_reconfigure) here and in
+~image_raw/compressed.
 Subscribes to nothing. Serves: ~start_capture, ~stop_capture (std_srvs/Empty), ~set_camera_info
-(sensor_msgs/SetCameraInfo). Reads: the fields of CameraSettings and ControlSettings and
-intrinsic_controls as private parameters.
+(sensor_msgs/SetCameraInfo), ~set_parameters (dynamic_reconfigure). Reads: the fields of
+CameraSettings and ControlSettings and intrinsic_controls as private parameters, those of
+CompressionSettings in ~image_raw/compressed.
 """
 import threading
 import time
@@ -26,9 +30,11 @@ from img_recog.nodes import image_msgs, parameters, running, user_paths
 from img_recog.nodes.camera_calibration import CameraCalibration
 from img_recog.nodes.camera_controls import CameraControls
 from img_recog.nodes.camera_diagnostics import CameraDiagnostics
+from img_recog.nodes.compressed_images import CompressedImages
+from img_recog.nodes.reconfigure import Reconfigurable
+from img_recog.nodes.throttle import ThrottledWarning
 
 _CHECK_S = 0.2
-_WARNING_PERIOD_S = 5.0
 _FLUSH_S = 0.3
 # of others: dynamic_reconfigure's and image_transport's namespaces, diagnostic_updater's own
 _FOREIGN_PARAMETERS = ('diagnostic_period', 'image_raw', 'intrinsic_controls')
@@ -37,16 +43,15 @@ _FOREIGN_PARAMETERS = ('diagnostic_period', 'image_raw', 'intrinsic_controls')
 class UsbCam(Listener):
     """Publishes what a capture thread gives; reading a device may block for seconds.
 
-    controls: `change` of it sets V4L2 controls while the node runs.
     is_blocked: whether the thread was blocked when the node ended, and still is for all we know.
     """
 
     def __init__(self):
         self._settings = selection.settled(parameters.read(CameraSettings))
         self._name = selection.name_for_log(self._settings.video_device)
-        self.controls = CameraControls(
-            parameters.read(ControlSettings),
-            parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
+        controls = parameters.read(ControlSettings)
+        self._controls = CameraControls(
+            controls, parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
         parameters.warn_of_unknown(CameraSettings, ControlSettings, besides=_FOREIGN_PARAMETERS)
         if self._settings.io_method != 'mmap':
             rospy.loginfo('io_method %s: OpenCV always maps the memory of a device, as mmap does',
@@ -60,7 +65,10 @@ class UsbCam(Listener):
         rospy.on_shutdown(self._ended.set)
         rospy.on_shutdown(self._settled.set)
         self._images = rospy.Publisher('~image_raw', Image, queue_size=1)
+        self._compressed = CompressedImages('~image_raw')
         self._infos = rospy.Publisher('~camera_info', CameraInfo, queue_size=1)
+        self._reconfigurable = Reconfigurable(controls, self._controls.change)
+        self._warn = ThrottledWarning()
         self._diagnostics = CameraDiagnostics(self._name)
         self._capture = Capture(self._open, self)
         self._capture.begin()
@@ -88,7 +96,7 @@ class UsbCam(Listener):
 
     def _open(self) -> FrameSource:
         source = selection.open_source(self._settings, user_paths.folders(), rospy.logwarn)
-        self.controls.device_is(getattr(source, 'path', None))
+        self._controls.device_is(getattr(source, 'path', None))
         return source
 
     def opened(self, source: FrameSource) -> None:
@@ -105,12 +113,13 @@ class UsbCam(Listener):
         stamp_ns = self._stamps.stamp_ns(rospy.Time.now().to_nsec(), age_s)
         header = Header(stamp=rospy.Time(nsecs=stamp_ns), frame_id=self._settings.camera_frame_id)
         self._images.publish(image_msgs.to_msg(image, source.encoding, header))
+        self._compressed.publish(image, source.encoding, header)
         self._infos.publish(self._calibration.to_msg(header))
         self._diagnostics.count_frame()
 
     def skipped(self, reason: str) -> None:
         self._diagnostics.count_skipped()
-        rospy.logwarn_throttle(_WARNING_PERIOD_S, 'frame skipped: {}'.format(reason))
+        self._warn('frame skipped: %s', reason)
 
     def left_out(self) -> None:
         self._diagnostics.count_left_out()

@@ -44,8 +44,11 @@ class Keyboard:
         if not readable:
             return None
         # from the descriptor: sys.stdin would buffer keys where select cannot see them
-        pressed = os.read(self._stream.fileno(), 1)
-        self.present = bool(pressed)        # no byte: the terminal is gone
+        try:
+            pressed = os.read(self._stream.fileno(), 1)
+        except OSError:
+            pressed = b''
+        self.present = bool(pressed)        # no byte, or an error: the terminal is gone
         return pressed.decode('ascii', 'replace') or None
 
 
