@@ -2,10 +2,11 @@
 import json
 import sys
 
+import camera
 import simulator
 from tqdm import tqdm
 
-BENCHMARKS = {'simulator': simulator}
+BENCHMARKS = {'simulator': simulator, 'camera': camera}
 
 
 def main() -> int:

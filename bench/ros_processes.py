@@ -1,12 +1,15 @@
 """Nodes under measurement, with a master of their own."""
+import json
 import os
 import signal
 import socket
 import subprocess
+import sys
 import threading
 import time
 from typing import Dict, Optional
 
+HERE = os.path.dirname(os.path.abspath(__file__))
 _PATIENCE_S = 60.0
 _POLL = threading.Event()
 
@@ -44,10 +47,6 @@ class Master:
         self._processes.append(process)
         return process
 
-    def set_parameter(self, name: str, value: str) -> None:
-        """Set a parameter, `value` as YAML or with rosparam's -t option a file."""
-        self._call('rosparam', 'set', name, value)
-
     def _call(self, *command: str) -> int:
         return subprocess.run(command, env=self.env, stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL, check=False).returncode
@@ -62,6 +61,14 @@ def wait_for(condition, what: str):
             return value
         _POLL.wait(0.1)
     raise RuntimeError('waited {:g} s in vain for {}'.format(_PATIENCE_S, what))
+
+
+def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
+    """Return what a script of this folder printed last, as JSON."""
+    command = [sys.executable, os.path.join(HERE, name), *map(str, arguments)]
+    output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                            check=True).stdout
+    return json.loads(output.decode().splitlines()[-1])
 
 
 def cpu_s(pid: int) -> float:

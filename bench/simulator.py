@@ -1,27 +1,17 @@
 """How fast the simulator node is, beside PyBullet alone."""
-import json
 import os
-import subprocess
 import sys
 from statistics import median
 from typing import Callable
 
 import rosgraph
-from ros_processes import Master, wait_for
+from ros_processes import Master, run_script, wait_for
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PACKAGE = os.path.dirname(HERE)
 ROUNDS = 3
 SECONDS = 5.0
 STEPS_A_SECOND = 1000           # of simulated time: the step is 1 ms
-
-
-def run(name: str, *arguments, env=None):
-    """Return what a script of this folder printed last, as JSON."""
-    command = [sys.executable, os.path.join(HERE, name), *map(str, arguments)]
-    output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                            check=True).stdout
-    return json.loads(output.decode().splitlines()[-1])
 
 
 def node(real_time_factor: float, watched: bool) -> dict:
@@ -37,7 +27,7 @@ def node(real_time_factor: float, watched: bool) -> dict:
         if watched:
             master.start(sys.executable, os.path.join(HERE, 'watch_all.py'))
         wait_for(lambda: '/clock' in dict(server.getPublishedTopics('')), 'the simulator')
-        return run('sample.py', SECONDS, process.pid, env=master.env)
+        return run_script('sample.py', SECONDS, process.pid, env=master.env)
 
 
 CASES = (('free run, no subscriber', 0, False), ('free run, all topics subscribed', 0, True),
@@ -56,7 +46,7 @@ def measure(done: Callable[[], None]) -> dict:
     """
     bare, cases = [], {case: [] for case in CASES}
     for _ in range(ROUNDS):
-        bare.append(run('bare_loop.py', SECONDS))
+        bare.append(run_script('bare_loop.py', SECONDS))
         done()
         for case in CASES:
             cases[case].append(node(*case[1:]))

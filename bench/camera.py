@@ -1,0 +1,111 @@
+"""What the camera node costs, beside the distribution's C++ image_publisher."""
+import os
+import subprocess
+import sys
+import tempfile
+from statistics import median
+from typing import Callable
+
+import cv2
+import rosgraph
+from ros_processes import Master, run_script, wait_for
+
+from img_recog.camera.synthetic import draw_frame
+
+PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+THEIRS = ('rosrun', 'image_publisher', 'image_publisher')
+OURS = (sys.executable, os.path.join(PACKAGE, 'scripts', 'usb_cam_node.py'))
+ROUNDS, SECONDS = 3, 8.0
+SIZES = ((640, 480), (1920, 1080))
+RATE_HZ, FRAMES = 30, 150
+UNBOUNDED_HZ = 1000                 # more than any of them reaches
+
+
+def film(folder: str, width: int, height: int) -> str:
+    """Write a film of the synthetic scene and return its path."""
+    path = os.path.join(folder, 'film_{}.avi'.format(width))
+    writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*'MJPG'), RATE_HZ,
+                             (width, height))
+    for number in range(FRAMES):
+        writer.write(cv2.cvtColor(draw_frame(number, width, height), cv2.COLOR_RGB2BGR))
+    writer.release()
+    return path
+
+
+def still(folder: str, width: int, height: int) -> str:
+    """Write a frame of the synthetic scene and return its path."""
+    path = os.path.join(folder, 'still_{}.png'.format(width))
+    cv2.imwrite(path, cv2.cvtColor(draw_frame(60, width, height), cv2.COLOR_RGB2BGR))
+    return path
+
+
+def sample(*command: str) -> dict:
+    """Return what image_sample.py measures at a node that publishes images."""
+    with Master() as master:
+        server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
+        process = master.start(*command)
+
+        def topic():
+            return next((name for name, kind in server.getPublishedTopics('')
+                         if kind == 'sensor_msgs/Image'), None)
+        name = wait_for(topic, 'images of ' + command[0])
+        return run_script('image_sample.py', name, SECONDS, process.pid, env=master.env)
+
+
+def cases() -> list:
+    """Return what is measured: its name, how its file is written, its size and rate."""
+    return [('{} {}x{}, {}'.format(name, width, height, words), write, (width, height), rate_hz)
+            for width, height in SIZES
+            for name, write, words, rate_hz in (
+                ('film', film, '30 Hz', RATE_HZ), ('still', still, '30 Hz', RATE_HZ),
+                ('still', still, 'highest rate', UNBOUNDED_HZ))]
+
+
+def installed() -> bool:
+    """Return whether there is an image_publisher to compare with."""
+    return subprocess.run(['rospack', 'find', 'image_publisher'], stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
+def count() -> int:
+    """Return how many measurements `measure` makes."""
+    return 2 * ROUNDS * len(cases()) if installed() else 0
+
+
+def measure(done: Callable[[], None]) -> dict:
+    """Return the medians over some rounds, in each of which both have their turn."""
+    rows, samples = [], {}
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(ROUNDS if installed() else 0):
+            for name, write, size, rate_hz in cases():
+                path = write(folder, *size)
+                pair = []
+                for command in ((*OURS, '_video_device:=' + path,
+                                 '_framerate:={}'.format(rate_hz)),
+                                (*THEIRS, path, '_publish_rate:={}'.format(rate_hz))):
+                    pair.append(sample(*command))
+                    done()
+                samples.setdefault(name, []).append(pair)
+    for name, pairs in samples.items():
+        row = {'case': name}
+        for key in ('rate_hz', 'cpu_ms_a_frame', 'jitter_ms'):
+            row[key] = median(ours[key] for ours, _ in pairs)
+            row['their_' + key] = median(theirs[key] for _, theirs in pairs)
+        row['cpu_ratio'] = median(ours['cpu_ms_a_frame'] / theirs['cpu_ms_a_frame']
+                                  for ours, theirs in pairs)
+        rows.append(row)
+    return {'rows': rows}
+
+
+def table(results: dict) -> str:
+    """Return the results as a person reads them."""
+    if not results['rows']:
+        return 'camera: no image_publisher installed to compare with'
+    lines = ['{:30} {:>16} {:>22} {:>7} {:>18}'.format(
+        'camera, and image_publisher', 'rate, Hz', 'CPU a frame, ms', 'ratio',
+        '99 % jitter, ms')]
+    for row in results['rows']:
+        lines.append('{case:30} {rate_hz:7.1f} {their_rate_hz:8.1f} {cpu_ms_a_frame:13.2f} '
+                     '{their_cpu_ms_a_frame:8.2f} {cpu_ratio:7.2f} {jitter_ms:9.2f} '
+                     '{their_jitter_ms:8.2f}'.format(**row))
+    return '\n'.join(lines)
