@@ -118,7 +118,8 @@ def test_still_image_equals_bit_for_bit_and_repeats(tmp_path, name):
     for _ in range(3):
         frame = source.read()
         assert frame.dtype == np.uint8 and np.array_equal(frame, image)
-        frame[:] = 0
+        with pytest.raises(ValueError, match='read-only'):
+            frame[:] = 0
     source.close()
     source.close()
 

@@ -52,9 +52,9 @@ class FrameSource(abc.ABC):
     def read(self) -> np.ndarray:
         """Return the next frame, uint8 of shape (height, width, 3), or (height, width) if mono8.
 
-        The array belongs to the caller. Raises SourceEnded when all frames have been read,
-        FrameSkipped when one cannot be used, and SourceError when there are no more for another
-        reason.
+        The array may be given out again and must not be changed. Raises SourceEnded when all
+        frames have been read, FrameSkipped when one cannot be used, and SourceError when there
+        are no more for another reason.
         """
 
     def close(self) -> None:

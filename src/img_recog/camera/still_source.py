@@ -19,13 +19,14 @@ class StillSource(FrameSource):
     def __init__(self, path: str, image: np.ndarray, rate_hz: float):
         self.name = path
         self._image = converted(image, self.encoding)
+        self._image.setflags(write=False)
         self.height, self.width = image.shape[:2]
         self.rate_hz = self.expected_hz = rate_hz
         self.description = 'still image {}, {}x{}, {:g} Hz'.format(
             path, self.width, self.height, rate_hz)
 
     def read(self) -> np.ndarray:
-        return self._image.copy()
+        return self._image
 
 
 class FolderSource(FrameSource):
