@@ -6,6 +6,8 @@ import time
 import cv2
 import numpy as np
 
+from waiting import wait_for
+
 CAMERA = ('rosrun', 'img_recog', 'usb_cam_node.py')
 
 
@@ -49,3 +51,33 @@ def test_suspended_camera_opens_its_source_when_it_is_told_to(roscore, tmp_path)
     roscore.run('rosservice', 'call', '/usb_cam/start_capture')
     camera.wait_output(r'camera: folder .*/later of 1 images, 8x8')
     assert camera.interrupt() == 0
+
+
+def areas(process):
+    """Return the lines of areas that color_extract logged."""
+    return re.findall(r'blue=\d+, red=\d+', process.output)
+
+
+def test_a_recorded_bag_drives_the_recognition_as_the_camera_did(roscore, tmp_path):
+    bag = str(tmp_path / 'camera.bag')
+    roscore.run('rosparam', 'delete', '/usb_cam')
+    live = roscore.start('rosrun', 'img_recog', 'color_img_recog.py')
+    record = roscore.start('rosbag', 'record', '-O', bag, '/usb_cam/image_raw')
+    roscore.wait_run('/record_', 'rostopic', 'info', '/usb_cam/image_raw')
+    camera = start(roscore, '_video_device:=synthetic', '_image_width:=160', '_image_height:=120',
+                   '_framerate:=20')
+    wait_for(lambda: len(set(areas(live))) > 2, lambda: 'a card: ' + live.output[-500:])
+    wait_for(lambda: areas(live)[-1] == 'blue=0, red=0', lambda: live.output[-500:])
+    for process in (camera, record, live):
+        assert process.interrupt() == 0, process.output
+    replayed = roscore.start('rosrun', 'img_recog', 'color_img_recog.py')
+    roscore.wait_run('Subscribers: \n.*color_extract', 'rostopic', 'info', '/usb_cam/image_raw')
+    play = roscore.start('rosbag', 'play', '--delay', '1', bag)
+    assert play.wait() == 0, play.output
+    seen = [int(line.split(',')[0][5:]) for line in areas(live)]
+    wait_for(lambda: 'blue=0, red=0' in areas(replayed)[-3:], lambda: replayed.output[-500:])
+    again = [int(line.split(',')[0][5:]) for line in areas(replayed)]
+    # either may have missed a frame; what both saw is the same
+    assert max(again) == max(seen) > 1000
+    assert set(again) == set(seen)
+    assert abs(len([area for area in again if area]) - len([area for area in seen if area])) < 4

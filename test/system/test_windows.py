@@ -46,6 +46,36 @@ def test_image_view_shows_the_blue_part(ros, display, tmp_path):
     wait_for(shown, lambda: 'the blue card: {}'.format(shares(ros, tmp_path, **card)))
 
 
+USB_CAM_LAUNCH = """<launch>
+  <node name="usb_cam" pkg="img_recog" type="usb_cam_node.py" output="screen">
+    <param name="video_device" value="{}"/>
+    <param name="image_width" value="640"/>
+    <param name="image_height" value="480"/>
+    <param name="pixel_format" value="yuyv"/>
+    <param name="color_format" value="yuv422p"/>
+    <param name="camera_frame_id" value="usb_cam"/>
+    <param name="io_method" value="mmap"/>
+  </node>
+  <node name="image_view" pkg="image_view" type="image_view" respawn="false" output="screen">
+    <remap from="image" to="/usb_cam/image_raw"/>
+    <param name="autosize" value="true"/>
+  </node>
+</launch>"""
+
+
+def test_a_launch_file_of_usb_cams_kind_shows_the_picture(ros, display, tmp_path):
+    cv2 = pytest.importorskip('cv2')
+    picture, launch = str(tmp_path / 'picture.png'), tmp_path / 'usb_cam.launch'
+    green = cv2.UMat(480, 640, cv2.CV_8UC3, (0, 200, 0)).get()
+    assert cv2.imwrite(picture, green)
+    launch.write_text(USB_CAM_LAUNCH.format(picture))
+    ros.start('roslaunch', '-p', ros.port, str(launch)).wait_output('camera: still image')
+    ros.wait_run('frame_id: "usb_cam"', 'rostopic', 'echo', '-n', '1', '/usb_cam/image_raw/header')
+    colour = {'green': ((0, 180, 0), (20, 220, 20))}
+    wait_for(lambda: shares(ros, tmp_path, **colour)['green'] > 0.25,
+             lambda: 'the picture: {}'.format(shares(ros, tmp_path, **colour)))
+
+
 def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
     demo = ros.demo('camera:=none', 'gui:=true', 'image_view:=false')
     colours = {'green': ((0, 90, 0), (60, 255, 60)), 'white': ((205, 205, 205), (255, 255, 255)),
