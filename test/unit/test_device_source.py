@@ -193,3 +193,14 @@ def test_path_is_what_a_link_stands_for(open_device, tmp_path, monkeypatch):
 
 def test_opencv_is_told_to_wait_for_two_seconds():
     assert os.environ['OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT'] == '2'
+
+
+def test_a_drivers_clock_that_was_wrong_once_is_believed_no_more(open_device, monkeypatch):
+    monkeypatch.setattr(FakeCapture, 'frames', [BGR] * 3)
+    source, capture = open_device()
+    ages = []
+    for captured_s in (99.5, 100.5, 99.5):
+        capture._given[cv2.CAP_PROP_POS_MSEC] = captured_s * 1000.0
+        source.read()
+        ages.append(source.age_s)
+    assert ages == pytest.approx([0.5, 0.0, 0.0])

@@ -32,6 +32,7 @@ class DeviceSource(FrameSource):
 
     def __init__(self, settings: CameraSettings, now: Callable[[], float] = time.monotonic):
         self.name, self._now = settings.video_device, now
+        self._clock_is_sane = True
         self._check_access()
         self.path = os.path.realpath(self.name)
         self._capture = cv2.VideoCapture(self.path, cv2.CAP_V4L2)
@@ -82,18 +83,22 @@ class DeviceSource(FrameSource):
         # in two steps, which tell a device that is gone from a frame that is damaged
         if not self._capture.grab():
             raise SourceError('{} gives no frames: unplugged or silent'.format(self.name))
-        self.age_s = self._frame_age_s()
+        captured_s = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
         good, image = self._capture.retrieve()
         if not good or image is None or image.size == 0:
             raise FrameSkipped('{} gave an empty or damaged frame'.format(self.name))
         if image.shape[:2] != (self.height, self.width):
             image = self._shaped(image)
-        return converted(image, self.encoding)
+        frame = converted(image, self.encoding)
+        self.age_s = self._age_s(captured_s)
+        return frame
 
-    def _frame_age_s(self) -> float:
-        # the driver's time of the frame, in most of them by the clock of time.monotonic
-        age_s = self._now() - self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
-        return age_s if 0.0 <= age_s <= _MOST_AGE_S else 0.0
+    def _age_s(self, captured_s: float) -> float:
+        # the driver's time of the frame, in most of them by the clock of time.monotonic; one that
+        # was wrong once is believed no more, or stamps would jump between two clocks
+        age_s = self._now() - captured_s
+        self._clock_is_sane = self._clock_is_sane and 0.0 <= age_s <= _MOST_AGE_S
+        return age_s if self._clock_is_sane else 0.0
 
     def _shaped(self, image: np.ndarray) -> np.ndarray:
         # OpenCV hands out formats that it does not convert, such as BGR3, as one long row

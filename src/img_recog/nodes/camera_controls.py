@@ -1,4 +1,5 @@
 """The V4L2 controls of the camera, as parameters ask for them."""
+import dataclasses
 import threading
 from typing import Mapping, Optional
 
@@ -27,8 +28,11 @@ class CameraControls:
     def change(self, settings: ControlSettings) -> None:
         """Put other settings in force, now and when the device is opened again."""
         with self._lock:
+            changed = [field.name for field in dataclasses.fields(settings)
+                       if getattr(settings, field.name) != getattr(self._settings, field.name)]
             self._settings = settings
-            self._told.clear()
+            self._told = {problem for problem in self._told
+                          if not any(name in problem for name in changed)}
             self._apply({})
 
     def _apply(self, intrinsic: Mapping[str, int]) -> None:
