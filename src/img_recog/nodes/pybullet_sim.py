@@ -182,13 +182,16 @@ class PybulletSim:
     def _unpause(self) -> None:
         self._paused = False
 
-    def _reset_world(self) -> None:
+    def _forget_commands(self) -> None:
         for topics in self._topics.values():
             topics.forget_command()
+
+    def _reset_world(self) -> None:
+        self._forget_commands()
         self._simulator.reset_world()
 
     def _reset_simulation(self) -> None:
-        self._reset_world()
+        self._forget_commands()
         self._simulator.reset_simulation()
         # told at once: while the physics is paused no step would do so
         self._publish_clock()

@@ -1,6 +1,6 @@
 """The topics of one simulated robot."""
 from dataclasses import dataclass
-from typing import Callable, NamedTuple
+from typing import Any, Callable, NamedTuple
 
 import rospy
 import tf2_ros
@@ -30,10 +30,10 @@ class TopicSettings(Settings):
 
 
 class _Output(NamedTuple):
-    """Where the readings of a sensor go, and how they get there."""
+    """Where the readings of a sensor go, and the message for a value and a stamp."""
 
     publisher: PromptPublisher
-    publish: Callable[[Reading], None]
+    to_msg: Callable[[Any, rospy.Time], Any]
 
 
 class RobotTopics:
@@ -42,21 +42,26 @@ class RobotTopics:
     def __init__(self, vehicle: Vehicle, names: TopicSettings):
         self._vehicle = vehicle
         settings = vehicle.settings
-        self._scan, self._imu, self._odometry = settings.scan, settings.imu, settings.odometry
-        self._base_frame = settings.odometry.base_frame or vehicle.robot.root
+        odometry = settings.odometry
+        base_frame = odometry.base_frame or vehicle.robot.root
+        self._publishes_tf = odometry.publish_odom_tf
         self._motion_state, self._news = MotionState(), Throttle(_NEWS_PERIOD_S)
         self._warn = ThrottledWarning()
         self._commands = Newest()
         self._transforms = tf2_ros.TransformBroadcaster()
         self._outputs = {
-            'odometry': _Output(PromptPublisher(names.odometry_topic, Odometry),
-                                self._publish_odometry),
+            'odometry': _Output(
+                PromptPublisher(names.odometry_topic, Odometry),
+                lambda value, stamp: robot_msgs.odometry_to_msg(
+                    value, stamp, odometry.odom_frame, base_frame)),
             'joint_states': _Output(PromptPublisher('joint_states', JointState),
-                                    self._publish_joint_states),
-            'imu': _Output(PromptPublisher(names.imu_topic, Imu),
-                           self._publish_imu),
-            'scan': _Output(PromptPublisher(names.scan_topic, LaserScan),
-                            self._publish_scan)}
+                                    robot_msgs.joint_states_to_msg),
+            'imu': _Output(
+                PromptPublisher(names.imu_topic, Imu),
+                lambda value, stamp: sensing_msgs.imu_to_msg(value, stamp, settings.imu)),
+            'scan': _Output(
+                PromptPublisher(names.scan_topic, LaserScan),
+                lambda value, stamp: sensing_msgs.scan_to_msg(value, stamp, settings.scan))}
         rospy.Subscriber(names.command_topic, Twist, self._keep_command, queue_size=10,
                          tcp_nodelay=True)
 
@@ -78,19 +83,17 @@ class RobotTopics:
 
     def publish(self, reading: Reading) -> None:
         """Publish what a sensor of the vehicle saw."""
-        self._outputs[reading.sensor].publish(reading)
+        output = self._outputs[reading.sensor]
+        msg = output.to_msg(reading.value, robot_msgs.stamp_of(reading.time_s))
+        output.publisher.publish(msg)
+        if reading.sensor == 'odometry':
+            self._tell_news(reading)
+            if self._publishes_tf:
+                self._transforms.sendTransform(robot_msgs.transform_of(msg))
 
     def forget_command(self) -> None:
         """Drop a command that has come and was not obeyed yet: one from before a reset."""
         self._commands.take()
-
-    def _publish_odometry(self, reading: Reading) -> None:
-        self._tell_news(reading)
-        msg = robot_msgs.odometry_to_msg(reading.value, robot_msgs.stamp_of(reading.time_s),
-                                         self._odometry.odom_frame, self._base_frame)
-        self._outputs['odometry'].publisher.publish(msg)
-        if self._odometry.publish_odom_tf:
-            self._transforms.sendTransform(robot_msgs.transform_of(msg))
 
     def _tell_news(self, reading: Reading) -> None:
         if self._news.ready():
@@ -98,15 +101,3 @@ class RobotTopics:
             if news is not None:
                 rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', news,
                               *reading.value.position[:2])
-
-    def _publish_joint_states(self, reading: Reading) -> None:
-        self._outputs['joint_states'].publisher.publish(robot_msgs.joint_states_to_msg(
-            reading.value, robot_msgs.stamp_of(reading.time_s)))
-
-    def _publish_imu(self, reading: Reading) -> None:
-        self._outputs['imu'].publisher.publish(sensing_msgs.imu_to_msg(
-            reading.value, robot_msgs.stamp_of(reading.time_s), self._imu))
-
-    def _publish_scan(self, reading: Reading) -> None:
-        self._outputs['scan'].publisher.publish(sensing_msgs.scan_to_msg(
-            reading.value, robot_msgs.stamp_of(reading.time_s), self._scan))

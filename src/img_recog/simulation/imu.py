@@ -4,6 +4,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from img_recog.simulation.body import rotation_matrix
+from img_recog.simulation.device import Device
 from img_recog.simulation.robot import Robot
 from img_recog.simulation.settings import ImuSettings
 from img_recog.simulation.world import GRAVITY
@@ -23,7 +24,7 @@ class Inertial(NamedTuple):
     linear_acceleration: np.ndarray
 
 
-class Imu:
+class Imu(Device):
     """Differentiates the velocity of its frame between two observations."""
 
     def __init__(self, robot: Robot, settings: ImuSettings, period_s: float,

@@ -3,11 +3,12 @@ import numpy as np
 import pybullet
 
 from img_recog.simulation.body import rotation_matrix
+from img_recog.simulation.device import Device
 from img_recog.simulation.robot import COLLISION_GROUP, Robot
 from img_recog.simulation.settings import ScanSettings, SimulationError
 
 
-class LaserScanner:
+class LaserScanner(Device):
     """Measures ranges all at once from the origin of its frame; blind to its own robot."""
 
     def __init__(self, robot: Robot, settings: ScanSettings, noise: np.random.RandomState,
@@ -25,9 +26,6 @@ class LaserScanner:
         angles = np.linspace(settings.scan_angle_min, settings.scan_angle_max,
                              settings.scan_samples)
         self._directions = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
-
-    def restart(self) -> None:
-        """Do nothing: a scan hangs on nothing before."""
 
     def observe(self) -> np.ndarray:
         """Return the ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit.

@@ -4,13 +4,14 @@ import math
 import numpy as np
 
 from img_recog.simulation.body import Motion
+from img_recog.simulation.device import Device
 from img_recog.simulation.robot import Robot
 from img_recog.simulation.settings import DriveSettings, OdometrySettings
 
 WORLD = 'world'
 
 
-class WorldOdometry:
+class WorldOdometry(Device):
     """The true pose of a frame in the world (libgazebo_ros_diff_drive's odometrySource world)."""
 
     def __init__(self, robot: Robot, frame: str):
@@ -18,15 +19,12 @@ class WorldOdometry:
         robot.check_frame('base_frame', frame)
         self._robot, self._frame = robot, frame
 
-    def restart(self) -> None:
-        """Do nothing: the true pose hangs on nothing before."""
-
     def observe(self) -> Motion:
         """Return the motion of the frame."""
         return self._robot.motion(self._frame)
 
 
-class WheelOdometry:
+class WheelOdometry(Device):
     """Integrates how far the wheels have turned; the pose is zero at the start and at a reset."""
 
     def __init__(self, robot: Robot, drive: DriveSettings, period_s: float):
@@ -56,7 +54,7 @@ class WheelOdometry:
 
 
 def make_odometry(robot: Robot, settings: OdometrySettings, drive: DriveSettings,
-                  period_s: float):
+                  period_s: float) -> Device:
     """Return the odometry that `settings` ask for."""
     if settings.odometry_source == WORLD:
         return WorldOdometry(robot, settings.base_frame or robot.root)

@@ -4,11 +4,12 @@ from typing import Any, List, NamedTuple
 import numpy as np
 
 from img_recog.simulation.description import Description
+from img_recog.simulation.device import Device
 from img_recog.simulation.differential_drive import DifferentialDrive
 from img_recog.simulation.imu import Imu
 from img_recog.simulation.laser_scanner import LaserScanner
 from img_recog.simulation.odometry import make_odometry
-from img_recog.simulation.robot import Robot
+from img_recog.simulation.robot import JointStates, Robot
 from img_recog.simulation.settings import (ImuSettings, RobotSettings, ScanSettings,
                                            whole_steps)
 
@@ -25,19 +26,19 @@ class Reading(NamedTuple):
 class _Sensor:
     """A device that observes once a period while it is switched on."""
 
-    def __init__(self, name: str, period_steps: int, device):
+    def __init__(self, name: str, period_steps: int, device: Device):
         self.name, self.period_steps, self.device = name, period_steps, device
         self.on = True
 
 
-class _Joints:
+class _Joints(Device):
     """Joint states as a sensor."""
 
     def __init__(self, robot: Robot):
-        self.observe = robot.joint_states
+        self._robot = robot
 
-    def restart(self) -> None:
-        """Do nothing: joint states hang on nothing before."""
+    def observe(self) -> JointStates:
+        return self._robot.joint_states()
 
 
 class Vehicle:

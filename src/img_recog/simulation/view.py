@@ -6,7 +6,8 @@ from typing import NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from img_recog.simulation.body import Pose
+from img_recog.simulation.body import Pose, rotation_matrix
+from img_recog.simulation.geometry import to_rpy
 from img_recog.simulation.loading import connect
 from img_recog.simulation.rendering import Camera, render
 from img_recog.simulation.scene import Helper, Scene, SceneCopy
@@ -78,8 +79,7 @@ class View:
 
 def follow(pose: Pose) -> Camera:
     """Return a camera behind and above a body, looking the way that it does."""
-    x, y, z, w = pose.orientation
-    heading = math.degrees(math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
+    heading = math.degrees(to_rpy(rotation_matrix(pose.orientation))[2])
     # PyBullet's camera at yaw 0 looks along y
     return Camera(tuple(pose.position), _FOLLOW_DISTANCE, heading - 90.0, _FOLLOW_PITCH)
 
