@@ -10,9 +10,11 @@ class SettingError(UserError):
     """A setting has a value of the wrong type or outside what is allowed."""
 
     def __init__(self, name: str, value: Any, allowed: str):
-        super().__init__('{}: got {!r}, allowed is {}'.format(name, value, allowed))
+        got = 'nothing' if value is None else repr(value)
+        super().__init__('{}: got {}, allowed is {}'.format(name, got, allowed))
         self.name = name
         self.value = value
+        self.got = got
         self.allowed = allowed
 
 
@@ -71,8 +73,20 @@ def setting(default: Any, allowed: Allowed = anything(), description: str = '') 
     allowed: which values of that type are accepted.
     description: one line for those who change the setting while the node runs.
     """
-    return dataclasses.field(default=default,
-                             metadata={'allowed': allowed, 'description': description})
+    return _field(default, type(default), allowed, description)
+
+
+def required(kind: type, allowed: Allowed = anything(), description: str = '') -> Any:
+    """Declare a field of a `Settings` class that has no default: it has to be given.
+
+    kind: the type that is accepted; the others as for `setting`.
+    """
+    return _field(None, kind, allowed, description)
+
+
+def _field(default: Any, kind: type, allowed: Allowed, description: str) -> dataclasses.Field:
+    return dataclasses.field(default=default, metadata={
+        'kind': kind, 'allowed': allowed, 'description': description})
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,7 +115,7 @@ def _number(text: str) -> Any:
 
 
 def _checked(field: dataclasses.Field, value: Any) -> Any:
-    kind, allowed = type(field.default), field.metadata['allowed']
+    kind, allowed = field.metadata['kind'], field.metadata['allowed']
     words = ' '.join(filter(None, (_KINDS[kind], allowed.text)))
     if kind is str:
         words = allowed.text or _KINDS[kind]

@@ -1,38 +1,85 @@
 """Areas to commands, with the article's rules and others."""
 import pytest
 
-from img_recog.recognition.commands import commands
-from img_recog.recognition.settings import BLUE, RED, RULES, ColorRule
+from img_recog.recognition.commands import STOP, Command, Commander, commands
+from img_recog.recognition.settings import with_colors
+
+FORWARD, BACKWARD = Command(10.0), Command(-10.0)
+BLUE, RED, NONE, BOTH = [2000, 0], [0, 2000], [0, 0], [2000, 2000]
 
 
-def test_rules_are_the_articles():
-    assert RULES == (BLUE, RED)
-    assert (BLUE.color.name, BLUE.color.lower, BLUE.color.upper) == (
-        'blue', (50, 100, 100), (150, 255, 255))
-    assert (RED.color.name, RED.color.lower, RED.color.upper) == (
-        'red', (150, 100, 150), (180, 255, 255))
-    assert (BLUE.area_limit_px, BLUE.linear_x) == (1000, 10.0)
-    assert (RED.area_limit_px, RED.linear_x) == (1000, -10.0)
+def settings(**values):
+    return with_colors()(**values)
 
 
 @pytest.mark.parametrize('blue_px, red_px, expected', [
     (0, 0, []),
     (1000, 1000, []),
-    (1001, 1000, [10.0]),
-    (1000, 1001, [-10.0]),
-    (1001, 1001, [10.0, -10.0]),
-    (307200, 0, [10.0]),
-    (0, 307200, [-10.0])])
+    (1001, 1000, [FORWARD]),
+    (1000, 1001, [BACKWARD]),
+    (1001, 1001, [FORWARD, BACKWARD]),
+    (307200, 0, [FORWARD]),
+    (0, 307200, [BACKWARD])])
 def test_one_command_for_each_colour_above_its_limit_blue_first(blue_px, red_px, expected):
-    assert commands([blue_px, red_px], RULES) == expected
+    assert commands([blue_px, red_px], settings()) == expected
 
 
-def test_order_and_limits_are_those_of_the_rules():
-    rules = (ColorRule(RED.color, 5, -1.0), ColorRule(BLUE.color, 50, 2.0))
-    assert commands([6, 51], rules) == [-1.0, 2.0]
-    assert commands([6, 50], rules) == [-1.0]
-    assert commands([5, 51], rules) == [2.0]
+def test_order_limits_and_commands_are_those_of_the_settings():
+    other = with_colors(['red', 'green', 'blue'])(
+        red_area_limit=5, red_linear_x=-1.0, green_hue_min=40, green_hue_max=80,
+        green_angular_z=0.5, blue_area_limit=0)
+    assert commands([6, 1001, 1], other) == [Command(-1.0), Command(0.0, 0.5), FORWARD]
+    assert commands([5, 1000, 0], other) == []
 
 
-def test_no_rules_give_no_commands():
-    assert commands([], ()) == []
+def test_by_default_every_frame_commands_anew_and_nothing_ever_stops():
+    commander = Commander(settings(), 0.0)
+    assert [commander.decide(areas, 0.0) for areas in (BLUE, BLUE, NONE, BOTH, BOTH, RED)] == [
+        [FORWARD], [FORWARD], [], [FORWARD, BACKWARD], [FORWARD, BACKWARD], [BACKWARD]]
+    assert commander.wait(1e6) == commander.decide(NONE, 2e6) == commander.end() == []
+
+
+def test_publish_on_change():
+    commander = Commander(settings(publish_on_change=True), 0.0)
+    frames = (NONE, BLUE, BLUE, BOTH, BOTH, RED, NONE, NONE, RED)
+    assert [commander.decide(areas, 0.0) for areas in frames] == [
+        [], [FORWARD], [], [FORWARD, BACKWARD], [], [BACKWARD], [], [], [BACKWARD]]
+
+
+def test_stop_once_when_no_colour_is_seen():
+    commander = Commander(settings(stop_when_lost=0.5), 10.0)
+    assert commander.decide(BLUE, 10.1) == [FORWARD]
+    assert commander.decide(NONE, 10.2) == commander.decide(NONE, 10.55) == []
+    assert commander.decide(NONE, 10.61) == [STOP]
+    assert commander.decide(NONE, 10.7) == commander.decide(NONE, 20.0) == []
+    assert commander.decide(RED, 20.1) == [BACKWARD]
+    assert commander.decide(NONE, 20.7) == [STOP]
+
+
+def test_stop_once_when_the_image_is_stale():
+    commander = Commander(settings(stop_when_lost=0.5), 10.0)
+    assert commander.decide(BLUE, 10.1) == [FORWARD]
+    assert [commander.wait(now) for now in (10.2, 10.59, 10.61, 10.7, 30.0)] == [
+        [], [], [STOP], [], []]
+
+
+def test_stop_when_no_colour_was_ever_seen_and_at_the_end():
+    commander = Commander(settings(stop_when_lost=0.5), 10.0)
+    assert [commander.wait(now) for now in (10.4, 10.5, 10.6)] == [[], [STOP], []]
+    assert commander.end() == [STOP]
+
+
+def test_the_same_command_after_a_stop_is_a_change():
+    commander = Commander(settings(stop_when_lost=0.5, publish_on_change=True), 0.0)
+    assert commander.decide(BLUE, 0.1) == [FORWARD]
+    assert commander.decide(BLUE, 0.2) == []
+    assert commander.wait(0.8) == [STOP]
+    assert commander.decide(BLUE, 0.9) == [FORWARD]
+
+
+def test_other_settings_hold_at_once():
+    commander = Commander(settings(), 0.0)
+    assert commander.wait(100.0) == []
+    commander.use(settings(stop_when_lost=1.0, blue_linear_x=0.1))
+    assert commander.decide(BLUE, 100.1) == [Command(0.1)]
+    assert commander.wait(101.2) == [STOP]

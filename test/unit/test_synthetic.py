@@ -5,8 +5,8 @@ import pytest
 
 from img_recog.camera.synthetic import (BLUE_FRAMES, PERIOD_FRAMES, RED_FRAMES, SyntheticSource,
                                         draw_frame)
-from img_recog.recognition.areas import extract
-from img_recog.recognition.settings import BLUE, RED
+from img_recog.recognition.areas import ColorExtractor
+from img_recog.recognition.settings import with_colors
 
 SIZES = [(320, 240), (640, 480), (1920, 1080), (333, 77)]
 KEY_FRAMES = {
@@ -18,7 +18,7 @@ KEY_FRAMES = {
 
 def areas_px(frame):
     bgr = cv2.cvtColor(frame, cv2.COLOR_RGB2BGR)
-    return tuple(area.area_px for area in extract(bgr, [BLUE.color, RED.color]))
+    return tuple(ColorExtractor(with_colors()()).measure(bgr))
 
 
 def test_story_has_the_frames_it_says():

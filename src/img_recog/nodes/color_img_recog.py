@@ -17,9 +17,9 @@ from img_recog.nodes import (compressed_image_msgs, compressed_images, image_msg
                              running, twist_msgs)
 from img_recog.nodes.slots import Newest
 from img_recog.nodes.throttle import ThrottledWarning
-from img_recog.recognition.areas import extract
+from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import commands
-from img_recog.recognition.settings import RULES
+from img_recog.recognition.settings import with_colors
 from img_recog.settings import Settings, one_of, setting
 
 _CAMERA = 'usb_cam/image_raw'
@@ -43,8 +43,10 @@ class ColorExtract:
         self._frames = Newest()
         self._warn = ThrottledWarning()
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
-        self._images = [rospy.Publisher(rule.color.name + '_image', Image, queue_size=1)
-                        for rule in RULES]
+        self._settings = with_colors()()
+        self._extractor = ColorExtractor(self._settings)
+        self._images = [rospy.Publisher(color.name + '_image', Image, queue_size=1)
+                        for color in self._settings.colors]
         if compressed:
             self._decode = compressed_image_msgs.from_msg
             topic, kind = compressed_images.topic_beside(_CAMERA), CompressedImage
@@ -66,12 +68,14 @@ class ColorExtract:
         except image_msgs.ImageError as error:
             self._warn('frame skipped: %s', error)
             return
-        areas = extract(image, [rule.color for rule in RULES])
-        for publisher, area in zip(self._images, areas):
-            publisher.publish(image_msgs.to_msg(area.image, 'bgr8', msg.header))
-        rospy.loginfo(', '.join('{}={}'.format(area.name, area.area_px) for area in areas))
-        for linear_x in commands([area.area_px for area in areas], RULES):
-            self._velocity.publish(twist_msgs.to_msg(linear_x))
+        areas_px = self._extractor.measure(image)
+        for number, publisher in enumerate(self._images):
+            publisher.publish(
+                image_msgs.to_msg(self._extractor.masked(number), 'bgr8', msg.header))
+        rospy.loginfo(', '.join('{}={}'.format(color.name, area_px) for color, area_px
+                                in zip(self._settings.colors, areas_px)))
+        for command in commands(areas_px, self._settings):
+            self._velocity.publish(twist_msgs.to_msg(*command))
 
 
 def main() -> int:

@@ -32,10 +32,10 @@ def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHIN
     try:
         return settings_class(**{name: given[name] for name in names & set(given)})
     except SettingError as error:
-        where = ('parameter ' + _name_in(namespace, error.name) if error.name in private
-                 else '{}, as robot_description states it'.format(error.name))
-        raise ParameterError('{}: got {!r}, allowed is {}'.format(
-            where, error.value, error.allowed))
+        is_stated = error.name in stated and error.name not in private
+        where = ('{}, as robot_description states it'.format(error.name) if is_stated
+                 else 'parameter ' + _name_in(namespace, error.name))
+        raise ParameterError('{}: got {}, allowed is {}'.format(where, error.got, error.allowed))
 
 
 def read_one(name: str, default: Any, checked: Callable[[Any], Any]) -> Any:
@@ -47,8 +47,8 @@ def read_one(name: str, default: Any, checked: Callable[[Any], Any]) -> Any:
     try:
         return checked(_parameters_in('~').get(name, default))
     except SettingError as error:
-        raise ParameterError('parameter {}: got {!r}, allowed is {}'.format(
-            _name_in('~', name), error.value, error.allowed))
+        raise ParameterError('parameter {}: got {}, allowed is {}'.format(
+            _name_in('~', name), error.got, error.allowed))
 
 
 def read_group(group_class: type, stated: Mapping[str, Any] = _NOTHING):

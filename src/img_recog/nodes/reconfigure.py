@@ -86,8 +86,8 @@ class Reconfigurable:
                 self._on_change(settings)
                 self._settings = settings
         except SettingError as error:
-            rospy.logerr('parameter %s/%s: got %r, allowed is %s; nothing is changed',
-                         self._namespace, error.name, error.value, error.allowed)
+            rospy.logerr('parameter %s/%s: got %s, allowed is %s; nothing is changed',
+                         self._namespace, error.name, error.got, error.allowed)
         except UserError as error:
             rospy.logerr('parameters of %s: %s; nothing is changed', self._namespace,
                          ' '.join(str(error).split()))
@@ -126,12 +126,13 @@ def _values(settings: Settings) -> dict:
 
 
 def _describe(field) -> dict:
-    kind, allowed = type(field.default), field.metadata['allowed']
+    kind, allowed = field.metadata['kind'], field.metadata['allowed']
     low, high = _BOUNDS[kind]
     if kind in (int, float):
         low = low if allowed.low is None else kind(allowed.low)
         high = high if allowed.high is None else kind(allowed.high)
-    return {'name': field.name, 'type': _TYPES[kind], 'default': field.default, 'level': 0,
+    default = kind() if field.default is None else field.default
+    return {'name': field.name, 'type': _TYPES[kind], 'default': default, 'level': 0,
             'min': low, 'max': high, 'description': field.metadata['description'],
             'edit_method': _edit_method(field.name, allowed.choices)}
 

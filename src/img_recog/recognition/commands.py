@@ -1,14 +1,64 @@
 """Areas to commands."""
-from typing import List, Sequence
+from typing import List, NamedTuple, Optional, Sequence
 
-from img_recog.recognition.settings import ColorRule
+from img_recog.recognition.settings import RecognitionSettings
 
 
-def commands(areas_px: Sequence[int], rules: Sequence[ColorRule]) -> List[float]:
-    """Return linear.x in m/s for each rule whose area is above its limit, in the rules' order.
+class Command(NamedTuple):
+    """What is asked of the robot: linear_x in m/s, angular_z in rad/s."""
 
-    areas_px: one area a rule. No colour in view gives no command at all: stopping is left to
-    whoever else commands the robot (in the article, the idle teleop).
+    linear_x: float
+    angular_z: float = 0.0
+
+
+STOP = Command(0.0)
+
+
+def commands(areas_px: Sequence[int], settings: RecognitionSettings) -> List[Command]:
+    """Return the command of each colour whose area is above its limit, in the settings' order.
+
+    areas_px: one area a colour. No colour in view gives no command at all: stopping is left to
+    whoever else commands the robot (in the article, the idle teleop), or to a Commander.
     """
-    return [rule.linear_x for rule, area_px in zip(rules, areas_px)
-            if area_px > rule.area_limit_px]
+    return [Command(color.linear_x, color.angular_z)
+            for color, area_px in zip(settings.colors, areas_px)
+            if area_px > color.area_limit_px]
+
+
+class Commander:
+    """Decides from frame to frame, and in between, what to publish.
+
+    Times are seconds of one steady clock.
+    """
+
+    def __init__(self, settings: RecognitionSettings, now_s: float):
+        self._settings = settings
+        self._last: Optional[List[Command]] = None
+        self._seen_s, self._is_stopped = now_s, False
+
+    def use(self, settings: RecognitionSettings) -> None:
+        """Decide by these settings from now on."""
+        self._settings = settings
+
+    def decide(self, areas_px: Sequence[int], now_s: float) -> List[Command]:
+        """Return what to publish for a frame with these areas."""
+        found = commands(areas_px, self._settings)
+        is_new, self._last = found != self._last, found
+        if found:
+            self._seen_s, self._is_stopped = now_s, False
+        if is_new or not self._settings.publish_on_change:
+            return found + self.wait(now_s)
+        return self.wait(now_s)
+
+    def wait(self, now_s: float) -> List[Command]:
+        """Return what to publish while no frame comes: STOP, once, when colours are lost."""
+        limit_s = self._settings.stop_when_lost
+        if self._is_stopped or limit_s == 0 or now_s - self._seen_s < limit_s:
+            return []
+        # the colour that is seen next is news, though it may be the last one
+        self._is_stopped, self._last = True, None
+        return [STOP]
+
+    def end(self) -> List[Command]:
+        """Return what to publish when the node ends."""
+        return [STOP] if self._settings.stop_when_lost else []

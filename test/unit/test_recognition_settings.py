@@ -1,0 +1,71 @@
+"""What the settings of the recognition are, and what they refuse."""
+import dataclasses
+
+import pytest
+
+from img_recog.recognition.settings import Color, color_names, with_colors
+from img_recog.settings import SettingError
+
+
+def test_defaults_are_the_articles():
+    settings = with_colors()()
+    assert settings.colors == (
+        Color('blue', (50, 150), (100, 255), (100, 255), 1000, 10.0, 0.0),
+        Color('red', (150, 180), (100, 255), (150, 255), 1000, -10.0, 0.0))
+    assert (settings.stop_when_lost, settings.publish_on_change, settings.min_blob_size) == (
+        0.0, False, 0)
+    assert (settings.roi_x_offset, settings.roi_y_offset, settings.roi_width,
+            settings.roi_height) == (0, 0, 0, 0)
+
+
+def test_more_colours():
+    settings = with_colors(['green', 'blue'])(green_hue_min=40, green_hue_max=80,
+                                              green_linear_x=1, blue_area_limit=7)
+    assert settings.colors == (
+        Color('green', (40, 80), (100, 255), (100, 255), 1000, 1.0, 0.0),
+        Color('blue', (50, 150), (100, 255), (100, 255), 7, 10.0, 0.0))
+
+
+def test_settings_are_replaced_as_a_whole():
+    settings = with_colors()()
+    assert dataclasses.replace(settings, red_hue_max=10).colors[1].hue == (150, 10)
+    assert settings.colors[1].hue == (150, 180)
+
+
+@pytest.mark.parametrize('values, text', [
+    ({'blue_hue_min': -1}, 'blue_hue_min: got -1, allowed is a whole number from 0 to 180'),
+    ({'blue_hue_max': 181}, 'blue_hue_max: got 181, allowed is a whole number from 0 to 180'),
+    ({'red_value_max': 256}, 'red_value_max: got 256, allowed is a whole number from 0 to 255'),
+    ({'red_value_min': 1.5}, 'red_value_min: got 1.5, allowed is a whole number from 0 to 255'),
+    ({'blue_saturation_min': 200, 'blue_saturation_max': 150},
+     'blue_saturation_min: got 200, allowed is at most blue_saturation_max, which is 150'),
+    ({'red_value_max': 149}, 'red_value_min: got 150, allowed is at most red_value_max, which is '
+     '149'),
+    ({'blue_area_limit': -1}, 'blue_area_limit: got -1, allowed is a whole number at least 0'),
+    ({'blue_linear_x': float('nan')}, 'blue_linear_x: got nan, allowed is a finite number'),
+    ({'stop_when_lost': -0.1}, 'stop_when_lost: got -0.1, allowed is a finite number at least 0'),
+    ({'roi_width': -1}, 'roi_width: got -1, allowed is a whole number at least 0')])
+def test_what_is_refused(values, text):
+    with pytest.raises(SettingError) as caught:
+        with_colors()(**values)
+    assert str(caught.value) == text
+
+
+def test_a_new_colour_needs_its_hues():
+    with pytest.raises(SettingError) as caught:
+        with_colors(['blue', 'green'])(green_hue_min=40)
+    assert str(caught.value) == (
+        'green_hue_max: got nothing, allowed is a whole number from 0 to 180')
+
+
+@pytest.mark.parametrize('value', [
+    [], None, '', 'blue', {}, ['blue', 'blue'], ['blue', 3], ['dark blue'], ['/blue'], [''],
+    ['_blue'], ['1st'], [['blue']]])
+def test_names_that_are_refused(value):
+    with pytest.raises(SettingError) as caught:
+        color_names(value)
+    assert caught.value.name == 'colors' and caught.value.value == value
+
+
+def test_names():
+    assert color_names(['red', 'light_blue2']) == ('red', 'light_blue2')
