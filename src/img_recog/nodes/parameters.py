@@ -38,17 +38,18 @@ def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHIN
         raise ParameterError('{}: got {}, allowed is {}'.format(where, error.got, error.allowed))
 
 
-def read_one(name: str, default: Any, checked: Callable[[Any], Any]) -> Any:
+def read_one(name: str, default: Any, checked: Callable[[Any], Any], namespace: str = '~') -> Any:
     """Return the private parameter `name` as `checked` returns it.
 
     checked: raises SettingError for a value that is not allowed.
+    namespace: as for `read`.
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
     try:
-        return checked(_parameters_in('~').get(name, default))
+        return checked(_parameters_in(namespace).get(name, default))
     except SettingError as error:
         raise ParameterError('parameter {}: got {}, allowed is {}'.format(
-            _name_in('~', name), error.got, error.allowed))
+            _name_in(namespace, name), error.got, error.allowed))
 
 
 def read_group(group_class: type, stated: Mapping[str, Any] = _NOTHING):
@@ -66,11 +67,15 @@ def warn_of_unknown(*settings_classes: Type[Settings], besides: Iterable[str] = 
     """
     known = sorted(field.name for each in settings_classes for field in declared(each))
     for name in sorted(set(_parameters_in(namespace)) - {*known, *besides}):
-        near = difflib.get_close_matches(name, known, 1)
-        advice = ('did you mean {}?'.format(near[0]) if near else
-                  'known are {}'.format(', '.join(known) or 'none'))
-        rospy.logwarn('parameter %s is not one of this node: %s',
-                      _name_in(namespace, name), advice)
+        rospy.logwarn('%s', unknown(name, known, _name_in(namespace, name)))
+
+
+def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
+    """Return the line that says that there is no such parameter, and which is meant perhaps."""
+    near = difflib.get_close_matches(name, sorted(known), 1)
+    advice = ('did you mean {}?'.format(near[0]) if near else
+              'known are {}'.format(', '.join(sorted(known)) or 'none'))
+    return 'parameter {} is not one of this node: {}'.format(full_name or name, advice)
 
 
 def robot_description() -> str:

@@ -1,0 +1,64 @@
+"""The parameters of the recognition: those of a node, or those in a file for one."""
+from typing import Any, Mapping
+
+import yaml
+
+from img_recog.nodes import parameters
+from img_recog.nodes.parameters import ParameterError
+from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_names,
+                                            with_colors)
+from img_recog.settings import SettingError, declared
+
+COLORS = 'colors'
+_IMAGE_TOPIC = '{}_image_topic'
+# of the node alone, and of no matter to those who recognize without it
+_NODE_ONLY = ('image_transport',)
+
+
+def read(namespace: str = '~') -> RecognitionSettings:
+    """Return the settings that the parameters of a node make: its `colors` and those of each.
+
+    namespace: the resolved name of the node, if it is not this one.
+    Raises ParameterError naming the parameter, its value and what is allowed.
+    """
+    names = parameters.read_one(COLORS, list(DEFAULT_COLORS), color_names, namespace)
+    return parameters.read(with_colors(names), namespace=namespace)
+
+
+def image_topics(settings: RecognitionSettings) -> dict:
+    """Return the parameters for the topics of the masked images, with the default of each."""
+    return {_IMAGE_TOPIC.format(name): name + '_image' for name in settings.color_names}
+
+
+def from_file(path: str) -> RecognitionSettings:
+    """Return the settings in a YAML file as the node's parameters are loaded from.
+
+    Raises ParameterError naming file, parameter, value and what is allowed.
+    """
+    values = _mapping(path)
+    try:
+        names = color_names(values.pop(COLORS, list(DEFAULT_COLORS)))
+        kind = with_colors(names)
+        known = {field.name for field in declared(kind)}
+        others = {*_NODE_ONLY, *(_IMAGE_TOPIC.format(name) for name in names)}
+        for name in values:
+            if name not in known | others:
+                raise ParameterError('{}: {}'.format(path, parameters.unknown(name, known)))
+        return kind(**{name: values[name] for name in known & set(values)})
+    except SettingError as error:
+        raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(
+            path, error.name, error.got, error.allowed))
+
+
+def _mapping(path: str) -> Mapping[str, Any]:
+    try:
+        with open(path) as file:
+            values = yaml.safe_load(file)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ParameterError('cannot read the parameters in {}: {}'.format(
+            path, ' '.join(str(getattr(error, 'strerror', None) or error).split())))
+    if not isinstance(values, dict) or not values:
+        raise ParameterError('cannot use the parameters in {}: got {}, wants lines like '
+                             'colors: [blue, red] and blue_hue_min: 50'.format(
+                                 path, 'nothing' if not values else type(values).__name__))
+    return values
