@@ -73,6 +73,6 @@ def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
 
 def cpu_s(pid: int) -> float:
     """Return the seconds of processor time that a process has taken so far."""
-    with open('/proc/{}/stat'.format(pid)) as file:
-        fields = file.read().rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+    # the clock of a process, as clock_getcpuclockid(3) makes it of a pid; /proc counts ticks of
+    # 10 ms, as much as ten frames
+    return time.clock_gettime((~pid << 3) | 2)

@@ -4,27 +4,37 @@ Subscribes: usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge tu
 in its place usb_cam/image_raw/compressed (sensor_msgs/CompressedImage).
 Publishes, for every frame that it handles: blue_image, red_image (sensor_msgs/Image, bgr8, with
 the frame's header: the frame with everything else black), then cmd_vel (geometry_msgs/Twist,
-none, one or two: linear.x 10 m/s for blue, then -10 m/s for red).
-Reads: ~image_transport (raw or compressed, default raw): which of the two it subscribes to.
+none, one or two: linear.x 10 m/s for blue, then -10 m/s for red); while somebody subscribes,
+color_detection (sensor_msgs/PointCloud: areas and centroids) and color_overlay (sensor_msgs/Image,
+bgr8: the frame with outlines and commands).
+Reads: ~image_transport (raw or compressed: which of the two it subscribes to), ~colors (names),
+~NAME_image_topic for each colour, and RecognitionSettings with these colours, which are also
+served by dynamic_reconfigure: ~set_parameters, ~parameter_descriptions, ~parameter_updates.
 """
+import threading
+import time
 from dataclasses import dataclass
+from typing import List, Sequence
 
+import cv2
 import rospy
 from geometry_msgs.msg import Twist
-from sensor_msgs.msg import CompressedImage, Image
+from sensor_msgs.msg import CompressedImage, Image, PointCloud
 
-from img_recog.nodes import (compressed_image_msgs, compressed_images, image_msgs, parameters,
-                             running, twist_msgs)
+from img_recog.nodes import (color_detection_msgs, color_parameters, compressed_image_msgs,
+                             compressed_images, image_msgs, parameters, running, twist_msgs)
+from img_recog.nodes.image_subscriber import ImageSubscriber
+from img_recog.nodes.prompt_publisher import PromptPublisher
+from img_recog.nodes.reconfigure import Reconfigurable
 from img_recog.nodes.slots import Newest
 from img_recog.nodes.throttle import ThrottledWarning
+from img_recog.recognition import overlay
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.commands import commands
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.commands import Command, Commander
 from img_recog.settings import Settings, one_of, setting
 
 _CAMERA = 'usb_cam/image_raw'
-# bytes read from the socket at a time: more than any image, or rospy falls behind on large ones
-_BUFFER_BYTES = 1 << 26
+_IDLE_S = 0.1           # how often what does not hang on frames is looked after
 
 
 @dataclass(frozen=True)
@@ -34,50 +44,130 @@ class TransportSettings(Settings):
     image_transport: str = setting('raw', one_of('raw', 'compressed'))
 
 
+class RawInput:
+    """The newest image of a topic of raw images, with its header."""
+
+    def __init__(self, topic: str):
+        self._newest, self._images = Newest(), image_msgs.ColorImages()
+        self._subscriber = ImageSubscriber(topic, self._keep)
+
+    def _keep(self, msg: Image) -> None:
+        replaced = self._newest.put(msg)
+        if replaced is not None:
+            self._subscriber.release(replaced)
+
+    def take(self, timeout_s: float):
+        """Return the newest message, None when there is none in time."""
+        return self._newest.take(timeout_s)
+
+    def decode(self, msg: Image):
+        """Return the image and its encoding, which share the message's memory."""
+        return self._images.from_msg(msg)
+
+    def done(self, msg: Image) -> None:
+        """Give the memory of a message back."""
+        self._subscriber.release(msg)
+
+
+class CompressedInput:
+    """The newest image of a topic of compressed images, with its header."""
+
+    def __init__(self, topic: str):
+        self._newest = Newest()
+        rospy.Subscriber(compressed_images.topic_beside(topic), CompressedImage, self._newest.put,
+                         queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
+        self.take = self._newest.take
+
+    def decode(self, msg: CompressedImage):
+        """Return the image and its encoding."""
+        return compressed_image_msgs.from_msg(msg), 'bgr8'
+
+    def done(self, msg: CompressedImage) -> None:
+        """Nothing is kept."""
+
+
 class ColorExtract:
     """Handles the newest frame; frames that arrive meanwhile replace each other."""
 
     def __init__(self):
-        compressed = parameters.read(TransportSettings).image_transport == 'compressed'
-        parameters.warn_of_unknown(TransportSettings)
-        self._frames = Newest()
+        transport = parameters.read(TransportSettings).image_transport
+        settings = color_parameters.read()
+        topics = color_parameters.read_image_topics(settings)
+        color_parameters.warn_of_unknown(settings, TransportSettings)
+        self._extractor = ColorExtractor(settings)
+        self._commander = Commander(settings, time.monotonic())
+        self._settings = settings
         self._warn = ThrottledWarning()
-        self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
-        self._settings = with_colors()()
-        self._extractor = ColorExtractor(self._settings)
-        self._images = [rospy.Publisher(color.name + '_image', Image, queue_size=1)
-                        for color in self._settings.colors]
-        if compressed:
-            self._decode = compressed_image_msgs.from_msg
-            topic, kind = compressed_images.topic_beside(_CAMERA), CompressedImage
-        else:
-            self._decode, topic, kind = image_msgs.from_msg, _CAMERA, Image
-        rospy.Subscriber(topic, kind, self._frames.put, queue_size=1, buff_size=_BUFFER_BYTES,
-                         tcp_nodelay=True)
+        self._velocity = PromptPublisher('cmd_vel', Twist)
+        self._masked = [rospy.Publisher(topic, Image, queue_size=1) for topic in topics]
+        self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
+        self._overlay = rospy.Publisher('color_overlay', Image, queue_size=1)
+        self._ended = threading.Event()
+        self._handling = threading.Lock()
+        rospy.on_shutdown(self._end)
+        self._reconfigurable = Reconfigurable(settings, lambda _: None)
+        self._input = (CompressedInput if transport == 'compressed' else RawInput)(_CAMERA)
 
     def spin(self) -> None:
         """Handle frames until the node is shut down."""
-        while not rospy.is_shutdown():
-            msg = self._frames.take(timeout_s=0.1)
-            if msg is not None:
-                self._handle(msg)
+        while not self._ended.is_set():
+            msg = self._input.take(_IDLE_S)
+            with self._handling:
+                if self._ended.is_set():
+                    return
+                self._use(self._reconfigurable.settings)
+                if msg is None:
+                    self._send(self._commander.wait(time.monotonic()))
+                else:
+                    self.handle(msg)
+                    self._input.done(msg)
 
-    def _handle(self, msg) -> None:
+    def handle(self, msg) -> None:
+        """Recognize, publish and command."""
         try:
-            image = self._decode(msg, 'bgr8')
+            image, encoding = self._input.decode(msg)
         except image_msgs.ImageError as error:
             self._warn('frame skipped: %s', error)
             return
-        areas_px = self._extractor.measure(image)
-        for number, publisher in enumerate(self._images):
-            publisher.publish(
-                image_msgs.to_msg(self._extractor.masked(number), 'bgr8', msg.header))
-        rospy.loginfo(', '.join('{}={}'.format(color.name, area_px) for color, area_px
-                                in zip(self._settings.colors, areas_px)))
-        for command in commands(areas_px, self._settings):
+        areas_px = self._extractor.measure(image, encoding)
+        for number, publisher in enumerate(self._masked):
+            if publisher.get_num_connections() > 0:
+                publisher.publish(
+                    image_msgs.to_msg(self._extractor.masked(number), 'bgr8', msg.header))
+        rospy.loginfo(', '.join('{}={}'.format(name, area_px) for name, area_px
+                                in zip(self._settings.color_names, areas_px)))
+        commands = self._commander.decide(areas_px, time.monotonic())
+        self._send(commands)
+        self._describe(msg.header, areas_px, commands)
+
+    def _describe(self, header, areas_px: Sequence[int], commands: Sequence[Command]) -> None:
+        """Publish what others may want to know, after the command, which is in a hurry."""
+        if self._detection.get_num_connections() > 0:
+            centroids = [self._extractor.centroid(number) for number in range(len(areas_px))]
+            self._detection.publish(color_detection_msgs.to_msg(
+                header, self._settings.color_names, areas_px, centroids))
+        if self._overlay.get_num_connections() > 0:
+            image = overlay.draw(self._extractor, self._settings.colors, areas_px, commands)
+            self._overlay.publish(image_msgs.to_msg(image, 'bgr8', header))
+
+    def _send(self, commands: List[Command]) -> None:
+        for command in commands:
             self._velocity.publish(twist_msgs.to_msg(*command))
+
+    def _use(self, settings) -> None:
+        if settings is not self._settings:
+            self._settings = settings
+            self._extractor.use(settings)
+            self._commander.use(settings)
+
+    def _end(self) -> None:
+        self._ended.set()
+        with self._handling:        # nothing is sent after this
+            self._send(self._commander.end())
 
 
 def main() -> int:
     """Run the node; return its exit code."""
+    # OpenCV's threads wait for work in a busy loop, which costs more than they help with
+    cv2.setNumThreads(1)
     return running.run('color_extract', lambda: ColorExtract().spin())

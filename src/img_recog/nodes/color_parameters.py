@@ -1,13 +1,14 @@
 """The parameters of the recognition: those of a node, or those in a file for one."""
-from typing import Any, Mapping
+from typing import Any, List, Mapping, Type
 
+import rosgraph.names
 import yaml
 
 from img_recog.nodes import parameters
 from img_recog.nodes.parameters import ParameterError
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_names,
                                             with_colors)
-from img_recog.settings import SettingError, declared
+from img_recog.settings import SettingError, Settings, declared
 
 COLORS = 'colors'
 _IMAGE_TOPIC = '{}_image_topic'
@@ -25,9 +26,22 @@ def read(namespace: str = '~') -> RecognitionSettings:
     return parameters.read(with_colors(names), namespace=namespace)
 
 
-def image_topics(settings: RecognitionSettings) -> dict:
-    """Return the parameters for the topics of the masked images, with the default of each."""
-    return {_IMAGE_TOPIC.format(name): name + '_image' for name in settings.color_names}
+def read_image_topics(settings: RecognitionSettings) -> List[str]:
+    """Return for each colour the topic of its masked images, by default NAME_image.
+
+    Raises ParameterError for one that is no name of a topic.
+    """
+    return [parameters.read_one(_IMAGE_TOPIC.format(name), name + '_image', _topic)
+            for name in settings.color_names]
+
+
+def warn_of_unknown(settings: RecognitionSettings, *others: Type[Settings]) -> None:
+    """Log one warning for each private parameter that the node does not have.
+
+    others: the settings that it has besides.
+    """
+    parameters.warn_of_unknown(type(settings), *others, besides=[
+        COLORS, *(_IMAGE_TOPIC.format(name) for name in settings.color_names)])
 
 
 def from_file(path: str) -> RecognitionSettings:
@@ -48,6 +62,12 @@ def from_file(path: str) -> RecognitionSettings:
     except SettingError as error:
         raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(
             path, error.name, error.got, error.allowed))
+
+
+def _topic(value: Any) -> str:
+    if not (isinstance(value, str) and value and rosgraph.names.is_legal_name(value)):
+        raise SettingError('image_topic', value, 'the name of a topic')
+    return value
 
 
 def _mapping(path: str) -> Mapping[str, Any]:

@@ -94,6 +94,11 @@ def robot_description() -> str:
     return text
 
 
+def log_topics_are_wanted() -> bool:
+    """Return whether messages on /rosout shall name the topics of their node."""
+    return not rospy.get_param('/rosout_disable_topics_generation', False)
+
+
 def _parameters_in(namespace: str) -> dict:
     found = rospy.get_param(namespace, {})
     return found if isinstance(found, dict) else {}

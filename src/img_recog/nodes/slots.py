@@ -11,11 +11,12 @@ class Newest:
         self._condition = threading.Condition()
         self._item: Optional[Any] = None
 
-    def put(self, item: Any) -> None:
-        """Replace what is held."""
+    def put(self, item: Any) -> Optional[Any]:
+        """Replace what is held; return what was, which nobody has taken."""
         with self._condition:
-            self._item = item
+            replaced, self._item = self._item, item
             self._condition.notify()
+            return replaced
 
     def take(self, timeout_s: float = 0.0) -> Optional[Any]:
         """Return what is held and hold nothing; wait for it up to `timeout_s`, else None."""

@@ -1,0 +1,134 @@
+"""Send images to a recognition and print, as JSON, how soon results come and what they cost."""
+import io
+import json
+import struct
+import sys
+import threading
+import time
+
+import numpy as np
+import rospy
+from ros_processes import cpu_s, wait_for
+from sensor_msgs.msg import Image
+
+from img_recog.camera.synthetic import draw_frame
+
+TOPIC = '/usb_cam/image_raw'
+RATE_HZ = 30
+BLUE_FRAMES = range(50, 60)     # the card is in full view
+IN_FLIGHT = 2                   # one that is handled and one that waits
+PATIENCE_S = 2.0
+
+
+def packets(width: int, height: int) -> list:
+    """Return images of a blue card as they go over the wire."""
+    result = []
+    for number in BLUE_FRAMES:
+        msg = Image(height=height, width=width, encoding='rgb8', step=3 * width,
+                    data=draw_frame(number, width, height).tobytes())
+        msg.header.frame_id = 'head_camera'
+        buffer = io.BytesIO()
+        msg.serialize(buffer)
+        result.append(struct.pack('<I', buffer.tell()) + buffer.getvalue())
+    return result
+
+
+class Results:
+    """Counts frames whose results have all come: one message on each topic."""
+
+    def __init__(self, topics: list):
+        self._condition = threading.Condition()
+        self._counts = [0] * len(topics)
+        self.last_s = 0.0
+        self._subscribers = [
+            rospy.Subscriber(topic, rospy.AnyMsg, self._came, number, buff_size=1 << 24,
+                             tcp_nodelay=True) for number, topic in enumerate(topics)]
+
+    def connected(self) -> bool:
+        """Return whether somebody publishes each of them."""
+        return all(each.get_num_connections() for each in self._subscribers)
+
+    def count(self) -> int:
+        """Return how many frames are done."""
+        return min(self._counts)
+
+    def wait_for(self, count: int, timeout_s: float) -> bool:
+        """Wait until so many frames are done; return whether they are."""
+        with self._condition:
+            return self._condition.wait_for(lambda: self.count() >= count, timeout_s)
+
+    def _came(self, _, number: int) -> None:
+        now_s = time.perf_counter()
+        with self._condition:
+            self._counts[number] += 1
+            self.last_s = now_s
+            self._condition.notify()
+
+
+class Sender:
+    """Sends prepared packets to the one subscriber, in turn."""
+
+    def __init__(self, width: int, height: int):
+        self._packets, self._number = packets(width, height), 0
+        self._publisher = rospy.Publisher(TOPIC, Image, queue_size=None)
+
+    def connections(self) -> list:
+        """Return the subscribers' connections."""
+        return self._publisher.impl.connections
+
+    def send(self) -> None:
+        """Return when the packet is handed to the kernel whole."""
+        packet = self._packets[self._number % len(self._packets)]
+        self._number += 1
+        for connection in self.connections():
+            connection.socket.sendall(packet)
+
+
+def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
+    """Send at RATE_HZ; return CPU a frame and latencies."""
+    latencies, lost = [], 0
+    start, before = time.perf_counter(), sum(map(cpu_s, pids))
+    number = round(seconds * RATE_HZ)
+    for tick in range(number):
+        time.sleep(max(0.0, start + tick / RATE_HZ - time.perf_counter()))
+        done, sent_s = results.count(), time.perf_counter()
+        sender.send()
+        if results.wait_for(done + 1, PATIENCE_S):
+            latencies.append(results.last_s - sent_s)
+        else:
+            lost += 1
+    processor = sum(map(cpu_s, pids)) - before
+    return {'cpu_ms': 1e3 * processor / number, 'lost': lost,
+            'median_ms': 1e3 * float(np.median(latencies)),
+            'p99_ms': 1e3 * float(np.percentile(latencies, 99))}
+
+
+def highest(sender: Sender, results: Results, seconds: float) -> dict:
+    """Keep IN_FLIGHT frames on their way; return the frames done in a second."""
+    first, start = results.count(), time.perf_counter()
+    sent = first
+    while time.perf_counter() - start < seconds:
+        while sent - results.count() < IN_FLIGHT:
+            sender.send()
+            sent += 1
+        if not results.wait_for(sent - IN_FLIGHT + 1, PATIENCE_S):
+            sent = results.count()      # lost: a node may leave out what it has no time for
+    return {'rate_hz': (results.count() - first) / (time.perf_counter() - start)}
+
+
+def main() -> int:
+    """Sample WIDTH HEIGHT SECONDS TOPIC,... PID,... of results and processes."""
+    width, height, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
+    topics, pids = sys.argv[4].split(','), list(map(int, sys.argv[5].split(',')))
+    rospy.init_node('recognition_sample', disable_rostime=True)
+    sender, results = Sender(width, height), Results(topics)
+    wait_for(lambda: results.connected() and len(sender.connections()) == len(pids), 'the nodes')
+    highest(sender, results, 1.0)       # past the start
+    sample = paced(sender, results, seconds, pids)
+    sample.update(highest(sender, results, seconds))
+    sys.stdout.write(json.dumps(sample) + '\n')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
