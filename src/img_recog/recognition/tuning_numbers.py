@@ -76,7 +76,8 @@ def color_numbers(hsv: np.ndarray, color: Color, area_px: int) -> ColorNumbers:
     missed_hues = hsv[..., 0][missed[0]]
     return ColorNumbers(
         area_px, int(np.count_nonzero(hue & saturation & value)),
-        histogram(hsv[..., 1], LEVELS, hue, value), histogram(hsv[..., 2], LEVELS, hue, saturation),
+        histogram(hsv[..., 1], LEVELS, hue, value),
+        histogram(hsv[..., 2], LEVELS, hue, saturation),
         tuple(int(np.count_nonzero(each)) for each in missed),
         int(np.bincount(missed_hues).argmax()) if missed_hues.size else None)
 
