@@ -22,8 +22,8 @@ def kind_of(topic: str) -> type:
     try:
         published = dict(rosgraph.Master('/img_recog').getPublishedTopics(''))
     except (OSError, ValueError, rosgraph.MasterException) as error:
-        raise TopicError('there is no file {0}, and no master answers at {1} to look for a topic {0} '
-                         '({2}): start roscore or roslaunch first, or set ROS_MASTER_URI'.format(
+        raise TopicError('there is no file {0}, and no master at {1} to ask for a topic {0}: {2}; '
+                         'start roscore or roslaunch first, or set ROS_MASTER_URI'.format(
                              topic, os.environ.get('ROS_MASTER_URI', ''), error))
     found = published.get(topic)
     if found in _KINDS:

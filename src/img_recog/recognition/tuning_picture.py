@@ -4,6 +4,7 @@ from typing import List, Tuple
 import cv2
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
@@ -12,7 +13,7 @@ from img_recog.recognition.settings import Color, RecognitionSettings
 from img_recog.recognition.tuning_numbers import (HUES, LEVELS, ColorNumbers, Histogram,
                                                   frame_numbers, region, spans)
 
-DPI = 100
+DPI, _LEAST_DPI = 100, 20
 # inches
 _WIDTH, _MARGIN, _RIGHT = 12.0, 0.3, 11.75
 _FRAME_TOP, _FRAME_WIDTH, _FRAME_HEIGHT = 0.45, 4.4, 3.3
@@ -55,9 +56,12 @@ def draw(image: np.ndarray, settings: RecognitionSettings) -> Tuple[Figure, List
 
 
 def pixels(figure: Figure, width: int, height: int) -> np.ndarray:
-    """Return a picture as large as fits into width x height pixels, uint8 rgb8."""
+    """Return a picture as large as fits into width x height pixels, uint8 rgb8.
+
+    It is 240 pixels wide at least: smaller letters cannot be drawn.
+    """
     across, down = figure.get_size_inches()
-    figure.set_dpi(max(1.0, min(width / across, height / down)))
+    figure.set_dpi(max(_LEAST_DPI, min(width / across, height / down)))
     figure.canvas.draw()
     return np.asarray(figure.canvas.buffer_rgba())[..., :3]
 
@@ -137,7 +141,7 @@ def _draw_hues(sheet: _Sheet, hue: Histogram, settings: RecognitionSettings) -> 
     ranges.tick_params(length=0)
     ranges.set_frame_on(False)
     _fill(plot, hue.all_px, _GREY)
-    plot.bar(range(HUES), hue.passing_px, 1.0, color=_hue_rgb(np.arange(HUES)), zorder=3)
+    _bars(plot, hue.passing_px)
     _scale_counts(plot, hue, min(color.area_limit_px for color in settings.colors))
     strip.imshow(_hue_rgb(np.arange(HUES))[np.newaxis], extent=(-0.5, HUES - 0.5, 0, 1),
                  aspect='auto')
@@ -195,13 +199,22 @@ def _show(axes, image: np.ndarray) -> None:
 def _shade(axes, low: int, high: int, color: Color) -> None:
     axes.axvspan(low - 0.5, high + 0.5, color=_typical_rgb(color), alpha=0.18, linewidth=0)
     for edge in (low - 0.5, high + 0.5):
-        axes.axvline(edge, color='0.25', linewidth=0.9, linestyle='--', zorder=4)
+        axes.axvline(edge, color='0.25', linewidth=0.9, linestyle='--', zorder=1.5)
 
 
 def _fill(axes, counts: np.ndarray, color) -> None:
     # a zero at either end, or the first and the last bar would have half their width
     axes.fill_between(range(-1, len(counts) + 1), np.pad(counts, 1), step='mid', color=color,
                       linewidth=0, zorder=2)
+
+
+def _bars(axes, counts: np.ndarray) -> None:
+    """Draw a bar for each hue, in its colour; as one collection in a tenth of bar's time."""
+    hues = np.flatnonzero(counts)
+    corners = [((hue - 0.5, 0), (hue - 0.5, counts[hue]), (hue + 0.5, counts[hue]),
+                (hue + 0.5, 0)) for hue in hues]
+    axes.add_collection(PolyCollection(corners, facecolors=_hue_rgb(np.arange(HUES))[hues],
+                                       linewidths=0, zorder=3), autolim=False)
 
 
 def _scale_counts(axes, counts: Histogram, limit_px: int) -> None:
