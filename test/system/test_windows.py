@@ -86,7 +86,7 @@ def test_the_tuning_window_follows_the_camera(ros, display, tmp_path):
     for seen, unseen in (('blue', 'red'), ('red', 'blue')):
         def shown():
             found = shares(ros, tmp_path, **colours)
-            return found[seen] > 0.03 and found[unseen] == 0 and found['white'] > 0.3
+            return found[seen] > 0.01 and found[unseen] == 0 and found['white'] > 0.3
         wait_for(shown, lambda: '{}: {}'.format(seen, shares(ros, tmp_path, **colours)))
     assert tool.interrupt() == 0
     assert 'Traceback' not in tool.output, tool.output

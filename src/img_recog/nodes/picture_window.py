@@ -1,5 +1,5 @@
 """A window on a picture, by tkinter."""
-from typing import Callable
+from typing import Callable, Optional
 
 import numpy as np
 
@@ -47,7 +47,7 @@ class PictureWindow:
         for key in ('<Escape>', 'q'):
             self._root.bind(key, lambda _: self.close())
         self._label.bind('<Configure>', self._resized)
-        self._render: Callable[[int, int], np.ndarray] = None
+        self._render: Optional[Callable[[int, int], np.ndarray]] = None
         self._redrawing, self._photo = None, None
         self._root.update()
 
