@@ -76,6 +76,34 @@ def test_a_launch_file_of_usb_cams_kind_shows_the_picture(ros, display, tmp_path
              lambda: 'the picture: {}'.format(shares(ros, tmp_path, **colour)))
 
 
+def test_the_tuning_window_follows_the_camera(ros, display, tmp_path):
+    demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false')
+    demo.wait_output('camera: synthetic')
+    tool = ros.start('rosrun', 'img_recog', 'tune_colors.py', '/usb_cam/image_raw', '--output',
+                     str(tmp_path / 'picture.png'))
+    colours = {'blue': ((25, 70, 215), (25, 70, 215)), 'red': ((215, 25, 60), (215, 25, 60)),
+               'white': ((255, 255, 255), (255, 255, 255))}
+    for seen, unseen in (('blue', 'red'), ('red', 'blue')):
+        def shown():
+            found = shares(ros, tmp_path, **colours)
+            return found[seen] > 0.01 and found[unseen] == 0 and found['white'] > 0.3
+        wait_for(shown, lambda: '{}: {}'.format(seen, shares(ros, tmp_path, **colours)))
+    assert tool.interrupt() == 0
+    assert 'Traceback' not in tool.output, tool.output
+    assert shares(ros, tmp_path, **colours)['white'] == 0
+
+
+def test_the_tuning_window_shows_a_file(ros, display, tmp_path):
+    cv2 = pytest.importorskip('cv2')
+    picture = str(tmp_path / 'picture.png')
+    assert cv2.imwrite(picture, cv2.UMat(480, 640, cv2.CV_8UC3, (215, 70, 25)).get())
+    ros.start('rosrun', 'img_recog', 'tune_colors.py', picture, '--output',
+              str(tmp_path / 'why.png'))
+    card = {'blue': ((25, 70, 215), (25, 70, 215))}
+    wait_for(lambda: shares(ros, tmp_path, **card)['blue'] > 0.1,
+             lambda: 'the blue image: {}'.format(shares(ros, tmp_path, **card)))
+
+
 def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
     demo = ros.demo('camera:=none', 'gui:=true', 'image_view:=false')
     colours = {'green': ((0, 90, 0), (60, 255, 60)), 'white': ((205, 205, 205), (255, 255, 255)),

@@ -78,6 +78,11 @@ def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
     return 'parameter {} is not one of this node: {}'.format(full_name or name, advice)
 
 
+def any_in(namespace: str) -> bool:
+    """Return whether there are parameters in a namespace: a resolved name."""
+    return bool(_parameters_in(namespace))
+
+
 def robot_description() -> str:
     """Return the URDF on the parameter server, from this namespace or the nearest one above.
 

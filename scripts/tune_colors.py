@@ -1,0 +1,9 @@
+#!/usr/bin/env python3
+"""Tell why a colour is seen in an image, or is not."""
+import signal
+import sys
+
+if __name__ == '__main__':
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    from img_recog.nodes.tune_colors import main
+    sys.exit(main())

@@ -1,0 +1,248 @@
+"""A picture that tells why a colour is seen in an image, or is not."""
+from typing import List, Tuple
+
+import cv2
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from img_recog.recognition.areas import ColorExtractor
+from img_recog.recognition.settings import Color, RecognitionSettings
+from img_recog.recognition.tuning_numbers import (HUES, LEVELS, ColorNumbers, Histogram,
+                                                  frame_numbers, region, spans)
+
+DPI, _LEAST_DPI = 100, 20
+# inches
+_WIDTH, _MARGIN, _RIGHT = 12.0, 0.3, 11.75
+_FRAME_TOP, _FRAME_WIDTH, _FRAME_HEIGHT = 0.45, 4.4, 3.3
+_HUE_LEFT, _HUE_HEIGHT, _STRIP_HEIGHT, _RANGE_HEIGHT = 6.0, 2.3, 0.14, 0.2
+_ROW_HEIGHT, _ROW_TOP, _PLOT_HEIGHT = 2.85, 0.62, 1.65
+_MASKED_WIDTH, _PLOT_LEFTS, _PLOT_WIDTH = 3.0, (4.1, 8.4), 3.35
+_FOOT_HEIGHT = 0.35
+
+_GREY, _ABOVE, _BELOW = '0.78', '#1a7f37', '#b42318'
+_SMALL, _NORMAL, _LARGE = 8, 9, 12      # points
+_NAME_LENGTH = 12                       # so many letters stand beside the ranges
+_SHOWN_PX = 1000                        # more would not be seen
+# coloured bars that are a 25th of the grey ones can be seen beside them
+_GREY_ABOVE = 25
+_FOOT = ('Grey: all pixels (above), those of the hue (in the rows). Coloured: those of them that '
+         'the other bounds let pass. What is shaded is in bounds.')
+
+
+def draw(image: np.ndarray, settings: RecognitionSettings) -> Tuple[Figure, List[int]]:
+    """Return the picture of an image and the area of each colour in pixels.
+
+    image: bgr8, uint8 of shape (height, width, 3).
+    Above: the frame with the region of interest, and the hues with the range of each colour.
+    Below a row a colour: what is left of the frame, as the node publishes it, the area and its
+    limit, and the saturation and value of the pixels of its hue with their bounds.
+    """
+    extractor = ColorExtractor(settings)
+    areas_px = extractor.measure(image)
+    numbers = frame_numbers(extractor, areas_px, settings)
+    ranges_height = _RANGE_HEIGHT * len(settings.colors)
+    top_height = _FRAME_TOP + max(_FRAME_HEIGHT, ranges_height + _HUE_HEIGHT + 0.6) + 0.35
+    sheet = _Sheet(top_height + _ROW_HEIGHT * len(settings.colors) + _FOOT_HEIGHT)
+    _draw_frame(sheet, image, settings)
+    _draw_hues(sheet, numbers.hue, settings)
+    for number, color in enumerate(settings.colors):
+        _draw_color(sheet, top_height + number * _ROW_HEIGHT, color, numbers.colors[number],
+                    extractor.masked(number))
+    sheet.text(_MARGIN, sheet.height - 0.12, _FOOT, _SMALL, color='0.35')
+    return sheet.figure, areas_px
+
+
+def pixels(figure: Figure, width: int, height: int) -> np.ndarray:
+    """Return a picture as large as fits into width x height pixels, uint8 rgb8.
+
+    It is 240 pixels wide at least: smaller letters cannot be drawn.
+    """
+    across, down = figure.get_size_inches()
+    figure.set_dpi(max(_LEAST_DPI, min(width / across, height / down)))
+    figure.canvas.draw()
+    return np.asarray(figure.canvas.buffer_rgba())[..., :3]
+
+
+def verdict(color: Color, area_px: int) -> str:
+    """Return the area of a colour beside its limit: 'blue: 56463 px, above the limit of ...'."""
+    side = ('above' if area_px > color.area_limit_px else
+            'below' if area_px < color.area_limit_px else 'not above')
+    return '{}: {} px, {} the limit of {} px'.format(color.name, area_px, side,
+                                                     color.area_limit_px)
+
+
+def bounds(color: Color) -> str:
+    """Return the bounds of a colour: 'hue 50-150, saturation 100-255, value 100-255'."""
+    return 'hue {}-{}, saturation {}-{}, value {}-{}'.format(
+        *color.hue, *color.saturation, *color.value)
+
+
+def reason(numbers: ColorNumbers) -> str:
+    """Return how many pixels each bound by itself keeps from being counted."""
+    hue_px, saturation_px, value_px = numbers.missed_px
+    most = '' if numbers.missed_hue is None else ' (most at {})'.format(numbers.missed_hue)
+    dropped_px = numbers.in_bounds_px - numbers.area_px
+    blobs = '; in too small blobs: {} px'.format(dropped_px) if dropped_px else ''
+    return ('out of bounds only by hue: {} px{}, only by saturation: {} px, only by value: {} px'
+            .format(hue_px, most, saturation_px, value_px) + blobs)
+
+
+class _Sheet:
+    """A figure whose parts are placed in inches from its upper left corner."""
+
+    def __init__(self, height: float):
+        self.height = height
+        self.figure = Figure(figsize=(_WIDTH, height), dpi=DPI, facecolor='white')
+        FigureCanvasAgg(self.figure)
+
+    def axes(self, left: float, top: float, width: float, height: float):
+        axes = self.figure.add_axes([left / _WIDTH, 1 - (top + height) / self.height,
+                                     width / _WIDTH, height / self.height])
+        axes.tick_params(labelsize=_SMALL)
+        return axes
+
+    def text(self, left: float, baseline: float, text: str, size: float, **style) -> None:
+        self.figure.text(left / _WIDTH, 1 - baseline / self.height, text, fontsize=size, **style)
+
+
+def _draw_frame(sheet: _Sheet, image: np.ndarray, settings: RecognitionSettings) -> None:
+    height, width = image.shape[:2]
+    sheet.text(_MARGIN, _FRAME_TOP - 0.12, 'frame, {}x{} px'.format(width, height), _LARGE,
+               fontweight='bold')
+    axes = sheet.axes(_MARGIN, _FRAME_TOP, _FRAME_WIDTH, _FRAME_HEIGHT)
+    _show(axes, image)
+    (top, bottom), (left, right) = (part.indices(size)[:2] for part, size
+                                    in zip(region(settings), (height, width)))
+    if (top, bottom, left, right) != (0, height, 0, width):
+        for style in ({'color': 'black', 'linewidth': 3}, {'color': 'white', 'linestyle': '--'}):
+            axes.add_patch(Rectangle((left - 0.5, top - 0.5), max(0, right - left),
+                                     max(0, bottom - top), fill=False, **style))
+        axes.set_xlabel('counted is what is within the dashed lines', fontsize=_NORMAL)
+
+
+def _draw_hues(sheet: _Sheet, hue: Histogram, settings: RecognitionSettings) -> None:
+    width, top = _RIGHT - _HUE_LEFT, _FRAME_TOP + _RANGE_HEIGHT * len(settings.colors)
+    sheet.text(_HUE_LEFT, _FRAME_TOP - 0.12, 'hue', _LARGE, fontweight='bold')
+    sheet.text(_HUE_LEFT + 0.5, _FRAME_TOP - 0.12, 'coloured: pixels whose saturation and value '
+               'a colour allows; grey: all', _NORMAL)
+    ranges = sheet.axes(_HUE_LEFT, _FRAME_TOP, width, top - _FRAME_TOP - 0.05)
+    plot = sheet.axes(_HUE_LEFT, top, width, _HUE_HEIGHT)
+    strip = sheet.axes(_HUE_LEFT, top + _HUE_HEIGHT, width, _STRIP_HEIGHT)
+    for number, color in enumerate(settings.colors):
+        for low, high in spans(color.hue):
+            ranges.barh(number, high - low + 1, 0.7, low - 0.5, color=_typical_rgb(color))
+            _shade(plot, low, high, color)
+    ranges.set_yticks(range(len(settings.colors)))
+    ranges.set_yticklabels([_short(color.name) for color in settings.colors])
+    ranges.set_ylim(len(settings.colors) - 0.5, -0.5)
+    ranges.tick_params(length=0)
+    ranges.set_frame_on(False)
+    _fill(plot, hue.all_px, _GREY)
+    _bars(plot, hue.passing_px)
+    _scale_counts(plot, hue, min(color.area_limit_px for color in settings.colors))
+    strip.imshow(_hue_rgb(np.arange(HUES))[np.newaxis], extent=(-0.5, HUES - 0.5, 0, 1),
+                 aspect='auto')
+    strip.set_yticks([])
+    for axes in (ranges, plot, strip):
+        axes.set_xlim(-1.5, HUES + 0.5)
+        axes.set_xticks(range(0, HUES, 10) if axes is strip else [])
+
+
+def _draw_color(sheet: _Sheet, top: float, color: Color, numbers: ColorNumbers,
+                masked: np.ndarray) -> None:
+    is_above = numbers.area_px > color.area_limit_px
+    sheet.figure.add_artist(_line_across(sheet, top))
+    sheet.text(_MARGIN, top + 0.27, verdict(color, numbers.area_px), _LARGE, fontweight='bold',
+               color=_ABOVE if is_above else _BELOW)
+    sheet.text(_MARGIN, top + 0.49, reason(numbers), _NORMAL)
+    _show(sheet.axes(_MARGIN, top + _ROW_TOP, _MASKED_WIDTH, _PLOT_HEIGHT + 0.35), masked)
+    parts = (('saturation', color.saturation, numbers.saturation),
+             ('value', color.value, numbers.value))
+    for left, (name, (low, high), counts) in zip(_PLOT_LEFTS, parts):
+        axes = sheet.axes(left, top + _ROW_TOP, _PLOT_WIDTH, _PLOT_HEIGHT)
+        _shade(axes, low, high, color)
+        _fill(axes, counts.all_px, _GREY)
+        _fill(axes, counts.passing_px, _typical_rgb(color))
+        _scale_counts(axes, counts, color.area_limit_px)
+        if not counts.all_px.any():
+            axes.text(0.5, 0.5, 'no pixel has this hue', ha='center', fontsize=_NORMAL,
+                      transform=axes.transAxes)
+        axes.set_xlim(-3, LEVELS + 2)
+        axes.set_xticks(range(0, LEVELS, 50))
+        axes.set_xlabel('{} of the pixels of hue {}-{}; {}-{} is in bounds'.format(
+            name, *color.hue, low, high), fontsize=_SMALL)
+
+
+def _line_across(sheet: _Sheet, top: float) -> Rectangle:
+    return Rectangle((_MARGIN / _WIDTH, 1 - top / sheet.height),
+                     (_RIGHT - _MARGIN) / _WIDTH, 0, transform=sheet.figure.transFigure,
+                     edgecolor='0.7', linewidth=0.8)
+
+
+def _show(axes, image: np.ndarray) -> None:
+    """Show a bgr8 image as large as fits at the left of the axes, in its own coordinates."""
+    height, width = image.shape[:2]
+    scale = min(1.0, _SHOWN_PX / max(height, width))
+    if scale < 1:
+        image = cv2.resize(image, (max(1, round(width * scale)), max(1, round(height * scale))),
+                           interpolation=cv2.INTER_AREA)
+    axes.imshow(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), interpolation='nearest',
+                extent=(-0.5, width - 0.5, height - 0.5, -0.5))
+    axes.set_anchor('NW')
+    axes.set_xticks([])
+    axes.set_yticks([])
+
+
+def _shade(axes, low: int, high: int, color: Color) -> None:
+    axes.axvspan(low - 0.5, high + 0.5, color=_typical_rgb(color), alpha=0.18, linewidth=0)
+    for edge in (low - 0.5, high + 0.5):
+        axes.axvline(edge, color='0.25', linewidth=0.9, linestyle='--', zorder=1.5)
+
+
+def _fill(axes, counts: np.ndarray, color) -> None:
+    # a zero at either end, or the first and the last bar would have half their width
+    axes.fill_between(range(-1, len(counts) + 1), np.pad(counts, 1), step='mid', color=color,
+                      linewidth=0, zorder=2)
+
+
+def _bars(axes, counts: np.ndarray) -> None:
+    """Draw a bar for each hue, in its colour; as one collection in a tenth of bar's time."""
+    hues = np.flatnonzero(counts)
+    corners = [((hue - 0.5, 0), (hue - 0.5, counts[hue]), (hue + 0.5, counts[hue]),
+                (hue + 0.5, 0)) for hue in hues]
+    axes.add_collection(PolyCollection(corners, facecolors=_hue_rgb(np.arange(HUES))[hues],
+                                       linewidths=0, zorder=3), autolim=False)
+
+
+def _scale_counts(axes, counts: Histogram, limit_px: int) -> None:
+    """Scale by square roots: few pixels are seen beside many; and not so small that one is much.
+
+    The grey bars may be cut off.
+    """
+    top = max(1, min(counts.all_px.max(), max(_GREY_ABOVE * counts.passing_px.max(), limit_px)))
+    axes.set_yscale('function', functions=(lambda y: np.sqrt(np.maximum(y, 0)), np.square))
+    axes.set_ylim(0, 1.1 * top)
+    power = 10 ** int(np.log10(top))
+    round_top = max(step * power for step in (1, 2, 5) if step * power <= top)
+    axes.set_yticks(sorted({0, round_top // 10, 4 * round_top // 10, round_top}))
+    axes.set_ylabel('pixels', fontsize=_SMALL)
+
+
+def _typical_rgb(color: Color) -> np.ndarray:
+    low, high = color.hue
+    span = high - low if low <= high else high + HUES - 1 - low
+    return _hue_rgb(np.array([(low + span // 2) % (HUES - 1)]))[0]
+
+
+def _hue_rgb(hues: np.ndarray) -> np.ndarray:
+    """Return fully saturated colours of hues (0-180), float of shape (number, 3), 0 to 1."""
+    hsv = np.full((1, len(hues), 3), 225, np.uint8)
+    hsv[0, :, 0], hsv[0, :, 1] = hues % (HUES - 1), 255
+    return cv2.cvtColor(hsv, cv2.COLOR_HSV2RGB)[0] / 255
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= _NAME_LENGTH else name[:_NAME_LENGTH - 2] + '..'
