@@ -8,7 +8,7 @@ import pytest
 from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
-from img_recog.recognition.tuning_numbers import frame_numbers, region, spans, within
+from img_recog.recognition.tuning_numbers import frame_numbers, spans, within
 
 ARTICLE = with_colors()()
 FIVE = with_colors(['blue', 'red', 'green', 'yellow', 'all_of_the_red'])(
@@ -97,7 +97,7 @@ def test_what_is_outside_of_the_region_counts_nowhere(roi, expected_px):
     image = one_color(110, size=(40, 60))
     numbers = measured(image, settings)
     assert numbers.hue.all_px.sum() == numbers.colors[0].area_px == expected_px
-    assert image[region(settings)].size == 3 * expected_px
+    assert image[settings.region(image.shape[:2])].size == 3 * expected_px
     figure, areas_px = tuning_picture.draw(image, settings)
     assert areas_px == [expected_px, 0]
     assert rendered(figure).std() > 0

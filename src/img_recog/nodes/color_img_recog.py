@@ -7,8 +7,8 @@ the frame's header: the frame with everything else black), then cmd_vel (geometr
 none, one or two: linear.x 10 m/s for blue, then -10 m/s for red); while somebody subscribes,
 color_detection (sensor_msgs/PointCloud: areas and centroids) and color_overlay (sensor_msgs/Image,
 bgr8: the frame with outlines and commands).
-Reads: ~image_transport (raw or compressed: which of the two it subscribes to), ~colors (names),
-~NAME_image_topic for each colour, and RecognitionSettings with these colours, which are also
+Reads: ~image_transport (raw or compressed: which of the two it subscribes to), ~colors_file (where
+the parameters come from, to be checked), ~colors (names), ~NAME_image_topic for each colour, and RecognitionSettings with these colours, which are also
 served by dynamic_reconfigure: ~set_parameters, ~parameter_descriptions, ~parameter_updates.
 """
 import threading
@@ -38,10 +38,15 @@ _IDLE_S = 0.1           # how often what does not hang on frames is looked after
 
 
 @dataclass(frozen=True)
-class TransportSettings(Settings):
-    """How images come in, by the name that image_transport gives it."""
+class InputSettings(Settings):
+    """How images come in, by the name that image_transport gives it, and a file to check.
+
+    colors_file: where a launch file has loaded the parameters from. An empty file loads nothing,
+    and roslaunch does not say so.
+    """
 
     image_transport: str = setting('raw', one_of('raw', 'compressed'))
+    colors_file: str = setting('')
 
 
 class RawInput:
@@ -90,10 +95,12 @@ class ColorExtract:
     """Handles the newest frame; frames that arrive meanwhile replace each other."""
 
     def __init__(self):
-        transport = parameters.read(TransportSettings).image_transport
+        given = parameters.read(InputSettings)
+        if given.colors_file:
+            color_parameters.from_file(given.colors_file)
         settings = color_parameters.read()
         topics = color_parameters.read_image_topics(settings)
-        color_parameters.warn_of_unknown(settings, TransportSettings)
+        color_parameters.warn_of_unknown(settings, InputSettings)
         self._extractor = ColorExtractor(settings)
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings
@@ -106,7 +113,7 @@ class ColorExtract:
         self._handling = threading.Lock()
         rospy.on_shutdown(self._end)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = (CompressedInput if transport == 'compressed' else RawInput)(_CAMERA)
+        self._input = (CompressedInput if given.image_transport == 'compressed' else RawInput)(_CAMERA)
 
     def spin(self) -> None:
         """Handle frames until the node is shut down."""

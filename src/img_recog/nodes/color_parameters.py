@@ -1,19 +1,20 @@
 """The parameters of the recognition: those of a node, or those in a file for one."""
-from typing import Any, List, Mapping, Type
+from typing import Any, List, Mapping, Sequence, Type
 
 import rosgraph.names
+import rospy
 import yaml
 
 from img_recog.nodes import parameters
 from img_recog.nodes.parameters import ParameterError
-from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_names,
-                                            with_colors)
+from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
+                                            color_names, with_colors)
 from img_recog.settings import SettingError, Settings, declared
 
 COLORS = 'colors'
 _IMAGE_TOPIC = '{}_image_topic'
 # of the node alone, and of no matter to those who recognize without it
-_NODE_ONLY = ('image_transport',)
+_NODE_ONLY = ('colors_file', 'image_transport')
 
 
 def read(namespace: str = '~') -> RecognitionSettings:
@@ -40,8 +41,13 @@ def warn_of_unknown(settings: RecognitionSettings, *others: Type[Settings]) -> N
 
     others: the settings that it has besides.
     """
-    parameters.warn_of_unknown(type(settings), *others, besides=[
-        COLORS, *(_IMAGE_TOPIC.format(name) for name in settings.color_names)])
+    known = [COLORS, *(_IMAGE_TOPIC.format(name) for name in settings.color_names)]
+    strangers = [name for name in parameters.names_in('~')
+                 if color_in(name) not in (None, *settings.color_names)]
+    for name in strangers:
+        rospy.logwarn('parameter %s: %s', rospy.resolve_name('~' + name),
+                      _no_such_color(name, settings.color_names))
+    parameters.warn_of_unknown(type(settings), *others, besides=known + strangers)
 
 
 def from_file(path: str) -> RecognitionSettings:
@@ -56,12 +62,21 @@ def from_file(path: str) -> RecognitionSettings:
         known = {field.name for field in declared(kind)}
         others = {*_NODE_ONLY, *(_IMAGE_TOPIC.format(name) for name in names)}
         for name in values:
+            if color_in(name) not in (None, *names):
+                raise ParameterError('{}: parameter {}: {}'.format(
+                    path, name, _no_such_color(name, names)))
             if name not in known | others:
                 raise ParameterError('{}: {}'.format(path, parameters.unknown(name, known)))
         return kind(**{name: values[name] for name in known & set(values)})
     except SettingError as error:
         raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(
             path, error.name, error.got, error.allowed))
+
+
+def _no_such_color(parameter: str, names: Sequence[str]) -> str:
+    name = color_in(parameter)
+    return 'there is no colour {}, the colours are {}; add it to {}: [{}]'.format(
+        name, ', '.join(names), COLORS, ', '.join([*names, name]))
 
 
 def _topic(value: Any) -> str:

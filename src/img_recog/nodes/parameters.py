@@ -2,7 +2,7 @@
 import dataclasses
 import difflib
 from types import MappingProxyType
-from typing import Any, Callable, Iterable, Mapping, Type, TypeVar
+from typing import Any, Callable, Iterable, List, Mapping, Type, TypeVar
 
 import rospy
 
@@ -78,9 +78,9 @@ def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
     return 'parameter {} is not one of this node: {}'.format(full_name or name, advice)
 
 
-def any_in(namespace: str) -> bool:
-    """Return whether there are parameters in a namespace: a resolved name."""
-    return bool(_parameters_in(namespace))
+def names_in(namespace: str) -> List[str]:
+    """Return the names of the parameters in a namespace, in their order."""
+    return sorted(_parameters_in(namespace))
 
 
 def robot_description() -> str:

@@ -102,7 +102,7 @@ class TopicTuning:
         if self._options.colors:
             return color_parameters.from_file(user_paths.found(self._options.colors))
         node = rospy.resolve_name(self._options.node or _NODE)
-        if self._options.node and not parameters.any_in(node):
+        if self._options.node and not parameters.names_in(node):
             raise parameters.ParameterError('there are no parameters of a node {}: start it, or '
                                             'give its parameter file by --colors'.format(node))
         return color_parameters.read(node)

@@ -46,7 +46,7 @@ class ColorExtractor:
         encoding: one of ENCODINGS, the order of its channels.
         """
         self._image, self._encoding, self._bgr = image, encoding, None
-        self._region = _region(self._settings, image.shape[:2])
+        self._region = self._settings.region(image.shape[:2])
         part = image[self._region]
         self._masks = [self._buffer(('mask', number), part.shape[:2])
                        for number in range(len(self._colors))]
@@ -156,12 +156,3 @@ def _conjunction(tests: Sequence[np.ndarray], result: np.ndarray) -> None:
         cv2.bitwise_and(tests[0], tests[1], dst=result)
         for test in tests[2:]:
             cv2.bitwise_and(result, test, dst=result)
-
-
-def _region(settings: RecognitionSettings, shape: Tuple[int, int]) -> Tuple[slice, slice]:
-    """Return rows and columns of the region of interest, as much of it as is in the image."""
-    height, width = shape
-    top, left = min(settings.roi_y_offset, height), min(settings.roi_x_offset, width)
-    bottom = min(top + settings.roi_height, height) if settings.roi_height else height
-    right = min(left + settings.roi_width, width) if settings.roi_width else width
-    return slice(top, bottom), slice(left, right)

@@ -9,7 +9,6 @@ from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import Color
 
 _FONT, _WHITE, _BLACK = cv2.FONT_HERSHEY_SIMPLEX, (255, 255, 255), (0, 0, 0)
-_HUES = 180         # OpenCV's 8-bit hues go round in so many
 
 
 def draw(extractor: ColorExtractor, colors: Sequence[Color], areas_px: Sequence[int],
@@ -43,9 +42,7 @@ def draw(extractor: ColorExtractor, colors: Sequence[Color], areas_px: Sequence[
 
 def color_of(color: Color) -> tuple:
     """Return the middle of a colour's hues as a bright BGR colour."""
-    low, high = color.hue
-    hue = (low + ((high - low) % _HUES) / 2.0) % _HUES
-    pixel = cv2.cvtColor(np.array([[[hue, 220, 255]]], np.uint8), cv2.COLOR_HSV2BGR)
+    pixel = cv2.cvtColor(np.array([[[color.middle_hue, 220, 255]]], np.uint8), cv2.COLOR_HSV2BGR)
     return tuple(int(value) for value in pixel[0, 0])
 
 

@@ -2,15 +2,10 @@
 import dataclasses
 import re
 from dataclasses import dataclass
-from typing import Any, ClassVar, Iterable, Mapping, NamedTuple, Tuple, Type
+from typing import Any, ClassVar, Iterable, Mapping, NamedTuple, Optional, Tuple, Type
 
-from img_recog.errors import UserError
 from img_recog.settings import (SettingError, Settings, anything, at_least, between, required,
                                 setting)
-
-
-class ColorError(UserError):
-    """A colour is not among those that are looked for."""
 
 
 class Color(NamedTuple):
@@ -29,7 +24,15 @@ class Color(NamedTuple):
     linear_x: float
     angular_z: float
 
+    @property
+    def middle_hue(self) -> int:
+        """The hue in the middle of the range, 0 to 179."""
+        low, high = self.hue
+        span = high - low if low <= high else high - low + _HUES
+        return (low + span // 2) % _HUES
 
+
+_HUES = 180        # after so many, they begin again
 _HUE, _LEVEL = between(0, 180), between(0, 255)
 # of each colour: type, what is allowed, description
 _PARTS = {
@@ -89,6 +92,14 @@ class RecognitionSettings(Settings):
 
         object.__setattr__(self, 'colors', tuple(map(self._color, self.color_names)))
 
+    def region(self, shape: Tuple[int, int]) -> Tuple[slice, slice]:
+        """Return rows and columns of the region of interest, what of it is in the image.
+
+        shape: height and width of the image in pixels.
+        """
+        return (_cut(self.roi_y_offset, self.roi_height, shape[0]),
+                _cut(self.roi_x_offset, self.roi_width, shape[1]))
+
     def _color(self, name: str) -> Color:
         part = {key: getattr(self, '{}_{}'.format(name, key)) for key in _PARTS}
         return Color(name, (part['hue_min'], part['hue_max']),
@@ -109,6 +120,14 @@ def with_colors(names: Iterable[str] = DEFAULT_COLORS) -> Type[RecognitionSettin
                                       frozen=True, namespace={'color_names': tuple(names)})
 
 
+def color_in(parameter: str) -> Optional[str]:
+    """Return the name of the colour that a parameter is of by its own name, None if of none."""
+    for part in (*_PARTS, 'image_topic'):
+        if parameter.endswith('_' + part):
+            return parameter[:-len(part) - 1]
+    return None
+
+
 def color_names(value: Any) -> Tuple[str, ...]:
     """Return the names in the parameter `colors`.
 
@@ -120,6 +139,11 @@ def color_names(value: Any) -> Tuple[str, ...]:
         return tuple(value)
     raise SettingError('colors', value, 'a list of one or more different names (a letter, then '
                        'letters, digits and _), like [blue, red]')
+
+
+def _cut(offset: int, length: int, whole: int) -> slice:
+    start = min(offset, whole)
+    return slice(start, min(start + length, whole) if length else whole)
 
 
 def _field(name: str, part: str) -> tuple:

@@ -53,8 +53,8 @@ def frame_numbers(extractor: ColorExtractor, areas_px: List[int],
 
     areas_px: what that measuring returned.
     """
-    rows, columns = region(settings)
-    part = extractor.bgr()[rows, columns]
+    image = extractor.bgr()
+    part = image[settings.region(image.shape[:2])]
     # OpenCV refuses an image without pixels, as a region beside the image is
     hsv = cv2.cvtColor(np.ascontiguousarray(part), cv2.COLOR_BGR2HSV) if part.size else part
     passing, colors = np.zeros(hsv.shape[:2], bool), []
@@ -105,10 +105,3 @@ def spans(bounds: Tuple[int, int]) -> List[Tuple[int, int]]:
     """Return a range of hues as one span, or as two when it goes through 0; all ends included."""
     low, high = bounds
     return [(low, high)] if low <= high else [(low, HUES - 1), (0, high)]
-
-
-def region(settings: RecognitionSettings) -> Tuple[slice, slice]:
-    """Return rows and columns of the region of interest; slicing an image cuts them to it."""
-    top, left = settings.roi_y_offset, settings.roi_x_offset
-    return (slice(top, top + settings.roi_height if settings.roi_height else None),
-            slice(left, left + settings.roi_width if settings.roi_width else None))

@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import Color, RecognitionSettings
 from img_recog.recognition.tuning_numbers import (HUES, LEVELS, ColorNumbers, Histogram,
-                                                  frame_numbers, region, spans)
+                                                  frame_numbers, spans)
 
 DPI, _LEAST_DPI = 100, 20
 # inches
@@ -114,8 +114,8 @@ def _draw_frame(sheet: _Sheet, image: np.ndarray, settings: RecognitionSettings)
                fontweight='bold')
     axes = sheet.axes(_MARGIN, _FRAME_TOP, _FRAME_WIDTH, _FRAME_HEIGHT)
     _show(axes, image)
-    (top, bottom), (left, right) = (part.indices(size)[:2] for part, size
-                                    in zip(region(settings), (height, width)))
+    rows, columns = settings.region((height, width))
+    top, bottom, left, right = rows.start, rows.stop, columns.start, columns.stop
     if (top, bottom, left, right) != (0, height, 0, width):
         for style in ({'color': 'black', 'linewidth': 3}, {'color': 'white', 'linestyle': '--'}):
             axes.add_patch(Rectangle((left - 0.5, top - 0.5), max(0, right - left),
@@ -232,9 +232,7 @@ def _scale_counts(axes, counts: Histogram, limit_px: int) -> None:
 
 
 def _typical_rgb(color: Color) -> np.ndarray:
-    low, high = color.hue
-    span = high - low if low <= high else high + HUES - 1 - low
-    return _hue_rgb(np.array([(low + span // 2) % (HUES - 1)]))[0]
+    return _hue_rgb(np.array([color.middle_hue]))[0]
 
 
 def _hue_rgb(hues: np.ndarray) -> np.ndarray:
