@@ -7,9 +7,10 @@ from typing import Callable, Sequence
 
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.film_source import NOT_PLAYABLE, FilmSource, StreamSource, name_for_log
+from img_recog.camera.pixels import converted
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError
-from img_recog.camera.still_source import FolderSource, StillSource, read_image
+from img_recog.camera.still_source import FolderSource, StillSource, is_cut, read_image
 from img_recog.camera.synthetic import SyntheticSource
 
 DEFAULT_DEVICE = '/dev/video0'
@@ -65,7 +66,10 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
         raise SourceError('cannot read {}: permission denied'.format(path))
     image = read_image(path)
     if image is not None:
-        return StillSource(path, image, rate_hz)
+        return StillSource(path, converted(image, 'rgb8'), rate_hz)
+    if is_cut(path):
+        raise SourceError('cannot read {}: the picture is cut off, its end is missing'.format(
+            path))
     if _is_text(path):
         raise SourceError(NOT_PLAYABLE.format(path))
     return FilmSource(path, loop, warn)
