@@ -21,7 +21,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.camera import selection
+from img_recog.camera import selection, urls
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
@@ -48,7 +48,7 @@ class UsbCam(Listener):
 
     def __init__(self):
         self._settings = selection.settled(parameters.read(CameraSettings))
-        self._name = selection.name_for_log(self._settings.video_device)
+        self._name = urls.name_for_log(self._settings.video_device)
         controls = parameters.read(ControlSettings)
         self._controls = CameraControls(
             controls, parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
