@@ -152,10 +152,12 @@ def remote_film(clock, *steps, loop=True, warnings=None, count=4):
                             (warnings if warnings is not None else []).append, clock)
 
 
+@pytest.mark.parametrize('steps', [(-2.0,), (2.0, False)])     # with half a frame at last
 @pytest.mark.parametrize('loop', [True, False])
-def test_film_that_stalls_says_so_and_is_waited_for_if_it_loops(clock, loop):
-    source = remote_film(clock, True, True, -2.0, loop=loop)
-    source.read()
+def test_film_that_stalls_says_so_and_is_waited_for_if_it_loops(clock, loop, steps):
+    source = remote_film(clock, True, True, *steps, loop=loop)
+    for _ in steps:
+        source.read()
     with pytest.raises(SourceError) as stalled:
         source.read()
     assert str(stalled.value) == (

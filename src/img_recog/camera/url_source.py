@@ -79,7 +79,7 @@ class RemoteFilmSource(FilmSource):
                  warn: Callable[[str], None], now: Callable[[], float] = time.monotonic):
         """Play what `capture` has just opened at `url`."""
         self._opened: Optional[cv2.VideoCapture] = capture
-        self._now = now
+        self._now, self._silent_s = now, 0.0
         self.reconnects = loop      # one that plays once is not to begin again
         self.silence_s = _SILENCE_S if loop else None
         super().__init__(url, loop, warn)
@@ -91,7 +91,9 @@ class RemoteFilmSource(FilmSource):
     def _following(self) -> Optional[np.ndarray]:
         begin_s = self._now()
         image = super()._following()
-        silent_s = self._now() - begin_s
+        before_s, self._silent_s = self._silent_s, self._now() - begin_s
+        # when its time is over, ffmpeg may make a last frame of what has come of it until then
+        silent_s = max(before_s, self._silent_s)
         if image is None and silent_s >= _SILENCE_S:
             raise SourceError('the film {} stalls: its server has sent nothing for {:.1f} s'
                               .format(self.name, silent_s))
