@@ -138,8 +138,9 @@ class UsbCam(Listener):
         self._end()
 
     def failed(self, error: Exception, opening: bool) -> None:
-        if opening and self._settings.create_suspended and not self._opened_once:
-            rospy.logerr('%s; still suspended', error)
+        if opening and (self._opened_once or self._settings.create_suspended):
+            # by ~start_capture, which can be called again; the start of the node is not
+            rospy.logerr('%s; still %s', error, 'stopped' if self._opened_once else 'suspended')
             return
         self._failure = error
         self._end()
