@@ -11,6 +11,7 @@ from img_recog.camera.pixels import converted
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceError
 from img_recog.camera.still_source import EXTENSIONS, StillSource
 
+# when the time for a read is over, ffmpeg may make a frame of the part that has come
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
 # a stream may pause for longer than a camera: its server sends by whole groups of pictures
 _SILENCE_S = 1.8
@@ -79,7 +80,7 @@ class RemoteFilmSource(FilmSource):
                  warn: Callable[[str], None], now: Callable[[], float] = time.monotonic):
         """Play what `capture` has just opened at `url`."""
         self._opened: Optional[cv2.VideoCapture] = capture
-        self._now, self._silent_s = now, 0.0
+        self._now = now
         self.reconnects = loop      # one that plays once is not to begin again
         self.silence_s = _SILENCE_S if loop else None
         super().__init__(url, loop, warn)
@@ -91,10 +92,8 @@ class RemoteFilmSource(FilmSource):
     def _following(self) -> Optional[np.ndarray]:
         begin_s = self._now()
         image = super()._following()
-        before_s, self._silent_s = self._silent_s, self._now() - begin_s
-        # when its time is over, ffmpeg may make a last frame of what has come of it until then
-        silent_s = max(before_s, self._silent_s)
-        if image is None and silent_s >= _SILENCE_S:
+        silent_s = self._now() - begin_s
+        if silent_s >= _READ_TIMEOUT_S:
             raise SourceError('the film {} stalls: its server has sent nothing for {:.1f} s'
                               .format(self.name, silent_s))
         return image
@@ -146,10 +145,11 @@ class StreamSource(FrameSource):
         while at_once < _FAILURES_AT_THE_END and now_s - begin_s < _SILENCE_S:
             before_s = now_s
             good, frame = self._capture.read()
-            if good and frame is not None and frame.size > 0:
+            now_s = self._now()
+            in_time = now_s - before_s < _READ_TIMEOUT_S
+            if good and in_time and frame is not None and frame.size > 0:
                 self._count += 1
                 return frame, damaged
-            now_s = self._now()
             damaged += 1
             at_once += now_s - before_s < _AT_ONCE_S
         raise SourceError('{} gives no more frames: ended or silent{}'.format(
