@@ -170,8 +170,7 @@ def _text(path: str) -> bytes:
 
 
 def _refuse_special(path: str) -> None:
-    """Raise OSError for a device, pipe, folder or the like: all but a file and what is not there.
-    """
+    """Raise OSError for what is there and no file: a device, pipe, folder or the like."""
     if os.path.lexists(path) and not stat.S_ISREG(os.stat(path).st_mode):
         raise OSError(errno.EINVAL, 'not a regular file')
 
@@ -195,12 +194,14 @@ def _matrix(content: Mapping[str, Any], key: str, rows: int, columns) -> Tuple[f
     data = _entry(matrix, 'data', list, 'the numbers of {}'.format(key))
     if columns is not None and len(data) != rows * columns:
         raise ValueError('{} (wants {} numbers, has {})'.format(key, rows * columns, len(data)))
-    wanted = rows, columns or len(data)
-    shape = matrix.get('rows', wanted[0]), matrix.get('cols', wanted[1])
+    shape = matrix.get('rows', rows), matrix.get('cols', columns or len(data))
     # a vector may stand upright
-    if shape != wanted and not (columns is None and shape == wanted[::-1]):
-        raise ValueError('{} (wants rows: {}, cols: {} for its {} numbers, has {}, {})'.format(
-            key, *wanted, len(data), *map(_SHORT.repr, shape)))
+    if columns is None and shape not in ((1, len(data)), (len(data), 1)):
+        raise ValueError('{} (wants rows x cols numbers, has {} for {} x {})'.format(
+            key, len(data), *map(_SHORT.repr, shape)))
+    if columns is not None and shape != (rows, columns):
+        raise ValueError('{} (wants rows: {}, cols: {}, has {}, {})'.format(
+            key, rows, columns, *map(_SHORT.repr, shape)))
     return tuple(_number(key, value) for value in data)
 
 
