@@ -147,6 +147,13 @@ def test_picture_at_a_url_is_a_still_image(clock, monkeypatch, url, count):
     assert source.read().shape == source.read().shape == (48, 64, 3)
 
 
+@pytest.mark.parametrize('steps, kind', [
+    ([False, True] + [False] * 4, StillSource), ([False, True, False, True], StreamSource)])
+def test_damaged_frames_do_not_hide_what_is_called_a_picture(clock, monkeypatch, steps, kind):
+    capture = FakeCapture(clock, steps, FPS=25.0, FRAME_COUNT=UNKNOWN)
+    assert type(at_url(monkeypatch, capture, 'http://h/p.jpg')) is kind
+
+
 def remote_film(clock, *steps, loop=True, warnings=None, count=4):
     capture = FakeCapture(clock, steps, FPS=25.0, FRAME_COUNT=count)
     return RemoteFilmSource('http://me:secret@h/f.mp4?key=secret', capture, loop,

@@ -57,14 +57,15 @@ def _open_capture(url: str) -> cv2.VideoCapture:
 
 def _still_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
     # some cameras call their stream a .jpg too: a picture is what has one frame alone
-    image = stream.read()
-    try:
-        stream.read()
-    except FrameSkipped:
-        pass
-    except SourceError:
-        stream.close()
-        return StillSource(stream.name, image, rate_hz)
+    images = []
+    while len(images) < 2:
+        try:
+            images.append(stream.read())
+        except FrameSkipped:
+            continue
+        except SourceError:
+            stream.close()
+            return StillSource(stream.name, images[0], rate_hz)
     return stream
 
 
