@@ -290,13 +290,17 @@ LONG = {
     'deep maps': 'a: ' + '{' * 2000,
     'long directive': '%' + 'x' * 5000,
     'long anchor': '&' + 'y' * 9999 + ' a: [',
-    'long file': '#' * (1 << 20) + FOREIGN,
 }
 
 
 @pytest.mark.parametrize('name', LONG)
 def test_line_of_an_error_is_short_whatever_the_file_holds(path, name):
     assert len(refused_load(path, LONG[name])) - len(path) < 400
+
+
+def test_file_that_is_too_long_for_a_calibration_is_not_read(path):
+    assert refused_load(path, FOREIGN + '#' * (1 << 20)) == (
+        'cannot read calibration {}: larger than 1048576 bytes'.format(path))
 
 
 def test_pipe_is_refused_and_not_waited_for(path):
