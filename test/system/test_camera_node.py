@@ -53,6 +53,27 @@ def test_suspended_camera_opens_its_source_when_it_is_told_to(roscore, tmp_path)
     assert camera.interrupt() == 0
 
 
+def test_start_of_a_source_that_is_gone_leaves_the_camera_stopped(roscore, tmp_path):
+    path = tmp_path / 'still.png'
+    assert cv2.imwrite(str(path), np.zeros((8, 8, 3), np.uint8))
+    camera = start(roscore, '_video_device:={}'.format(path))
+    roscore.wait_run('start_capture', 'rosservice', 'list')
+    roscore.run('rosservice', 'call', '/usb_cam/stop_capture')
+    path.unlink()
+    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
+    camera.wait_output(r'\[ERROR\].*/still.png: no such file or device.*; still stopped')
+    assert cv2.imwrite(str(path), np.zeros((6, 6, 3), np.uint8))
+    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
+    camera.wait_output(r'camera: still image .*/still.png, 6x6')
+    assert camera.interrupt() == 0
+
+
+def test_source_that_is_missing_at_the_start_ends_the_node_with_one_line(roscore, tmp_path):
+    camera = start(roscore, '_video_device:={}/still.png'.format(tmp_path))
+    assert camera.wait() == 1
+    assert len(re.findall(r'\[FATAL\].*/still.png: no such file or device', camera.output)) == 1
+
+
 def areas(process):
     """Return the lines of areas that color_extract logged."""
     return re.findall(r'blue=\d+, red=\d+', process.output)

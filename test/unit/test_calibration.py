@@ -1,5 +1,7 @@
 """Calibration files: round trip, whole or not at all, and refusals that name file and entry."""
+import dataclasses
 import os
+import re
 import stat
 
 import pytest
@@ -191,6 +193,152 @@ def test_wrong_count_is_named(path, key, wanted, has):
     message = refused_load(path, with_entry(key, {'rows': 3, 'cols': 3, 'data': [1.0] * has}))
     assert message == 'calibration {} has no usable entry {} (wants {} numbers, has {})'.format(
         path, key, wanted, has)
+
+
+# what is wrong with a calibration, by field, and what the line says of it
+BROKEN = [
+    ({'width': 0}, r'image_width \(wants a whole number above 0, has 0\)'),
+    ({'height': -480}, r'image_height \(wants a whole number above 0, has -480\)'),
+    ({'camera_matrix': (float('nan'),) + KNOWN.camera_matrix[1:]},
+     r'camera_matrix \(wants finite numbers, has nan\)'),
+    ({'projection': KNOWN.projection[:-1] + (float('inf'),)},
+     r'projection_matrix \(wants finite numbers, has inf\)'),
+    ({'camera_matrix': (0.0,) * 9},
+     r'camera_matrix \(wants a focal length fx above 0, has 0\)'),
+    ({'distortion_model': 'plum_bob'},
+     r"distortion_model \(wants one of .*plumb_bob, rational_polynomial, has 'plum_bob'\)"),
+    ({'distortion_model': ''}, r"distortion_model \(wants one of .*, has ''\)"),
+    ({'distortion': ()},
+     r'distortion_coefficients \(wants 5 or 4 numbers for plumb_bob, has 0\)'),
+    ({'distortion': (0.1,) * 3},
+     r'distortion_coefficients \(wants 5 or 4 numbers for plumb_bob, has 3\)'),
+    ({'distortion_model': 'equidistant'},
+     r'distortion_coefficients \(wants 4 numbers for equidistant, has 5\)'),
+]
+
+
+@pytest.mark.parametrize('broken, words', BROKEN)
+def test_calibration_that_rectifies_nothing_is_refused(path, broken, words):
+    given = dataclasses.replace(KNOWN, **broken)
+    with pytest.raises(CalibrationError, match='^the calibration has no usable entry ' + words):
+        calibration.check(given)
+    calibration.save(path, given)
+    with open(path) as file:
+        message = refused_load(path, file.read())
+    assert re.search('^calibration .* has no usable entry ' + words, message), message
+
+
+@pytest.mark.parametrize('model, count', [
+    ('plumb_bob', 5), ('plumb_bob', 4), ('rational_polynomial', 8), ('rational_polynomial', 12),
+    ('rational_polynomial', 14), ('equidistant', 4)])
+def test_models_have_the_coefficients_that_opencv_knows(model, count):
+    calibration.check(dataclasses.replace(
+        KNOWN, distortion_model=model, distortion=(0.1,) * count))
+
+
+@pytest.mark.parametrize('value', [True, None, [500], 'a'])
+def test_what_is_no_number_is_named(path, value):
+    data = [value, 0, 320, 0, 500, 240, 0, 0, 1]
+    message = refused_load(path, with_entry('camera_matrix', {'rows': 3, 'cols': 3, 'data': data}))
+    assert message.endswith('entry camera_matrix (wants numbers, has {!r})'.format(value))
+
+
+@pytest.mark.parametrize('key, shape, wanted', [
+    ('camera_matrix', (4, 7), 'rows: 3, cols: 3, has 4, 7'),
+    ('camera_matrix', (9, 1), 'rows: 3, cols: 3, has 9, 1'),
+    ('camera_matrix', ('x', None), "rows: 3, cols: 3, has 'x', None"),
+    ('projection_matrix', (4, 3), 'rows: 3, cols: 4, has 4, 3'),
+    ('distortion_coefficients', (1, 7), 'rows x cols numbers, has 5 for 1 x 7')])
+def test_shape_that_does_not_fit_the_numbers_is_named(path, key, shape, wanted):
+    data = yaml.safe_load(FOREIGN)[key]['data']
+    message = refused_load(path, with_entry(
+        key, {'rows': shape[0], 'cols': shape[1], 'data': data}))
+    assert message.endswith('entry {} (wants {})'.format(key, wanted))
+
+
+def test_upright_vector_of_coefficients_and_missing_shapes_are_taken(path):
+    content = yaml.safe_load(FOREIGN)
+    content['distortion_coefficients'].update(rows=5, cols=1)
+    del content['camera_matrix']['rows'], content['camera_matrix']['cols']
+    with open(path, 'w') as file:
+        yaml.safe_dump(content, file)
+    assert len(calibration.load(path).distortion) == 5
+
+
+def test_missing_or_empty_camera_name_is_an_empty_one(path):
+    for name in ('camera_name: narrow\n', 'camera_name:\n'):
+        with open(path, 'w') as file:
+            file.write(FOREIGN.replace('camera_name: narrow\n', '' if 'narrow' in name else name))
+        assert calibration.load(path).camera_name == ''
+
+
+def bomb(key):
+    """A few lines that stand for a list of millions, as the entry `key`."""
+    lines = ['a0: &a0 [{}]'.format(', '.join(['xxxxxxxx'] * 9))]
+    lines += ['a{}: &a{} [{}]'.format(n, n, ', '.join(['*a{}'.format(n - 1)] * 9))
+              for n in range(1, 8)]
+    return '\n'.join(lines) + '\n' + '{}: *a7\n'.format(key)
+
+
+LONG = {
+    **{'bomb in ' + key: bomb(key) + ''.join(line for line in FOREIGN.splitlines(True)
+                                             if not line.startswith(key))
+       for key in ('image_width', 'camera_name')},
+    'long model': FOREIGN.replace('plumb_bob', 'p' * 9999),
+    'long number': FOREIGN.replace('[500', '[' + 'x' * 9999),
+    'deep lists': '[' * 2000,
+    'deep maps': 'a: ' + '{' * 2000,
+    'long directive': '%' + 'x' * 5000,
+    'long anchor': '&' + 'y' * 9999 + ' a: [',
+}
+
+
+@pytest.mark.parametrize('name', LONG)
+def test_line_of_an_error_is_short_whatever_the_file_holds(path, name):
+    assert len(refused_load(path, LONG[name])) - len(path) < 400
+
+
+def test_file_that_is_too_long_for_a_calibration_is_not_read(path):
+    assert refused_load(path, FOREIGN + '#' * (1 << 20)) == (
+        'cannot read calibration {}: larger than 1048576 bytes'.format(path))
+
+
+def test_pipe_is_refused_and_not_waited_for(path):
+    os.mkfifo(path)
+    with pytest.raises(CalibrationError, match='^cannot read calibration .*: not a regular file$'):
+        calibration.load(path)
+
+
+def special(kind, path):
+    if kind == 'pipe':
+        os.mkfifo(path)
+    elif kind == 'device':
+        os.symlink('/dev/null', path)
+    else:
+        os.mkdir(path)
+
+
+@pytest.mark.parametrize('kind', ['pipe', 'device', 'folder'])
+def test_what_is_no_file_is_not_written_over(path, kind, monkeypatch):
+    special(kind, path)
+    # should the mend be gone: the device node of this machine is not to be replaced
+    monkeypatch.setattr('img_recog.camera.calibration.os.replace', pytest.fail)
+    with pytest.raises(CalibrationError,
+                       match='^cannot write calibration .*: not a regular file$'):
+        calibration.save(path, KNOWN)
+    assert os.listdir(os.path.dirname(path)) == ['head_camera.yaml']
+
+
+@pytest.mark.parametrize('exists', [True, False])
+def test_link_stays_and_the_file_it_stands_for_is_written(tmp_path, path, exists):
+    target = str(tmp_path / 'kept' / 'real.yaml')
+    os.symlink(os.path.join('kept', 'real.yaml'), path)
+    if exists:
+        calibration.save(target, OTHER)
+    calibration.save(path, KNOWN)
+    assert os.path.islink(path) and not os.path.islink(target)
+    assert calibration.load(target) == KNOWN
+    assert os.listdir(os.path.dirname(target)) == ['real.yaml']
 
 
 def test_scaled_to_half_the_size():

@@ -4,6 +4,7 @@ import os
 import pytest
 
 from img_recog.nodes import camera_info_urls, user_paths
+from img_recog.settings import SettingError
 
 
 def test_calibration_urls(monkeypatch, tmp_path):
@@ -22,7 +23,7 @@ def test_calibration_urls(monkeypatch, tmp_path):
     ('file://relative', "got 'file://relative'"),
     ('package://no_such_package/a.yaml', 'there is no package no_such_package')])
 def test_calibration_urls_that_are_refused(url, words):
-    with pytest.raises(camera_info_urls.UrlError) as error:
+    with pytest.raises(SettingError) as error:
         camera_info_urls.path_of(url, 'front')
     assert words in str(error.value)
 

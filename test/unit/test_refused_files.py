@@ -83,6 +83,24 @@ def test_truncated_still_image(tmp_path):
     assert refusal(path) == NOT_PLAYABLE.format(path)
 
 
+@pytest.mark.parametrize('kept', [20, 0.5, -2])
+def test_truncated_jpeg(tmp_path, capfd, kept):
+    path, data = tmp_path / 'still.jpg', cv2.imencode('.jpg', smooth_image(0))[1]
+    path.write_bytes(data.tobytes()[:int(kept * len(data)) if isinstance(kept, float) else kept])
+    assert refusal(path) == 'cannot read {}: the picture is cut off, its end is missing'.format(
+        path)
+    assert capfd.readouterr().err == ''
+
+
+@pytest.mark.parametrize('extra', [b'', b'and more', bytes(9000)])
+@pytest.mark.parametrize('progressive', [0, 1])
+def test_whole_jpeg_with_more_behind_its_end_is_shown(tmp_path, extra, progressive):
+    path = tmp_path / 'still.jpg'
+    how = [cv2.IMWRITE_JPEG_PROGRESSIVE, progressive]
+    path.write_bytes(cv2.imencode('.jpg', smooth_image(0), how)[1].tobytes() + extra)
+    assert open_file(str(path), 30.0).read().shape == (64, 96, 3)
+
+
 def test_directory(tmp_path):
     assert refusal(tmp_path) == (
         'cannot open {}: neither a device nor a file, nor a folder with images; set video_device '

@@ -1,9 +1,5 @@
 """From video_device to a frame source."""
-import functools
-import http.server
 import os
-import socket
-import threading
 
 import cv2
 import numpy as np
@@ -11,7 +7,7 @@ import pytest
 from films import smooth_image
 
 from img_recog.camera import selection
-from img_recog.camera.film_source import FilmSource, StreamSource
+from img_recog.camera.film_source import FilmSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
@@ -187,6 +183,30 @@ def test_film_without_loop_ends_after_its_last_frame(make_film):
     source.close()
 
 
+def cut_jpeg(path, thumbnail=False):
+    """Write the first half of a JPEG; with a thumbnail, which has an end of its own, before it."""
+    good, data = cv2.imencode('.jpg', smooth_image(4))
+    data = data.tobytes()
+    if thumbnail:
+        application = b'Exif\0\0' + data
+        data = (data[:2] + b'\xff\xe1' + (len(application) + 2).to_bytes(2, 'big') + application
+                + data[2:])
+    assert good and data.endswith(b'\xff\xd9')
+    path.write_bytes(data[:-len(data) // 4])
+
+
+@pytest.mark.parametrize('thumbnail', [False, True])
+def test_jpeg_that_is_cut_off_is_skipped_in_a_folder(tmp_path, thumbnail):
+    save_still(tmp_path / 'a.png', 0)
+    cut_jpeg(tmp_path / 'b.jpg', thumbnail)
+    save_still(tmp_path / 'c.png', 2)
+    source = opened(tmp_path)
+    assert shows(source, 0)
+    with pytest.raises(FrameSkipped, match='^cannot read the image .*b.jpg$'):
+        source.read()
+    assert shows(source, 2)
+
+
 @pytest.mark.parametrize('loop', [True, False])
 def test_film_that_breaks_off_is_told_in_one_line_once(make_film, loop):
     path, warnings = make_film(frames=60), []
@@ -220,56 +240,6 @@ def test_auto_is_settled_once(tmp_path, monkeypatch):
     settings = selection.settled(CameraSettings(video_device='auto'))
     assert settings.video_device == str(tmp_path)
     assert selection.settled(settings) is settings
-
-
-class Silent(http.server.SimpleHTTPRequestHandler):
-    """Serves files and logs nothing."""
-
-    def log_message(self, *_):
-        pass
-
-
-@pytest.fixture
-def serve(tmp_path):
-    """The URL of a server of the files in tmp_path."""
-    server = http.server.ThreadingHTTPServer(
-        ('127.0.0.1', 0), functools.partial(Silent, directory=str(tmp_path)))
-    thread = threading.Thread(target=server.serve_forever, daemon=True)
-    thread.start()
-    yield 'http://127.0.0.1:{}/'.format(server.server_port)
-    server.shutdown()
-    server.server_close()
-    thread.join()
-
-
-def test_film_at_a_url_plays_at_its_own_rate(make_film, serve):
-    make_film()
-    source = opened(serve + 'film.avi')
-    assert isinstance(source, FilmSource) and source.rate_hz == 12.5
-    assert source.read().shape == (64, 96, 3)
-    source.close()
-
-
-def test_stream_gives_frames_as_they_come_and_then_is_worth_waiting_for(make_film, serve):
-    path = make_film()
-    os.rename(path, os.path.join(os.path.dirname(path), 'live'))
-    source = opened(serve + 'live')
-    assert isinstance(source, StreamSource)
-    assert (source.rate_hz, source.reconnects, source.width, source.height) == (None, True, 96, 64)
-    for _ in range(6):
-        assert source.read().shape == (64, 96, 3)
-    with pytest.raises(SourceError, match='live gives no more frames: ended or silent$'):
-        source.read()
-    source.close()
-
-
-def test_stream_that_nobody_serves_is_refused_without_its_password():
-    with socket.socket() as free:
-        free.bind(('127.0.0.1', 0))
-        port = free.getsockname()[1]
-    with pytest.raises(SourceError) as refused:
-        opened('http://me:secret@127.0.0.1:{}/live'.format(port))
-    assert str(refused.value).startswith('cannot open http://127.0.0.1:{}/live: '.format(port))
 
 
 def test_other_url_is_refused_with_those_that_are_known():

@@ -1,21 +1,19 @@
 """From the text of `video_device` to the frame source that it names."""
 import dataclasses
 import os
-import re
 import stat
 from typing import Callable, Sequence
 
 from img_recog.camera.device_source import DeviceSource, list_devices
-from img_recog.camera.film_source import NOT_PLAYABLE, FilmSource, StreamSource, name_for_log
+from img_recog.camera.film_source import NOT_PLAYABLE, FilmSource
+from img_recog.camera.pixels import converted
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError
-from img_recog.camera.still_source import FolderSource, StillSource, read_image
+from img_recog.camera.still_source import FolderSource, StillSource, is_cut, read_image
 from img_recog.camera.synthetic import SyntheticSource
+from img_recog.camera.url_source import open_url
 
 DEFAULT_DEVICE = '/dev/video0'
-_SCHEMES = ('http', 'https', 'rtmp', 'rtsp', 'rtsps')
-# A film at a URL has an end, which it tells; a live stream has none.
-_FILM_URL = re.compile(r'https?://[^?#]*\.(avi|m4v|mkv|mov|mp4|mpe?g|ogv|webm)$', re.IGNORECASE)
 
 
 def settled(settings: CameraSettings) -> CameraSettings:
@@ -42,7 +40,7 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
     if name == 'synthetic':
         return SyntheticSource(settings.image_width, settings.image_height, settings.framerate)
     if '://' in name:
-        return _open_url(name, settings.loop, warn)
+        return open_url(name, settings.framerate, settings.loop, warn)
     path = _find(name, folders)
     mode = os.stat(path).st_mode
     if stat.S_ISREG(mode):
@@ -65,17 +63,13 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
         raise SourceError('cannot read {}: permission denied'.format(path))
     image = read_image(path)
     if image is not None:
-        return StillSource(path, image, rate_hz)
+        return StillSource(path, converted(image, 'rgb8'), rate_hz)
+    if is_cut(path):
+        raise SourceError('cannot read {}: the picture is cut off, its end is missing'.format(
+            path))
     if _is_text(path):
         raise SourceError(NOT_PLAYABLE.format(path))
     return FilmSource(path, loop, warn)
-
-
-def _open_url(url: str, loop: bool, warn: Callable[[str], None]) -> FrameSource:
-    if url.partition('://')[0].lower() not in _SCHEMES:
-        raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
-            name_for_log(url), ', '.join(scheme + '://' for scheme in _SCHEMES)))
-    return FilmSource(url, loop, warn) if _FILM_URL.match(url) else StreamSource(url)
 
 
 def _find(name: str, folders: Sequence[str]) -> str:

@@ -23,8 +23,8 @@ class CameraSettings(Settings):
     """Parameters of a frame source.
 
     video_device: a V4L2 device, the path of a film, still image or folder of stills, the URL of a
-        stream (rtsp://, http://), `synthetic`, or `auto` (the first device where there is one,
-        else the synthetic scene).
+        stream, film or still image (rtsp://, http://), `synthetic`, or `auto` (the first device
+        where there is one, else the synthetic scene).
     image_width, image_height: pixels asked of a device and drawn by the synthetic scene; other
         sources keep their own size.
     framerate: Hz asked of a device, and the most that is taken of one that gives more; kept by

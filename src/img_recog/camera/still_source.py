@@ -9,16 +9,18 @@ from img_recog.camera.pixels import converted
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceEnded, SourceError
 
 # Only these are looked at in a folder: others may be anything, and block whoever opens them.
-_EXTENSIONS = ('.bmp', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm', '.tif', '.tiff',
-               '.webp')
+EXTENSIONS = ('.bmp', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm', '.tif', '.tiff',
+              '.webp')
+
+_SCAN = 0xda        # the marker SOS of a JPEG
 
 
 class StillSource(FrameSource):
     """A still image, repeated."""
 
     def __init__(self, path: str, image: np.ndarray, rate_hz: float):
-        self.name = path
-        self._image = converted(image, self.encoding)
+        """Repeat `image`, rgb8 and of `path`, which it keeps."""
+        self.name, self._image = path, image
         self._image.setflags(write=False)
         self.height, self.width = image.shape[:2]
         self.rate_hz = self.expected_hz = rate_hz
@@ -81,13 +83,39 @@ def image_paths(folder: str) -> list:
     except OSError as error:
         raise SourceError('cannot read {}: {}'.format(folder, error.strerror.lower()))
     paths = (os.path.join(folder, name) for name in names
-             if name.lower().endswith(_EXTENSIONS) and not name.startswith('.'))
+             if name.lower().endswith(EXTENSIONS) and not name.startswith('.'))
     return [path for path in paths if os.path.isfile(path)]
 
 
 def read_image(path: str) -> Optional[np.ndarray]:
-    """Return an image file as bgr8, None when OpenCV cannot read it."""
+    """Return an image file as bgr8, None when OpenCV cannot read it or it is cut off."""
     try:
-        return cv2.imread(path, cv2.IMREAD_COLOR) if cv2.haveImageReader(path) else None
+        if not cv2.haveImageReader(path) or is_cut(path):
+            return None
+        return cv2.imread(path, cv2.IMREAD_COLOR)
     except cv2.error:       # its header claims more pixels than OpenCV allows
         return None
+
+
+def is_cut(path: str) -> bool:
+    """Return whether a file is a JPEG without its end, which OpenCV would fill up with grey.
+
+    Markers as in ITU-T T.81, annex B: segments of a length each, up to the scan. In that no FF D9
+    stands but the end; before it may be those of a thumbnail.
+    """
+    with open(path, 'rb') as file:
+        if file.read(3) != b'\xff\xd8\xff':
+            return False
+        file.seek(2)
+        while True:
+            marker = file.read(2)
+            while marker == b'\xff\xff':        # fill bytes
+                marker = b'\xff' + file.read(1)
+            if len(marker) < 2:
+                return True
+            length = int.from_bytes(file.read(2), 'big')
+            if marker[0] != 0xff or length < 2:
+                return False        # damaged in another way, which OpenCV is to judge
+            file.seek(length - 2, os.SEEK_CUR)
+            if marker[1] == _SCAN:
+                return b'\xff\xd9' not in file.read()

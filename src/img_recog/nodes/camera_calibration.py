@@ -1,4 +1,5 @@
 """The calibration of a camera: its file, its service and its message."""
+import reprlib
 from typing import Optional, Tuple
 
 import rospy
@@ -9,7 +10,7 @@ from std_msgs.msg import Header
 from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
-from img_recog.nodes import camera_info_msgs, camera_info_urls
+from img_recog.nodes import camera_info_msgs, camera_info_urls, parameters
 
 
 class CameraCalibration:
@@ -18,13 +19,18 @@ class CameraCalibration:
     def __init__(self, settings: CameraSettings):
         """Load the calibration file, if there is one.
 
-        Raises UrlError when camera_info_url names no file.
+        Raises ParameterError when camera_info_url names no file.
         """
         self._name = settings.camera_name
-        self._path = camera_info_urls.path_of(settings.camera_info_url, settings.camera_name)
-        self._loaded = _load(self._path)
+        self._path = parameters.read_one(
+            'camera_info_url', '', lambda url: camera_info_urls.path_of(url, self._name))
+        self._loaded = _load(self._path, self._name)
         self._in_force: Optional[Calibration] = None
+        # of the images seen last, in pixels
         self._size: Optional[Tuple[int, int]] = None
+        # of those to come, where that is certain before they do
+        self._promised = ((settings.image_width, settings.image_height)
+                          if settings.video_device == 'synthetic' else None)
 
     def serve(self) -> None:
         """Advertise the service."""
@@ -52,25 +58,36 @@ class CameraCalibration:
 
     def _set_camera_info(self, request) -> SetCameraInfoResponse:
         given = camera_info_msgs.from_msg(request.camera_info, self._name)
-        if self._size is not None and (given.width, given.height) != self._size:
-            return SetCameraInfoResponse(success=False, status_message=(
-                'the calibration is for {}x{}, the images are {}x{}'.format(
-                    given.width, given.height, *self._size)))
+        size = self._size or self._promised
         try:
+            calibration.check(given)
+            if size is not None and (given.width, given.height) != size:
+                raise calibration.CalibrationError(
+                    'the calibration is for {}x{}, the images are {}x{}'.format(
+                        given.width, given.height, *size))
             calibration.save(self._path, given)
         except calibration.CalibrationError as error:
-            rospy.logerr('%s', error)
+            rospy.logerr('set_camera_info: %s', error)
             return SetCameraInfoResponse(success=False, status_message=str(error))
-        self._loaded = self._in_force = given
+        self._loaded = given
+        if self._size is not None:
+            self._in_force = given
         rospy.loginfo('calibration written to %s', self._path)
-        return SetCameraInfoResponse(success=True, status_message=self._path)
+        unchecked = '' if size else ('; its size {}x{} could not be checked: the camera has not '
+                                     'been open yet'.format(given.width, given.height))
+        return SetCameraInfoResponse(success=True, status_message=self._path + unchecked)
 
 
-def _load(path: str) -> Optional[Calibration]:
+def _load(path: str, camera_name: str) -> Optional[Calibration]:
     try:
-        return calibration.load(path)
+        loaded = calibration.load(path)
     except FileNotFoundError:
         rospy.loginfo('camera is not calibrated: no %s', path)
+        return None
     except calibration.CalibrationError as error:
         rospy.logerr('%s; publishing no calibration', error)
-    return None
+        return None
+    if loaded.camera_name not in ('', camera_name):
+        rospy.logwarn('calibration %s is of a camera %s, camera_name is %s: using it all the same',
+                      path, reprlib.repr(loaded.camera_name), camera_name)
+    return loaded

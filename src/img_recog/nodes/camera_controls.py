@@ -1,13 +1,14 @@
 """The V4L2 controls of the camera, as parameters ask for them."""
 import dataclasses
 import threading
-from typing import Mapping, Optional
+from typing import Callable, Mapping, Optional
 
 import rospy
 
 from img_recog.camera import controls
 from img_recog.camera.controls import ControlDevice
 from img_recog.camera.settings import ControlSettings
+from img_recog.settings import declared
 
 
 class CameraControls:
@@ -23,6 +24,8 @@ class CameraControls:
         """Set the controls of the device at `path`, which was opened; None for no device."""
         with self._lock:
             self._path = path
+            if path is None:
+                self._tell_without_effect()
             self._apply(self._intrinsic)
 
     def change(self, settings: ControlSettings) -> None:
@@ -49,7 +52,17 @@ class CameraControls:
         finally:
             device.close()
 
+    def _tell_without_effect(self) -> None:
+        given = [field.name for field in declared(ControlSettings)
+                 if getattr(self._settings, field.name) != field.default]
+        if given or self._intrinsic:
+            self._tell(rospy.loginfo, 'no device, so these controls have no effect: {}'.format(
+                ', '.join(given + sorted(self._intrinsic))))
+
     def _warn(self, problem: str) -> None:
-        if problem not in self._told:       # not again each time the device comes back
-            self._told.add(problem)
-            rospy.logwarn('%s', problem)
+        self._tell(rospy.logwarn, problem)
+
+    def _tell(self, log: Callable[..., None], line: str) -> None:
+        if line not in self._told:       # not again each time the device comes back
+            self._told.add(line)
+            log('%s', line)

@@ -3,11 +3,9 @@ import os
 
 import rospkg
 
-from img_recog.errors import UserError
+from img_recog.settings import SettingError
 
-
-class UrlError(UserError):
-    """A camera_info_url cannot be turned into a path."""
+_ALLOWED = 'file:///PATH, package://PACKAGE/PATH or empty'
 
 
 def path_of(url: str, camera_name: str) -> str:
@@ -15,7 +13,7 @@ def path_of(url: str, camera_name: str) -> str:
 
     url: file:///PATH, package://PACKAGE/PATH, or empty for camera_info/CAMERA_NAME.yaml in
     ROS_HOME; ${NAME} is replaced by the camera's name and ${ROS_HOME} by that folder.
-    Raises UrlError for another scheme or an unknown package.
+    Raises SettingError for another scheme or an unknown package.
     """
     url = url or 'file://${ROS_HOME}/camera_info/${NAME}.yaml'
     resolved = url.replace('${NAME}', camera_name).replace('${ROS_HOME}', rospkg.get_ros_home())
@@ -27,7 +25,6 @@ def path_of(url: str, camera_name: str) -> str:
         try:
             return os.path.join(rospkg.RosPack().get_path(package), path)
         except rospkg.ResourceNotFound:
-            raise UrlError('parameter camera_info_url: got {!r}, but there is no package {}'
-                           .format(url, package))
-    raise UrlError('parameter camera_info_url: got {!r}, allowed is file:///PATH, '
-                   'package://PACKAGE/PATH or empty'.format(url))
+            raise SettingError('camera_info_url', url, '{} (there is no package {})'.format(
+                _ALLOWED, package))
+    raise SettingError('camera_info_url', url, _ALLOWED)

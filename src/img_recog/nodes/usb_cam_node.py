@@ -21,7 +21,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.camera import selection
+from img_recog.camera import selection, urls
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
@@ -48,7 +48,7 @@ class UsbCam(Listener):
 
     def __init__(self):
         self._settings = selection.settled(parameters.read(CameraSettings))
-        self._name = selection.name_for_log(self._settings.video_device)
+        self._name = urls.name_for_log(self._settings.video_device)
         controls = parameters.read(ControlSettings)
         self._controls = CameraControls(
             controls, parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
@@ -138,8 +138,9 @@ class UsbCam(Listener):
         self._end()
 
     def failed(self, error: Exception, opening: bool) -> None:
-        if opening and self._settings.create_suspended and not self._opened_once:
-            rospy.logerr('%s; still suspended', error)
+        if opening and (self._opened_once or self._settings.create_suspended):
+            # by ~start_capture, which can be called again; the start of the node is not
+            rospy.logerr('%s; still %s', error, 'stopped' if self._opened_once else 'suspended')
             return
         self._failure = error
         self._end()
