@@ -19,7 +19,10 @@ _MISSING_FRAMES = 2
 
 
 class FilmSource(FrameSource):
-    """A film that plays at its own rate, once or in a loop."""
+    """A film that plays at its own rate, once or in a loop.
+
+    expected_frames: how many its container says that it has, 0 where it does not say.
+    """
 
     def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None):
         self._path, self._loop, self._warn = path, loop, warn
@@ -27,6 +30,7 @@ class FilmSource(FrameSource):
         self._capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
         self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
         self._promised = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        self.expected_frames = max(0, int(self._promised))
         self._count = 0
         good, self._next = self._capture.read()
         if not good:
