@@ -12,6 +12,7 @@ import sys
 import time
 from typing import Union
 
+import cv2
 from tqdm import tqdm
 
 from img_recog.errors import UserError
@@ -31,6 +32,7 @@ from img_recog.simulation.settings import SpawnSettings
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
 _AHEAD = 8                      # frames
+_FATAL, _QUIET = 1, -8          # OpenCV's and ffmpeg's names for these
 _log = logging.getLogger('replay.py')
 Frames = Union[FilmFrames, BagFrames]
 
@@ -41,6 +43,9 @@ def main() -> int:
     logging.basicConfig(format='replay.py: %(levelname)s: %(message)s')
     logging.addLevelName(logging.WARNING, 'warning')        # as argparse has its error
     logging.addLevelName(logging.ERROR, 'error')
+    # what they have to say is in the one line of ours
+    cv2.setLogLevel(_FATAL)
+    os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_QUIET))
     _mind_signals()
     # roslaunch adds __name:=... and __log:=...
     arguments = [word for word in sys.argv[1:]
@@ -82,8 +87,9 @@ def replay(options: argparse.Namespace, begin_s: float) -> str:
         loop_s = time.perf_counter() - start_s
         bag.close()
         text.flush()
-        plot.draw(png_file, os.path.basename(options.input), end_ns / SECOND_NS,
-                  footprints(simulator.world))
+        plot.draw(png_file, 'Replay of {}, {} frames, in the world {}'.format(
+            os.path.basename(options.input), plot.frames, os.path.basename(options.world)),
+                  end_ns / SECOND_NS, footprints(simulator.world))
     for warning in frames.warnings:
         _log.warning('%s', warning)
     whole_s = time.perf_counter() - begin_s
@@ -103,7 +109,7 @@ def _run(chain: Chain, frames: Frames) -> int:
 def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, motion: Motion,
              paths) -> str:
     return ('{} frames, {:.3f} s simulated in {:.2f} s, {:.1f} times real time ({:.2f} s with '
-            'start and plot); the robot ends at x {:.3f} m, y {:.3f} m, yaw {:.3f} rad; wrote {}'
+            'world and plot); the robot ends at x {:.3f} m, y {:.3f} m, yaw {:.3f} rad; wrote {}'
             .format(frames, simulated_s, loop_s, simulated_s / loop_s, whole_s,
                     *motion.position[:2], yaw_of(motion), ', '.join(paths)))
 

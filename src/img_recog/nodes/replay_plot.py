@@ -13,11 +13,12 @@ from img_recog.nodes.replay_chain import RECOGNITION, SECOND_NS, TELEOP, Recorde
 from img_recog.nodes.replay_records import yaw_of
 from img_recog.recognition.settings import Color
 
-_SIZE_IN, _DPI = (14.0, 8.0), 100
+_SIZE_IN, _DPI = (14.0, 9.0), 100
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
-_START, _END = '#2ca02c', '#d62728'
-_ROOM_M = 0.15                  # around a path
-_SMALL = 0.25                   # of the world: a path that is shorter is shown enlarged as well
+_START, _END, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
+_LEAST_ROOM_M = 0.02            # around the path, close up
+# the columns of what is kept of a frame; areas follow
+_TIME, _X, _Y, _YAW, _SPEED, _TURN, _AREAS = range(7)
 
 
 class PlotRecorder(Recorder):
@@ -51,27 +52,31 @@ class PlotRecorder(Recorder):
         """
         # not as the user's own matplotlibrc has it
         with matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 10.0}):
-            figure = Figure(figsize=_SIZE_IN, dpi=_DPI, constrained_layout=True)
+            figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
             FigureCanvasAgg(figure)
-            figure.suptitle(title)
-            grid = figure.add_gridspec(3, 2, width_ratios=(1.35, 1))
-            first = figure.add_subplot(grid[0, 0])
-            others = [figure.add_subplot(grid[row, 0], sharex=first) for row in (1, 2)]
+            figure.suptitle(title, x=0.06, y=0.98, ha='left')
             rows = np.array(self._rows)
-            self._draw_areas(first, rows)
-            self._draw_commands(others[0])
-            _draw_speed(others[1], rows)
-            first.set_xlim(0, max(end_s, 1e-3))
-            for axes in (first, others[0]):
-                axes.tick_params(labelbottom=False)
-            others[1].set_xlabel('simulated time (s)')
-            _draw_path(figure.add_subplot(grid[:, 1]), rows, outlines)
+            # placed by hand: to find a layout takes as long as to draw it
+            grid = figure.add_gridspec(4, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
+                                       hspace=0.32)
+            over_time = [figure.add_subplot(grid[row]) for row in range(4)]
+            self._draw_areas(over_time[0], rows)
+            self._draw_commands(over_time[1])
+            _draw_speed(over_time[2], rows)
+            _draw_position(over_time[3], rows)
+            for axes in over_time:
+                axes.set_xlim(0, max(end_s, 1e-3))
+                axes.tick_params(labelbottom=axes is over_time[-1])
+            over_time[-1].set_xlabel('simulated time (s)')
+            _draw_map(figure.add_axes((0.67, 0.43, 0.31, 0.49)), rows, outlines)
+            _draw_close_up(figure.add_axes((0.67, 0.07, 0.31, 0.27)), rows, outlines)
             figure.savefig(file, format='png')
 
     def _draw_areas(self, axes: Axes, rows: np.ndarray) -> None:
         limits: Dict[int, List[str]] = {}
         for number, color in enumerate(self._colors):
-            axes.plot(rows[:, 0], rows[:, 6 + number], color=_shown(color), label=color.name)
+            axes.plot(rows[:, _TIME], rows[:, _AREAS + number], color=_shown(color),
+                      label=color.name)
             limits.setdefault(color.area_limit_px, []).append(color.name)
         for limit_px, names in limits.items():
             axes.axhline(limit_px, color=_FAINT, linestyle='--', linewidth=1,
@@ -99,61 +104,79 @@ class PlotRecorder(Recorder):
 
 
 def _draw_speed(axes: Axes, rows: np.ndarray) -> None:
-    lines = axes.plot(rows[:, 0], rows[:, 4], color=_LINEAR, label='linear (m/s, left)')
-    axes.set_ylabel('linear (m/s)', color=_LINEAR)
-    turning = axes.twinx()
-    lines += turning.plot(rows[:, 0], rows[:, 5], color=_ANGULAR, linewidth=1,
-                          label='angular (rad/s, right)')
-    turning.set_ylabel('angular (rad/s)', color=_ANGULAR)
-    for each, least in ((axes, 0.05), (turning, 0.5)):
-        # the noise of a robot that stands is not to fill the picture
-        largest = max(least, 1.15 * np.abs(each.lines[0].get_ydata()).max())
-        each.set_ylim(-largest, largest)
+    axes.plot(rows[:, _TIME], rows[:, _SPEED], color=_LINEAR, label='linear (left)')
+    _two_scales(axes, rows[:, _TIME], rows[:, _TURN], 'angular (right)',
+                ('linear (m/s)', 'angular (rad/s)'), 0.05)
     axes.set_title('Speed of the robot', loc='left')
-    _finish(axes, lines)
 
 
-def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
-    _draw_map(axes, rows, outlines)
-    axes.set_title('Path in the world', loc='left')
-    axes.set_xlabel('x (m)')
-    axes.set_ylabel('y (m)')
-    axes.autoscale_view()
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    middle, half = _extent(rows)
-    if 2 * half < _SMALL * max(right - left, high - low):
-        closer = axes.inset_axes((0.56, 0.02, 0.42, 0.42 * (right - left) / (high - low)))
-        _draw_map(closer, rows, outlines)
-        closer.set_xlim(middle[0] - half, middle[0] + half)
-        closer.set_ylim(middle[1] - half, middle[1] + half)
-        closer.tick_params(labelsize=7)
-        axes.indicate_inset_zoom(closer, edgecolor=_DARK)
-    axes.legend(loc='upper left', framealpha=0.9)
+def _draw_position(axes: Axes, rows: np.ndarray) -> None:
+    for column, style, name in ((_X, '-', 'x (left)'), (_Y, ':', 'y (left)')):
+        axes.plot(rows[:, _TIME], rows[:, column] - rows[0, column], style, color=_LINEAR,
+                  label=name)
+    yaw = np.unwrap(rows[:, _YAW])
+    _two_scales(axes, rows[:, _TIME], yaw - yaw[0], 'yaw (right)', ('x, y (m)', 'yaw (rad)'),
+                0.01)
+    axes.set_title('Way from the start', loc='left')
+
+
+def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str, labels: tuple,
+                least: float) -> None:
+    """Draw angles with a scale of their own, to the right of what there is in metres.
+
+    name: of the line; labels: of the left and right scale.
+    least: the scale on the left goes at least so far: the noise of a robot that stands is not to
+    fill the picture.
+    """
+    right = axes.twinx()
+    right.plot(times, angles, color=_ANGULAR, linewidth=1, label=name)
+    axes.set_zorder(right.get_zorder() + 1)
+    axes.patch.set_visible(False)       # else it hides what is below
+    for each, label, color, least_here in ((axes, labels[0], _LINEAR, least),
+                                           (right, labels[1], _ANGULAR, 10 * least)):
+        each.set_ylabel(label, color=color)
+        largest = max(np.abs(line.get_ydata()).max() for line in each.lines)
+        each.set_ylim(*np.array((-1.15, 1.15)) * max(least_here, largest))
+    _finish(axes, axes.lines + right.lines)
 
 
 def _draw_map(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
-    axes.set_aspect('equal', 'datalim' if not outlines else 'box')
+    _draw_path(axes, rows, outlines)
+    axes.autoscale_view()
+    axes.set_title('Path in the world', loc='left')
+
+
+def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
+    _draw_path(axes, rows, outlines)
+    low, high = rows[:, _X:_YAW].min(axis=0), rows[:, _X:_YAW].max(axis=0)
+    middle, half = (low + high) / 2, (high - low).max() / 2
+    half += max(_LEAST_ROOM_M, 0.2 * half)
+    axes.set_xlim(middle[0] - half, middle[0] + half)
+    axes.set_ylim(middle[1] - half, middle[1] + half)
+    axes.ticklabel_format(useOffset=False)
+    axes.set_title('Path, close up', loc='left')
+    axes.legend(loc='upper left', fontsize=9)
+
+
+def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
+    axes.set_aspect('equal', 'datalim')
     for outline in outlines:
-        axes.add_patch(Polygon(outline, facecolor='#d0d0d0', edgecolor='#a0a0a0', linewidth=0.5))
-    x, y, yaw = rows[:, 1], rows[:, 2], rows[:, 3]
-    axes.plot(x, y, color=_DARK, linewidth=1.2, label='path')
-    for row, color, label in ((0, _START, 'start'), (-1, _END, 'end')):
-        axes.plot(x[row], y[row], linestyle='', color=color, markersize=10,
-                  marker=(3, 0, np.degrees(yaw[row]) - 90), label='{}: x {:.2f} m, y {:.2f} m'
-                  .format(label, x[row], y[row]))
+        axes.add_patch(Polygon(outline, facecolor=_WALL, edgecolor=_WALL, linewidth=0.5))
+    x, y, yaw = rows[:, _X], rows[:, _Y], rows[:, _YAW]
+    axes.plot(x, y, color=_DARK, linewidth=1.2)
+    for row, color, size, name in ((0, _START, 14, 'start'), (-1, _END, 8, 'end')):
+        axes.plot(x[row], y[row], linestyle='', color=color, markersize=size,
+                  marker=(3, 0, np.degrees(yaw[row]) - 90),
+                  label='{}: x {:.3f} m, y {:.3f} m'.format(name, x[row], y[row]))
+    axes.set_xlabel('x (m)')
+    axes.set_ylabel('y (m)')
     axes.grid(True, linewidth=0.3)
-
-
-def _extent(rows: np.ndarray):
-    """Return the middle (x, y) of the path and half the side of a square around it, in m."""
-    low, high = rows[:, 1:3].min(axis=0), rows[:, 1:3].max(axis=0)
-    return (low + high) / 2, (high - low).max() / 2 + _ROOM_M
 
 
 def _finish(axes: Axes, lines: Sequence = ()) -> None:
     axes.grid(True, linewidth=0.3)
-    axes.legend(handles=list(lines) or None, loc='lower right', bbox_to_anchor=(1, 1), ncol=4,
-                frameon=False, fontsize=9, borderaxespad=0.1)
+    axes.legend(handles=list(lines) or axes.lines, loc='lower right', bbox_to_anchor=(1, 1),
+                ncol=4, frameon=False, fontsize=9, borderaxespad=0.1)
 
 
 def _shown(color: Color) -> tuple:

@@ -1,7 +1,8 @@
 """The world and robot of a replay, built without a parameter server."""
+import contextlib
 import dataclasses
 import logging
-from typing import Any, Mapping
+from typing import Any, Iterator, Mapping, Sequence
 
 from img_recog.errors import UserError
 from img_recog.nodes import mesh_uris, world_files
@@ -24,24 +25,30 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings) -> Simulator:
     """
     physics = PhysicsSettings(world=world)
     urdf = _text(urdf_path)
-    try:
+    with _named(urdf_path):
         robot = description.parse(urdf, mesh_uris.find)
-        stated = gazebo_tags.settings(urdf, physics.step_s)
-        settings = dataclasses.replace(_stated_by(stated), spawn=spawn)
-        file = world_files.read(world)
-        client = loading.connect()
-        simulated = World(physics, file, client)
+        settings = dataclasses.replace(
+            _stated_by(gazebo_tags.settings(urdf, physics.step_s)), spawn=spawn)
+    file = world_files.read(world)
+    client = loading.connect()
+    simulated = World(physics, file, client)
+    with _named(urdf_path):
         vehicle = Vehicle(robot, settings, physics.step_s, client)
-    except SettingError as error:
-        raise UserError('{}: {}'.format(urdf_path, error))
-    except SimulationError as error:
-        # which file it is, it cannot know
-        raise UserError(str(error).replace('robot_description', urdf_path))
     for sensor in ('imu', 'scan'):
         vehicle.switch(sensor, False)
     simulator = Simulator(simulated, [vehicle])
     _warn(simulator, robot, urdf_path, urdf, file.warnings)
     return simulator
+
+
+@contextlib.contextmanager
+def _named(path: str) -> Iterator[None]:
+    """Let errors say which file it is: who raises them knows but the text."""
+    try:
+        yield
+    except (SettingError, SimulationError) as error:
+        raise UserError('cannot use the robot in {}: {}'.format(
+            path, str(error).replace('robot_description', 'it')))
 
 
 def _text(path: str) -> str:
@@ -66,7 +73,7 @@ def _stated_by(values: Mapping[str, Any]) -> RobotSettings:
 
 
 def _warn(simulator: Simulator, robot: description.Description, path: str, urdf: str,
-          warnings) -> None:
+          warnings: Sequence[str]) -> None:
     if robot.missing_meshes:
         _log.warning('%s: %s', path, meshes.described(robot.missing_meshes))
     strange = gazebo_tags.not_simulated(urdf)
