@@ -11,9 +11,10 @@ import robots
 from replaying import BLUE, RED, Notebook, frame
 
 from img_recog.nodes import color_detection_msgs, robot_msgs, twist_msgs
-from img_recog.nodes.replay_chain import Chain
+from img_recog.nodes.replay_chain import Chain, Sent
 from img_recog.nodes.replay_plot import PlotRecorder
 from img_recog.nodes.replay_records import BagRecorder, TableRecorder, yaw_of
+from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
 from img_recog.simulation.body import Motion
 from img_recog.simulation.footprints import footprints
@@ -93,6 +94,18 @@ def test_bag_has_no_message_at_time_zero_which_is_none():
     found = messages(replayed()[0])
     assert min(stamp for entries in found.values() for stamp, _ in entries) == 1
     assert found['/color_detection'][0][1].header.stamp.to_nsec() == 0
+
+
+def test_bag_of_several_chunks_is_whole():
+    file = BagFile()
+    bag = BagRecorder(file, ['blue'], OdometrySettings(), 'base')
+    bag.start(START_NS)
+    for number in range(20000):
+        bag.sent(Sent(number, Command(float(number)), 'somebody'))
+    bag.close()
+    assert file.value.count(b'\x04\0\0\0op=\x05') > 1
+    assert [(stamp - START_NS, msg.linear.x) for stamp, msg in messages(file.value)['/cmd_vel']
+            ] == [(number, number) for number in range(20000)]
 
 
 def test_bag_without_tf_when_the_robot_says_so():

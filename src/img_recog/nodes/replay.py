@@ -78,7 +78,7 @@ def replay(options: argparse.Namespace, begin_s: float) -> str:
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
     with output_files.written(paths) as (bag_file, csv_file, png_file):
-        bag = BagRecorder(bag_file, settings.color_names, odometry,
+        bag = BagRecorder(bag_file.raw, settings.color_names, odometry,
                           odometry.base_frame or robot.root)
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
         table = TableRecorder(text, settings.color_names)

@@ -82,7 +82,7 @@ class PlotRecorder(Recorder):
             axes.axhline(limit_px, color=_FAINT, linestyle='--', linewidth=1,
                          label='limit of {}: {} px'.format(', '.join(names), limit_px))
         axes.set_ylim(bottom=0)
-        axes.set_title('Area of each colour', loc='left')
+        _set_title(axes, 'Area of each colour')
         axes.set_ylabel('area (px)')
         _finish(axes)
 
@@ -97,7 +97,7 @@ class PlotRecorder(Recorder):
         if found[:, 2].any():
             axes.plot(found[:, 0], found[:, 2], linestyle='', marker='^', markersize=4,
                       color=_ANGULAR, label='recognition, angular.z')
-        axes.set_title('Commands on /cmd_vel', loc='left')
+        _set_title(axes, 'Commands on /cmd_vel')
         axes.set_ylabel('command (m/s, rad/s)' if found[:, 2].any() else 'command (m/s)')
         axes.margins(y=0.15)
         _finish(axes)
@@ -107,7 +107,7 @@ def _draw_speed(axes: Axes, rows: np.ndarray) -> None:
     axes.plot(rows[:, _TIME], rows[:, _SPEED], color=_LINEAR, label='linear (left)')
     _two_scales(axes, rows[:, _TIME], rows[:, _TURN], 'angular (right)',
                 ('linear (m/s)', 'angular (rad/s)'), 0.05)
-    axes.set_title('Speed of the robot', loc='left')
+    _set_title(axes, 'Speed of the robot')
 
 
 def _draw_position(axes: Axes, rows: np.ndarray) -> None:
@@ -117,7 +117,7 @@ def _draw_position(axes: Axes, rows: np.ndarray) -> None:
     yaw = np.unwrap(rows[:, _YAW])
     _two_scales(axes, rows[:, _TIME], yaw - yaw[0], 'yaw (right)', ('x, y (m)', 'yaw (rad)'),
                 0.01)
-    axes.set_title('Way from the start', loc='left')
+    _set_title(axes, 'Way from the start')
 
 
 def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str, labels: tuple,
@@ -143,7 +143,7 @@ def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str, la
 def _draw_map(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
     _draw_path(axes, rows, outlines)
     axes.autoscale_view()
-    axes.set_title('Path in the world', loc='left')
+    _set_title(axes, 'Path in the world')
 
 
 def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
@@ -154,7 +154,7 @@ def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray])
     axes.set_xlim(middle[0] - half, middle[0] + half)
     axes.set_ylim(middle[1] - half, middle[1] + half)
     axes.ticklabel_format(useOffset=False)
-    axes.set_title('Path, close up', loc='left')
+    _set_title(axes, 'Path, close up')
     axes.legend(loc='upper left', fontsize=9)
 
 
@@ -171,6 +171,11 @@ def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> 
     axes.set_xlabel('x (m)')
     axes.set_ylabel('y (m)')
     axes.grid(True, linewidth=0.3)
+
+
+def _set_title(axes: Axes, title: str) -> None:
+    # to find a free height for it takes a quarter of the time of all
+    axes.set_title(title, loc='left', y=1.0)
 
 
 def _finish(axes: Axes, lines: Sequence = ()) -> None:

@@ -1,13 +1,12 @@
 """What a replay leaves behind as data: a bag and a table."""
 import csv
+import io
 import math
+import os
 from typing import IO, Sequence
 
 import rosbag
 import rospy
-from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState, PointCloud
 from tf2_msgs.msg import TFMessage
 
 from img_recog.nodes import color_detection_msgs, robot_msgs, twist_msgs
@@ -16,8 +15,23 @@ from img_recog.simulation.body import Motion
 from img_recog.simulation.settings import OdometrySettings
 from img_recog.simulation.vehicle import Reading
 
-TOPICS = {'/cmd_vel': Twist, '/color_detection': PointCloud, '/joint_states': JointState,
-          '/odom': Odometry, '/tf': TFMessage}
+_BUFFER_BYTES = 1 << 18
+
+
+class _Appended(io.BufferedRandom):
+    """A file that is at its end, and goes there for nothing.
+
+    rosbag does so before each message, and an ordinary file then writes out its buffer.
+    """
+
+    _is_at_end = True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        to_end = (offset, whence) == (0, os.SEEK_END)
+        if to_end and self._is_at_end:
+            return self.tell()
+        self._is_at_end = to_end
+        return super().seek(offset, whence)
 
 
 class BagRecorder(Recorder):
@@ -26,13 +40,13 @@ class BagRecorder(Recorder):
     Stamps are those of the frames, and for the rest simulated time from the first frame on.
     """
 
-    def __init__(self, file: IO[bytes], names: Sequence[str], odometry: OdometrySettings,
+    def __init__(self, file: io.RawIOBase, names: Sequence[str], odometry: OdometrySettings,
                  base_frame: str):
-        """Write to an open file.
+        """Write to an open file, empty and without a buffer.
 
         names: of the colours. base_frame: child_frame_id of the odometry.
         """
-        self._bag = rosbag.Bag(file, 'w')
+        self._bag = rosbag.Bag(_Appended(file, _BUFFER_BYTES), 'w')
         self._names, self._odometry, self._base_frame = names, odometry, base_frame
         self._start_ns = 0
 
