@@ -6,6 +6,7 @@ import re
 import cv2
 import numpy as np
 import pytest
+from waiting import wait_for
 
 from img_recog.simulation import description, loading, world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings
@@ -141,6 +142,20 @@ def test_options(replay, tmp_path):
     assert [float(rows[0][name]) for name in ('x_m', 'y_m', 'yaw_rad')] == [1.0, -2.0, 0.5]
     assert 'red_px' not in rows[0]
     assert abs(float(rows[-1]['linear_x_m_per_s'])) > 0.1, 'without the teleop a command holds'
+
+
+def test_interrupted_it_leaves_nothing_behind(ros, tmp_path):
+    writer = cv2.VideoWriter(str(tmp_path / 'long.avi'), cv2.CAP_FFMPEG,
+                             cv2.VideoWriter_fourcc(*'MJPG'), 2.0, (64, 48))
+    for _ in range(5000):
+        writer.write(np.zeros((48, 64, 3), np.uint8))
+    writer.release()
+    process = ros.start('rosrun', 'img_recog', 'replay.py', 'long.avi', cwd=str(tmp_path))
+    wait_for(lambda: [name for name in os.listdir(str(tmp_path)) if name.endswith(
+        '.csv.{}'.format(process.pid))], lambda: 'files to write to in ' + process.output)
+    assert process.interrupt() == 130, process.output
+    assert 'Traceback' not in process.output, process.output
+    assert [name for name in os.listdir(str(tmp_path)) if 'long' in name] == ['long.avi']
 
 
 CASES = {

@@ -15,8 +15,9 @@ from img_recog.recognition.settings import Color
 
 _SIZE_IN, _DPI = (14.0, 9.0), 100
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
-_START, _END, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
+_START, _LAST, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
 _LEAST_ROOM_M = 0.02            # around the path, close up
+_IN_A_ROW = 4                   # so many names are above the axes, beside the title
 # the columns of what is kept of a frame; areas follow
 _TIME, _X, _Y, _YAW, _SPEED, _TURN, _AREAS = range(7)
 
@@ -81,7 +82,8 @@ class PlotRecorder(Recorder):
         for limit_px, names in limits.items():
             axes.axhline(limit_px, color=_FAINT, linestyle='--', linewidth=1,
                          label='limit of {}: {} px'.format(', '.join(names), limit_px))
-        axes.set_ylim(bottom=0)
+        room = 1.4 if len(axes.lines) > _IN_A_ROW else 1.0      # for the names
+        axes.set_ylim(0, room * axes.get_ylim()[1])
         _set_title(axes, 'Area of each colour')
         axes.set_ylabel('area (px)')
         _finish(axes)
@@ -90,13 +92,13 @@ class PlotRecorder(Recorder):
         teleop = np.array(self._sent[TELEOP]).reshape(-1, 3)
         if len(teleop):
             axes.plot(teleop[:, 0], teleop[:, 1], linestyle='', marker='|', markersize=6,
-                      color=_FAINT, label='idle teleop, linear.x')
+                      color=_FAINT, label='idle teleop')
         found = np.array(self._sent[RECOGNITION]).reshape(-1, 3)
         axes.plot(found[:, 0], found[:, 1], linestyle='', marker='o', markersize=4,
-                  color=_LINEAR, label='recognition, linear.x')
+                  color=_LINEAR, label='linear.x')
         if found[:, 2].any():
             axes.plot(found[:, 0], found[:, 2], linestyle='', marker='^', markersize=4,
-                      color=_ANGULAR, label='recognition, angular.z')
+                      color=_ANGULAR, label='angular.z')
         _set_title(axes, 'Commands on /cmd_vel')
         axes.set_ylabel('command (m/s, rad/s)' if found[:, 2].any() else 'command (m/s)')
         axes.margins(y=0.15)
@@ -154,8 +156,8 @@ def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray])
     axes.set_xlim(middle[0] - half, middle[0] + half)
     axes.set_ylim(middle[1] - half, middle[1] + half)
     axes.ticklabel_format(useOffset=False)
-    _set_title(axes, 'Path, close up')
-    axes.legend(loc='upper left', fontsize=9)
+    _set_title(axes, 'Close up')
+    _finish(axes, axes.lines[1:])
 
 
 def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
@@ -164,10 +166,10 @@ def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> 
         axes.add_patch(Polygon(outline, facecolor=_WALL, edgecolor=_WALL, linewidth=0.5))
     x, y, yaw = rows[:, _X], rows[:, _Y], rows[:, _YAW]
     axes.plot(x, y, color=_DARK, linewidth=1.2)
-    for row, color, size, name in ((0, _START, 14, 'start'), (-1, _END, 8, 'end')):
+    where = 'last frame: {:.3f} m, {:.3f} m'.format(x[-1], y[-1])
+    for row, color, size, name in ((0, _START, 14, 'start'), (-1, _LAST, 8, where)):
         axes.plot(x[row], y[row], linestyle='', color=color, markersize=size,
-                  marker=(3, 0, np.degrees(yaw[row]) - 90),
-                  label='{}: x {:.3f} m, y {:.3f} m'.format(name, x[row], y[row]))
+                  marker=(3, 0, np.degrees(yaw[row]) - 90), label=name)
     axes.set_xlabel('x (m)')
     axes.set_ylabel('y (m)')
     axes.grid(True, linewidth=0.3)
@@ -180,8 +182,12 @@ def _set_title(axes: Axes, title: str) -> None:
 
 def _finish(axes: Axes, lines: Sequence = ()) -> None:
     axes.grid(True, linewidth=0.3)
-    axes.legend(handles=list(lines) or axes.lines, loc='lower right', bbox_to_anchor=(1, 1),
-                ncol=4, frameon=False, fontsize=9, borderaxespad=0.1)
+    shown = list(lines) or axes.lines
+    if len(shown) > _IN_A_ROW:
+        axes.legend(handles=shown, loc='upper right', ncol=_IN_A_ROW, fontsize=8)
+    else:
+        axes.legend(handles=shown, loc='lower right', bbox_to_anchor=(1, 1), ncol=_IN_A_ROW,
+                    frameon=False, fontsize=9, borderaxespad=0.1)
 
 
 def _shown(color: Color) -> tuple:
