@@ -26,7 +26,7 @@ def test_devel_and_install_space_run_the_demo(ros, tmp_path):
     bash('{}cd {} && catkin_make install'.format(before, workspace),
          env)
     assert sorted(os.listdir(str(workspace / 'install' / 'lib' / 'img_recog'))) == [
-        'color_img_recog.py', 'pybullet_sim.py', 'teleop_key.py', 'tune_colors.py',
+        'color_img_recog.py', 'pybullet_sim.py', 'replay.py', 'teleop_key.py', 'tune_colors.py',
         'usb_cam_node.py']
     for space in ('devel', 'install'):
         setup = '{}source {}/{}/setup.bash; '.format(before, workspace, space)

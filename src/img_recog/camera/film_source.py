@@ -16,7 +16,10 @@ _MISSING_FRAMES = 2
 
 
 class FilmSource(FrameSource):
-    """A film that plays at its own rate, once or in a loop."""
+    """A film that plays at its own rate, once or in a loop.
+
+    expected_frames: how many its container says that it has, 0 where it does not say.
+    """
 
     _not_playable = NOT_PLAYABLE
     _gone = '{} can no longer be read: moved or replaced while it played'
@@ -29,6 +32,7 @@ class FilmSource(FrameSource):
         try:
             self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
             self._promised = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
+            self.expected_frames = max(0, int(self._promised))
             self._count = 0
             self._next = self._following()
             if self._next is None:

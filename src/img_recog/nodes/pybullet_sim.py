@@ -11,20 +11,18 @@ Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_s
 ~get_model_state, ~set_model_state (gazebo_msgs) where that is installed.
 Reads: robot_description, and the fields of all settings of the simulation as private parameters.
 """
-import os
 import time
 from concurrent.futures import TimeoutError as LateError
 from typing import Callable
 
 import rosgraph
-import rospkg
 import rospy
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty, EmptyResponse
 
 from img_recog.nodes import (gazebo_interface, mesh_uris, parameters, robot_msgs, running,
-                             user_paths)
+                             world_files)
 from img_recog.nodes.prompt_publisher import PromptPublisher
 from img_recog.nodes.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.slots import Requests
@@ -59,7 +57,7 @@ class PybulletSim:
         topics = parameters.read(TopicSettings, stated)
         parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings,
                                    *map(type, vars(settings).values()))
-        file = _world_file(physics.world)
+        file = world_files.read(physics.world)
         _warn_of_what_is_left_out(robot, urdf, file)
 
         client = loading.connect()
@@ -195,13 +193,6 @@ class PybulletSim:
         self._simulator.reset_simulation()
         # told at once: while the physics is paused no step would do so
         self._publish_clock()
-
-
-def _world_file(world: str) -> world_file.WorldFile:
-    folder = os.path.join(rospkg.RosPack().get_path('img_recog'), 'urdf')
-    worlds = {'turtlebot3_world': os.path.join(folder, 'turtlebot3_world.urdf')}
-    path = user_paths.found(world, but=(world_file.EMPTY, *worlds))
-    return world_file.read(path, worlds, mesh_uris.find)
 
 
 def _warn_of_what_is_left_out(robot: description.Description, urdf: str,

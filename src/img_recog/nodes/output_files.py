@@ -1,0 +1,65 @@
+"""Files that are there whole or not at all."""
+import contextlib
+import os
+from typing import Iterator, Sequence, Tuple
+
+from img_recog.errors import UserError
+
+
+def names(source: str, output: str, extensions: Sequence[str]) -> Tuple[str, ...]:
+    """Return the paths of the files that are made of a file.
+
+    output: the folder for them, the beginning of their paths, or nothing for the current folder.
+    Raises UserError when a path is taken by the source itself or by a folder.
+    """
+    stem = os.path.splitext(os.path.basename(source))[0] + '.replay'
+    prefix = os.path.join(output, stem) if os.path.isdir(output or '.') else output
+    if prefix.endswith(os.sep):
+        raise UserError('cannot write to {}: no such folder; make it, or set --output to '
+                        'another'.format(output))
+    paths = tuple(prefix + extension for extension in extensions)
+    for path in paths:
+        if os.path.isdir(path):
+            raise UserError('cannot write {}: it is a folder; set --output to another'.format(
+                path))
+        if os.path.exists(path) and os.path.samefile(path, source):
+            raise UserError('cannot write {}: that is what is replayed; set --output to another'
+                            .format(path))
+    return paths
+
+
+@contextlib.contextmanager
+def written(paths: Sequence[str]) -> Iterator[list]:
+    """Give binary files to write to, which take the place of `paths` if all goes well.
+
+    If anything goes wrong, what was there before stays. Raises UserError naming the path that
+    cannot be written.
+    """
+    parts = [os.path.join(os.path.dirname(path), '.{}.{}'.format(os.path.basename(path),
+                                                                 os.getpid())) for path in paths]
+    files = []
+    try:
+        for path, part in zip(paths, parts):
+            with _refusal(path):
+                files.append(open(part, 'w+b'))
+        yield files
+        for path, part, file in zip(paths, parts, files):
+            with _refusal(path):
+                file.close()
+                os.replace(part, path)
+    finally:
+        for part, file in zip(parts, files):
+            with contextlib.suppress(OSError):
+                file.close()
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(part)
+
+
+@contextlib.contextmanager
+def _refusal(path: str) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise UserError('cannot write {}: {}; set --output to a folder or the beginning of a '
+                        'path where files can be written'.format(
+                            path, (error.strerror or str(error)).lower()))

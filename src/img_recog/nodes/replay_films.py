@@ -1,0 +1,56 @@
+"""The frames of a film, stamped by its rate."""
+from typing import Iterator
+
+import rospy
+from std_msgs.msg import Header
+
+from img_recog.camera.film_source import FilmSource
+from img_recog.camera.selection import open_file
+from img_recog.camera.settings import CameraSettings
+from img_recog.camera.source import SourceEnded, SourceError
+from img_recog.errors import UserError
+from img_recog.nodes.replay_chain import SECOND_NS, Frame
+
+WANTED = 'give a film that OpenCV plays, or a bag with images'
+
+
+class FilmFrames:
+    """Plays a film once: frame k is at k / rate.
+
+    expected: how many frames there may be, 0 where nobody knows; period_ns: between two frames;
+    warnings: what to tell the user once all frames have been given out.
+    """
+
+    def __init__(self, path: str):
+        """Open a film; UserError when it cannot be played."""
+        self._path, self._broken = path, []
+        try:
+            source = open_file(path, 1.0, loop=False, warn=self._broken.append)
+        except SourceError as error:
+            # what the camera would have one set is no matter here
+            raise UserError('{}; {}'.format(str(error).partition('; set ')[0], WANTED))
+        if not isinstance(source, FilmSource):
+            source.close()
+            raise UserError('{} is a still image; {}'.format(path, WANTED))
+        self._source = source
+        self.expected = source.expected_frames
+        self.period_ns = round(SECOND_NS / source.rate_hz)
+        self.warnings = []
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Yield all frames; UserError at the end of a film that breaks off."""
+        number, frame_id = 0, CameraSettings().camera_frame_id
+        try:
+            while True:
+                image = self._source.read()
+                stamp_ns = round(number * SECOND_NS / self._source.rate_hz)
+                header = Header(number, rospy.Time(*divmod(stamp_ns, SECOND_NS)), frame_id)
+                yield Frame(number, stamp_ns, header, image, self._source.encoding)
+                number += 1
+        except SourceEnded:
+            pass
+        finally:
+            self._source.close()
+        if self._broken:
+            raise UserError('{}; get it whole, or make a film of what there is: ffmpeg -i {} '
+                            'whole.mkv'.format(self._broken[0], self._path))

@@ -1,0 +1,196 @@
+"""replay.py as a user runs it: without a master, from wherever the user stands."""
+import csv
+import os
+import re
+
+import cv2
+import numpy as np
+import pytest
+from waiting import wait_for
+
+from img_recog.simulation import description, loading, world_file
+from img_recog.simulation.settings import PhysicsSettings, RobotSettings
+from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.world import World
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+FILM = os.path.join(ROOT, 'test', 'data', 'bikes.mp4')
+WORLD = os.path.join(ROOT, 'urdf', 'turtlebot3_world.urdf')
+BURGER = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
+RANGES = (((50, 100, 100), (150, 255, 255)), ((150, 100, 150), (180, 255, 255)))
+FILES = ['bikes.replay.bag', 'bikes.replay.csv', 'bikes.replay.png']
+
+
+@pytest.fixture
+def replay(ros, tmp_path):
+    """A function that runs replay.py in a folder; nobody is at the master's address."""
+    def run(*arguments, cwd=tmp_path):
+        process = ros.start('rosrun', 'img_recog', 'replay.py', *arguments, cwd=str(cwd),
+                            env=dict(ros.env, HOME=str(tmp_path), PWD=str(cwd)))
+        code = process.wait()
+        lines = [line for line in process.output.splitlines()
+                 if not line.startswith('pybullet build time')]
+        return code, lines
+    return run
+
+
+def refused(result):
+    """Return the one line of a replay that was refused."""
+    code, lines = result
+    assert code == 1 and len(lines) == 1, lines
+    assert lines[0].startswith('replay.py: error: '), lines
+    return lines[0]
+
+
+def contents(folder):
+    return {name: (folder / name).read_bytes() for name in sorted(os.listdir(str(folder)))
+            if '.replay.' in name}
+
+
+def film_areas():
+    """Return blue and red area of each frame of the film, by OpenCV alone."""
+    capture, areas = cv2.VideoCapture(FILM, cv2.CAP_FFMPEG), []
+    good, bgr = capture.read()
+    while good:
+        hsv = cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV)
+        areas.append([cv2.countNonZero(cv2.inRange(hsv, *map(np.array, bounds)))
+                      for bounds in RANGES])
+        good, bgr = capture.read()
+    return areas
+
+
+def drive(areas):
+    """Return the pose of the demo's robot at the end of a film of these areas, 25 Hz."""
+    client = loading.connect()
+    world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
+    with open(BURGER) as file:
+        robot = description.parse(file.read())
+    vehicle = Vehicle(robot, RobotSettings(), world.step_s, client)
+    simulator = Simulator(world, [vehicle])
+    for step in range(0, 40 * len(areas), 20):
+        if step % 100 == 0:
+            vehicle.command(0.0, 0.0)
+        if step % 40 == 0:
+            for area, speed in zip(areas[step // 40], (10.0, -10.0)):
+                if area > 1000:
+                    vehicle.command(speed, 0.0)
+        simulator.advance(20)
+    return vehicle.robot.motion()
+
+
+def test_film(replay, tmp_path, ros):
+    """Twice the same bytes; the areas are OpenCV's, and the robot ends where it should."""
+    code, lines = replay(FILM)
+    assert code == 0 and len(lines) == 1, lines
+    first = contents(tmp_path)
+    assert list(first) == FILES
+    code, again = replay(FILM)
+    assert code == 0 and contents(tmp_path) == first
+    assert [name for name in os.listdir(str(tmp_path)) if name.startswith('.bikes')] == []
+
+    areas = film_areas()
+    rows = list(csv.DictReader(first['bikes.replay.csv'].decode().splitlines()))
+    assert [[int(row['blue_px']), int(row['red_px'])] for row in rows] == areas
+    assert [row['time_s'] for row in rows[:3]] == ['0.000000000', '0.040000000', '0.080000000']
+    found = re.match(r'250 frames, 10\.000 s simulated in .* times real time .*ends at x (\S+) m, '
+                     r'y (\S+) m, .*; wrote (.*)$', lines[0])
+    end = drive(areas).position
+    assert found.groups() == ('{:.3f}'.format(end[0]), '{:.3f}'.format(end[1]), ', '.join(FILES))
+    assert cv2.imread(str(tmp_path / 'bikes.replay.png')).shape == (900, 1400, 3)
+
+    info = ros.run('rosbag', 'info', str(tmp_path / 'bikes.replay.bag'))
+    for topic, kind in (('cmd_vel', 'geometry_msgs/Twist'), ('odom', 'nav_msgs/Odometry'),
+                        ('color_detection', 'sensor_msgs/PointCloud'),
+                        ('joint_states', 'sensor_msgs/JointState'), ('tf', 'tf2_msgs/TFMessage')):
+        assert re.search(r'/{} +\d+ msgs +: {}'.format(topic, kind), info), info
+
+
+def test_what_was_recorded_is_replayed_like_the_film(replay, tmp_path):
+    """A bag of the film's images gives the film's table."""
+    import rosbag
+    import rospy
+    from img_recog.nodes import image_msgs
+    from std_msgs.msg import Header
+    capture = cv2.VideoCapture(FILM, cv2.CAP_FFMPEG)
+    with rosbag.Bag(str(tmp_path / 'bikes.bag'), 'w') as bag:
+        for number in range(100):
+            stamp = rospy.Time(100 + number // 25, number % 25 * 40000000)
+            image = cv2.cvtColor(capture.read()[1], cv2.COLOR_BGR2RGB)
+            bag.write('/usb_cam/image_raw',
+                      image_msgs.to_msg(image, 'rgb8', Header(number, stamp, 'eye')), stamp)
+    assert replay('~/bikes.bag', '--output', 'of_bag')[0] == 0
+    assert replay(FILM, '--output', '~/of_film')[0] == 0
+    tables = []
+    for name in ('of_bag', 'of_film'):
+        with open(str(tmp_path / (name + '.csv'))) as file:
+            tables.append([row[:2] + row[3:] for row in csv.reader(file)][:101])
+    assert tables[0] == tables[1]
+
+
+def test_options(replay, tmp_path):
+    (tmp_path / 'colors.yaml').write_text('colors: [blue]\nblue_angular_z: 1.0\n'
+                                          'blue_area_limit: 10\n')
+    (tmp_path / 'out').mkdir()
+    code, lines = replay(FILM, '--colors', 'colors.yaml', '--world', 'empty', '--output', 'out',
+                         '--x-pos', '1', '--y-pos', '-2', '--yaw', '0.5', '--no-teleop',
+                         '--urdf', BURGER)
+    assert code == 0, lines
+    assert sorted(os.listdir(str(tmp_path / 'out'))) == FILES
+    with open(str(tmp_path / 'out' / FILES[1])) as file:
+        rows = list(csv.DictReader(file))
+    assert [float(rows[0][name]) for name in ('x_m', 'y_m', 'yaw_rad')] == [1.0, -2.0, 0.5]
+    assert 'red_px' not in rows[0]
+    assert abs(float(rows[-1]['linear_x_m_per_s'])) > 0.1, 'without the teleop a command holds'
+
+
+def test_interrupted_it_leaves_nothing_behind(ros, tmp_path):
+    writer = cv2.VideoWriter(str(tmp_path / 'long.avi'), cv2.CAP_FFMPEG,
+                             cv2.VideoWriter_fourcc(*'MJPG'), 2.0, (64, 48))
+    for _ in range(5000):
+        writer.write(np.zeros((48, 64, 3), np.uint8))
+    writer.release()
+    process = ros.start('rosrun', 'img_recog', 'replay.py', 'long.avi', cwd=str(tmp_path))
+    wait_for(lambda: [name for name in os.listdir(str(tmp_path)) if name.endswith(
+        '.csv.{}'.format(process.pid))], lambda: 'files to write to in ' + process.output)
+    assert process.interrupt() == 130, process.output
+    assert 'Traceback' not in process.output, process.output
+    assert [name for name in os.listdir(str(tmp_path)) if 'long' in name] == ['long.avi']
+
+
+CASES = {
+    'missing': (['no.mp4'], 'cannot replay no.mp4: no such file', 'give a film'),
+    'folder': (['.'], 'cannot replay .: it is no file', 'give a film'),
+    'text': (['text.txt'], 'cannot play text.txt', 'give a film'),
+    'empty film': (['empty.mp4'], 'cannot play empty.mp4', 'give a film'),
+    'cut film': (['cut.mp4'], 'cannot play cut.mp4', 'give a film'),
+    'text as bag': (['text.bag'], 'cannot read text.bag as a bag', 'give a film'),
+    'topic of a film': ([FILM, '--topic', '/eye'], FILM, '--topic is for a bag'),
+    'colours': ([FILM, '--colors', 'text.txt'], 'parameters in text.txt', 'blue_hue_min'),
+    'robot': ([FILM, '--urdf', 'text.txt'], 'the robot in text.txt: it is no XML', 'check'),
+    'no robot': ([FILM, '--urdf', 'no.urdf'], 'the robot in no.urdf', 'set --urdf'),
+    'world': ([FILM, '--world', 'mars'], "world: got 'mars'", 'turtlebot3_world, empty'),
+    'start': ([FILM, '--x-pos', '1e9'], '--x-pos: got 1000000000.0', 'from -1000 to 1000'),
+    'output': ([FILM, '--output', 'no/such'], 'cannot write no/such.bag', 'set --output'),
+}
+
+
+@pytest.mark.parametrize('arguments, named, advice', list(CASES.values()), ids=list(CASES))
+def test_bad_input(replay, tmp_path, arguments, named, advice):
+    for name in ('text.txt', 'text.bag'):
+        (tmp_path / name).write_text('hello\n')
+    (tmp_path / 'empty.mp4').write_bytes(b'')
+    with open(FILM, 'rb') as file:
+        (tmp_path / 'cut.mp4').write_bytes(file.read()[:300000])
+    before = sorted(os.listdir(str(tmp_path)))
+    line = refused(replay(*arguments))
+    assert named in line and advice in line, line
+    left = set(os.listdir(str(tmp_path))) - {'ros', '.config', '.cache'}
+    assert left == set(before) - {'ros'}, 'nothing is left behind'
+
+
+@pytest.mark.parametrize('arguments', [[], [FILM, '--x-pos', 'here'], [FILM, 'world:=empty']])
+def test_wrong_usage(replay, arguments):
+    code, lines = replay(*arguments)
+    assert code == 2 and lines[0].startswith('usage: replay.py'), lines
+    assert lines[-1].startswith('replay.py: error: '), lines

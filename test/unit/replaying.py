@@ -1,0 +1,42 @@
+"""Frames and a notebook for the tests of replays."""
+import numpy as np
+import rospy
+from std_msgs.msg import Header
+
+from img_recog.nodes.replay_chain import Frame, Recorder
+
+# bgr8 of the article's blue and red
+BLUE, RED, GREY = (255, 0, 0), (128, 0, 255), (90, 90, 90)
+
+
+def image(*colors, width=40):
+    """Draw stripes of 40 x `width` pixels in these colours, bgr8, on grey."""
+    result = np.full((40, 200, 3), GREY, np.uint8)
+    for number, color in enumerate(colors):
+        result[:, number * width:(number + 1) * width] = color
+    return result
+
+
+def frame(number, stamp_ns, *colors):
+    """Return a Frame with stripes in these colours."""
+    header = Header(number, rospy.Time(*divmod(stamp_ns, 10 ** 9)), 'head_camera')
+    return Frame(number, stamp_ns, header, image(*colors), 'bgr8')
+
+
+class Notebook(Recorder):
+    """Keeps all that it is told."""
+
+    def __init__(self):
+        self.start_ns, self.frames, self.commands, self.readings = None, [], [], []
+
+    def start(self, stamp_ns):
+        self.start_ns = stamp_ns
+
+    def seen(self, seen):
+        self.frames.append(seen)
+
+    def sent(self, sent):
+        self.commands.append((sent.time_ns, sent.command.linear_x, sent.sender))
+
+    def read(self, reading):
+        self.readings.append(reading)

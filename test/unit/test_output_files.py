@@ -1,0 +1,67 @@
+"""Files of a replay: their names, and that they are there whole or not at all."""
+import os
+
+import pytest
+
+from img_recog.errors import UserError
+from img_recog.nodes import output_files
+
+EXTENSIONS = ('.bag', '.csv')
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Stand in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize('source, output, wanted', [
+    ('/films/a.mp4', '', 'a.replay'), ('a.bag', '', 'a.replay'), ('a', '.', './a.replay'),
+    ('a.b.mp4', 'there', 'there/a.b.replay'), ('a.mp4', 'there/', 'there/a.replay'),
+    ('a.mp4', 'new', 'new'), ('a.mp4', 'there/new', 'there/new')])
+def test_names(folder, source, output, wanted):
+    (folder / 'there').mkdir()
+    assert output_files.names(source, output, EXTENSIONS) == (wanted + '.bag', wanted + '.csv')
+
+
+@pytest.mark.parametrize('output, named', [
+    ('not/', 'cannot write to not/: no such folder; make it'),
+    ('a', 'cannot write a.bag: that is what is replayed; set --output'),
+    ('link', 'cannot write link.bag: that is what is replayed'),
+    ('b', 'cannot write b.bag: it is a folder')])
+def test_names_that_are_refused(folder, output, named):
+    (folder / 'a.bag').write_text('recorded')
+    (folder / 'link.bag').symlink_to('a.bag')
+    (folder / 'b.bag').mkdir()
+    with pytest.raises(UserError) as refused:
+        output_files.names('a.bag', output, EXTENSIONS)
+    assert str(refused.value).startswith(named)
+
+
+def test_files_replace_what_was_there_once_all_are_written(folder):
+    (folder / 'a').write_text('old')
+    with output_files.written(('a', 'b')) as files:
+        for file in files:
+            file.write(b'new')
+        assert (folder / 'a').read_text() == 'old' and not (folder / 'b').exists()
+    assert sorted(os.listdir('.')) == ['a', 'b']
+    assert (folder / 'a').read_text() == (folder / 'b').read_text() == 'new'
+
+
+@pytest.mark.parametrize('error', [UserError, KeyboardInterrupt, SystemExit, OSError])
+def test_when_something_goes_wrong_all_is_as_before(folder, error):
+    (folder / 'a').write_text('old')
+    with pytest.raises(error):
+        with output_files.written(('a', 'b')) as files:
+            files[0].write(b'new')
+            files[1].close()
+            raise error
+    assert os.listdir('.') == ['a'] and (folder / 'a').read_text() == 'old'
+
+
+def test_what_cannot_be_written_is_named(folder):
+    with pytest.raises(UserError, match='cannot write no/b: no such file or directory; set '):
+        with output_files.written(('a', 'no/b')):
+            raise AssertionError('must not come so far')
+    assert os.listdir('.') == []

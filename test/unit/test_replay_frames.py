@@ -1,0 +1,183 @@
+"""Frames of films and bags: their stamps, and what is said of files that have none."""
+import os
+
+import cv2
+import numpy as np
+import pytest
+import rosbag
+import rospy
+from films import FILM_RATE_HZ
+from replaying import BLUE, RED, image
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header, String
+
+from img_recog.errors import UserError
+from img_recog.nodes import compressed_image_msgs, image_msgs
+from img_recog.nodes.replay_bags import BagFrames, is_bag
+from img_recog.nodes.replay_films import FilmFrames
+
+RAW, COMPRESSED = '/usb_cam/image_raw', '/usb_cam/image_raw/compressed'
+
+
+def raw(number, stamp, *colors, encoding='bgr8'):
+    return image_msgs.to_msg(image(*colors), encoding, Header(number, rospy.Time(stamp), 'eye'))
+
+
+def compressed(number, stamp, *colors):
+    return compressed_image_msgs.to_msg(
+        image(*colors), 'bgr8', Header(number, rospy.Time(stamp), 'eye'),
+        compressed_image_msgs.CompressionSettings(format='png'))
+
+
+@pytest.fixture
+def make_bag(tmp_path):
+    """A function that writes (topic, message, time of recording) into a bag."""
+    def make(*entries, name='some.bag', **options):
+        path = str(tmp_path / name)
+        with rosbag.Bag(path, 'w', **options) as bag:
+            for topic, msg, time_s in entries:
+                bag.write(topic, msg, rospy.Time(time_s))
+        return path
+    return make
+
+
+def refusal(function, *arguments):
+    with pytest.raises(UserError) as refused:
+        function(*arguments)
+    assert '\n' not in str(refused.value)
+    return str(refused.value)
+
+
+def test_film(make_film):
+    path = make_film(frames=6)
+    frames = FilmFrames(path)
+    assert frames.expected == 6 and frames.period_ns == round(10 ** 9 / FILM_RATE_HZ)
+    capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
+    for number, frame in enumerate(frames):
+        assert frame.number == frame.header.seq == number
+        assert frame.stamp_ns == frame.header.stamp.to_nsec() == number * 80000000
+        assert frame.header.frame_id == 'head_camera' and frame.encoding == 'rgb8'
+        assert np.array_equal(frame.image[..., ::-1], capture.read()[1])
+    assert number == 5
+
+
+def test_film_that_breaks_off_is_refused_at_its_end(make_film):
+    path = make_film(frames=60)
+    with open(path, 'r+b') as file:
+        file.truncate(os.path.getsize(path) // 2)
+    line = refusal(list, FilmFrames(path))
+    assert path + ' breaks off after' in line and 'ffmpeg -i ' + path in line
+
+
+def test_what_is_no_film(tmp_path):
+    for name, content in (('text.mp4', b'hello'), ('empty.mp4', b''), ('noise.mp4', bytes(999))):
+        path = tmp_path / name
+        path.write_bytes(content)
+        line = refusal(FilmFrames, str(path))
+        assert str(path) in line and line.endswith('give a film that OpenCV plays, or a bag with '
+                                                   'images'), line
+    path = str(tmp_path / 'still.png')
+    assert cv2.imwrite(path, image())
+    assert refusal(FilmFrames, path).startswith(path + ' is a still image; give')
+
+
+@pytest.mark.parametrize('topic, message, compression', [
+    (RAW, raw, 'none'), (COMPRESSED, compressed, 'none'), ('/eye', raw, 'bz2')])
+def test_bag(make_bag, topic, message, compression):
+    path = make_bag(*((topic, message(number, 50 + 0.25 * number, BLUE), 90 + number)
+                      for number in range(5)), ('/other', String('x'), 91),
+                    compression=compression)
+    assert is_bag(path)
+    frames = BagFrames(path)
+    assert frames.topic == topic and frames.expected == 5
+    seen = list(frames)
+    assert frames.period_ns == 250000000 and frames.warnings == []
+    for number, frame in enumerate(seen):
+        assert frame.number == number and frame.encoding == 'bgr8'
+        assert frame.stamp_ns == 50 * 10 ** 9 + number * 250000000
+        assert frame.header == Header(number, rospy.Time(50 + 0.25 * number), 'eye')
+        assert np.array_equal(frame.image, image(BLUE))
+
+
+def test_bag_stamps_of_zero_are_replaced_by_the_time_of_recording(make_bag):
+    frames = BagFrames(make_bag(*((RAW, raw(0, 0), 7 + number) for number in range(3))))
+    assert [frame.stamp_ns for frame in frames] == [7 * 10 ** 9, 8 * 10 ** 9, 9 * 10 ** 9]
+
+
+def test_bag_choice_of_topic(make_bag):
+    path = make_bag((RAW, raw(0, 1), 1), (COMPRESSED, compressed(0, 1), 1), ('/z', raw(0, 1), 1))
+    assert BagFrames(path).topic == RAW
+    assert BagFrames(path, COMPRESSED).topic == COMPRESSED
+    assert BagFrames(path, 'z').topic == '/z'
+    line = refusal(BagFrames, path, '/y')
+    assert 'no images on /y (image topics in it: {}, {}, /z)'.format(RAW, COMPRESSED) in line
+    line = refusal(BagFrames, make_bag(('/b', raw(0, 1), 1), ('/a', raw(0, 1), 1)))
+    assert 'images on several topics' in line and '(image topics in it: /a, /b)' in line
+    assert '--topic' in line
+
+
+def test_bag_without_images(make_bag):
+    path = make_bag((RAW, String('no image'), 1))
+    line = refusal(BagFrames, path)
+    assert path in line and 'no messages of sensor_msgs/Image' in line
+    assert 'rosbag record /usb_cam/image_raw' in line
+    assert 'image topics in it: none' in refusal(BagFrames, path, RAW)
+
+
+def test_bag_whose_image_is_of_another_definition_has_no_images(make_bag):
+    other = type('Other', (String,), {'_type': Image._type})
+    assert 'no messages of' in refusal(BagFrames, make_bag((RAW, other('x'), 1)))
+
+
+def test_bag_images_that_cannot_be_used_are_left_out_and_told(make_bag):
+    bad = Image(header=Header(0, rospy.Time(2), 'eye'), height=9, width=9, encoding='bgr8', step=1)
+    frames = BagFrames(make_bag((RAW, raw(0, 1), 1), (RAW, bad, 2), (RAW, raw(0, 3, RED), 3)))
+    assert [frame.number for frame in frames] == [0, 2]
+    assert len(frames.warnings) == 1
+    assert frames.warnings[0].startswith(
+        '1 of 3 images on {} cannot be used; the first is message 1: cannot convert an image of '
+        '9x9'.format(RAW))
+    line = refusal(list, BagFrames(make_bag((RAW, bad, 1))))
+    assert 'no image on {}'.format(RAW) in line and 'a row takes 27 bytes' in line
+    line = refusal(list, BagFrames(make_bag((COMPRESSED, CompressedImage(data=b'x'), 1))))
+    assert 'no image that OpenCV can read' in line
+
+
+@pytest.mark.parametrize('second, said', [(4.5, 'go back by 0.5 s'), (9999, 'leap by 9994 s')])
+def test_bag_whose_stamps_are_in_no_order(make_bag, second, said):
+    path = make_bag((RAW, raw(0, 5), 1), (RAW, raw(0, second), 2))
+    line = refusal(list, BagFrames(path))
+    assert said + ' at message 1' in line and path in line and 'rosbag filter' in line
+
+
+def test_bag_that_was_cut_off(make_bag):
+    path = make_bag(*((RAW, raw(0, number + 1), 1) for number in range(60)))
+    with open(path, 'r+b') as file:
+        file.truncate(os.path.getsize(path) - 5000)
+    line = refusal(BagFrames, path)
+    assert 'rosbag reindex ' + path in line
+
+
+@pytest.mark.parametrize('content', [b'', b'hello', b'#ROSBAG V2.0\n', b'#ROSBAG V9.9\nxxxx',
+                                     b'#ROSBAG V2.0\n' + bytes(500)])
+def test_what_is_no_bag(tmp_path, content):
+    path = tmp_path / 'some.bag'
+    path.write_bytes(content)
+    assert is_bag(str(path))
+    assert str(path) in refusal(BagFrames, str(path))
+
+
+@pytest.mark.parametrize('seed', range(20))
+def test_damaged_bag_is_refused_in_one_line_or_read(make_bag, seed):
+    path = make_bag(*((RAW, raw(0, number + 1), 1) for number in range(40)), compression='bz2')
+    random = np.random.RandomState(seed)
+    with open(path, 'r+b') as file:
+        data = bytearray(file.read())
+        for position in random.randint(13, len(data), 20):
+            data[position] = random.randint(256)
+        file.seek(0)
+        file.write(data)
+    try:
+        list(BagFrames(path))
+    except UserError as error:
+        assert path in str(error) and '\n' not in str(error)

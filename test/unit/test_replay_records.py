@@ -1,0 +1,146 @@
+"""The bag, the table and the picture of a replay: what is in them, and to the byte the same."""
+import csv
+import io
+import math
+
+import cv2
+import numpy as np
+import pytest
+import rosbag
+import robots
+from replaying import BLUE, RED, Notebook, frame
+
+from img_recog.nodes import color_detection_msgs, robot_msgs, twist_msgs
+from img_recog.nodes.replay_chain import Chain, Sent
+from img_recog.nodes.replay_plot import PlotRecorder
+from img_recog.nodes.replay_records import BagRecorder, TableRecorder, yaw_of
+from img_recog.recognition.commands import Command
+from img_recog.recognition.settings import with_colors
+from img_recog.simulation.body import Motion
+from img_recog.simulation.footprints import footprints
+from img_recog.simulation.settings import OdometrySettings
+
+START_NS = 1600000000 * 10 ** 9 + 123
+PERIOD_NS = 40 * 10 ** 6
+PICTURE = [(), (BLUE,), (BLUE, RED), ()] * 3
+
+
+class BagFile(io.BytesIO):
+    """A bag in memory, which is still there when it is closed."""
+
+    mode = 'w+b'        # rosbag asks
+
+    def close(self):
+        self.value = self.getvalue()
+
+
+def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
+    """Return bag, table and picture as bytes, and a notebook."""
+    settings, notebook = with_colors()(), Notebook()
+    bag_file, csv_file, png_file = BagFile(), io.StringIO(), io.BytesIO()
+    bag = BagRecorder(bag_file, settings.color_names, OdometrySettings(**odometry), 'base')
+    plot = PlotRecorder(settings.colors)
+    simulator = robots.simulator(world, -2.0, -0.5)
+    chain = Chain(simulator, settings, True,
+                  [notebook, bag, TableRecorder(csv_file, settings.color_names), plot])
+    chain.end(PERIOD_NS + chain.run(
+        frame(number, start_ns + number * PERIOD_NS, *colors)
+        for number, colors in enumerate(seen)))
+    bag.close()
+    plot.draw(png_file, 'a test', len(seen) * 0.04, footprints(simulator.world))
+    return bag_file.value, csv_file.getvalue(), png_file.getvalue(), notebook
+
+
+def messages(data):
+    """Return a list of (stamp of recording in ns, message) for each topic."""
+    found = {}
+    for topic, msg, time in rosbag.Bag(BagFile(data)).read_messages():
+        found.setdefault(topic, []).append((time.to_nsec(), msg))
+    return found
+
+
+def test_the_same_input_gives_the_same_bytes():
+    first, second = replayed()[:3], replayed()[:3]
+    assert first == second
+    assert replayed(seen=PICTURE[1:])[:3] != first
+
+
+def test_bag():
+    data, _, _, notebook = replayed(START_NS)
+    found = messages(data)
+    assert sorted(found) == ['/cmd_vel', '/color_detection', '/joint_states', '/odom', '/tf']
+    assert [(stamp - START_NS, *twist_msgs.from_msg(msg)) for stamp, msg in found['/cmd_vel']] == [
+        (time_ns, linear_x, 0.0) for time_ns, linear_x, _ in notebook.commands]
+    assert len(found['/color_detection']) == len(notebook.frames) == len(PICTURE)
+    for (stamp, msg), seen in zip(found['/color_detection'], notebook.frames):
+        assert stamp == seen.frame.stamp_ns == msg.header.stamp.to_nsec()
+        assert msg.header.frame_id == 'head_camera'
+        assert color_detection_msgs.from_msg(msg) == (['blue', 'red'], seen.areas_px,
+                                                      seen.centroids)
+    motions = [reading for reading in notebook.readings if reading.sensor == 'odometry']
+    assert len(motions) == len(found['/odom']) == len(found['/tf']) == 14
+    for (stamp, msg), (_, tf), reading in zip(found['/odom'], found['/tf'], motions):
+        assert stamp == msg.header.stamp.to_nsec() == START_NS + round(reading.time_s * 1e9)
+        assert (msg.header.frame_id, msg.child_frame_id) == ('odom', 'base')
+        for got, wanted in zip(robot_msgs.odometry_from_msg(msg), reading.value):
+            assert tuple(got) == tuple(wanted)
+        # rosbag makes a class of its own for each topic
+        assert str(tf.transforms[0].header) == str(msg.header)
+        assert str(tf.transforms[0].transform.rotation) == str(msg.pose.pose.orientation)
+    assert found['/joint_states'][0][1].name == ['wheel_left_joint', 'wheel_right_joint']
+
+
+def test_bag_has_no_message_at_time_zero_which_is_none():
+    found = messages(replayed()[0])
+    assert min(stamp for entries in found.values() for stamp, _ in entries) == 1
+    assert found['/color_detection'][0][1].header.stamp.to_nsec() == 0
+
+
+def test_bag_of_several_chunks_is_whole():
+    file = BagFile()
+    bag = BagRecorder(file, ['blue'], OdometrySettings(), 'base')
+    bag.start(START_NS)
+    for number in range(20000):
+        bag.sent(Sent(number, Command(float(number)), 'somebody'))
+    bag.close()
+    assert file.value.count(b'\x04\0\0\0op=\x05') > 1
+    assert [(stamp - START_NS, msg.linear.x) for stamp, msg in messages(file.value)['/cmd_vel']
+            ] == [(number, number) for number in range(20000)]
+
+
+def test_bag_without_tf_when_the_robot_says_so():
+    assert '/tf' not in messages(replayed(publish_odom_tf=False)[0])
+
+
+def test_table():
+    _, text, _, notebook = replayed(START_NS)
+    assert text.splitlines()[0] == (
+        'time_s,frame,stamp_s,blue_px,red_px,commands_linear_x_m_per_s,'
+        'commands_angular_z_rad_per_s,x_m,y_m,yaw_rad,linear_x_m_per_s,angular_z_rad_per_s')
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert len(rows) == len(PICTURE)
+    assert rows[1]['time_s'] == '0.040000000' and rows[1]['stamp_s'] == '1600000000.040000123'
+    assert [row['commands_linear_x_m_per_s'] for row in rows[:4]] == ['', '10.0', '10.0 -10.0', '']
+    assert rows[2]['commands_angular_z_rad_per_s'] == '0.0 0.0'
+    for number, (row, seen) in enumerate(zip(rows, notebook.frames)):
+        assert int(row['frame']) == number
+        assert [int(row['blue_px']), int(row['red_px'])] == seen.areas_px
+        assert float(row['x_m']) == pytest.approx(seen.motion.position[0], abs=5e-7)
+        assert float(row['linear_x_m_per_s']) == pytest.approx(seen.motion.linear[0], abs=5e-7)
+    assert '-0.000000' not in text
+
+
+@pytest.mark.parametrize('yaw', [-3.1, -1.0, 0.0, 0.5, 3.1])
+def test_yaw(yaw):
+    motion = Motion(np.zeros(3), (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)), np.zeros(3),
+                    np.zeros(3))
+    assert yaw_of(motion) == pytest.approx(yaw)
+
+
+@pytest.mark.parametrize('world, seen', [('turtlebot3_world', PICTURE), ('empty', PICTURE),
+                                         ('empty', [()])])
+def test_picture(world, seen):
+    image = cv2.imdecode(np.frombuffer(replayed(seen=seen, world=world)[2], np.uint8),
+                         cv2.IMREAD_COLOR)
+    assert image.shape == (900, 1400, 3)
+    assert 0.02 < np.mean(image.min(axis=2) < 200) < 0.5, 'neither empty nor filled'

@@ -1,0 +1,73 @@
+"""The world and robot of a replay are the demo's, or those of the files that are given."""
+import pytest
+import robots
+
+from img_recog.errors import UserError
+from img_recog.nodes import replay_world, world_files
+from img_recog.simulation.settings import SpawnSettings
+
+DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+  <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>
+  <wheelSeparation>0.3</wheelSeparation></plugin></gazebo>
+  <gazebo><plugin name="lamp" filename="liblamp.so"/></gazebo></robot>'''
+
+
+@pytest.fixture
+def robot_file(tmp_path):
+    """A function that writes a text and returns its path."""
+    def write(text, name='robot.urdf'):
+        path = tmp_path / name
+        path.write_text(text)
+        return str(path)
+    return write
+
+
+def build(path, world='empty', **spawn):
+    return replay_world.build(world, path, SpawnSettings(**spawn))
+
+
+def test_the_demos_robot_in_the_demos_world(caplog):
+    simulator = build(world_files.burger(), world_files.DEFAULT_WORLD)
+    assert caplog.messages == []
+    assert [body.name for body in simulator.world.bodies] == ['turtlebot3_world']
+    vehicle = simulator.vehicles[0]
+    assert vehicle.robot.motion().position[:2] == pytest.approx([-2.0, -0.5])
+    readings = simulator.advance(1000)
+    assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}
+    assert simulator.vehicles[0].settings.drive.wheel_separation == 0.160
+
+
+def test_what_a_robot_states_holds_and_what_nobody_has_is_told(robot_file, caplog):
+    path = robot_file(robots.burger().replace('</robot>', DRIVE))
+    vehicle = build(path, x_pos=1.0).vehicles[0]
+    assert vehicle.settings.drive.wheel_separation == 0.3
+    assert vehicle.robot.motion().position[0] == pytest.approx(1.0)
+    assert len(caplog.messages) == 1
+    assert path in caplog.messages[0] and 'plugin liblamp.so' in caplog.messages[0]
+
+
+def test_a_start_inside_of_a_post_is_told(caplog):
+    build(world_files.burger(), world_files.DEFAULT_WORLD, x_pos=-1.1, y_pos=0.0)
+    assert len(caplog.messages) == 1 and '--x-pos' in caplog.messages[0]
+
+
+@pytest.mark.parametrize('text, name, said', [
+    ('hello', 'robot.urdf', 'it is no XML'),
+    ('<robot name="r"/>', 'robot.urdf', 'cannot use the robot in'),
+    (robots.burger().replace('wheel_left_joint', 'left'), 'robot.urdf',
+     'it has no movable joint wheel_left_joint'),
+    (robots.burger().replace('</robot>', DRIVE.replace('0.3', '-1')), 'robot.urdf',
+     'wheel_separation: got -1.0, allowed is'),
+    (robots.burger(), 'robot.urdf.xacro', 'xacro')])
+def test_robot_that_is_refused(robot_file, text, name, said):
+    path = robot_file(text, name)
+    with pytest.raises(UserError) as refused:
+        build(path)
+    assert path in str(refused.value) and said in str(refused.value)
+
+
+def test_robot_and_world_that_are_not_there():
+    with pytest.raises(UserError, match='/no/such.urdf: No such file or directory; set --urdf'):
+        build('/no/such.urdf')
+    with pytest.raises(UserError, match='world: got \'mars\''):
+        build(world_files.burger(), 'mars')
