@@ -85,22 +85,29 @@ class Sender:
 
 
 def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
-    """Send at RATE_HZ; return CPU a frame and latencies."""
+    """Send at RATE_HZ; return CPU a frame and latencies.
+
+    latency: from the last byte of the image, handed to the kernel, to the result's arrival;
+    with_transport: from its first byte.
+    """
     latencies, lost = [], 0
     start, before = time.perf_counter(), sum(map(cpu_s, pids))
     number = round(seconds * RATE_HZ)
     for tick in range(number):
         time.sleep(max(0.0, start + tick / RATE_HZ - time.perf_counter()))
-        done, sent_s = results.count(), time.perf_counter()
+        done, begun_s = results.count(), time.perf_counter()
         sender.send()
+        sent_s = time.perf_counter()
         if results.wait_for(done + 1, PATIENCE_S):
-            latencies.append(results.last_s - sent_s)
+            latencies.append((results.last_s - sent_s, results.last_s - begun_s))
         else:
             lost += 1
     processor = sum(map(cpu_s, pids)) - before
+    latencies = 1e3 * np.array(latencies or [(np.nan, np.nan)])
     return {'cpu_ms': 1e3 * processor / number, 'lost': lost,
-            'median_ms': 1e3 * float(np.median(latencies)),
-            'p99_ms': 1e3 * float(np.percentile(latencies, 99))}
+            'latency_ms': float(np.median(latencies[:, 0])),
+            'latency_99_ms': float(np.percentile(latencies[:, 0], 99)),
+            'with_transport_ms': float(np.median(latencies[:, 1]))}
 
 
 def highest(sender: Sender, results: Results, seconds: float) -> dict:

@@ -8,21 +8,25 @@ none, one or two: linear.x 10 m/s for blue, then -10 m/s for red); while somebod
 color_detection (sensor_msgs/PointCloud: areas and centroids) and color_overlay (sensor_msgs/Image,
 bgr8: the frame with outlines and commands).
 Reads: ~image_transport (raw or compressed: which of the two it subscribes to), ~colors_file (where
-the parameters come from, to be checked), ~colors (names), ~NAME_image_topic for each colour, and RecognitionSettings with these colours, which are also
-served by dynamic_reconfigure: ~set_parameters, ~parameter_descriptions, ~parameter_updates.
+the parameters come from, to be checked), ~colors (names), ~NAME_image_topic for each colour, and
+RecognitionSettings with these colours, which are also served by dynamic_reconfigure: ~set_parameters, ~parameter_descriptions, ~parameter_updates.
 """
 import threading
 import time
 from dataclasses import dataclass
+from functools import partial
 from typing import List, Sequence
 
 import cv2
+import numpy as np
 import rospy
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import CompressedImage, Image, PointCloud
 
 from img_recog.nodes import (color_detection_msgs, color_parameters, compressed_image_msgs,
-                             compressed_images, image_msgs, parameters, running, twist_msgs)
+                             compressed_images, image_msgs, parameters, prompt_log, running,
+                             twist_msgs)
+from img_recog.nodes.image_publisher import ImagePublisher
 from img_recog.nodes.image_subscriber import ImageSubscriber
 from img_recog.nodes.prompt_publisher import PromptPublisher
 from img_recog.nodes.reconfigure import Reconfigurable
@@ -106,9 +110,9 @@ class ColorExtract:
         self._settings = settings
         self._warn = ThrottledWarning()
         self._velocity = PromptPublisher('cmd_vel', Twist)
-        self._masked = [rospy.Publisher(topic, Image, queue_size=1) for topic in topics]
+        self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
-        self._overlay = rospy.Publisher('color_overlay', Image, queue_size=1)
+        self._overlay = ImagePublisher('color_overlay')
         self._ended = threading.Event()
         self._handling = threading.Lock()
         rospy.on_shutdown(self._end)
@@ -138,11 +142,10 @@ class ColorExtract:
             return
         areas_px = self._extractor.measure(image, encoding)
         for number, publisher in enumerate(self._masked):
-            if publisher.get_num_connections() > 0:
-                publisher.publish(
-                    image_msgs.to_msg(self._extractor.masked(number), 'bgr8', msg.header))
-        rospy.loginfo(', '.join('{}={}'.format(name, area_px) for name, area_px
-                                in zip(self._settings.color_names, areas_px)))
+            publisher.publish(msg.header, 'bgr8', image.shape[:2] + (3,),
+                              partial(self._extractor.masked, number))
+        prompt_log.info(', '.join('{}={}'.format(name, area_px) for name, area_px
+                                  in zip(self._settings.color_names, areas_px)))
         commands = self._commander.decide(areas_px, time.monotonic())
         self._send(commands)
         self._describe(msg.header, areas_px, commands)
@@ -155,7 +158,7 @@ class ColorExtract:
                 header, self._settings.color_names, areas_px, centroids))
         if self._overlay.get_num_connections() > 0:
             image = overlay.draw(self._extractor, self._settings.colors, areas_px, commands)
-            self._overlay.publish(image_msgs.to_msg(image, 'bgr8', header))
+            self._overlay.publish(header, 'bgr8', image.shape, partial(np.copyto, src=image))
 
     def _send(self, commands: List[Command]) -> None:
         for command in commands:

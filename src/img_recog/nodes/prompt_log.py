@@ -1,5 +1,6 @@
 """What a node logs, sent to /rosout at once."""
 import logging
+import sys
 
 import rospy
 from rosgraph_msgs.msg import Log
@@ -20,6 +21,16 @@ def install() -> None:
     """
     rosout.Publisher = _publisher
     rosout.RosOutHandler = _RosoutHandler
+
+
+def info(text: str) -> None:
+    """Log as rospy.loginfo does, in half the time: rospy walks the stack twice for the place."""
+    logger = logging.getLogger('rosout')
+    if logger.isEnabledFor(logging.INFO):
+        caller = sys._getframe(1)
+        logger.handle(logger.makeRecord(
+            logger.name, logging.INFO, caller.f_code.co_filename, caller.f_lineno, text, (), None,
+            caller.f_code.co_name))
 
 
 def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> PromptPublisher:

@@ -4,7 +4,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.settings import Color, RecognitionSettings
 
 _TO_HSV = {'bgr8': cv2.COLOR_BGR2HSV, 'bgra8': cv2.COLOR_BGR2HSV,
            'rgb8': cv2.COLOR_RGB2HSV, 'rgba8': cv2.COLOR_RGB2HSV}
@@ -12,7 +12,7 @@ _TO_BGR = {'bgra8': cv2.COLOR_BGRA2BGR, 'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.
 ENCODINGS = tuple(_TO_HSV)
 _TOPS = (180, 255, 255)         # no H, S or V is above
 # so many pixels at a time: what a strip of a large image needs then stays in the cache
-_STRIP_PX = 1 << 19
+_STRIP_PX = 1 << 18
 
 
 class ColorExtractor:
@@ -26,7 +26,6 @@ class ColorExtractor:
     """
 
     def __init__(self, settings: RecognitionSettings):
-        self.use(settings)
         self._buffers: Dict[object, np.ndarray] = {}
         self._image: Optional[np.ndarray] = None
         self._encoding = 'bgr8'
@@ -34,10 +33,12 @@ class ColorExtractor:
         self._region = (slice(0), slice(0))
         self._areas: List[int] = []
         self._masks: List[np.ndarray] = []
+        self._plan: Optional[_Plan] = None
+        self.use(settings)
 
     def use(self, settings: RecognitionSettings) -> None:
         """Measure by these settings from the next image on."""
-        self._settings, self._colors = settings, settings.colors
+        self._settings, self._colors, self._plan = settings, settings.colors, None
 
     def measure(self, image: np.ndarray, encoding: str = 'bgr8') -> List[int]:
         """Return the number of pixels of each colour, in the order of the settings.
@@ -48,15 +49,14 @@ class ColorExtractor:
         self._image, self._encoding, self._bgr = image, encoding, None
         self._region = self._settings.region(image.shape[:2])
         part = image[self._region]
-        self._masks = [self._buffer(('mask', number), part.shape[:2])
-                       for number in range(len(self._colors))]
-        self._areas = [0] * len(self._colors)
+        if self._plan is None or self._plan.shape != part.shape[:2]:
+            self._plan = _Plan(part.shape[:2], self._colors)
+        self._masks, self._areas = self._plan.masks, [0] * len(self._colors)
         if part.size:
-            rows = max(1, _STRIP_PX // part.shape[1])
-            for top in range(0, len(part), rows):
-                self._measure_strip(part[top:top + rows], slice(top, top + rows))
+            self._plan.carry_out(part, _TO_HSV[encoding])
             if self._settings.min_blob_size > 1:
                 self._drop_small_blobs()
+            self._areas = [cv2.countNonZero(mask) for mask in self._masks]
         return list(self._areas)
 
     def mask(self, number: int) -> np.ndarray:
@@ -66,10 +66,14 @@ class ColorExtractor:
         whole[self._region] = self._masks[number]
         return whole
 
-    def masked(self, number: int) -> np.ndarray:
-        """Return the image in bgr8, uint8 of shape (height, width, 3), black but for a colour."""
+    def masked(self, number: int, result: Optional[np.ndarray] = None) -> np.ndarray:
+        """Return the image in bgr8, uint8 of shape (height, width, 3), black but for a colour.
+
+        result: where to write it, if not into kept memory.
+        """
         image = self.bgr()
-        result = self._buffer(('masked', number), image.shape)
+        if result is None:
+            result = self._buffer(('masked', number), image.shape)
         result[:] = 0
         if self._areas[number]:
             cv2.copyTo(image[self._region], self._masks[number], result[self._region])
@@ -92,67 +96,97 @@ class ColorExtractor:
         area = self._areas[number]
         if area == 0:
             return None
-        moments = cv2.moments(self._masks[number], binaryImage=True)
+        # most of a mask is empty, as a rule
+        x, y, width, height = cv2.boundingRect(self._masks[number])
+        moments = cv2.moments(self._masks[number][y:y + height, x:x + width], binaryImage=True)
         rows, columns = self._region
-        return columns.start + moments['m10'] / area, rows.start + moments['m01'] / area
+        return columns.start + x + moments['m10'] / area, rows.start + y + moments['m01'] / area
 
-    def _measure_strip(self, strip: np.ndarray, rows: slice) -> None:
-        hsv = self._buffer('hsv', strip.shape[:2] + (3,))
-        cv2.cvtColor(strip, _TO_HSV[self._encoding], dst=hsv)
-        planes = [self._buffer(('plane', channel), strip.shape[:2]) for channel in range(3)]
-        cv2.split(hsv, planes)
-        known: Dict[tuple, np.ndarray] = {}
-        for number, color in enumerate(self._colors):
-            mask = self._masks[number][rows]
+    def _drop_small_blobs(self) -> None:
+        for mask in self._masks:
+            _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+            large = stats[:, cv2.CC_STAT_AREA] >= self._settings.min_blob_size
+            large[0] = False        # the background
+            np.take(np.where(large, 255, 0).astype(np.uint8), labels, out=mask)
+
+    def _buffer(self, key: object, shape: tuple) -> np.ndarray:
+        """Return kept memory of a shape, whatever it holds."""
+        buffer = self._buffers.get(key)
+        if buffer is None or buffer.shape != shape:
+            buffer = self._buffers[key] = np.empty(shape, np.uint8)
+        return buffer
+
+
+class _Plan:
+    """The calls of OpenCV that make masks of images of one shape, strip by strip.
+
+    They are found out once: between calls that take some microseconds, Python's own work counts.
+    masks: for each colour, uint8 of the shape of the images, 255 inside, else 0.
+    """
+
+    def __init__(self, shape: Tuple[int, int], colors: Sequence[Color]):
+        self.shape, self._colors = shape, colors
+        self.masks = [np.zeros(shape, np.uint8) for _ in colors]
+        height, width = shape
+        rows = max(1, min(height, _STRIP_PX // max(1, width)))
+        self._hsv = np.empty((rows, width, 3), np.uint8)
+        self._planes = [np.empty((rows, width), np.uint8) for _ in range(3)]
+        self._results: List[np.ndarray] = []
+        self._strips = []
+        for top in range(0, height if width else 0, rows):
+            bottom = min(height, top + rows)
+            self._strips.append((slice(top, bottom), self._hsv[:bottom - top],
+                                 self._calls(top, bottom)))
+
+    def carry_out(self, image: np.ndarray, conversion: int) -> None:
+        """Write the masks of an image; conversion: that of cv2.cvtColor to HSV."""
+        for rows, hsv, calls in self._strips:
+            cv2.cvtColor(image[rows], conversion, hsv)
+            for function, arguments in calls:
+                function(*arguments)
+
+    def _calls(self, top: int, bottom: int) -> list:
+        rows = bottom - top
+        planes = [plane[:rows] for plane in self._planes]
+        calls, known = [(cv2.split, (self._hsv[:rows], planes))], {}
+        for color, mask in zip(self._colors, self.masks):
             tests = []
             for channel, (low, high) in enumerate((color.hue, color.saturation, color.value)):
                 if low > 0 or high < _TOPS[channel]:
                     key = channel, low, high
                     if key not in known:
-                        known[key] = self._buffer(('test', len(known)), strip.shape[:2])
-                        _test(planes[channel], low, high, _TOPS[channel], known[key])
+                        known[key] = self._result(len(known))[:rows]
+                        calls += _test(planes[channel], low, high, _TOPS[channel], known[key])
                     tests.append(known[key])
-            _conjunction(tests, mask)
-            self._areas[number] += cv2.countNonZero(mask)
+            calls += _conjunction(tests, mask[top:bottom])
+        return calls
 
-    def _drop_small_blobs(self) -> None:
-        for number, mask in enumerate(self._masks):
-            _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-            large = stats[:, cv2.CC_STAT_AREA] >= self._settings.min_blob_size
-            large[0] = False        # the background
-            np.take(np.where(large, 255, 0).astype(np.uint8), labels, out=mask)
-            self._areas[number] = cv2.countNonZero(mask)
-
-    def _buffer(self, key: object, shape: tuple) -> np.ndarray:
-        """Return kept memory of a shape, whatever it holds."""
-        buffer = self._buffers.get(key)
-        if buffer is None or buffer.shape[1:] != shape[1:] or len(buffer) < shape[0]:
-            buffer = self._buffers[key] = np.empty(shape, np.uint8)
-        return buffer[:shape[0]]        # the last strip of an image is shorter
+    def _result(self, number: int) -> np.ndarray:
+        if number == len(self._results):
+            self._results.append(np.empty_like(self._planes[0]))
+        return self._results[number]
 
 
-def _test(plane: np.ndarray, low: int, high: int, top: int, result: np.ndarray) -> None:
-    """Write where a plane is from low to high, both included, or not between them if low > high.
+def _test(plane: np.ndarray, low: int, high: int, top: int, result: np.ndarray) -> list:
+    """Return the calls that write where a plane is from low to high, both included.
 
-    top: no value of the plane is above.
+    If low > high, it is where the plane is not between them. top: no value is above.
     """
     if low > high:
-        cv2.inRange(plane, high + 1, low - 1, dst=result)
-        cv2.bitwise_not(result, dst=result)
-    elif low <= 0:
-        cv2.threshold(plane, high, 255, cv2.THRESH_BINARY_INV, dst=result)
-    elif high >= top:
-        cv2.threshold(plane, low - 1, 255, cv2.THRESH_BINARY, dst=result)
-    else:
-        cv2.inRange(plane, low, high, dst=result)
+        return [(cv2.inRange, (plane, high + 1, low - 1, result)),
+                (cv2.bitwise_not, (result, result))]
+    if low <= 0:
+        return [(cv2.threshold, (plane, high, 255, cv2.THRESH_BINARY_INV, result))]
+    if high >= top:
+        return [(cv2.threshold, (plane, low - 1, 255, cv2.THRESH_BINARY, result))]
+    return [(cv2.inRange, (plane, low, high, result))]
 
 
-def _conjunction(tests: Sequence[np.ndarray], result: np.ndarray) -> None:
+def _conjunction(tests: Sequence[np.ndarray], result: np.ndarray) -> list:
+    """Return the calls that write where all tests hold."""
     if not tests:
-        result[:] = 255
-    elif len(tests) == 1:
-        np.copyto(result, tests[0])
-    else:
-        cv2.bitwise_and(tests[0], tests[1], dst=result)
-        for test in tests[2:]:
-            cv2.bitwise_and(result, test, dst=result)
+        return [(result.fill, (255,))]
+    if len(tests) == 1:
+        return [(np.copyto, (result, tests[0]))]
+    return [(cv2.bitwise_and, (tests[0], tests[1], result)),
+            *((cv2.bitwise_and, (result, test, result)) for test in tests[2:])]
