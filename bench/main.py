@@ -3,10 +3,11 @@ import json
 import sys
 
 import camera
+import recognition
 import simulator
 from tqdm import tqdm
 
-BENCHMARKS = {'simulator': simulator, 'camera': camera}
+BENCHMARKS = {'simulator': simulator, 'camera': camera, 'recognition': recognition}
 
 
 def main() -> int:

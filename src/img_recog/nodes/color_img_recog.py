@@ -9,7 +9,8 @@ color_detection (sensor_msgs/PointCloud: areas and centroids) and color_overlay 
 bgr8: the frame with outlines and commands).
 Reads: ~image_transport (raw or compressed: which of the two it subscribes to), ~colors_file (where
 the parameters come from, to be checked), ~colors (names), ~NAME_image_topic for each colour, and
-RecognitionSettings with these colours, which are also served by dynamic_reconfigure: ~set_parameters, ~parameter_descriptions, ~parameter_updates.
+RecognitionSettings with these colours, which are also served by dynamic_reconfigure:
+~set_parameters, ~parameter_descriptions, ~parameter_updates.
 """
 import threading
 import time
@@ -117,7 +118,8 @@ class ColorExtract:
         self._handling = threading.Lock()
         rospy.on_shutdown(self._end)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = (CompressedInput if given.image_transport == 'compressed' else RawInput)(_CAMERA)
+        inputs = {'raw': RawInput, 'compressed': CompressedInput}
+        self._input = inputs[given.image_transport](_CAMERA)
 
     def spin(self) -> None:
         """Handle frames until the node is shut down."""

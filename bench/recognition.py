@@ -1,0 +1,106 @@
+"""What the recognition costs and how soon it answers, beside other ways to do the same."""
+import os
+import subprocess
+import sys
+from statistics import median
+from typing import Callable
+
+import rosgraph
+from ros_processes import HERE, Master, run_script, wait_for
+
+PACKAGE = os.path.dirname(HERE)
+ROUNDS, SECONDS = 3, 6.0
+SIZES = ((640, 480), (1920, 1080))
+IMAGES = ('/blue_image', '/red_image')
+# what hsv_color_filter calls the bounds, with the article's
+LIMITS = ('h_limit_min', 'h_limit_max', 's_limit_min', 's_limit_max', 'v_limit_min', 'v_limit_max')
+FILTERS = {'blue': (50, 150, 100, 255, 100, 255), 'red': (150, 180, 100, 255, 150, 255)}
+KEYS = ('cpu_ms', 'latency_ms', 'latency_99_ms', 'with_transport_ms', 'rate_hz')
+
+
+def script(*path: str) -> Callable[[Master, bool], tuple]:
+    """Return how to start a recognition that is one Python script and answers by Twists."""
+    def start(master: Master, viewed: bool) -> tuple:
+        process = master.start(sys.executable, os.path.join(PACKAGE, *path))
+        if viewed:
+            master.start(sys.executable, os.path.join(HERE, 'watch_all.py'), *IMAGES)
+            server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
+            wait_for(lambda: {topic for topic, _ in server.getSystemState()[1]} >= set(IMAGES),
+                     'the viewers')
+        return ['/cmd_vel'], [process.pid]
+    return start
+
+
+def filters(master: Master, _viewed: bool) -> tuple:
+    """Start two filters in C++, a colour each; their answers are their images."""
+    pids = []
+    for name, limits in FILTERS.items():
+        process = master.start('rosrun', 'opencv_apps', 'hsv_color_filter', '__name:=' + name,
+                               'image:=/usb_cam/image_raw', *(
+                                   '_{}:={}'.format(*pair) for pair in zip(LIMITS, limits)))
+        pids.append(process.pid)
+    return ['/{}/image'.format(name) for name in FILTERS], pids
+
+
+NODES = {'img_recog': script('scripts', 'color_img_recog.py'),
+         'plain': script('bench', 'plain_color_node.py'), 'opencv_apps': filters}
+
+
+def cases() -> list:
+    """Return what is measured: size, whether the images are viewed, and by which nodes."""
+    found = subprocess.run(['rospack', 'find', 'opencv_apps'], stdout=subprocess.DEVNULL,
+                           stderr=subprocess.DEVNULL, check=False).returncode == 0
+    return [(size, viewed, ['img_recog', 'plain'] + ['opencv_apps'] * (viewed and found))
+            for size in SIZES for viewed in (False, True)]
+
+
+def count() -> int:
+    """Return how many measurements `measure` makes."""
+    return ROUNDS * sum(len(nodes) for _, _, nodes in cases())
+
+
+def sample(node: str, size: tuple, viewed: bool) -> dict:
+    """Return what recognition_sample.py measures of a node."""
+    with Master() as master:
+        topics, pids = NODES[node](master, viewed)
+        return run_script('recognition_sample.py', *size, SECONDS, ','.join(topics),
+                          ','.join(map(str, pids)), env=master.env)
+
+
+def measure(done: Callable[[], None]) -> dict:
+    """Return the medians over some rounds, in each of which every node has its turn.
+
+    done: called after each measurement.
+    """
+    samples = {}
+    for _ in range(ROUNDS):
+        for size, viewed, nodes in cases():
+            for node in nodes:
+                samples.setdefault((size, viewed, node), []).append(sample(node, size, viewed))
+                done()
+    rows = []
+    for (size, viewed, node), found in samples.items():
+        ours = samples[size, viewed, 'img_recog']
+        row = {'size': '{}x{}'.format(*size), 'viewed': viewed, 'node': node}
+        for key in KEYS:
+            row[key] = median(each[key] for each in found)
+            # within each round: a machine that is slow for a while is slow for all
+            row['ours_to_' + key] = median(mine[key] / theirs[key]
+                                           for mine, theirs in zip(ours, found))
+        rows.append(row)
+    return {'rows': rows}
+
+
+def table(results: dict) -> str:
+    """Return the results as a person reads them."""
+    lines = ['{:<42} {:>14} {:>22} {:>14} {:>16}'.format(
+        'recognition at 30 Hz; in brackets: ours to it', 'CPU a frame', 'latency, median (99 %)',
+        'and transport', 'highest rate')]
+    for row in results['rows']:
+        title = '{} {}, {}'.format(row['size'], 'viewed' if row['viewed'] else 'alone',
+                                   row['node'])
+        lines.append('{:<34} {cpu_ms:6.2f} ms ({ours_to_cpu_ms:.2f})  {latency_ms:6.2f} '
+                     '({latency_99_ms:.2f}) ms ({ours_to_latency_ms:.2f})  '
+                     '{with_transport_ms:6.2f} ms ({ours_to_with_transport_ms:.2f})  '
+                     '{rate_hz:5.0f} Hz ({ours_to_rate_hz:.1f})'.format(title, **row))
+    return '\n'.join(lines)

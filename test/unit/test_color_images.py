@@ -1,0 +1,93 @@
+"""Colour images of messages of every encoding, bit for bit those of cv_bridge."""
+import cv2
+import numpy as np
+import pytest
+from cv_bridge import CvBridge
+from sensor_msgs.msg import Image
+
+from img_recog.nodes.image_msgs import ColorImages, ImageError
+from img_recog.recognition.areas import ColorExtractor
+from img_recog.recognition.settings import with_colors
+
+CHANNELS = {'bgr8': 3, 'rgb8': 3, 'bgra8': 4, 'rgba8': 4, 'mono8': 1, 'yuv422': 2,
+            'bayer_rggb8': 1, 'bayer_bggr8': 1, 'bayer_gbrg8': 1, 'bayer_grbg8': 1}
+BY_CV_BRIDGE = {'mono16': 2, 'rgb16': 6, 'bgra16': 8}
+ORDERS = {'bgr8': slice(None), 'bgra8': slice(0, 3), 'rgb8': [2, 1, 0], 'rgba8': [2, 1, 0]}
+
+
+def message(encoding, bytes_a_pixel, height=48, width=64, padding=0, seed=0):
+    step = width * bytes_a_pixel + padding
+    data = np.random.RandomState(seed).randint(0, 256, step * height).astype(np.uint8)
+    return Image(height=height, width=width, encoding=encoding, step=step, data=data.tobytes())
+
+
+def in_bgr8(image, encoding):
+    return image[..., ORDERS[encoding]]
+
+
+@pytest.mark.parametrize('encoding, size', [*CHANNELS.items(), *BY_CV_BRIDGE.items()])
+def test_every_encoding_equals_cv_bridge(encoding, size):
+    msg, images = message(encoding, size), ColorImages()
+    expected = CvBridge().imgmsg_to_cv2(msg, 'bgr8')
+    image, order = images.from_msg(msg)
+    assert np.array_equal(in_bgr8(image, order), expected)
+    extractor, plain = (ColorExtractor(with_colors()()) for _ in range(2))
+    assert extractor.measure(image, order) == plain.measure(np.ascontiguousarray(expected))
+    for number in (0, 1):
+        assert np.array_equal(extractor.masked(number), plain.masked(number))
+
+
+@pytest.mark.parametrize('encoding, size', [*CHANNELS.items(), *BY_CV_BRIDGE.items()])
+def test_padded_rows(encoding, size):
+    if encoding in ('mono16', 'rgb16', 'bgra16'):
+        padding = 14
+    else:
+        padding = 13
+    padded = message(encoding, size, padding=padding)
+    rows = np.frombuffer(padded.data, np.uint8).reshape(48, padded.step)[:, :64 * size]
+    plain = Image(height=48, width=64, encoding=encoding, step=64 * size,
+                  data=np.ascontiguousarray(rows).tobytes())
+    image, order = ColorImages().from_msg(padded)
+    assert np.array_equal(in_bgr8(image, order), CvBridge().imgmsg_to_cv2(plain, 'bgr8'))
+
+
+def test_yuy2():
+    msg = message('yuv422_yuy2', 2)
+    pixels = np.frombuffer(msg.data, np.uint8).reshape(48, 64, 2)
+    image, order = ColorImages().from_msg(msg)
+    assert order == 'bgr8'
+    assert np.array_equal(image, cv2.cvtColor(pixels, cv2.COLOR_YUV2BGR_YUY2))
+
+
+@pytest.mark.parametrize('encoding', ['bgr8', 'rgb8', 'bgra8', 'rgba8'])
+def test_colours_are_where_the_message_has_them(encoding):
+    msg = message(encoding, CHANNELS[encoding], padding=5)
+    msg.data = bytearray(msg.data)
+    image, order = ColorImages().from_msg(msg)
+    assert order == encoding
+    assert np.shares_memory(image, np.frombuffer(msg.data, np.uint8))
+
+
+def test_a_conversion_uses_the_same_memory_again():
+    images = ColorImages()
+    first, _ = images.from_msg(message('mono8', 1))
+    second, _ = images.from_msg(message('mono8', 1, seed=1))
+    assert np.shares_memory(first, second)
+    other, _ = images.from_msg(message('mono8', 1, height=20))
+    assert other.shape == (20, 64, 3)
+
+
+@pytest.mark.parametrize('change, text', [
+    ({'width': 0}, 'it has no pixels'), ({'height': 0}, 'it has no pixels'),
+    ({'step': 100}, 'a row takes 192 bytes'), ({'data': b'short'}, 'the data is too short'),
+    ({'height': 4000000000}, 'the data is too short'), ({'encoding': 'rgb9'}, "'rgb9'"),
+    ({'encoding': ''}, "''"), ({'encoding': '32FC1', 'step': 256}, '32FC1'),
+    ({'encoding': '8UC3'}, '8UC3'),
+    ({'encoding': 'yuv422', 'width': 63}, "encoding 'yuv422'")])
+def test_what_is_refused(change, text):
+    msg = message('rgb8', 3)
+    for name, value in change.items():
+        setattr(msg, name, value)
+    with pytest.raises(ImageError) as caught:
+        ColorImages().from_msg(msg)
+    assert text in str(caught.value) and '\n' not in str(caught.value)

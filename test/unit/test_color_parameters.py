@@ -1,0 +1,59 @@
+"""The colours in a file, and what is refused of one."""
+import os
+
+import pytest
+
+from img_recog.nodes import color_parameters
+from img_recog.nodes.parameters import ParameterError
+from img_recog.recognition.settings import Color, with_colors
+
+CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config', 'colors.yaml')
+
+
+def written(tmp_path, text):
+    path = tmp_path / 'colors.yaml'
+    path.write_text(text)
+    return str(path)
+
+
+def test_the_file_of_the_demo_says_what_holds_without_it():
+    settings = color_parameters.from_file(CONFIG)
+    assert settings.color_names == ('blue', 'red')
+    assert settings.colors == with_colors()().colors
+    assert repr(settings) == repr(with_colors()())
+
+
+def test_another_file(tmp_path):
+    settings = color_parameters.from_file(written(
+        tmp_path, 'colors: [green, red]\ngreen_hue_min: 40\ngreen_hue_max: 80\n'
+        'green_image_topic: g\nimage_transport: raw\nstop_when_lost: 0.5\n'))
+    assert settings.colors == (Color('green', (40, 80), (100, 255), (100, 255), 1000, 0.0, 0.0),
+                               with_colors()().colors[1])
+    assert settings.stop_when_lost == 0.5
+
+
+@pytest.mark.parametrize('text, words', [
+    ('', 'got nothing, wants lines like colors: [blue, red]'),
+    ('# a comment\n', 'got nothing'), ('- blue\n', 'got list'), ('blue', 'got str'),
+    ('a: [', 'while parsing'), ('colors: []', 'parameter colors: got []'),
+    ('colors:', 'parameter colors: got nothing'),
+    ('colors: [green]', 'parameter green_hue_min: got nothing'),
+    ('purple_hue_min: 3', 'there is no colour purple, the colours are blue, red; add it to '
+     'colors: [blue, red, purple]'),
+    ('blue_hue_mim: 3', 'did you mean blue_hue_min?'),
+    ('red_area_limit: -5', 'parameter red_area_limit: got -5, allowed is a whole number at '
+     'least 0'),
+    ('blue_value_min: 200\nblue_value_max: 100', 'parameter blue_value_min: got 200, allowed is '
+     'at most blue_value_max, which is 100')])
+def test_what_is_refused(tmp_path, text, words):
+    path = written(tmp_path, text)
+    with pytest.raises(ParameterError) as caught:
+        color_parameters.from_file(path)
+    assert words in str(caught.value) and path in str(caught.value)
+    assert '\n' not in str(caught.value)
+
+
+def test_a_missing_file(tmp_path):
+    with pytest.raises(ParameterError) as caught:
+        color_parameters.from_file(str(tmp_path / 'none.yaml'))
+    assert 'none.yaml: No such file or directory' in str(caught.value)
