@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Colours that are changed while color_extract runs, and what it tells besides."""
+import os
+import subprocess
+import sys
+import unittest
+
+import cv2
+import numpy as np
+import rosnode
+import rospy
+import rostest
+from dynamic_reconfigure.client import Client
+from geometry_msgs.msg import Twist
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import Image, PointCloud
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from support import Recorder, from_node, wait_for  # noqa: E402
+
+NODE = '/color_extract'
+BLUE, RED, YELLOW, GREY = (200, 60, 20), (60, 20, 220), (20, 180, 200), (128, 128, 128)     # BGR
+BLUE_HUE = 113
+DEFAULTS = {'blue_hue_min': 50, 'blue_saturation_min': 100, 'blue_saturation_max': 255,
+            'blue_area_limit': 1000, 'blue_linear_x': 10.0, 'red_hue_min': 150,
+            'red_hue_max': 180, 'publish_on_change': False, 'stop_when_lost': 0.0,
+            'roi_width': 0, 'min_blob_size': 0}
+
+
+def picture(*squares):
+    """Return a grey bgr8 picture of 320x240 with a square of 40x40 for each BGR colour."""
+    image = np.full((240, 320, 3), GREY, np.uint8)
+    for number, bgr in enumerate(squares):
+        image[100:140, 60 * number + 10:60 * number + 50] = bgr
+    return image
+
+
+def message(image):
+    msg = Image(height=image.shape[0], width=image.shape[1], encoding='bgr8',
+                step=3 * image.shape[1], data=image.tobytes())
+    msg.header.stamp, msg.header.frame_id = rospy.Time.now(), 'test_camera'
+    return msg
+
+
+class LiveTest(unittest.TestCase):
+    """One frame at a time, each waited for."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.camera = rospy.Publisher('/usb_cam/image_raw', Image, queue_size=10)
+        cls.twists = Recorder('/cmd_vel', Twist, from_node(NODE))
+        cls.logs = Recorder('/rosout', Log, lambda msg: msg.name == NODE)
+        cls.detections = Recorder('/color_detection', PointCloud)
+        cls.overlays = Recorder('/color_overlay', Image)
+        cls.yellow = Recorder('/yellow/masked', Image)
+        cls.client = Client(NODE, timeout=60)
+        wait_for(lambda: cls.camera.get_num_connections() == 1, 'color_extract to subscribe')
+
+        def connected():
+            cls.send(picture())
+            return all(each.messages for each in (cls.detections, cls.overlays, cls.yellow))
+        wait_for(connected, 'the outputs of color_extract')
+
+    def setUp(self):
+        self.client.update_configuration(DEFAULTS)
+
+    @classmethod
+    def areas(cls):
+        """Return the lines of areas that were logged."""
+        return [msg.msg for msg in cls.logs.messages if msg.msg.startswith('blue=')]
+
+    @classmethod
+    def send(cls, image):
+        """Publish a frame and return the line that is logged for it."""
+        before = len(cls.areas())
+        msg = message(image)
+        cls.camera.publish(msg)
+        wait_for(lambda: len(cls.areas()) > before, 'a log line', 30)
+        return cls.areas()[before]
+
+    def commands_for(self, *images):
+        """Return (linear.x, angular.z) of what is sent for frames, which end with a red one."""
+        before = len(self.twists.messages)
+        for image in images:
+            self.send(image)
+        self.send(picture(RED))
+
+        def sent():
+            return [(twist.linear.x, twist.angular.z) for twist in self.twists.messages[before:]]
+        wait_for(lambda: (-10.0, 0.0) in sent(), 'the command for red')
+        return sent()
+
+    def test_a_bound_that_is_set_by_dynparam_holds_from_the_next_frame_on(self):
+        self.assertEqual('blue=1600, red=0, yellow=0', self.send(picture(BLUE)))
+        for low, area_px in ((BLUE_HUE + 1, 0), (BLUE_HUE, 1600)):
+            subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', 'set', NODE,
+                            'blue_hue_min', str(low)], check=True)
+            lines = [self.send(picture(BLUE)) for _ in range(2)]
+            self.assertEqual('blue={}, red=0, yellow=0'.format(area_px), lines[1])
+            self.assertEqual(low, rospy.get_param(NODE + '/blue_hue_min'))
+
+    def test_hues_wrap(self):
+        card = picture((20, 20, 200))
+        self.assertEqual('blue=0, red=0, yellow=0', self.send(card))
+        self.client.update_configuration({'red_hue_min': 170, 'red_hue_max': 10})
+        self.assertEqual('blue=0, red=1600, yellow=0', self.send(card))
+
+    def test_values_that_are_refused_leave_the_old_ones_in_force(self):
+        for values, text in (
+                ({'blue_hue_min': 200}, 'blue_hue_min: got 200'),
+                ({'blue_saturation_min': 200, 'blue_saturation_max': 150},
+                 'blue_saturation_min: got 200, allowed is at most blue_saturation_max, which is '
+                 '150'),
+                ({'blue_area_limit': -1}, 'blue_area_limit: got -1'),
+                ({'blue_linear_x': float('nan')}, 'blue_linear_x: got nan')):
+            before = self.client.get_configuration(timeout=30)
+            self.client.update_configuration(values)
+            wait_for(lambda: [msg for msg in self.logs.messages
+                              if text in msg.msg and msg.level == Log.ERROR], text)
+            self.assertEqual(before, self.client.get_configuration(timeout=30))
+            self.assertEqual('blue=1600, red=0, yellow=0', self.send(picture(BLUE)))
+
+    def test_a_third_colour_has_its_command_and_its_image(self):
+        image = picture(YELLOW, BLUE)
+        before = len(self.yellow.messages)
+        self.assertEqual([(10.0, 0.0), (0.0, 0.5), (-10.0, 0.0)], self.commands_for(image))
+        wait_for(lambda: len(self.yellow.messages) > before, 'an image of yellow')
+        hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
+        mask = cv2.inRange(hsv, np.array([20, 100, 100]), np.array([35, 255, 255]))
+        self.assertEqual(1600, cv2.countNonZero(mask))
+        self.assertEqual(cv2.bitwise_and(image, image, mask=mask).tobytes(),
+                         self.yellow.messages[before].data)
+
+    def test_detections_tell_areas_and_centroids(self):
+        before = len(self.detections.messages)
+        self.send(picture(BLUE, YELLOW))
+        wait_for(lambda: len(self.detections.messages) > before, 'a detection')
+        msg = self.detections.messages[before]
+        self.assertEqual('test_camera', msg.header.frame_id)
+        self.assertEqual([('blue', (1600.0, 0.0, 0.0)), ('red', (0.0, 0.0, 0.0)),
+                          ('yellow', (0.0, 0.0, 1600.0))],
+                         [(channel.name, tuple(channel.values)) for channel in msg.channels])
+        self.assertEqual([(29.5, 119.5), (89.5, 119.5)],
+                         [(point.x, point.y) for point in (msg.points[0], msg.points[2])])
+        self.assertTrue(np.isnan(msg.points[1].x) and np.isnan(msg.points[1].y))
+
+    def test_the_overlay_shows_the_frame_with_an_outline(self):
+        before, image = len(self.overlays.messages), picture(GREY, GREY, BLUE)
+        self.send(image)
+        wait_for(lambda: len(self.overlays.messages) > before, 'an overlay')
+        msg = self.overlays.messages[before]
+        self.assertEqual(('bgr8', 320, 240, 'test_camera'),
+                         (msg.encoding, msg.width, msg.height, msg.header.frame_id))
+        drawn = np.frombuffer(msg.data, np.uint8).reshape(240, 320, 3)
+        self.assertTrue((drawn[100, 130:170] != BLUE).any(axis=1).all())    # the outline
+        self.assertTrue((drawn[104, 134:140] == BLUE).all())                # within
+        self.assertTrue((drawn[200:, :] == GREY).all())
+
+    def test_publish_on_change(self):
+        self.client.update_configuration({'publish_on_change': True})
+        self.send(picture())
+        self.assertEqual([(10.0, 0.0), (-10.0, 0.0)],
+                         self.commands_for(picture(BLUE), picture(BLUE), picture(BLUE)))
+
+    def test_zz_stop_when_the_image_is_stale_and_at_the_end(self):
+        self.send(picture())
+        before = len(self.twists.messages)
+        self.client.update_configuration({'stop_when_lost': 0.3})
+        wait_for(lambda: len(self.twists.messages) > before, 'the stop')
+        self.assertEqual(Twist(), self.twists.messages[-1])
+        self.send(picture(BLUE))
+        wait_for(lambda: self.twists.messages[-2:] and self.twists.messages[-2].linear.x == 10.0,
+                 'the command for blue and the stop')
+        self.assertEqual(Twist(), self.twists.messages[-1])
+        self.client.update_configuration({'stop_when_lost': 1000.0})
+        self.send(picture(BLUE))
+        wait_for(lambda: self.twists.messages[-1].linear.x == 10.0, 'the command for blue')
+        # the last of all tests by its name: after it there is no node
+        rosnode.kill_nodes([NODE])
+        wait_for(lambda: self.twists.messages[-1] == Twist(), 'the stop at the end')
+
+    def test_lines_say_where_they_come_from(self):
+        self.send(picture())
+        msg = next(msg for msg in self.logs.messages if msg.msg.startswith('blue='))
+        self.assertEqual((Log.INFO, 'color_img_recog.py', 'handle'),
+                         (msg.level, msg.file, msg.function))
+        self.assertIn('/cmd_vel', msg.topics)
+
+
+if __name__ == '__main__':
+    rospy.init_node('live_test')
+    rostest.rosrun('img_recog', 'live', LiveTest)
