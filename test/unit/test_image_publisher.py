@@ -30,8 +30,8 @@ class Subscriber:
 @pytest.fixture
 def topic(monkeypatch):
     impl = SimpleNamespace(connections=[], seq=0)
-    monkeypatch.setattr(image_publisher.rospy, 'Publisher', lambda *args, **kwargs: SimpleNamespace(
-        impl=impl, get_num_connections=lambda: len(impl.connections)))
+    publisher = SimpleNamespace(impl=impl, get_num_connections=lambda: len(impl.connections))
+    monkeypatch.setattr(image_publisher.rospy, 'Publisher', lambda *args, **kwargs: publisher)
     return impl
 
 
