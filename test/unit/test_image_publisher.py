@@ -46,7 +46,7 @@ def random_image(seed, shape=(48, 64, 3)):
 
 
 def publish(publisher, image, encoding='bgr8'):
-    publisher.publish(header(), encoding, image.shape, lambda result: np.copyto(result, image))
+    publisher.publish(header(), encoding, image)
 
 
 @pytest.mark.parametrize('shape, encoding', [
@@ -64,7 +64,25 @@ def test_the_bytes_are_those_of_rospy(topic, shape, encoding):
 
 
 def test_nothing_is_drawn_without_subscribers(topic):
-    ImagePublisher('/blue_image').publish(header(), 'bgr8', (4, 4, 3), lambda result: 1 / 0)
+    ImagePublisher('/blue_image').publish_drawn(header(), 'bgr8', (4, 4, 3), lambda _: 1 / 0)
+
+
+def test_an_image_is_drawn_into_the_packet(topic):
+    subscriber, image = Subscriber(), random_image(1)
+    topic.connections.append(subscriber)
+    ImagePublisher('/blue_image').publish_drawn(
+        header(), 'bgr8', image.shape, lambda result: np.copyto(result, image))
+    assert bytes(subscriber.queue[0]).endswith(image.tobytes())
+
+
+def test_grey_images_and_rows_that_are_apart(topic):
+    subscriber, publisher = Subscriber(), ImagePublisher('/blue_image')
+    topic.connections.append(subscriber)
+    grey, part = random_image(1, (48, 64)), random_image(2, (48, 80, 3))[:, 3:67]
+    publish(publisher, grey, 'mono8')
+    publish(publisher, part)
+    assert bytes(subscriber.queue[0]).endswith(grey.tobytes())
+    assert bytes(subscriber.queue[1]).endswith(part.tobytes())
 
 
 def test_all_subscribers_have_one_packet(topic):

@@ -19,7 +19,6 @@ from functools import partial
 from typing import List, Sequence
 
 import cv2
-import numpy as np
 import rospy
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import CompressedImage, Image, PointCloud
@@ -144,8 +143,8 @@ class ColorExtract:
             return
         areas_px = self._extractor.measure(image, encoding)
         for number, publisher in enumerate(self._masked):
-            publisher.publish(msg.header, 'bgr8', image.shape[:2] + (3,),
-                              partial(self._extractor.masked, number))
+            publisher.publish_drawn(msg.header, 'bgr8', image.shape[:2] + (3,),
+                                    partial(self._extractor.masked, number))
         prompt_log.info(', '.join('{}={}'.format(name, area_px) for name, area_px
                                   in zip(self._settings.color_names, areas_px)))
         commands = self._commander.decide(areas_px, time.monotonic())
@@ -160,7 +159,7 @@ class ColorExtract:
                 header, self._settings.color_names, areas_px, centroids))
         if self._overlay.get_num_connections() > 0:
             image = overlay.draw(self._extractor, self._settings.colors, areas_px, commands)
-            self._overlay.publish(header, 'bgr8', image.shape, partial(np.copyto, src=image))
+            self._overlay.publish(header, 'bgr8', image)
 
     def _send(self, commands: List[Command]) -> None:
         for command in commands:

@@ -1,7 +1,5 @@
 """sensor_msgs/Image to and from arrays, by cv_bridge."""
 import contextlib
-import os
-import struct
 import sys
 from typing import Tuple
 
@@ -28,38 +26,19 @@ class ImageError(UserError):
     """An image message cannot be converted."""
 
 
-class _ArrayImage(Image):
-    """An Image whose data is a view of an array and goes to the wire without further copies."""
-
-    def serialize(self, buff) -> None:
-        data, self.data = self.data, b''
-        try:
-            super().serialize(buff)
-        finally:
-            self.data = data
-        # data is the last field: in place of its length, 0
-        buff.seek(-4, os.SEEK_CUR)
-        buff.write(struct.pack('<I', len(data)))
-        buff.write(data)
-
-
 def to_msg(image: np.ndarray, encoding: str, header: Header) -> Image:
     """Return a message that holds `image`, uint8 of shape (height, width[, channels]).
 
     encoding: what the array is, as in sensor_msgs/image_encodings.h.
-    The message shares the array's memory: publish it before that changes.
     Raises ImageError when shape and encoding do not fit.
     """
     try:
-        # one pixel, for what cv_bridge knows of encodings: it would copy them all
-        like = _bridge.cv2_to_imgmsg(image[:1, :1], encoding)
+        msg = _bridge.cv2_to_imgmsg(image, encoding)
     except CvBridgeError as error:
         raise ImageError('cannot publish an image of shape {} as {}: {}'.format(
             image.shape, encoding, error))
-    rows = np.ascontiguousarray(image)
-    return _ArrayImage(header=header, height=image.shape[0], width=image.shape[1],
-                       encoding=like.encoding, is_bigendian=like.is_bigendian,
-                       step=rows.strides[0], data=memoryview(rows).cast('B'))
+    msg.header = header
+    return msg
 
 
 def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A publisher for large images that are made for it."""
+"""A publisher for large images."""
 import io
 import struct
 import sys
@@ -13,7 +13,7 @@ _LENGTH = struct.Struct('<I')
 
 
 class ImagePublisher:
-    """Has images drawn where they are sent from, in memory that is kept.
+    """Sends images from memory that is kept, and has them drawn there where that saves a copy.
 
     rospy serializes a message into new memory each time; a copy into memory that was not used
     before takes several times as long as one into the same again. Each subscriber has a thread of
@@ -28,12 +28,22 @@ class ImagePublisher:
         """Return how many subscribers there are."""
         return self._publisher.get_num_connections()
 
-    def publish(self, header: Header, encoding: str, shape: tuple,
-                draw: Callable[[np.ndarray], None]) -> None:
+    def publish(self, header: Header, encoding: str, image: np.ndarray) -> None:
         """Publish an image if anyone subscribes.
 
-        encoding: of 8-bit channels, as in sensor_msgs/image_encodings.h. shape: (height, width,
-        channels). draw: writes the image into an array of that shape, of any content before.
+        encoding: of 8-bit channels, as in sensor_msgs/image_encodings.h.
+        image: uint8 of shape (height, width[, channels]).
+        """
+        shape = image.shape if image.ndim == 3 else image.shape + (1,)
+        self.publish_drawn(header, encoding, shape,
+                           lambda result: np.copyto(result, image.reshape(shape)))
+
+    def publish_drawn(self, header: Header, encoding: str, shape: tuple,
+                      draw: Callable[[np.ndarray], None]) -> None:
+        """Publish an image, which is made only if anyone subscribes.
+
+        shape: (height, width, channels). draw: writes the image into an array of that shape,
+        of any content before.
         """
         topic = self._publisher.impl
         connections = topic.connections

@@ -17,7 +17,7 @@ from typing import Optional
 
 import numpy as np
 import rospy
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyResponse
 
@@ -26,11 +26,12 @@ from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
 from img_recog.camera.stamps import Stamps
-from img_recog.nodes import image_msgs, parameters, running, user_paths
+from img_recog.nodes import parameters, running, user_paths
 from img_recog.nodes.camera_calibration import CameraCalibration
 from img_recog.nodes.camera_controls import CameraControls
 from img_recog.nodes.camera_diagnostics import CameraDiagnostics
 from img_recog.nodes.compressed_images import CompressedImages
+from img_recog.nodes.image_publisher import ImagePublisher
 from img_recog.nodes.reconfigure import Reconfigurable
 from img_recog.nodes.throttle import ThrottledWarning
 
@@ -64,7 +65,7 @@ class UsbCam(Listener):
         self._settled, self._ended = threading.Event(), threading.Event()
         rospy.on_shutdown(self._ended.set)
         rospy.on_shutdown(self._settled.set)
-        self._images = rospy.Publisher('~image_raw', Image, queue_size=1)
+        self._images = ImagePublisher('~image_raw')
         self._compressed = CompressedImages('~image_raw')
         self._infos = rospy.Publisher('~camera_info', CameraInfo, queue_size=1)
         self._reconfigurable = Reconfigurable(controls, self._controls.change)
@@ -112,7 +113,7 @@ class UsbCam(Listener):
         age_s = source.age_s if rospy.rostime.is_wallclock() else 0.0
         stamp_ns = self._stamps.stamp_ns(rospy.Time.now().to_nsec(), age_s)
         header = Header(stamp=rospy.Time(nsecs=stamp_ns), frame_id=self._settings.camera_frame_id)
-        self._images.publish(image_msgs.to_msg(image, source.encoding, header))
+        self._images.publish(header, source.encoding, image)
         self._compressed.publish(image, source.encoding, header)
         self._infos.publish(self._calibration.to_msg(header))
         self._diagnostics.count_frame()

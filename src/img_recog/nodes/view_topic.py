@@ -1,12 +1,11 @@
 """Images of the simulation for those who watch."""
-import contextlib
 import threading
 
 import rospy
-from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.nodes import image_msgs, robot_msgs
+from img_recog.nodes import robot_msgs
+from img_recog.nodes.image_publisher import ImagePublisher
 from img_recog.simulation.scene import Scene, poses_of
 from img_recog.simulation.settings import SimulationError, ViewSettings
 from img_recog.simulation.simulator import Simulator
@@ -21,7 +20,7 @@ class ViewTopic:
 
     def __init__(self, scene: Scene, settings: ViewSettings):
         self._view = View(scene, settings)
-        self._images = rospy.Publisher('~view/image_raw', Image, queue_size=1)
+        self._images = ImagePublisher('~view/image_raw')
         self._ended = threading.Event()
         self._publisher = threading.Thread(target=self._publish, daemon=True)
         self._publisher.start()
@@ -45,9 +44,7 @@ class ViewTopic:
 
     def _publish_image(self, image: ViewImage) -> None:
         header = Header(stamp=robot_msgs.stamp_of(image.time_s), frame_id=_FRAME)
-        # the topic is closed by a shutdown before the node knows of it
-        with contextlib.suppress(rospy.ROSException):
-            self._images.publish(image_msgs.to_msg(image.pixels, 'rgb8', header))
+        self._images.publish(header, 'rgb8', image.pixels)
 
     def close(self) -> None:
         """End the process that draws."""
