@@ -63,6 +63,7 @@ def anything() -> Allowed:
     return Allowed('', lambda value: True)
 
 
+_MOST = 0x7fffffff      # parameters are whole numbers of 32 bits
 _KINDS = {int: 'a whole number', float: 'a finite number', bool: 'true or false', str: 'a text'}
 
 
@@ -121,9 +122,13 @@ def _checked(field: dataclasses.Field, value: Any) -> Any:
         words = allowed.text or _KINDS[kind]
     if kind is float and isinstance(value, str):
         value = _number(value)
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
     # bool is a subclass of int, so a plain isinstance would take True for a width of 1
+    if type(value) is int and abs(value) > _MOST:
+        raise SettingError(field.name, value, words + ', of 32 bits')
+    if kind is float and type(value) is int:
+        value = float(value)
+    if kind is int and type(value) is float and value.is_integer() and abs(value) <= _MOST:
+        value = int(value)      # as roscpp takes it
     if type(value) is not kind or (kind is float and not math.isfinite(value)):
         raise SettingError(field.name, value, words)
     if not allowed.accepts(value):

@@ -121,3 +121,50 @@ def test_in_the_demo_the_other_nodes_go_on(ros, argument, node, named):
     ros.wait_run(r'(?s)' + '.*'.join(sorted(others)), 'rosnode', 'list')
     assert '/' + node not in ros.run('rosnode', 'list').split()
     assert demo.interrupt() == 0
+
+
+COLOR_CASES = {
+    'no colours': ('colors: []', '/color_extract/colors: got []', 'like [blue, red]'),
+    'a colour without hues': ('colors: [green]', '/color_extract/green_hue_min: got nothing',
+                              'from 0 to 180'),
+    'bounds': ('blue_value_min: 200\nblue_value_max: 100',
+               '/color_extract/blue_value_min: got 200', 'at most blue_value_max, which is 100'),
+    'a limit': ('red_area_limit: -1', '/color_extract/red_area_limit: got -1', 'at least 0'),
+    'a command': ('red_linear_x: .nan', '/color_extract/red_linear_x: got nan', 'finite'),
+    'transport': ('image_transport: theora', "image_transport: got 'theora'", 'raw, compressed'),
+    'no topic': ("blue_image_topic: 'a b'", "/color_extract/blue_image_topic: got 'a b'",
+                 'the name of a topic'),
+    'its own input': ('blue_image_topic: /usb_cam/image_raw',
+                      "blue_image_topic: got '/usb_cam/image_raw'", 'no other use'),
+    'one topic twice': ('red_image_topic: blue_image',
+                        "/color_extract/red_image_topic: got 'blue_image'", 'no other use'),
+    'an empty file': ('', 'colors.yaml: got nothing', 'colors: [blue, red]'),
+}
+
+
+def recognition(roscore, tmp_path, text):
+    """Start color_extract with the parameters in a file."""
+    path = tmp_path / 'colors.yaml'
+    path.write_text(text)
+    command = ['rosrun', 'img_recog', 'color_img_recog.py']
+    roscore.run('rosparam', 'delete', '/color_extract')
+    if not text:            # rosparam would load nothing, and so the demo names the file besides
+        return roscore.start(*command, '_colors_file:={}'.format(path))
+    assert roscore.start('rosparam', 'load', path, '/color_extract').wait() == 0
+    return roscore.start(*command)
+
+
+@pytest.mark.parametrize('text, named, advice', list(COLOR_CASES.values()), ids=list(COLOR_CASES))
+def test_colors(roscore, tmp_path, text, named, advice):
+    line = fatal_line(recognition(roscore, tmp_path, text))
+    assert named in line and advice in line, line
+
+
+def test_parameters_that_color_extract_has_not_are_warnings(roscore, tmp_path):
+    roscore.run('rosparam', 'delete', '/color_extract')
+    node = roscore.start('rosrun', 'img_recog', 'color_img_recog.py', '_blue_hue_mni:=10',
+                         '_green_hue_min:=40')
+    node.wait_output(r'\[WARN\].*/color_extract/blue_hue_mni .*did you mean blue_hue_min\?')
+    node.wait_output(r'\[WARN\].*/color_extract/green_hue_min: there is no colour green, the '
+                     r'colours are blue, red; add it to colors: \[blue, red, green\]')
+    assert node.interrupt() == 0

@@ -38,6 +38,9 @@ def test_another_file(tmp_path):
     ('a: [', 'while parsing'), ('colors: []', 'parameter colors: got []'),
     ('colors:', 'parameter colors: got nothing'),
     ('colors: [green]', 'parameter green_hue_min: got nothing'),
+    ('5: 6', 'got 5 in the place of the name'),
+    ('blue_linear_x: 1' + 400 * '0', 'allowed is a finite number, of 32 bits'),
+    ('min_blob_size: 99999999999', 'allowed is a whole number at least 0, of 32 bits'),
     ('purple_hue_min: 3', 'there is no colour purple, the colours are blue, red; add it to '
      'colors: [blue, red, purple]'),
     ('blue_hue_mim: 3', 'did you mean blue_hue_min?'),

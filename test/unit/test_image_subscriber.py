@@ -34,6 +34,7 @@ class Connection:
     """A subscriber's end of a connection, which reads as rospy's does."""
 
     def __init__(self, monkeypatch):
+        self.endpoint_id = '/camera'
         self.theirs, self.sock = socket.socketpair()
         self.protocol = TCPROSSub('/topic', Image)
         self.buffer = io.BytesIO()
@@ -131,6 +132,42 @@ def test_a_larger_image_than_before(connection):
     sent = image(1, 480, 640)
     connection.send(packet(sent))
     assert_equal(connection.receive()[0], sent)
+
+
+def test_a_length_that_is_never_sent_takes_no_memory(connection):
+    def kilobytes():
+        with open('/proc/self/status') as file:
+            return next(int(line.split()[1]) for line in file if line.startswith('VmRSS'))
+    before = kilobytes()
+    connection.theirs.sendall(struct.pack('<I', 0xffffffff) + b'few')
+    connection.theirs.close()
+    with pytest.raises(TransportTerminated):
+        connection.receive()
+    assert kilobytes() - before < 100000
+
+
+@pytest.mark.parametrize('data', [
+    b'', b'123', bytes(range(20)), b'\xff' * 64, packet(image(0))[4:-1],
+    packet(image(0))[4:-48 * 64 * 3 - 4] + b'\xff\xff\xff\xff' + bytes(48 * 64 * 3)])
+def test_what_is_no_image_is_skipped_with_a_line_and_the_next_one_comes(
+        connection, monkeypatch, data):
+    lines = []
+    monkeypatch.setattr(connection.subscriber, '_warn',
+                        lambda text, *values: lines.append(text % values))
+    connection.protocol.buff_size = 4
+    connection.send(struct.pack('<I', len(data)) + data + packet(image(1)))
+    assert_equal(connection.receive()[0], image(1))
+    assert len(lines) == 1 and 'of /camera skipped: its {} bytes'.format(len(data)) in lines[0]
+
+
+def test_memory_of_a_huge_image_is_given_back(connection):
+    connection.send(packet(image(0, 1000, 1000)))
+    huge = connection.receive()[0]
+    memory = huge.memory
+    connection.subscriber.release(huge)
+    connection.send(packet(image(1)))
+    assert connection.receive()[0].memory is not memory
+    assert not connection.subscriber._free
 
 
 def test_a_publisher_that_ends_in_the_midst_of_an_image(connection):

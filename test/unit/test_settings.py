@@ -30,7 +30,7 @@ def test_a_number_may_come_as_text_in_a_notation_that_yaml_does_not_know():
 
 
 @pytest.mark.parametrize('name, value', [
-    ('width', 1), ('width', 800), ('count', 0), ('count', 10 ** 12), ('rate', 1e-9),
+    ('width', 1), ('width', 800), ('count', 0), ('count', 2 ** 31 - 1), ('rate', 1e-9),
     ('enabled', False), ('mode', 'fast'), ('name', 'x'), ('note', ''), ('unchecked', object)])
 def test_allowed_value_is_kept(name, value):
     kept = getattr(Sample(**{name: value}), name)
@@ -46,10 +46,18 @@ def test_whole_number_becomes_float_where_a_float_is_wanted():
     assert rate == 25.0 and type(rate) is float
 
 
+def test_whole_float_becomes_a_whole_number_where_one_is_wanted():
+    width = Sample(width=320.0).width
+    assert width == 320 and type(width) is int
+
+
 @pytest.mark.parametrize('name, value, allowed', [
+    ('count', 10 ** 12, 'a whole number at least 0, of 32 bits'),
+    ('count', 1e12, 'a whole number at least 0'),
+    ('rate', 10 ** 400, 'a finite number above 0, of 32 bits'),
     ('width', 0, 'a whole number from 1 to 800'),
     ('width', 801, 'a whole number from 1 to 800'),
-    ('width', 640.0, 'a whole number from 1 to 800'),
+    ('width', 640.5, 'a whole number from 1 to 800'),
     ('width', '640', 'a whole number from 1 to 800'),
     ('width', True, 'a whole number from 1 to 800'),
     ('width', None, 'a whole number from 1 to 800'),

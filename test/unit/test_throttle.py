@@ -1,5 +1,5 @@
 """What happens at most once in a period of wall time."""
-from img_recog.nodes.throttle import Throttle
+from img_recog.nodes.throttle import Throttle, ThrottledWarning
 
 
 def test_ready_once_in_a_period(clock):
@@ -10,3 +10,18 @@ def test_ready_once_in_a_period(clock):
     assert not throttle.ready()
     clock.advance(0.2)
     assert throttle.ready() and not throttle.ready()
+
+
+def test_each_warning_once_in_five_seconds_and_three_different_ones(clock):
+    lines = []
+    warn = ThrottledWarning(clock, lambda text, line: lines.append(text % line))
+    for number in (1, 1, 2, 1, 3, 4, 2):
+        warn('frame skipped: %d %%', number)
+    assert lines == ['frame skipped: 1 %', 'frame skipped: 2 %', 'frame skipped: 3 %']
+    clock.advance(4.9)
+    warn('frame skipped: %d %%', 1)
+    assert len(lines) == 3
+    clock.advance(0.2)
+    warn('frame skipped: %d %%', 4)
+    warn('frame skipped: %d %%', 1)
+    assert lines[3:] == ['frame skipped: 4 %', 'frame skipped: 1 %']

@@ -38,6 +38,7 @@ from img_recog.recognition.commands import Command, Commander
 from img_recog.settings import Settings, one_of, setting
 
 _CAMERA = 'usb_cam/image_raw'
+_TOPICS = (_CAMERA, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')
 _IDLE_S = 0.1           # how often what does not hang on frames is looked after
 
 
@@ -103,7 +104,7 @@ class ColorExtract:
         if given.colors_file:
             color_parameters.from_file(given.colors_file)
         settings = color_parameters.read()
-        topics = color_parameters.read_image_topics(settings)
+        topics = color_parameters.read_image_topics(settings, _TOPICS)
         color_parameters.warn_of_unknown(settings, InputSettings)
         self._extractor = ColorExtractor(settings)
         self._commander = Commander(settings, time.monotonic())

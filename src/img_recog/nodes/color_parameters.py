@@ -1,4 +1,5 @@
 """The parameters of the recognition: those of a node, or those in a file for one."""
+from functools import partial
 from typing import Any, List, Mapping, Sequence, Type
 
 import rosgraph.names
@@ -27,13 +28,24 @@ def read(namespace: str = '~') -> RecognitionSettings:
     return parameters.read(with_colors(names), namespace=namespace)
 
 
-def read_image_topics(settings: RecognitionSettings) -> List[str]:
+def read_image_topics(settings: RecognitionSettings, taken: Sequence[str]) -> List[str]:
     """Return for each colour the topic of its masked images, by default NAME_image.
 
-    Raises ParameterError for one that is no name of a topic.
+    taken: topics that the node uses already.
+    Raises ParameterError for one that is no name of a topic, or has another use.
     """
-    return [parameters.read_one(_IMAGE_TOPIC.format(name), name + '_image', _topic)
-            for name in settings.color_names]
+    used = {rospy.resolve_name(topic) for topic in taken}
+
+    def checked(parameter: str, topic: Any) -> str:
+        if not (isinstance(topic, str) and topic and rosgraph.names.is_legal_name(topic)):
+            raise SettingError(parameter, topic, 'the name of a topic')
+        if rospy.resolve_name(topic) in used:
+            raise SettingError(parameter, topic, 'a topic that this node has no other use for')
+        used.add(rospy.resolve_name(topic))
+        return topic
+    names = (_IMAGE_TOPIC.format(name) for name in settings.color_names)
+    return [parameters.read_one(parameter, name + '_image', partial(checked, parameter))
+            for parameter, name in zip(names, settings.color_names)]
 
 
 def warn_of_unknown(settings: RecognitionSettings, *others: Type[Settings]) -> None:
@@ -79,12 +91,6 @@ def _no_such_color(parameter: str, names: Sequence[str]) -> str:
         name, ', '.join(names), COLORS, ', '.join([*names, name]))
 
 
-def _topic(value: Any) -> str:
-    if not (isinstance(value, str) and value and rosgraph.names.is_legal_name(value)):
-        raise SettingError('image_topic', value, 'the name of a topic')
-    return value
-
-
 def _mapping(path: str) -> Mapping[str, Any]:
     try:
         with open(path) as file:
@@ -96,4 +102,8 @@ def _mapping(path: str) -> Mapping[str, Any]:
         raise ParameterError('cannot use the parameters in {}: got {}, wants lines like '
                              'colors: [blue, red] and blue_hue_min: 50'.format(
                                  path, 'nothing' if not values else type(values).__name__))
+    for name in values:
+        if not isinstance(name, str):
+            raise ParameterError('{}: got {!r} in the place of the name of a parameter'.format(
+                path, name))
     return values

@@ -4,13 +4,19 @@ from collections import deque
 from socket import MSG_WAITALL
 from typing import Callable
 
+import genpy
+import numpy as np
 import rospy
 from rospy.exceptions import TransportTerminated
 from sensor_msgs.msg import Image
 
+from img_recog.nodes.throttle import ThrottledWarning
+
 _LENGTH = struct.Struct('<I')
 # of the fields of a serialized Image that come before its texts and its data
 _STAMP_END, _SIZE_BYTES, _STEP_BYTES = 12, 8, 5
+_NOTHING = np.empty(0, np.uint8)
+_MOST_SPARE = 4         # memory that is more than so many times too large is given back
 
 
 class _KeptImage(Image):
@@ -33,6 +39,7 @@ class ImageSubscriber:
         The data of an image is a memoryview, and is its own until `release`.
         """
         self._free = deque()
+        self._warn = ThrottledWarning()
         self._subscriber = rospy.Subscriber(name, Image, callback, queue_size=1, tcp_nodelay=True)
         topic = self._subscriber.impl
         with topic.c_lock:
@@ -72,15 +79,23 @@ class ImageSubscriber:
             while at < length:
                 at += _received(sock, view[at:])
             buffer.seek(0)
-            messages.append(_image(memory, view))
+            try:
+                messages.append(_image(memory, view))
+            except (genpy.DeserializationError, struct.error, ValueError) as error:
+                self._free.append(memory)
+                self._warn('image of %s skipped: its %d bytes are no sensor_msgs/Image: %s',
+                           connection.endpoint_id, length, error)
         protocol.read_messages = read_messages
 
-    def _memory(self, size: int) -> bytearray:
+    def _memory(self, size: int) -> np.ndarray:
         try:
             memory = self._free.popleft()
         except IndexError:
-            memory = b''
-        return memory if len(memory) >= size else bytearray(size)
+            memory = _NOTHING
+        if size <= len(memory) <= _MOST_SPARE * size:
+            return memory
+        # not cleared, so that a length that is never sent takes no memory
+        return np.empty(size, np.uint8)
 
 
 def _received(sock, view: memoryview) -> int:
@@ -93,14 +108,17 @@ def _received(sock, view: memoryview) -> int:
     return count
 
 
-def _image(memory: bytearray, view: memoryview) -> Image:
+def _image(memory: np.ndarray, view: memoryview) -> Image:
     """Return the message that is serialized in `view`, its data left where it is."""
     at = _after_text(view, _STAMP_END) + _SIZE_BYTES        # frame_id, height and width
     at = _after_text(view, at) + _STEP_BYTES                # encoding, is_bigendian and step
     msg = _KeptImage()
     msg.deserialize(bytes(view[:at]) + _LENGTH.pack(0))
     size, = _LENGTH.unpack_from(view, at)
-    msg.data, msg.memory = view[at + _LENGTH.size:at + _LENGTH.size + size], memory
+    data = view[at + _LENGTH.size:]
+    if len(data) < size:
+        raise ValueError('its data ends early')
+    msg.data, msg.memory = data[:size], memory
     return msg
 
 

@@ -25,11 +25,19 @@ class Throttle:
 
 
 class ThrottledWarning:
-    """Logs a warning at most every five seconds."""
+    """Logs each warning at most every five seconds, and three different ones in that time."""
 
-    def __init__(self):
-        self._throttle = Throttle(5.0)
+    _PERIOD_S, _MOST = 5.0, 3
+
+    def __init__(self, now: Callable[[], float] = time.monotonic,
+                 log: Callable[[str, str], None] = rospy.logwarn):
+        self._now, self._log = now, log
+        self._logged = {}           # when each of the last ones was
 
     def __call__(self, text: str, *values) -> None:
-        if self._throttle.ready():
-            rospy.logwarn(text, *values)
+        line, now = text % values, self._now()
+        self._logged = {other: then for other, then in self._logged.items()
+                        if now - then < self._PERIOD_S}
+        if line not in self._logged and len(self._logged) < self._MOST:
+            self._logged[line] = now
+            self._log('%s', line)
