@@ -21,16 +21,15 @@ from typing import List, Sequence
 import cv2
 import rospy
 from geometry_msgs.msg import Twist
-from sensor_msgs.msg import CompressedImage, Image, PointCloud
+from sensor_msgs.msg import PointCloud
 
-from img_recog.nodes import (color_detection_msgs, color_parameters, compressed_image_msgs,
-                             compressed_images, image_msgs, parameters, prompt_log, running,
-                             twist_msgs)
+from img_recog.nodes import (color_detection_msgs, color_parameters, parameters, prompt_log,
+                             running, twist_msgs)
+from img_recog.nodes.image_inputs import INPUTS
+from img_recog.nodes.image_msgs import ImageError
 from img_recog.nodes.image_publisher import ImagePublisher
-from img_recog.nodes.image_subscriber import ImageSubscriber
 from img_recog.nodes.prompt_publisher import PromptPublisher
 from img_recog.nodes.reconfigure import Reconfigurable
-from img_recog.nodes.slots import Newest
 from img_recog.nodes.throttle import ThrottledWarning
 from img_recog.recognition import overlay
 from img_recog.recognition.areas import ColorExtractor
@@ -50,50 +49,8 @@ class InputSettings(Settings):
     and roslaunch does not say so.
     """
 
-    image_transport: str = setting('raw', one_of('raw', 'compressed'))
+    image_transport: str = setting('raw', one_of(*INPUTS))
     colors_file: str = setting('')
-
-
-class RawInput:
-    """The newest image of a topic of raw images, with its header."""
-
-    def __init__(self, topic: str):
-        self._newest, self._images = Newest(), image_msgs.ColorImages()
-        self._subscriber = ImageSubscriber(topic, self._keep)
-
-    def _keep(self, msg: Image) -> None:
-        replaced = self._newest.put(msg)
-        if replaced is not None:
-            self._subscriber.release(replaced)
-
-    def take(self, timeout_s: float):
-        """Return the newest message, None when there is none in time."""
-        return self._newest.take(timeout_s)
-
-    def decode(self, msg: Image):
-        """Return the image and its encoding, which share the message's memory."""
-        return self._images.from_msg(msg)
-
-    def done(self, msg: Image) -> None:
-        """Give the memory of a message back."""
-        self._subscriber.release(msg)
-
-
-class CompressedInput:
-    """The newest image of a topic of compressed images, with its header."""
-
-    def __init__(self, topic: str):
-        self._newest = Newest()
-        rospy.Subscriber(compressed_images.topic_beside(topic), CompressedImage, self._newest.put,
-                         queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
-        self.take = self._newest.take
-
-    def decode(self, msg: CompressedImage):
-        """Return the image and its encoding."""
-        return compressed_image_msgs.from_msg(msg), 'bgr8'
-
-    def done(self, msg: CompressedImage) -> None:
-        """Nothing is kept."""
 
 
 class ColorExtract:
@@ -118,8 +75,7 @@ class ColorExtract:
         self._handling = threading.Lock()
         rospy.on_shutdown(self._end)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        inputs = {'raw': RawInput, 'compressed': CompressedInput}
-        self._input = inputs[given.image_transport](_CAMERA)
+        self._input = INPUTS[given.image_transport](_CAMERA)
 
     def spin(self) -> None:
         """Handle frames until the node is shut down."""
@@ -139,7 +95,7 @@ class ColorExtract:
         """Recognize, publish and command."""
         try:
             image, encoding = self._input.decode(msg)
-        except image_msgs.ImageError as error:
+        except ImageError as error:
             self._warn('frame skipped: %s', error)
             return
         areas_px = self._extractor.measure(image, encoding)
