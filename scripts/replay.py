@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """Run a film or a bag through recognition and simulation as fast as it goes."""
 import signal
-import sys
 
 if __name__ == '__main__':
     signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
-    from img_recog.nodes.replay import main
-    sys.exit(main())
+    from img_recog.nodes.replay import leave, main
+    leave(main())

@@ -3,7 +3,7 @@ import pytest
 import robots
 from replaying import BLUE, RED, Notebook, frame
 
-from img_recog.nodes.replay_chain import RECOGNITION, TELEOP, Chain
+from img_recog.nodes.replay_chain import RECOGNITION, TELEOP, Chain, measured
 from img_recog.recognition.settings import with_colors
 
 MS = 10 ** 6
@@ -13,8 +13,9 @@ PERIOD = 40 * MS
 def replayed(frames, teleop=False, period_ns=PERIOD, **settings):
     """Run frames through a chain in the empty world; return notebook and simulator."""
     notebook, simulator = Notebook(), robots.simulator()
-    chain = Chain(simulator, with_colors()(**settings), teleop, [notebook])
-    chain.end(chain.run(frames) + period_ns)
+    recognition = with_colors()(**settings)
+    chain = Chain(simulator, recognition, teleop, [notebook])
+    chain.end(chain.run(measured(frames, recognition)) + period_ns)
     return notebook, simulator
 
 

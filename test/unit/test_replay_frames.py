@@ -13,7 +13,8 @@ from std_msgs.msg import Header, String
 
 from img_recog.errors import UserError
 from img_recog.nodes import compressed_image_msgs, image_msgs
-from img_recog.nodes.replay_bags import BagFrames, is_bag
+from img_recog.nodes.replay_bag_files import is_bag
+from img_recog.nodes.replay_bags import BagFrames
 from img_recog.nodes.replay_films import FilmFrames
 
 RAW, COMPRESSED = '/usb_cam/image_raw', '/usb_cam/image_raw/compressed'

@@ -11,7 +11,8 @@ import robots
 from replaying import BLUE, RED, Notebook, frame
 
 from img_recog.nodes import color_detection_msgs, robot_msgs, twist_msgs
-from img_recog.nodes.replay_chain import Chain, Sent
+from img_recog.nodes.replay_chain import Chain, Sent, measured
+from img_recog.nodes.replay_picture import Picture
 from img_recog.nodes.replay_plot import PlotRecorder
 from img_recog.nodes.replay_records import BagRecorder, TableRecorder, yaw_of
 from img_recog.recognition.commands import Command
@@ -43,11 +44,12 @@ def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
     simulator = robots.simulator(world, -2.0, -0.5)
     chain = Chain(simulator, settings, True,
                   [notebook, bag, TableRecorder(csv_file, settings.color_names), plot])
-    chain.end(PERIOD_NS + chain.run(
-        frame(number, start_ns + number * PERIOD_NS, *colors)
-        for number, colors in enumerate(seen)))
+    frames = (frame(number, start_ns + number * PERIOD_NS, *colors)
+              for number, colors in enumerate(seen))
+    chain.end(PERIOD_NS + chain.run(measured(frames, settings)))
     bag.close()
-    plot.draw(png_file, 'a test', len(seen) * 0.04, footprints(simulator.world))
+    Picture().draw(png_file, 'a test', plot.numbers(len(seen) * 0.04,
+                                                    footprints(simulator.world)))
     return bag_file.value, csv_file.getvalue(), png_file.getvalue(), notebook
 
 

@@ -3,180 +3,36 @@
 Runs as fast as it goes, and writes what happened as a bag, a table and a picture. The same input
 gives the same files to the byte.
 """
-import argparse
-import io
-import logging
+import gc
 import os
-import signal
 import sys
 import time
-from typing import Union
 
-import cv2
-from tqdm import tqdm
-
-from img_recog.errors import UserError
-from img_recog.nodes import (color_parameters, output_files, replay_bags, replay_films,
-                             replay_world, world_files)
-from img_recog.nodes.ahead import ahead
-from img_recog.nodes.replay_bags import BagFrames
-from img_recog.nodes.replay_chain import SECOND_NS, Chain
-from img_recog.nodes.replay_films import FilmFrames
-from img_recog.nodes.replay_plot import PlotRecorder
-from img_recog.nodes.replay_records import BagRecorder, TableRecorder, yaw_of
-from img_recog.recognition.settings import RecognitionSettings, with_colors
-from img_recog.settings import SettingError
-from img_recog.simulation.body import Motion
-from img_recog.simulation.footprints import footprints
-from img_recog.simulation.settings import SpawnSettings
-
-_EXTENSIONS = ('.bag', '.csv', '.png')
-_AHEAD = 8                      # frames
-_FATAL, _QUIET = 1, -8          # OpenCV's and ffmpeg's names for these
-_log = logging.getLogger('replay.py')
-Frames = Union[FilmFrames, BagFrames]
+from img_recog.nodes.replay_painter import Painter
 
 
 def main() -> int:
     """Run the program; return its exit code."""
     begin_s = time.perf_counter()
-    logging.basicConfig(format='replay.py: %(levelname)s: %(message)s')
-    logging.addLevelName(logging.WARNING, 'warning')        # as argparse has its error
-    logging.addLevelName(logging.ERROR, 'error')
-    # what they have to say is in the one line of ours
-    cv2.setLogLevel(_FATAL)
-    os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_QUIET))
-    _mind_signals()
-    # roslaunch adds __name:=... and __log:=...
-    arguments = [word for word in sys.argv[1:]
-                 if not (word.startswith('__') and ':=' in word)]
-    try:
-        sys.stdout.write(replay(_parser().parse_args(arguments), begin_s) + '\n')
-    except UserError as error:
-        _log.error('%s', ' '.join(str(error).split()))
-        return 1
-    except OSError as error:
-        _log.error('%s: %s', error.filename or 'cannot write', error.strerror or error)
-        return 1
-    except KeyboardInterrupt:
-        return 128 + signal.SIGINT
-    return 0
+    # numpy's threads have nothing to do for matrices this small
+    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    with Painter() as painter:
+        # takes a while, in which the painter loads what it needs; nothing of it becomes garbage
+        gc.disable()
+        from img_recog.nodes import replay_job
+        gc.freeze()
+        gc.enable()
+        return replay_job.main(painter, begin_s)
 
 
-def replay(options: argparse.Namespace, begin_s: float) -> str:
-    """Do what the options say, and return what is to be said at the end.
+def leave(code: int) -> None:
+    """End the process with this exit code, when all files are closed and all children gone.
 
-    begin_s: when the program began, by time.perf_counter.
-    Raises UserError when it cannot be done; no file is written then.
+    To take the interpreter down, with all modules, takes a fifth of a second.
     """
-    frames = _frames(os.path.expanduser(options.input), options.topic)
-    settings = _recognition(options.colors)
-    paths = output_files.names(os.path.expanduser(options.input),
-                               os.path.expanduser(options.output), _EXTENSIONS)
-    simulator = replay_world.build(_world(options.world), os.path.expanduser(options.urdf),
-                                   _spawn(options))
-    robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
-    plot = PlotRecorder(settings.colors)
-    with output_files.written(paths) as (bag_file, csv_file, png_file):
-        bag = BagRecorder(bag_file.raw, settings.color_names, odometry,
-                          odometry.base_frame or robot.root)
-        text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
-        table = TableRecorder(text, settings.color_names)
-        start_s = time.perf_counter()
-        end_ns = _run(Chain(simulator, settings, options.teleop, [bag, table, plot]), frames)
-        loop_s = time.perf_counter() - start_s
-        bag.close()
-        text.flush()
-        plot.draw(png_file, 'Replay of {}, {} frames, in the world {}'.format(
-            os.path.basename(options.input), plot.frames, os.path.basename(options.world)),
-                  end_ns / SECOND_NS, footprints(simulator.world))
-    for warning in frames.warnings:
-        _log.warning('%s', warning)
-    whole_s = time.perf_counter() - begin_s
-    return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.motion(), paths)
-
-
-def _run(chain: Chain, frames: Frames) -> int:
-    """Run the chain with a bar of its progress, if that is seen; return the time at its end."""
-    with tqdm(ahead(frames, _AHEAD), total=frames.expected or None, unit=' frames',
-              disable=None) as progress:
-        last_ns = chain.run(progress)
-    end_ns = last_ns + frames.period_ns
-    chain.end(end_ns)
-    return end_ns
-
-
-def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, motion: Motion,
-             paths) -> str:
-    return ('{} frames, {:.3f} s simulated in {:.2f} s, {:.1f} times real time ({:.2f} s with '
-            'world and plot); the robot ends at x {:.3f} m, y {:.3f} m, yaw {:.3f} rad; wrote {}'
-            .format(frames, simulated_s, loop_s, simulated_s / loop_s, whole_s,
-                    *motion.position[:2], yaw_of(motion), ', '.join(paths)))
-
-
-def _frames(path: str, topic: str) -> Frames:
-    if not os.path.isfile(path):
-        raise UserError('cannot replay {}: {}; {}'.format(
-            path, 'it is no file' if os.path.exists(path) else 'no such file',
-            replay_films.WANTED))
-    if replay_bags.is_bag(path):
-        return BagFrames(path, topic)
-    if topic:
-        raise UserError('cannot replay {}: --topic is for a bag, and this is none'.format(path))
-    return FilmFrames(path)
-
-
-def _recognition(path: str) -> RecognitionSettings:
-    return (color_parameters.from_file(os.path.expanduser(path)) if path
-            else with_colors()())
-
-
-def _world(name: str) -> str:
-    """Return a world that names a file from here by its absolute path."""
-    path = os.path.abspath(os.path.expanduser(name))
-    return path if name != world_files.DEFAULT_WORLD and os.path.isfile(path) else name
-
-
-def _spawn(options: argparse.Namespace) -> SpawnSettings:
-    try:
-        return SpawnSettings(options.x_pos, options.y_pos, options.z_pos, options.yaw)
-    except SettingError as error:
-        raise UserError('--{}: got {}, allowed is {}'.format(
-            error.name.replace('_', '-'), error.got, error.allowed))
-
-
-def _parser() -> argparse.ArgumentParser:
-    spawn = SpawnSettings()
-    parser = argparse.ArgumentParser(
-        prog='replay.py', description='Run a film or a bag through colour recognition and the '
-        'simulated robot, as fast as it goes and without a master; write a bag, a table (CSV) '
-        'and a picture (PNG) of it.', allow_abbrev=False)
-    parser.add_argument('input', metavar='FILM_OR_BAG')
-    parser.add_argument('--topic', default='', help='images of a bag; default: {}, or the only '
-                        'ones in it'.format(' or '.join(replay_bags.DEFAULT_TOPICS)))
-    parser.add_argument('--colors', default='', metavar='YAML',
-                        help='parameters of color_extract; default: those of the article')
-    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
-                        help='where to write; default: NAME.replay.bag, .csv and .png in the '
-                        'current folder')
-    parser.add_argument('--no-teleop', dest='teleop', action='store_false',
-                        help='without the zeros of the idle teleop: a command holds until the '
-                        'next one')
-    parser.add_argument('--world', default=world_files.DEFAULT_WORLD,
-                        help='turtlebot3_world, empty, or the path of a URDF or SDF file')
-    parser.add_argument('--urdf', default=world_files.burger(), help='of the robot')
-    for name, unit in (('x_pos', 'm'), ('y_pos', 'm'), ('z_pos', 'm'), ('yaw', 'rad')):
-        parser.add_argument('--' + name.replace('_', '-'), type=float, metavar=unit.upper(),
-                            default=getattr(spawn, name),
-                            help='where the robot starts; default: %(default)s {}'.format(unit))
-    return parser
-
-
-def _mind_signals() -> None:
-    """Leave on a signal by an exception, so that unfinished files are removed."""
-    def leave(number: int, _) -> None:
-        sys.exit(128 + number)
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
-            signal.signal(number, leave)
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:         # nobody reads it
+            code = code or 1
+    os._exit(code)

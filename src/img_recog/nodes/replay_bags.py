@@ -11,11 +11,10 @@ from std_msgs.msg import Header
 from img_recog.errors import UserError
 from img_recog.nodes import compressed_image_msgs, image_msgs
 from img_recog.nodes.image_msgs import ImageError
+from img_recog.nodes.replay_bag_files import DEFAULT_TOPICS
 from img_recog.nodes.replay_chain import SECOND_NS, Frame
 from img_recog.recognition.areas import ENCODINGS
 
-DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
-_MAGIC = b'#ROSBAG'
 _LONGEST_GAP_S = 3600
 _KINDS = {kind._type: kind for kind in (Image, CompressedImage)}
 _DAMAGED = 'the bag {} is damaged: {}; try rosbag reindex, or record it anew'
@@ -29,12 +28,6 @@ class Decoded(NamedTuple):
 
     image: np.ndarray
     encoding: str
-
-
-def is_bag(path: str) -> bool:
-    """Return whether a file is a bag, by its first bytes or, if it has none of use, its name."""
-    with open(path, 'rb') as file:
-        return file.read(len(_MAGIC)) == _MAGIC or path.endswith('.bag')
 
 
 class BagFrames:

@@ -4,7 +4,7 @@ Time is counted in nanoseconds from the first frame, so that nothing adds up; wh
 time happens at the step of the physics that is nearest to it.
 """
 import math
-from typing import Any, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -33,6 +33,14 @@ class Frame(NamedTuple):
     header: Any
     image: np.ndarray
     encoding: str
+
+
+class Measured(NamedTuple):
+    """A frame, and the area and the centroid (x, y in pixels, or None) of each colour in it."""
+
+    frame: Frame
+    areas_px: List[int]
+    centroids: List[Optional[Tuple[float, float]]]
 
 
 class Seen(NamedTuple):
@@ -74,8 +82,16 @@ class Recorder:
         """Note what a sensor of the robot saw."""
 
 
+def measured(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator[Measured]:
+    """Yield the frames measured; nothing of the chain is needed for it, so it may go ahead."""
+    extractor, colors = ColorExtractor(settings), range(len(settings.colors))
+    for frame in frames:
+        areas_px = extractor.measure(frame.image, frame.encoding)
+        yield Measured(frame, areas_px, [extractor.centroid(number) for number in colors])
+
+
 class Chain:
-    """Runs frames through recognition and simulation."""
+    """Runs measured frames through the decisions of the recognition and the simulation."""
 
     def __init__(self, simulator: Simulator, settings: RecognitionSettings, teleop: bool,
                  recorders: Sequence[Recorder]):
@@ -88,23 +104,22 @@ class Chain:
         self._step_ns = round(simulator.world.step_s * SECOND_NS)
         self._steps = 0
         self._recorders = recorders
-        self._extractor = ColorExtractor(settings)
         self._commander = Commander(settings, 0.0)
-        self._colors = range(len(settings.colors))
         self._teleop_ns = 0 if teleop else math.inf
         self._look_up_ns = _LOOK_UP_NS
 
-    def run(self, frames: Iterable[Frame]) -> int:
+    def run(self, frames: Iterable[Measured]) -> int:
         """Run all frames, and return the time of the last in ns, 0 without any."""
         time_ns, start_ns = 0, None
-        for frame in frames:
+        for found in frames:
+            frame = found.frame
             if start_ns is None:
                 start_ns = frame.stamp_ns
                 for recorder in self._recorders:
                     recorder.start(start_ns)
             time_ns = frame.stamp_ns - start_ns
             self.pass_time(time_ns)
-            self._look(frame, time_ns)
+            self._look(found, time_ns)
         return time_ns
 
     def pass_time(self, until_ns: int) -> None:
@@ -130,11 +145,9 @@ class Chain:
         self._advance(time_ns)
         self._send(time_ns, self._commander.end(), RECOGNITION)
 
-    def _look(self, frame: Frame, time_ns: int) -> None:
-        areas_px = self._extractor.measure(frame.image, frame.encoding)
-        commands = self._commander.decide(areas_px, time_ns / SECOND_NS)
-        seen = Seen(frame, time_ns, areas_px,
-                    [self._extractor.centroid(number) for number in self._colors], commands,
+    def _look(self, found: Measured, time_ns: int) -> None:
+        commands = self._commander.decide(found.areas_px, time_ns / SECOND_NS)
+        seen = Seen(found.frame, time_ns, found.areas_px, found.centroids, commands,
                     self._vehicle.robot.motion())
         for recorder in self._recorders:
             recorder.seen(seen)

@@ -1,7 +1,7 @@
 """The frames of a film, stamped by its rate."""
 from typing import Iterator
 
-import rospy
+import genpy
 from std_msgs.msg import Header
 
 from img_recog.camera.film_source import FilmSource
@@ -44,7 +44,7 @@ class FilmFrames:
             while True:
                 image = self._source.read()
                 stamp_ns = round(number * SECOND_NS / self._source.rate_hz)
-                header = Header(number, rospy.Time(*divmod(stamp_ns, SECOND_NS)), frame_id)
+                header = Header(number, genpy.Time(*divmod(stamp_ns, SECOND_NS)), frame_id)
                 yield Frame(number, stamp_ns, header, image, self._source.encoding)
                 number += 1
         except SourceEnded:

@@ -1,25 +1,12 @@
-"""A replay in one picture: areas, commands and speed over time, and the path in the world."""
-import colorsys
-from typing import IO, Dict, List, Sequence
+"""What is kept of a replay for its picture."""
+from typing import Dict, List, Sequence
 
-import matplotlib
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 
 from img_recog.nodes.replay_chain import RECOGNITION, SECOND_NS, TELEOP, Recorder, Seen, Sent
+from img_recog.nodes.replay_numbers import Numbers
 from img_recog.nodes.replay_records import yaw_of
 from img_recog.recognition.settings import Color
-
-_SIZE_IN, _DPI = (14.0, 9.0), 100
-_DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
-_START, _LAST, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
-_LEAST_ROOM_M = 0.02            # around the path, close up
-_IN_A_ROW = 4                   # so many names are above the axes, beside the title
-# the columns of what is kept of a frame; areas follow
-_TIME, _X, _Y, _YAW, _SPEED, _TURN, _AREAS = range(7)
 
 
 class PlotRecorder(Recorder):
@@ -45,153 +32,8 @@ class PlotRecorder(Recorder):
     def sent(self, sent: Sent) -> None:
         self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command))
 
-    def draw(self, file: IO[bytes], title: str, end_s: float,
-             outlines: Sequence[np.ndarray]) -> None:
-        """Write the picture as PNG.
-
-        end_s: where the axis of time ends; outlines: (corners, 2) in m, of what is in the world.
-        """
-        # not as the user's own matplotlibrc has it
-        with matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 10.0}):
-            figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
-            FigureCanvasAgg(figure)
-            figure.suptitle(title, x=0.06, y=0.98, ha='left')
-            rows = np.array(self._rows)
-            # placed by hand: to find a layout takes as long as to draw it
-            grid = figure.add_gridspec(4, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
-                                       hspace=0.32)
-            over_time = [figure.add_subplot(grid[row]) for row in range(4)]
-            self._draw_areas(over_time[0], rows)
-            self._draw_commands(over_time[1])
-            _draw_speed(over_time[2], rows)
-            _draw_position(over_time[3], rows)
-            for axes in over_time:
-                axes.set_xlim(0, max(end_s, 1e-3))
-                axes.tick_params(labelbottom=axes is over_time[-1])
-            over_time[-1].set_xlabel('simulated time (s)')
-            _draw_map(figure.add_axes((0.67, 0.43, 0.31, 0.49)), rows, outlines)
-            _draw_close_up(figure.add_axes((0.67, 0.07, 0.31, 0.27)), rows, outlines)
-            figure.savefig(file, format='png')
-
-    def _draw_areas(self, axes: Axes, rows: np.ndarray) -> None:
-        limits: Dict[int, List[str]] = {}
-        for number, color in enumerate(self._colors):
-            axes.plot(rows[:, _TIME], rows[:, _AREAS + number], color=_shown(color),
-                      label=color.name)
-            limits.setdefault(color.area_limit_px, []).append(color.name)
-        for limit_px, names in limits.items():
-            axes.axhline(limit_px, color=_FAINT, linestyle='--', linewidth=1,
-                         label='limit of {}: {} px'.format(', '.join(names), limit_px))
-        room = 1.4 if len(axes.lines) > _IN_A_ROW else 1.0      # for the names
-        axes.set_ylim(0, room * axes.get_ylim()[1])
-        _set_title(axes, 'Area of each colour')
-        axes.set_ylabel('area (px)')
-        _finish(axes)
-
-    def _draw_commands(self, axes: Axes) -> None:
-        teleop = np.array(self._sent[TELEOP]).reshape(-1, 3)
-        if len(teleop):
-            axes.plot(teleop[:, 0], teleop[:, 1], linestyle='', marker='|', markersize=6,
-                      color=_FAINT, label='idle teleop')
-        found = np.array(self._sent[RECOGNITION]).reshape(-1, 3)
-        axes.plot(found[:, 0], found[:, 1], linestyle='', marker='o', markersize=4,
-                  color=_LINEAR, label='linear.x')
-        if found[:, 2].any():
-            axes.plot(found[:, 0], found[:, 2], linestyle='', marker='^', markersize=4,
-                      color=_ANGULAR, label='angular.z')
-        _set_title(axes, 'Commands on /cmd_vel')
-        axes.set_ylabel('command (m/s, rad/s)' if found[:, 2].any() else 'command (m/s)')
-        axes.margins(y=0.15)
-        _finish(axes)
-
-
-def _draw_speed(axes: Axes, rows: np.ndarray) -> None:
-    axes.plot(rows[:, _TIME], rows[:, _SPEED], color=_LINEAR, label='linear (left)')
-    _two_scales(axes, rows[:, _TIME], rows[:, _TURN], 'angular (right)',
-                ('linear (m/s)', 'angular (rad/s)'), 0.05)
-    _set_title(axes, 'Speed of the robot')
-
-
-def _draw_position(axes: Axes, rows: np.ndarray) -> None:
-    for column, style, name in ((_X, '-', 'x (left)'), (_Y, ':', 'y (left)')):
-        axes.plot(rows[:, _TIME], rows[:, column] - rows[0, column], style, color=_LINEAR,
-                  label=name)
-    yaw = np.unwrap(rows[:, _YAW])
-    _two_scales(axes, rows[:, _TIME], yaw - yaw[0], 'yaw (right)', ('x, y (m)', 'yaw (rad)'),
-                0.01)
-    _set_title(axes, 'Way from the start')
-
-
-def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str, labels: tuple,
-                least: float) -> None:
-    """Draw angles with a scale of their own, to the right of what there is in metres.
-
-    name: of the line; labels: of the left and right scale.
-    least: the scale on the left goes at least so far: the noise of a robot that stands is not to
-    fill the picture.
-    """
-    right = axes.twinx()
-    right.plot(times, angles, color=_ANGULAR, linewidth=1, label=name)
-    axes.set_zorder(right.get_zorder() + 1)
-    axes.patch.set_visible(False)       # else it hides what is below
-    for each, label, color, least_here in ((axes, labels[0], _LINEAR, least),
-                                           (right, labels[1], _ANGULAR, 10 * least)):
-        each.set_ylabel(label, color=color)
-        largest = max(np.abs(line.get_ydata()).max() for line in each.lines)
-        each.set_ylim(*np.array((-1.15, 1.15)) * max(least_here, largest))
-    _finish(axes, axes.lines + right.lines)
-
-
-def _draw_map(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
-    _draw_path(axes, rows, outlines)
-    axes.autoscale_view()
-    _set_title(axes, 'Path in the world')
-
-
-def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
-    _draw_path(axes, rows, outlines)
-    low, high = rows[:, _X:_YAW].min(axis=0), rows[:, _X:_YAW].max(axis=0)
-    middle, half = (low + high) / 2, (high - low).max() / 2
-    half += max(_LEAST_ROOM_M, 0.2 * half)
-    axes.set_xlim(middle[0] - half, middle[0] + half)
-    axes.set_ylim(middle[1] - half, middle[1] + half)
-    axes.ticklabel_format(useOffset=False)
-    _set_title(axes, 'Close up')
-    _finish(axes, axes.lines[1:])
-
-
-def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
-    axes.set_aspect('equal', 'datalim')
-    for outline in outlines:
-        axes.add_patch(Polygon(outline, facecolor=_WALL, edgecolor=_WALL, linewidth=0.5))
-    x, y, yaw = rows[:, _X], rows[:, _Y], rows[:, _YAW]
-    axes.plot(x, y, color=_DARK, linewidth=1.2)
-    where = 'last frame: {:.3f} m, {:.3f} m'.format(x[-1], y[-1])
-    for row, color, size, name in ((0, _START, 14, 'start'), (-1, _LAST, 8, where)):
-        axes.plot(x[row], y[row], linestyle='', color=color, markersize=size,
-                  marker=(3, 0, np.degrees(yaw[row]) - 90), label=name)
-    axes.set_xlabel('x (m)')
-    axes.set_ylabel('y (m)')
-    axes.grid(True, linewidth=0.3)
-
-
-def _set_title(axes: Axes, title: str) -> None:
-    # to find a free height for it takes a quarter of the time of all
-    axes.set_title(title, loc='left', y=1.0)
-
-
-def _finish(axes: Axes, lines: Sequence = ()) -> None:
-    axes.grid(True, linewidth=0.3)
-    shown = list(lines) or axes.lines
-    if len(shown) > _IN_A_ROW:
-        axes.legend(handles=shown, loc='upper right', ncol=_IN_A_ROW, fontsize=8)
-    else:
-        axes.legend(handles=shown, loc='lower right', bbox_to_anchor=(1, 1), ncol=_IN_A_ROW,
-                    frameon=False, fontsize=9, borderaxespad=0.1)
-
-
-def _shown(color: Color) -> tuple:
-    """Return the middle of a range of hues as red, green, blue from 0 to 1."""
-    low, high = color.hue
-    middle = (low + (high if high >= low else high + 180)) / 2 % 180
-    return colorsys.hsv_to_rgb(middle / 180, 0.85, 0.8)
+    def numbers(self, end_s: float, outlines: Sequence[np.ndarray]) -> Numbers:
+        """Return what has been kept; end_s, outlines: as Numbers has them."""
+        return Numbers(self._colors, np.array(self._rows),
+                       *(np.array(self._sent[sender]).reshape(-1, 3)
+                         for sender in (RECOGNITION, TELEOP)), end_s, outlines)

@@ -3,10 +3,10 @@ import csv
 import io
 import math
 import os
-from typing import IO, Sequence
+from typing import IO, Optional, Sequence
 
+import genpy
 import rosbag
-import rospy
 from tf2_msgs.msg import TFMessage
 
 from img_recog.nodes import color_detection_msgs, robot_msgs, twist_msgs
@@ -19,19 +19,30 @@ _BUFFER_BYTES = 1 << 18
 
 
 class _Appended(io.BufferedRandom):
-    """A file that is at its end, and goes there for nothing.
+    """A file that is at its end, and goes there and knows where that is for nothing.
 
-    rosbag does so before each message, and an ordinary file then writes out its buffer.
+    rosbag asks it so before each message. An ordinary file then writes out its buffer, and asks
+    the kernel.
     """
 
-    _is_at_end = True
+    _end: Optional[int] = None      # where the file is, if that is its end
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         to_end = (offset, whence) == (0, os.SEEK_END)
-        if to_end and self._is_at_end:
-            return self.tell()
-        self._is_at_end = to_end
-        return super().seek(offset, whence)
+        if to_end and self._end is not None:
+            return self._end
+        position = super().seek(offset, whence)
+        self._end = position if to_end else None
+        return position
+
+    def tell(self) -> int:
+        return super().tell() if self._end is None else self._end
+
+    def write(self, data: bytes) -> int:
+        count = super().write(data)
+        if self._end is not None:
+            self._end += count
+        return count
 
 
 class BagRecorder(Recorder):
@@ -114,8 +125,8 @@ def yaw_of(motion: Motion) -> float:
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
-def _time(time_ns: int) -> rospy.Time:
-    return rospy.Time(*divmod(time_ns, SECOND_NS))
+def _time(time_ns: int) -> genpy.Time:
+    return genpy.Time(*divmod(time_ns, SECOND_NS))
 
 
 def _seconds(time_ns: int) -> str:
