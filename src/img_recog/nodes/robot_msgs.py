@@ -1,6 +1,6 @@
 """nav_msgs/Odometry, its transform, and sensor_msgs/JointState, to and from the simulation."""
+import genpy
 import numpy as np
-import rospy
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
@@ -12,12 +12,12 @@ from img_recog.simulation.robot import JointStates
 _POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist()
 
 
-def stamp_of(time_s: float) -> rospy.Time:
+def stamp_of(time_s: float) -> genpy.Time:
     """Return simulated time as a stamp, to the nearest nanosecond (from_sec would cut off)."""
-    return rospy.Time(*divmod(round(time_s * 1e9), 1000000000))
+    return genpy.Time(*divmod(round(time_s * 1e9), 1000000000))
 
 
-def odometry_to_msg(motion: Motion, stamp: rospy.Time, frame_id: str,
+def odometry_to_msg(motion: Motion, stamp: genpy.Time, frame_id: str,
                     child_frame_id: str) -> Odometry:
     """Return the message for a motion: pose in `frame_id`, twist in `child_frame_id`."""
     msg = Odometry(child_frame_id=child_frame_id)
@@ -48,7 +48,7 @@ def transform_of(odometry: Odometry) -> TransformStamped:
     return transform
 
 
-def joint_states_to_msg(states: JointStates, stamp: rospy.Time) -> JointState:
+def joint_states_to_msg(states: JointStates, stamp: genpy.Time) -> JointState:
     """Return the message for joint states: rad, rad/s and N m."""
     msg = JointState(name=list(states.names), position=list(states.positions),
                      velocity=list(states.velocities), effort=list(states.efforts))

@@ -6,6 +6,7 @@ import sys
 import threading
 from typing import Callable
 
+import genpy
 import rospy
 
 from img_recog.errors import UserError
@@ -65,12 +66,12 @@ def leave_blocked_threads(code: int) -> None:
     os._exit(code)
 
 
-def set_time(now: rospy.Time) -> None:
+def set_time(now: genpy.Time) -> None:
     """Set this node's own time, which others have from /clock.
 
     To subscribe to the clock that one publishes costs a quarter of the speed of a simulation.
     """
-    rospy.rostime._set_rostime(now)
+    rospy.rostime._set_rostime(rospy.Time(now.secs, now.nsecs))
 
 
 def _shut_down(number: int, _) -> None:
