@@ -9,7 +9,7 @@ import rosgraph
 from ros_processes import HERE, Master, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
-ROUNDS, SECONDS = 3, 6.0
+ROUNDS, SECONDS = 3, 5.0
 SIZES = ((640, 480), (1920, 1080))
 IMAGES = ('/blue_image', '/red_image')
 # what hsv_color_filter calls the bounds, with the article's
