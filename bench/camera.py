@@ -1,6 +1,5 @@
 """What the camera node costs, beside the distribution's C++ image_publisher."""
 import os
-import subprocess
 import sys
 import tempfile
 from statistics import median
@@ -8,7 +7,7 @@ from typing import Callable
 
 import cv2
 import rosgraph
-from ros_processes import Master, run_script, wait_for
+from ros_processes import Master, installed, run_script, wait_for
 
 from img_recog.camera.synthetic import draw_frame
 
@@ -61,22 +60,16 @@ def cases() -> list:
                 ('still', still, 'highest rate', UNBOUNDED_HZ))]
 
 
-def installed() -> bool:
-    """Return whether there is an image_publisher to compare with."""
-    return subprocess.run(['rospack', 'find', 'image_publisher'], stdout=subprocess.DEVNULL,
-                          stderr=subprocess.DEVNULL, check=False).returncode == 0
-
-
 def count() -> int:
     """Return how many measurements `measure` makes."""
-    return 2 * ROUNDS * len(cases()) if installed() else 0
+    return 2 * ROUNDS * len(cases()) if installed('image_publisher') else 0
 
 
 def measure(done: Callable[[], None]) -> dict:
     """Return the medians over some rounds, in each of which both have their turn."""
     rows, samples = [], {}
     with tempfile.TemporaryDirectory() as folder:
-        for _ in range(ROUNDS if installed() else 0):
+        for _ in range(ROUNDS if installed('image_publisher') else 0):
             for name, write, size, rate_hz in cases():
                 path = write(folder, *size)
                 pair = []

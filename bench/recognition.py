@@ -1,12 +1,11 @@
 """What the recognition costs and how soon it answers, beside other ways to do the same."""
 import os
-import subprocess
 import sys
 from statistics import median
 from typing import Callable
 
 import rosgraph
-from ros_processes import HERE, Master, run_script, wait_for
+from ros_processes import HERE, Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
 ROUNDS, SECONDS = 3, 5.0
@@ -48,8 +47,7 @@ NODES = {'img_recog': script('scripts', 'color_img_recog.py'),
 
 def cases() -> list:
     """Return what is measured: size, whether the images are viewed, and by which nodes."""
-    found = subprocess.run(['rospack', 'find', 'opencv_apps'], stdout=subprocess.DEVNULL,
-                           stderr=subprocess.DEVNULL, check=False).returncode == 0
+    found = installed('opencv_apps')
     return [(size, viewed, ['img_recog', 'plain'] + ['opencv_apps'] * (viewed and found))
             for size in SIZES for viewed in (False, True)]
 

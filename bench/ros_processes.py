@@ -52,6 +52,12 @@ class Master:
                               stderr=subprocess.DEVNULL, check=False).returncode
 
 
+def installed(package: str) -> bool:
+    """Return whether there is a ROS package to compare with."""
+    return subprocess.run(['rospack', 'find', package], stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
 def wait_for(condition, what: str):
     """Return the first true value of `condition()`; RuntimeError when it never comes."""
     end = time.monotonic() + _PATIENCE_S

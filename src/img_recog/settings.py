@@ -1,7 +1,7 @@
 """Frozen dataclasses whose fields know which values they allow."""
 import dataclasses
 import math
-from typing import Any, Callable, Iterator, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple, Type, TypeVar
 
 from img_recog.errors import UserError
 
@@ -102,9 +102,21 @@ class Settings:
             object.__setattr__(self, field.name, _checked(field, getattr(self, field.name)))
 
 
+SettingsType = TypeVar('SettingsType', bound=Settings)
+
+
 def declared(settings_class: type) -> Iterator[dataclasses.Field]:
     """Yield the fields of a `Settings` class that were made by `setting`."""
     return (field for field in dataclasses.fields(settings_class) if 'allowed' in field.metadata)
+
+
+def made_of(settings_class: Type[SettingsType], values: Mapping[str, Any]) -> SettingsType:
+    """Return the settings with those of `values` that are theirs in the place of defaults.
+
+    Raises SettingError naming the field, its value and what is allowed.
+    """
+    return settings_class(**{field.name: values[field.name] for field in declared(settings_class)
+                             if field.name in values})
 
 
 def _number(text: str) -> Any:

@@ -10,7 +10,7 @@ from img_recog.nodes import parameters
 from img_recog.nodes.parameters import ParameterError
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
                                             color_names, with_colors)
-from img_recog.settings import SettingError, Settings, declared
+from img_recog.settings import SettingError, Settings, declared, made_of
 
 COLORS = 'colors'
 _IMAGE_TOPIC = '{}_image_topic'
@@ -79,7 +79,7 @@ def from_file(path: str) -> RecognitionSettings:
                     path, name, _no_such_color(name, names)))
             if name not in known | others:
                 raise ParameterError('{}: {}'.format(path, parameters.unknown(name, known)))
-        return kind(**{name: values[name] for name in known & set(values)})
+        return made_of(kind, values)
     except SettingError as error:
         raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(
             path, error.name, error.got, error.allowed))

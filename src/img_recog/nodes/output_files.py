@@ -29,22 +29,23 @@ def names(source: str, output: str, extensions: Sequence[str]) -> Tuple[str, ...
 
 
 @contextlib.contextmanager
-def written(paths: Sequence[str]) -> Iterator[list]:
+def written(paths: Sequence[str], advice: str = 'set --output to a folder or the beginning of a '
+            'path where files can be written') -> Iterator[list]:
     """Give binary files to write to, which take the place of `paths` if all goes well.
 
     If anything goes wrong, what was there before stays. Raises UserError naming the path that
-    cannot be written.
+    cannot be written, with the advice.
     """
     parts = [os.path.join(os.path.dirname(path), '.{}.{}'.format(os.path.basename(path),
                                                                  os.getpid())) for path in paths]
     files = []
     try:
         for path, part in zip(paths, parts):
-            with _refusal(path):
+            with _refusal(path, advice):
                 files.append(open(part, 'w+b'))
         yield files
         for path, part, file in zip(paths, parts, files):
-            with _refusal(path):
+            with _refusal(path, advice):
                 file.close()
                 os.replace(part, path)
     finally:
@@ -56,10 +57,9 @@ def written(paths: Sequence[str]) -> Iterator[list]:
 
 
 @contextlib.contextmanager
-def _refusal(path: str) -> Iterator[None]:
+def _refusal(path: str, advice: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise UserError('cannot write {}: {}; set --output to a folder or the beginning of a '
-                        'path where files can be written'.format(
-                            path, (error.strerror or str(error)).lower()))
+        raise UserError('cannot write {}: {}; {}'.format(
+            path, (error.strerror or str(error)).lower(), advice))

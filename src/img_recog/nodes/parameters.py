@@ -2,15 +2,14 @@
 import dataclasses
 import difflib
 from types import MappingProxyType
-from typing import Any, Callable, Iterable, List, Mapping, Type, TypeVar
+from typing import Any, Callable, Iterable, List, Mapping, Type
 
 import rospy
 
 from img_recog.errors import UserError
-from img_recog.settings import SettingError, Settings, declared
+from img_recog.settings import SettingError, Settings, SettingsType, declared, made_of
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
-SettingsType = TypeVar('SettingsType', bound=Settings)
 
 
 class ParameterError(UserError):
@@ -27,10 +26,8 @@ def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHIN
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
     private = _parameters_in(namespace)
-    names = {field.name for field in declared(settings_class)}
-    given = {**stated, **private}
     try:
-        return settings_class(**{name: given[name] for name in names & set(given)})
+        return made_of(settings_class, {**stated, **private})
     except SettingError as error:
         is_stated = error.name in stated and error.name not in private
         where = ('{}, as robot_description states it'.format(error.name) if is_stated

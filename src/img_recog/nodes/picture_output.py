@@ -2,19 +2,15 @@
 import functools
 import os
 import sys
-import tempfile
 from typing import Optional
 
 import numpy as np
 
 from img_recog.errors import UserError
+from img_recog.nodes import output_files
 from img_recog.nodes.picture_window import PictureWindow, WindowError
 from img_recog.recognition import tuning_picture
 from img_recog.recognition.settings import RecognitionSettings
-
-
-class OutputError(UserError):
-    """The picture cannot be written."""
 
 
 class PictureOutput:
@@ -46,21 +42,13 @@ class PictureOutput:
         return areas_px
 
     def save(self) -> None:
-        """Write the picture, whole or not at all; raise OutputError when it cannot be."""
+        """Write the picture, whole or not at all; raise UserError when it cannot be."""
         try:
-            handle, scratch = tempfile.mkstemp(dir=os.path.dirname(self._path),
-                                               prefix='.tune_colors-')
-            try:
-                with os.fdopen(handle, 'wb') as file:
-                    self._figure.savefig(file, format='png', dpi=tuning_picture.DPI)
-                os.chmod(scratch, 0o644)
-                os.replace(scratch, self._path)
-            except BaseException:
-                os.unlink(scratch)
-                raise
-        except OSError as error:
-            raise OutputError('cannot write {}: {}; set --output'.format(self._path,
-                                                                         error.strerror))
+            with output_files.written([self._path], 'set --output') as (file,):
+                self._figure.savefig(file, format='png', dpi=tuning_picture.DPI)
+        except OSError as error:        # while it is written, as of a disk that is full
+            raise UserError('cannot write {}: {}; set --output'.format(self._path,
+                                                                       error.strerror))
 
     def _show(self) -> None:
         if self.window is not None:

@@ -13,7 +13,6 @@ from img_recog.nodes import compressed_image_msgs, image_msgs
 from img_recog.nodes.image_msgs import ImageError
 from img_recog.nodes.replay_bag_files import DEFAULT_TOPICS
 from img_recog.nodes.replay_chain import SECOND_NS, Frame
-from img_recog.recognition.areas import ENCODINGS
 
 _LONGEST_GAP_S = 3600
 _KINDS = {kind._type: kind for kind in (Image, CompressedImage)}
@@ -147,8 +146,8 @@ def _chosen(path: str, kinds: Dict[str, str], topic: str) -> str:
 
 
 def _decoded(msg: Any) -> Decoded:
-    encoding = msg.encoding if msg.encoding in ENCODINGS else 'bgr8'
-    return Decoded(image_msgs.from_msg(msg, encoding), encoding)
+    # memory of its own for each: frames are read ahead
+    return Decoded(*image_msgs.ColorImages().from_msg(msg))
 
 
 def _decompressed(msg: Any) -> Decoded:

@@ -6,7 +6,7 @@ from typing import Any, Iterator, Mapping, Sequence
 
 from img_recog.errors import UserError
 from img_recog.nodes import mesh_uris, world_files
-from img_recog.settings import SettingError, Settings, declared
+from img_recog.settings import SettingError, made_of
 from img_recog.simulation import description, gazebo_tags, loading, meshes
 from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, SimulationError,
                                            SpawnSettings)
@@ -65,10 +65,7 @@ def _text(path: str) -> str:
 
 def _stated_by(values: Mapping[str, Any]) -> RobotSettings:
     """Return the settings with what <gazebo> tags state in the place of defaults."""
-    def made(kind: type) -> Settings:
-        return kind(**{field.name: values[field.name] for field in declared(kind)
-                       if field.name in values})
-    return RobotSettings(**{field.name: made(type(field.default))
+    return RobotSettings(**{field.name: made_of(type(field.default), values)
                             for field in dataclasses.fields(RobotSettings)})
 
 
