@@ -73,7 +73,7 @@ class ColorExtract:
         self._overlay = ImagePublisher('color_overlay')
         self._ended = threading.Event()
         self._handling = threading.Lock()
-        rospy.on_shutdown(self._end)
+        running.on_shutdown(self._end)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
         self._input = INPUTS[given.image_transport](_CAMERA)
 

@@ -22,7 +22,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
 
     What a user can mend ends the node with one line at FATAL and code 1; being shut down is
     code 0. SIGINT, SIGTERM and SIGHUP (a terminal that is closed) shut it down; `serve` still
-    runs while the hooks of rospy.on_shutdown do.
+    runs while the hooks of `on_shutdown` do.
     """
     # rospy's own handler shuts down within the interrupted call; where that is a publish in the
     # main thread, both wait for the same lock for ever
@@ -48,6 +48,22 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
         rospy.signal_shutdown('cannot go on')
         return 1
     return 0
+
+
+def on_shutdown(hook: Callable[[], None]) -> None:
+    """Call `hook` once, when the node is shut down, though that may have begun already.
+
+    rospy.on_shutdown forgets a hook that comes while others run: a node that is interrupted
+    while it starts would never hear of it.
+    """
+    first = threading.Lock()
+
+    def call():
+        if first.acquire(blocking=False):
+            hook()
+    rospy.on_shutdown(call)
+    if rospy.core.is_shutdown_requested():
+        call()
 
 
 def leave_blocked_threads(code: int) -> None:

@@ -31,7 +31,7 @@ class TeleopKey:
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         self._sending = threading.Lock()
         self._stopped = False
-        rospy.on_shutdown(self._stop_robot)
+        running.on_shutdown(self._stop_robot)
 
     def spin(self) -> None:
         """Read keys and send commands until the node is shut down."""

@@ -63,8 +63,7 @@ class UsbCam(Listener):
         self._opened_once = False
         self.is_blocked = False
         self._settled, self._ended = threading.Event(), threading.Event()
-        rospy.on_shutdown(self._ended.set)
-        rospy.on_shutdown(self._settled.set)
+        running.on_shutdown(self._end)
         self._images = ImagePublisher('~image_raw')
         self._compressed = CompressedImages('~image_raw')
         self._infos = rospy.Publisher('~camera_info', CameraInfo, queue_size=1)

@@ -1,0 +1,74 @@
+"""Hooks are called once, whatever moment of a shutdown they come at."""
+import threading
+
+import pytest
+import rospy
+from waiting import DEADLINE_S
+
+from img_recog.nodes import running
+
+
+@pytest.fixture
+def shutdown(monkeypatch):
+    """Shuts down a rospy of this test's own: as `shutdown(hook of rospy)`, in a thread."""
+    for name in ('_client_shutdown_hooks', '_preshutdown_hooks', '_shutdown_hooks',
+                 '_shutdown_threads'):
+        monkeypatch.setattr(rospy.core, name, [])
+    for name in ('_shutdown_flag', '_in_shutdown'):
+        monkeypatch.setattr(rospy.core, name, False)
+    threads = []
+
+    def begin(hook=None):
+        if hook is not None:
+            rospy.core.add_preshutdown_hook(lambda _: hook())
+        threads.append(threading.Thread(target=rospy.signal_shutdown, args=('test',)))
+        threads[-1].start()
+        return threads[-1]
+    yield begin
+    for thread in threads:
+        thread.join()
+
+
+def test_hook_before_the_shutdown_is_called_once(shutdown):
+    calls = []
+    running.on_shutdown(lambda: calls.append(1))
+    assert calls == []
+    shutdown().join()
+    assert calls == [1]
+
+
+class _Door:
+    """A lock at which those who come after the first are heard."""
+
+    def __init__(self, on_knock):
+        self._lock, self._on_knock = threading.Lock(), on_knock
+
+    def __enter__(self):
+        if not self._lock.acquire(blocking=False):
+            self._on_knock()
+            self._lock.acquire()
+
+    def __exit__(self, *_):
+        self._lock.release()
+
+
+def test_hook_while_rospy_closes_its_topics_is_called_once(shutdown, monkeypatch):
+    calls, closing, knocked = [], threading.Event(), threading.Event()
+    monkeypatch.setattr(rospy.core, '_shutdown_lock', _Door(knocked.set))
+
+    def close():
+        closing.set()
+        assert knocked.wait(DEADLINE_S)
+    thread = shutdown(close)
+    assert closing.wait(DEADLINE_S)
+    running.on_shutdown(lambda: calls.append(1))
+    thread.join()
+    assert knocked.is_set()
+    assert calls == [1]
+
+
+def test_hook_after_the_shutdown_is_called_once(shutdown):
+    calls = []
+    shutdown().join()
+    running.on_shutdown(lambda: calls.append(1))
+    assert calls == [1]
