@@ -56,6 +56,16 @@ def test_pure_modules_know_no_ros_and_nothing_of_each_other():
             assert [line for line in imports if re.search(forbidden, line)] == [], name
 
 
+def test_hooks_of_a_shutdown_are_not_left_to_rospy():
+    folder = os.path.join(ROOT, 'src', 'img_recog', 'nodes')
+    users = []
+    for name in filter(lambda name: name.endswith('.py'), os.listdir(folder)):
+        with open(os.path.join(folder, name)) as file:
+            if 'rospy.on_shutdown(' in file.read():
+                users.append(name)
+    assert users == ['running.py']      # which says why
+
+
 def test_run_refuses_a_misspelt_launch_argument():
     code, output = run('./run', 'demo', 'camra:=synthetic')
     assert code == 1
