@@ -28,12 +28,10 @@ def test_names(folder, source, output, wanted):
 @pytest.mark.parametrize('output, named', [
     ('not/', 'cannot write to not/: no such folder; make it'),
     ('a', 'cannot write a.bag: that is what is replayed; set --output'),
-    ('link', 'cannot write link.bag: that is what is replayed'),
-    ('b', 'cannot write b.bag: it is a folder')])
+    ('link', 'cannot write link.bag: that is what is replayed')])
 def test_names_that_are_refused(folder, output, named):
     (folder / 'a.bag').write_text('recorded')
     (folder / 'link.bag').symlink_to('a.bag')
-    (folder / 'b.bag').mkdir()
     with pytest.raises(UserError) as refused:
         output_files.names('a.bag', output, EXTENSIONS)
     assert str(refused.value).startswith(named)
@@ -65,3 +63,25 @@ def test_what_cannot_be_written_is_named(folder):
         with output_files.written(('a', 'no/b')):
             raise AssertionError('must not come so far')
     assert os.listdir('.') == []
+
+
+@pytest.mark.parametrize('make, named', [(os.mkdir, 'folder'), (os.mkfifo, 'device or pipe')])
+def test_what_is_no_file_stays(make, named):
+    make('taken')
+    mode = os.stat('taken').st_mode
+    os.symlink('taken', 'link')
+    for name in ('taken', 'link'):
+        with pytest.raises(UserError, match='cannot write {}: it is a {}; set '.format(
+                name, named)):
+            with output_files.written(('a', name)):
+                raise AssertionError('must not come so far')
+    assert sorted(os.listdir('.')) == ['link', 'taken'] and os.stat('taken').st_mode == mode
+
+
+def test_links_are_written_through(folder):
+    (folder / 'there').mkdir()
+    os.symlink('there/file', 'link')
+    with output_files.written(('link',)) as (file,):
+        file.write(b'new')
+    assert os.path.islink('link') and (folder / 'there' / 'file').read_text() == 'new'
+    assert os.listdir('there') == ['file']

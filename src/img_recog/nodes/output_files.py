@@ -10,7 +10,7 @@ def names(source: str, output: str, extensions: Sequence[str]) -> Tuple[str, ...
     """Return the paths of the files that are made of a file.
 
     output: the folder for them, the beginning of their paths, or nothing for the current folder.
-    Raises UserError when a path is taken by the source itself or by a folder.
+    Raises UserError when there is no such folder, or a path is that of the source itself.
     """
     stem = os.path.splitext(os.path.basename(source))[0] + '.replay'
     prefix = os.path.join(output, stem) if os.path.isdir(output or '.') else output
@@ -19,9 +19,6 @@ def names(source: str, output: str, extensions: Sequence[str]) -> Tuple[str, ...
                         'another'.format(output))
     paths = tuple(prefix + extension for extension in extensions)
     for path in paths:
-        if os.path.isdir(path):
-            raise UserError('cannot write {}: it is a folder; set --output to another'.format(
-                path))
         if os.path.exists(path) and os.path.samefile(path, source):
             raise UserError('cannot write {}: that is what is replayed; set --output to another'
                             .format(path))
@@ -33,21 +30,27 @@ def written(paths: Sequence[str], advice: str = 'set --output to a folder or the
             'path where files can be written') -> Iterator[list]:
     """Give binary files to write to, which take the place of `paths` if all goes well.
 
-    If anything goes wrong, what was there before stays. Raises UserError naming the path that
-    cannot be written, with the advice.
+    If anything goes wrong, what was there before stays; links stay, and devices are never
+    replaced. Raises UserError naming the path that cannot be written, with the advice.
     """
-    parts = [os.path.join(os.path.dirname(path), '.{}.{}'.format(os.path.basename(path),
-                                                                 os.getpid())) for path in paths]
+    for path in paths:
+        if os.path.exists(path) and not os.path.isfile(path):
+            raise UserError('cannot write {}: it is a {}; {}'.format(
+                path, 'folder' if os.path.isdir(path) else 'device or pipe', advice))
+    targets = [os.path.realpath(path) for path in paths]
+    parts = [os.path.join(os.path.dirname(target), '.{}.{}'.format(os.path.basename(target),
+                                                                   os.getpid()))
+             for target in targets]
     files = []
     try:
         for path, part in zip(paths, parts):
             with _refusal(path, advice):
                 files.append(open(part, 'w+b'))
         yield files
-        for path, part, file in zip(paths, parts, files):
+        for path, part, target, file in zip(paths, parts, targets, files):
             with _refusal(path, advice):
                 file.close()
-                os.replace(part, path)
+                os.replace(part, target)
     finally:
         for part, file in zip(parts, files):
             with contextlib.suppress(OSError):
