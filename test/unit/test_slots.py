@@ -1,7 +1,7 @@
 """What callbacks leave for the loop, and what service handlers ask of it; events, no sleeps."""
 import concurrent.futures
+import queue
 import threading
-from types import SimpleNamespace
 
 import pytest
 
@@ -63,11 +63,12 @@ def test_newest_is_taken_once():
 def test_newest_waits_until_there_is_one(monkeypatch):
     waiting, got = threading.Event(), []
 
-    class Announced(threading.Condition):
-        def wait(self, timeout=None):
-            waiting.set()
-            return super().wait(timeout)
-    monkeypatch.setattr(slots, 'threading', SimpleNamespace(Condition=Announced))
+    class Announced(queue.SimpleQueue):
+        def get(self, block=True, timeout=None):
+            if block and self.empty():
+                waiting.set()
+            return super().get(block, timeout)
+    monkeypatch.setattr(slots.queue, 'SimpleQueue', Announced)
     slot = Newest()
     taker = threading.Thread(target=lambda: got.append(slot.take(3 * GENEROUS_S)), daemon=True)
     taker.start()
@@ -79,6 +80,24 @@ def test_newest_waits_until_there_is_one(monkeypatch):
     slot.put('next')
     assert slot.take(GENEROUS_S) == 'next'
     assert not waiting.is_set()         # there was nothing to wait for
+
+
+def test_newest_of_two_that_were_put_at_once(monkeypatch):
+    both = threading.Barrier(2, timeout=GENEROUS_S)
+
+    class Meeting(queue.SimpleQueue):
+        def put(self, item):
+            both.wait()         # each has seen that nothing is held
+            super().put(item)
+    monkeypatch.setattr(slots.queue, 'SimpleQueue', Meeting)
+    slot = Newest()
+    putters = [threading.Thread(target=slot.put, args=(item,), daemon=True) for item in 'ab']
+    for putter in putters:
+        putter.start()
+    for putter in putters:
+        putter.join(GENEROUS_S)
+    assert slot.take() in 'ab'
+    assert slot.take() is None
 
 
 def test_newest_gives_up_after_the_timeout():

@@ -26,8 +26,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     """
     # rospy's own handler shuts down within the interrupted call; where that is a publish in the
     # main thread, both wait for the same lock for ever
-    prompt_log.install()
-    rospy.init_node(name, disable_signals=True, disable_rostime=source_of_time)
+    prompt_log.init_node(name, disable_signals=True, disable_rostime=source_of_time)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
             signal.signal(number, _shut_down)

@@ -1,4 +1,5 @@
 """Where callbacks leave what they received for the one loop of a node."""
+import queue
 import threading
 from concurrent.futures import Future
 from typing import Any, Callable, Optional
@@ -8,23 +9,27 @@ class Newest:
     """Holds the newest item only: a callback puts, the loop takes."""
 
     def __init__(self):
-        self._condition = threading.Condition()
-        self._item: Optional[Any] = None
+        self._items = queue.SimpleQueue()
 
     def put(self, item: Any) -> Optional[Any]:
         """Replace what is held; return what was, which nobody has taken."""
-        with self._condition:
-            replaced, self._item = self._item, item
-            self._condition.notify()
-            return replaced
+        replaced = self.take()
+        self._items.put(item)
+        return replaced
 
     def take(self, timeout_s: float = 0.0) -> Optional[Any]:
         """Return what is held and hold nothing; wait for it up to `timeout_s`, else None."""
-        with self._condition:
-            if self._item is None and timeout_s > 0:
-                self._condition.wait(timeout_s)
-            item, self._item = self._item, None
-            return item
+        item = self._next(timeout_s)
+        while not self._items.empty():      # two callbacks put theirs at once
+            newer = self._next()
+            item = item if newer is None else newer
+        return item
+
+    def _next(self, timeout_s: float = 0.0) -> Optional[Any]:
+        try:
+            return self._items.get(timeout_s > 0, timeout_s)
+        except queue.Empty:
+            return None
 
 
 class Requests:

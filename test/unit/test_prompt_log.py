@@ -1,0 +1,82 @@
+"""Lines of a node as Python's logging and rospy have them."""
+import logging
+import logging.handlers
+import os
+import time
+
+import pytest
+import rospy
+
+from img_recog.nodes import prompt_log
+
+
+class Kept(logging.Handler):
+    """Keeps the records."""
+
+    def __init__(self):
+        super().__init__()
+        self.records = []
+
+    def emit(self, record):
+        self.records.append(record)
+
+
+@pytest.fixture
+def kept(monkeypatch):
+    handler, logger = Kept(), logging.getLogger('rosout')
+    monkeypatch.setattr(logger, 'level', logging.INFO)
+    logger.addHandler(handler)
+    yield handler
+    logger.removeHandler(handler)
+
+
+def say(text):
+    """Log from one place."""
+    prompt_log.info(text)
+
+
+def test_a_record_has_what_python_gives_it(kept):
+    before_s = time.time()
+    for text in ('first', '100% of {it}', 'third'):
+        say(text)
+    rospy.loginfo('by rospy')
+    *ours, theirs = kept.records
+    assert [record.getMessage() for record in ours] == ['first', '100% of {it}', 'third']
+    assert ours[0].lineno == ours[1].lineno == say.__code__.co_firstlineno + 2
+    for record in ours:
+        assert set(vars(record)) == set(vars(theirs))
+        assert (record.funcName, record.filename) == ('say', os.path.basename(__file__))
+        for name in ('name', 'levelno', 'levelname', 'process', 'processName', 'thread',
+                     'threadName', 'module', 'pathname', 'args', 'exc_info'):
+            assert getattr(record, name) == getattr(theirs, name)
+        assert before_s <= record.created <= theirs.created
+        assert record.msecs == pytest.approx(record.created % 1 * 1000, abs=1)
+        assert record.created - record.relativeCreated / 1000 == pytest.approx(
+            theirs.created - theirs.relativeCreated / 1000, abs=1e-3)
+    assert ours[0].created < ours[1].created < ours[2].created
+
+
+def test_records_of_two_places(kept):
+    for _ in range(2):
+        prompt_log.info('here')
+        prompt_log.info('there')
+    lines = [record.lineno for record in kept.records]
+    assert [line - lines[0] for line in lines] == [0, 1, 0, 1]
+
+
+def test_a_log_file_is_still_rolled_over(tmp_path):
+    path = str(tmp_path / 'node.log')
+    handler = logging.handlers.RotatingFileHandler(path, maxBytes=2000, backupCount=1)
+    handler.shouldRollover = prompt_log.seldom(handler.shouldRollover)
+    looks = []
+    logger = logging.getLogger('rolled over')
+    logger.propagate = False
+    logger.addHandler(handler)
+    for number in range(1000):
+        logger.error('%03d %s', number, 'x' * 20)
+        looks.append(os.path.getsize(path))
+    handler.close()
+    assert os.path.exists(path + '.1')
+    assert max(looks) < 2000 + 100 * 25
+    with open(path) as file:
+        assert file.read().splitlines()[-1].startswith('999')
