@@ -19,14 +19,14 @@ LIMIT_PX = 1000
 
 
 class PlainNode:
-    """Subscribes /usb_cam/image_raw; publishes blue_image, red_image and cmd_vel."""
+    """Subscribes usb_cam/image_raw; publishes blue_image, red_image and cmd_vel."""
 
     def __init__(self):
         self.bridge = CvBridge()
         self.velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         self.blue = rospy.Publisher('blue_image', Image, queue_size=1)
         self.red = rospy.Publisher('red_image', Image, queue_size=1)
-        rospy.Subscriber('/usb_cam/image_raw', Image, self.handle)
+        rospy.Subscriber('usb_cam/image_raw', Image, self.handle)
 
     def handle(self, msg):
         """Recognize and command."""

@@ -1,44 +1,49 @@
 """What the recognition costs and how soon it answers, beside other ways to do the same."""
+import json
 import os
 import sys
 from statistics import median
 from typing import Callable
 
+import numpy as np
 import rosgraph
 from ros_processes import HERE, Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
-ROUNDS, SECONDS = 3, 5.0
+ROUNDS, TURNS, SECONDS = 5, 3, 1.0      # of each case, of each node in it, of each turn
 SIZES = ((640, 480), (1920, 1080))
-IMAGES = ('/blue_image', '/red_image')
+IMAGES = ('blue_image', 'red_image')
 # what hsv_color_filter calls the bounds, with the article's
 LIMITS = ('h_limit_min', 'h_limit_max', 's_limit_min', 's_limit_max', 'v_limit_min', 'v_limit_max')
 FILTERS = {'blue': (50, 150, 100, 255, 100, 255), 'red': (150, 180, 100, 255, 150, 255)}
-KEYS = ('cpu_ms', 'latency_ms', 'latency_99_ms', 'with_transport_ms', 'rate_hz')
+KEYS = ('cpu_ms', 'latency_ms', 'with_transport_ms', 'rate_hz')
 
 
-def script(*path: str) -> Callable[[Master, bool], tuple]:
+def script(*path: str) -> Callable[[Master, str, bool], tuple]:
     """Return how to start a recognition that is one Python script and answers by Twists."""
-    def start(master: Master, viewed: bool) -> tuple:
-        process = master.start(sys.executable, os.path.join(PACKAGE, *path))
+    def start(master: Master, name: str, viewed: bool) -> tuple:
+        process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name)
         if viewed:
-            master.start(sys.executable, os.path.join(HERE, 'watch_all.py'), *IMAGES)
+            images = ['/{}/{}'.format(name, image) for image in IMAGES]
+            master.start(sys.executable, os.path.join(HERE, 'watch_all.py'), *images,
+                         '__ns:=/' + name)
             server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
-            wait_for(lambda: {topic for topic, _ in server.getSystemState()[1]} >= set(IMAGES),
+            wait_for(lambda: {topic for topic, _ in server.getSystemState()[1]} >= set(images),
                      'the viewers')
-        return ['/cmd_vel'], [process.pid]
+        return ['cmd_vel'], [process.pid]
     return start
 
 
-def filters(master: Master, _viewed: bool) -> tuple:
+def filters(master: Master, name: str, _viewed: bool) -> tuple:
     """Start two filters in C++, a colour each; their answers are their images."""
     pids = []
-    for name, limits in FILTERS.items():
-        process = master.start('rosrun', 'opencv_apps', 'hsv_color_filter', '__name:=' + name,
-                               'image:=/usb_cam/image_raw', *(
-                                   '_{}:={}'.format(*pair) for pair in zip(LIMITS, limits)))
+    for color, limits in FILTERS.items():
+        process = master.start(
+            'rosrun', 'opencv_apps', 'hsv_color_filter', '__ns:=/' + name, '__name:=' + color,
+            'image:=usb_cam/image_raw', *(
+                '_{}:={}'.format(*pair) for pair in zip(LIMITS, limits)))
         pids.append(process.pid)
-    return ['/{}/image'.format(name) for name in FILTERS], pids
+    return ['{}/image'.format(color) for color in FILTERS], pids
 
 
 NODES = {'img_recog': script('scripts', 'color_img_recog.py'),
@@ -54,38 +59,49 @@ def cases() -> list:
 
 def count() -> int:
     """Return how many measurements `measure` makes."""
-    return ROUNDS * sum(len(nodes) for _, _, nodes in cases())
+    return ROUNDS * len(cases())
 
 
-def sample(node: str, size: tuple, viewed: bool) -> dict:
-    """Return what recognition_sample.py measures of a node."""
+def samples(nodes: list, size: tuple, viewed: bool) -> dict:
+    """Return, for each node, what recognition_sample.py measures in each of its turns.
+
+    All run at once, each in a namespace of its own, and images go to one after the other.
+    """
     with Master() as master:
-        topics, pids = NODES[node](master, viewed)
-        return run_script('recognition_sample.py', *size, SECONDS, ','.join(topics),
-                          ','.join(map(str, pids)), env=master.env)
+        ends = []
+        for name in nodes:
+            topics, pids = NODES[name](master, name, viewed)
+            ends.append({'name': name, 'images': '/{}/usb_cam/image_raw'.format(name),
+                         'results': ['/{}/{}'.format(name, topic) for topic in topics],
+                         'pids': pids})
+        return run_script('recognition_sample.py', *size, TURNS, SECONDS, json.dumps(ends),
+                          env=master.env)
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over some rounds, in each of which every node has its turn.
+    """Return the medians over all turns, in each of which every node has its own.
 
     done: called after each measurement.
     """
-    samples = {}
-    for _ in range(ROUNDS):
-        for size, viewed, nodes in cases():
-            for node in nodes:
-                samples.setdefault((size, viewed, node), []).append(sample(node, size, viewed))
-                done()
     rows = []
-    for (size, viewed, node), found in samples.items():
-        ours = samples[size, viewed, 'img_recog']
-        row = {'size': '{}x{}'.format(*size), 'viewed': viewed, 'node': node}
-        for key in KEYS:
-            row[key] = median(each[key] for each in found)
-            # within each round: a machine that is slow for a while is slow for all
-            row['ours_to_' + key] = median(mine[key] / theirs[key]
-                                           for mine, theirs in zip(ours, found))
-        rows.append(row)
+    for size, viewed, nodes in cases():
+        found = {node: [] for node in nodes}
+        for _ in range(ROUNDS):
+            for node, turns in samples(nodes, size, viewed).items():
+                found[node] += turns
+            done()
+        for node in nodes:
+            row = {'size': '{}x{}'.format(*size), 'viewed': viewed, 'node': node,
+                   'lost': sum(each['lost'] for each in found[node]),
+                   'latency_99_ms': float(np.percentile(np.concatenate(
+                       [each['latencies_ms'] for each in found[node]]), 99))}
+            for key in KEYS:
+                row[key] = median(each[key] for each in found[node])
+                # within each turn: a machine that is slow for a while is slow for all
+                row['ours_to_' + key] = median(
+                    ours[key] / theirs[key]
+                    for ours, theirs in zip(found['img_recog'], found[node]))
+            rows.append(row)
     return {'rows': rows}
 
 

@@ -1,4 +1,4 @@
-"""Send images to a recognition and print, as JSON, how soon results come and what they cost."""
+"""Send images to recognitions in turn; print, as JSON, how soon results come and what they cost."""
 import io
 import json
 import struct
@@ -13,11 +13,11 @@ from sensor_msgs.msg import Image
 
 from img_recog.camera.synthetic import draw_frame
 
-TOPIC = '/usb_cam/image_raw'
 RATE_HZ = 30
 BLUE_FRAMES = range(50, 60)     # the card is in full view
 IN_FLIGHT = 2                   # one that is handled and one that waits
 PATIENCE_S = 2.0
+WARM_UP_S = 0.5
 
 
 def packets(width: int, height: int) -> list:
@@ -66,11 +66,11 @@ class Results:
 
 
 class Sender:
-    """Sends prepared packets to the one subscriber, in turn."""
+    """Sends prepared packets to the subscribers of a topic, in turn."""
 
-    def __init__(self, width: int, height: int):
-        self._packets, self._number = packets(width, height), 0
-        self._publisher = rospy.Publisher(TOPIC, Image, queue_size=None)
+    def __init__(self, topic: str, prepared: list):
+        self._packets, self._number = prepared, 0
+        self._publisher = rospy.Publisher(topic, Image, queue_size=None)
 
     def connections(self) -> list:
         """Return the subscribers' connections."""
@@ -87,8 +87,8 @@ class Sender:
 def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
     """Send at RATE_HZ; return CPU a frame and latencies.
 
-    latency: from the last byte of the image, handed to the kernel, to the result's arrival;
-    with_transport: from its first byte.
+    latencies_ms: from the last byte of the image, handed to the kernel, to the result's arrival;
+    with_transport_ms: the median from its first byte.
     """
     latencies, lost = [], 0
     start, before = time.perf_counter(), sum(map(cpu_s, pids))
@@ -105,8 +105,8 @@ def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
     processor = sum(map(cpu_s, pids)) - before
     latencies = 1e3 * np.array(latencies or [(np.nan, np.nan)])
     return {'cpu_ms': 1e3 * processor / number, 'lost': lost,
+            'latencies_ms': latencies[:, 0].tolist(),
             'latency_ms': float(np.median(latencies[:, 0])),
-            'latency_99_ms': float(np.percentile(latencies[:, 0], 99)),
             'with_transport_ms': float(np.median(latencies[:, 1]))}
 
 
@@ -124,16 +124,26 @@ def highest(sender: Sender, results: Results, seconds: float) -> dict:
 
 
 def main() -> int:
-    """Sample WIDTH HEIGHT SECONDS TOPIC,... PID,... of results and processes."""
-    width, height, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
-    topics, pids = sys.argv[4].split(','), list(map(int, sys.argv[5].split(',')))
-    rospy.init_node('recognition_sample', disable_rostime=True)
-    sender, results = Sender(width, height), Results(topics)
-    wait_for(lambda: results.connected() and len(sender.connections()) == len(pids), 'the nodes')
-    highest(sender, results, 1.0)       # past the start
-    sample = paced(sender, results, seconds, pids)
-    sample.update(highest(sender, results, seconds))
-    sys.stdout.write(json.dumps(sample) + '\n')
+    """Sample WIDTH HEIGHT TURNS SECONDS NODES: JSON, a list of name, images, results and pids."""
+    width, height, turns = map(int, sys.argv[1:4])
+    seconds, nodes = float(sys.argv[4]), json.loads(sys.argv[5])
+    rospy.init_node('recognition_sample', disable_rostime=True, anonymous=True)
+    prepared = packets(width, height)
+    ends = {node['name']: (Sender(node['images'], prepared), Results(node['results']))
+            for node in nodes}
+    for node in nodes:
+        sender, results = ends[node['name']]
+        wait_for(lambda sender=sender, results=results, pids=node['pids']:
+                 results.connected() and len(sender.connections()) == len(pids), node['name'])
+        highest(sender, results, WARM_UP_S)
+    samples = {name: [] for name in ends}
+    for _ in range(turns):
+        for node in nodes:
+            samples[node['name']].append(paced(*ends[node['name']], seconds, node['pids']))
+    for turn in range(turns):
+        for name, (sender, results) in ends.items():
+            samples[name][turn].update(highest(sender, results, seconds))
+    sys.stdout.write(json.dumps(samples) + '\n')
     return 0
 
 
