@@ -25,7 +25,7 @@ def script(*path: str) -> Callable[[Master, str, bool], tuple]:
         process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name)
         if viewed:
             images = ['/{}/{}'.format(name, image) for image in IMAGES]
-            master.start(sys.executable, os.path.join(HERE, 'watch_all.py'), *images,
+            master.start(sys.executable, os.path.join(HERE, 'watch_images.py'), *images,
                          '__ns:=/' + name)
             server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
             wait_for(lambda: {topic for topic, _ in server.getSystemState()[1]} >= set(images),

@@ -1,4 +1,4 @@
-"""Send images to recognitions in turn; print, as JSON, how soon results come and what they cost."""
+"""Send images to recognitions in turn; print, as JSON, how soon they answer and what it costs."""
 import io
 import json
 import struct
