@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 import time
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING, Iterable, Union
 
 import cv2
 from tqdm import tqdm
@@ -14,6 +14,7 @@ from tqdm import tqdm
 from img_recog.errors import UserError
 from img_recog.nodes import output_files, replay_films, replay_world, world_files
 from img_recog.nodes.ahead import ahead
+from img_recog.nodes.interrupts import Interrupts
 from img_recog.nodes.replay_bag_files import DEFAULT_TOPICS, is_bag
 from img_recog.nodes.replay_chain import SECOND_NS, Chain, measured
 from img_recog.nodes.replay_films import FilmFrames
@@ -47,12 +48,13 @@ def main(painter: Painter, begin_s: float) -> int:
     # what they have to say is in the one line of ours
     cv2.setLogLevel(_FATAL)
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_QUIET))
-    _mind_signals()
+    interrupts = Interrupts()
     # roslaunch adds __name:=... and __log:=...
     arguments = [word for word in sys.argv[1:]
                  if not (word.startswith('__') and ':=' in word)]
     try:
-        sys.stdout.write(replay(_parser().parse_args(arguments), painter, begin_s) + '\n')
+        sys.stdout.write(replay(_parser().parse_args(arguments), painter, begin_s, interrupts)
+                         + '\n')
     except UserError as error:
         _log.error('%s', ' '.join(str(error).split()))
         return 1
@@ -64,10 +66,12 @@ def main(painter: Painter, begin_s: float) -> int:
     return 0
 
 
-def replay(options: argparse.Namespace, painter: Painter, begin_s: float) -> str:
+def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
+           interrupts: Interrupts) -> str:
     """Do what the options say, and return what is to be said at the end.
 
     begin_s: when the program began, by time.perf_counter.
+    interrupts: how a signal ends this.
     Raises UserError when it cannot be done; no file is written then.
     """
     frames = _frames(os.path.expanduser(options.input), options.topic)
@@ -84,8 +88,12 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float) -> str
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
         table = TableRecorder(text, settings.color_names)
         start_s = time.perf_counter()
-        end_ns = _run(Chain(simulator, settings, options.teleop, [bag, table, plot]), frames,
-                      settings)
+        with interrupts.held():     # tqdm's destructor wants what its constructor makes
+            progress = tqdm(ahead(measured(frames, settings), _AHEAD), unit=' frames',
+                            total=frames.expected or None, disable=None)
+        with progress:
+            end_ns = _run(Chain(simulator, settings, options.teleop, [bag, table, plot]),
+                          progress, frames.period_ns)
         loop_s = time.perf_counter() - start_s
         painter.begin('Replay of {}, {} frames, in the world {}'.format(
             os.path.basename(options.input), plot.frames, os.path.basename(options.world)),
@@ -99,12 +107,9 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float) -> str
     return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.motion(), paths)
 
 
-def _run(chain: Chain, frames: Frames, settings: RecognitionSettings) -> int:
-    """Run the chain with a bar of its progress, if that is seen; return the time at its end."""
-    with tqdm(ahead(measured(frames, settings), _AHEAD), total=frames.expected or None,
-              unit=' frames', disable=None) as progress:
-        last_ns = chain.run(progress)
-    end_ns = last_ns + frames.period_ns
+def _run(chain: Chain, measured_frames: Iterable, period_ns: int) -> int:
+    """Run the chain; return the time at its end."""
+    end_ns = chain.run(measured_frames) + period_ns
     chain.end(end_ns)
     return end_ns
 
@@ -177,13 +182,3 @@ def _parser() -> argparse.ArgumentParser:
                             default=getattr(spawn, name),
                             help='where the robot starts; default: %(default)s {}'.format(unit))
     return parser
-
-
-def _mind_signals() -> None:
-    """Leave on a signal by an exception, so that unfinished files are removed."""
-    def leave(number: int, _) -> None:
-        sys.exit(128 + number)
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
-            signal.signal(number, leave)
-    signal.signal(signal.SIGINT, signal.default_int_handler)
