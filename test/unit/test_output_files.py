@@ -58,6 +58,22 @@ def test_when_something_goes_wrong_all_is_as_before(folder, error):
     assert os.listdir('.') == ['a'] and (folder / 'a').read_text() == 'old'
 
 
+@pytest.mark.parametrize('last', [1, 2])
+def test_a_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
+    opened = []
+
+    def interrupted(*arguments):
+        opened.append(open(*arguments))
+        if len(opened) == last:
+            raise KeyboardInterrupt
+        return opened[-1]
+    monkeypatch.setattr(output_files, 'open', interrupted, raising=False)
+    with pytest.raises(KeyboardInterrupt):
+        with output_files.written(('a', 'b')):
+            raise AssertionError('must not come so far')
+    assert len(opened) == last and os.listdir('.') == []
+
+
 def test_what_cannot_be_written_is_named(folder):
     with pytest.raises(UserError, match='cannot write no/b: no such file or directory; set '):
         with output_files.written(('a', 'no/b')):

@@ -52,10 +52,11 @@ def written(paths: Sequence[str], advice: str = 'set --output to a folder or the
                 file.close()
                 os.replace(part, target)
     finally:
-        for part, file in zip(parts, files):
+        for file in files:
             with contextlib.suppress(OSError):
                 file.close()
-            with contextlib.suppress(FileNotFoundError):
+        for part in parts:      # one more than in `files`, if a signal came in between
+            with contextlib.suppress(OSError):
                 os.remove(part)
 
 
