@@ -197,6 +197,17 @@ def test_input_is_left_alone_and_results_share_no_memory_with_it():
     assert not np.shares_memory(blue, image) and not np.shares_memory(blue, red)
 
 
+@pytest.mark.parametrize('encoding', ENCODINGS)
+@pytest.mark.parametrize('shape', [(0, 5), (5, 0), (0, 0)])
+def test_an_image_without_pixels(shape, encoding):
+    found = extractor()
+    found.measure(random_image(0))
+    assert found.measure(np.zeros(shape + (4 if 'a' in encoding else 3,), np.uint8), encoding) == [
+        0, 0]
+    assert found.bgr().shape[:2] == found.mask(0).shape == found.masked(0).shape[:2] == shape
+    assert found.centroid(0) is None
+
+
 def test_nothing_of_an_earlier_image_is_left():
     found = extractor()
     for seed, shape in enumerate([(48, 64, 3), (20, 64, 3), (600, 1000, 3), (48, 64, 3), (1, 1, 3),

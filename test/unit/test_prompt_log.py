@@ -3,6 +3,7 @@ import logging
 import logging.handlers
 import os
 import time
+from types import SimpleNamespace
 
 import pytest
 import rospy
@@ -62,6 +63,33 @@ def test_records_of_two_places(kept):
         prompt_log.info('there')
     lines = [record.lineno for record in kept.records]
     assert [line - lines[0] for line in lines] == [0, 1, 0, 1]
+
+
+class Speaker:
+    """Logs from a method, by prompt_log and by rospy."""
+
+    def speak(self):
+        prompt_log.info('here')
+        rospy.loginfo('there')
+
+
+def test_a_method_has_its_class_before_it(kept):
+    Speaker().speak()
+    assert [record.funcName for record in kept.records] == ['Speaker.speak'] * 2
+
+
+@pytest.mark.parametrize('error', [ConnectionRefusedError('no master'), UnicodeError('text'),
+                                   rospy.ROSException('closed')])
+def test_whoever_logs_goes_on_though_the_line_does_not_reach_rosout(monkeypatch, error):
+    def refuse(_):
+        raise error
+    monkeypatch.setattr(prompt_log.rosout, '_rosout_pub', SimpleNamespace(publish=refuse))
+    monkeypatch.setattr(prompt_log.parameters, 'log_topics_are_wanted', lambda: False)
+    handler, logger = prompt_log._RosoutHandler(), logging.getLogger('refused')
+    logger.propagate = False
+    logger.addHandler(handler)
+    for _ in range(2):
+        logger.error('a line')
 
 
 def test_a_log_file_is_still_rolled_over(tmp_path):

@@ -79,7 +79,8 @@ class ColorExtractor:
             conversion, self._bgr = _TO_BGR.get(self._encoding), self._image
             if conversion is not None:
                 self._bgr = self._buffer('bgr', self._image.shape[:2] + (3,))
-                cv2.cvtColor(self._image, conversion, dst=self._bgr)
+                if self._image.size:
+                    cv2.cvtColor(self._image, conversion, dst=self._bgr)
         return self._bgr
 
     def centroid(self, number: int) -> Optional[Tuple[float, float]]:

@@ -1,6 +1,6 @@
 """Colour ranges to masks, by few operations on few pixels."""
 import functools
-from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -36,7 +36,7 @@ class Masks:
         self.masks = [np.zeros(shape, np.uint8) for _ in colors]
         self.areas_px = [0] * len(colors)
         program = _Program(colors)
-        line = _line_below(colors)
+        line = _line_below(frozenset((color.saturation, color.value) for color in colors))
         height, width = shape
         rows = max(1, min(height, _STRIP_PX // max(1, width)))
         scratch = [np.empty((rows, width, 3), np.uint8)]
@@ -166,8 +166,9 @@ class _Line(NamedTuple):
     offset: float
 
 
-def _line_below(colors: Sequence[Color]) -> Optional[_Line]:
-    """Return a line that no pixel of a colour is below, None if few others are.
+@functools.lru_cache(maxsize=16)
+def _line_below(ranges: FrozenSet[Tuple[Tuple[int, int], Tuple[int, int]]]) -> Optional[_Line]:
+    """Return a line that no pixel of the ranges of S and V is below, None if few others are.
 
     Of these lines, it is the one that has the fewest pixels above it in an image of which
     1 / (1 + chroma) are of a chroma: most of what there is to see is nearly grey.
@@ -175,8 +176,7 @@ def _line_below(colors: Sequence[Color]) -> Optional[_Line]:
     value, chroma = np.mgrid[:256, :256]
     exists = chroma <= value
     inside = np.zeros_like(exists)
-    for color in colors:
-        (low_s, high_s), (low_v, high_v) = color.saturation, color.value
+    for (low_s, high_s), (low_v, high_v) in ranges:
         inside |= ((_saturations() >= low_s) & (_saturations() <= high_s)
                    & (value >= low_v) & (value <= high_v))
     inside &= exists
