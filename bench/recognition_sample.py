@@ -129,7 +129,7 @@ def main() -> int:
     """Sample WIDTH HEIGHT TURNS SECONDS NODES: JSON, a list of name, images, results and pids."""
     width, height, turns = map(int, sys.argv[1:4])
     seconds, nodes = float(sys.argv[4]), json.loads(sys.argv[5])
-    rospy.init_node('recognition_sample', disable_rostime=True, anonymous=True)
+    rospy.init_node('recognition_sample', disable_rostime=True)
     prepared = packets(width, height)
     ends = {node['name']: (Sender(node['images'], prepared), Results(node['results']))
             for node in nodes}

@@ -1,6 +1,7 @@
 """Colour areas against plain OpenCV and numpy, with the article's ranges and others."""
 import cv2
 import numpy as np
+import plain_opencv
 import pytest
 
 from img_recog.recognition.areas import ENCODINGS, ColorExtractor
@@ -53,9 +54,7 @@ def assert_equal_to_plain_opencv(image, settings=with_colors()()):
     for number, color in enumerate(settings.colors):
         inside = in_range(image, color)
         if color.hue[0] <= color.hue[1]:
-            mask = cv2.inRange(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), *(
-                np.array([bounds[end] for bounds in (color.hue, color.saturation, color.value)])
-                for end in (0, 1)))
+            mask = plain_opencv.mask(image, color)
             assert np.array_equal(mask == 255, inside)
             assert areas_px[number] == cv2.countNonZero(mask)
             assert np.array_equal(found.masked(number), cv2.bitwise_and(image, image, mask=mask))

@@ -1,6 +1,7 @@
 """Where the masks of colours look for them: everywhere that one can be."""
 import cv2
 import numpy as np
+import plain_opencv
 import pytest
 
 from img_recog.recognition import masks
@@ -16,16 +17,9 @@ def colors(**values):
         'any_' + name: value for name, value in values.items()}).colors
 
 
-def plain_masks(image, given):
-    """Return the masks of a bgr8 image, by cv2.inRange."""
-    hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
-    return [cv2.inRange(hsv, *(np.array([bounds[end] for bounds in (
-        color.hue, color.saturation, color.value)]) for end in (0, 1))) for color in given]
-
-
 def assert_equal_to_plain_opencv(made, image, given):
     made.make(image, cv2.COLOR_BGR2HSV)
-    expected = plain_masks(image, given)
+    expected = [plain_opencv.mask(image, color) for color in given]
     assert made.areas_px == [cv2.countNonZero(mask) for mask in expected]
     for mask, plain in zip(made.masks, expected):
         assert np.array_equal(mask, plain)
@@ -60,7 +54,8 @@ def test_each_pixel_is_found_alone(monkeypatch, given):
     for middle in (pairs[:, 0], pairs[:, 1], pairs.mean(axis=1)):
         for order in ([0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]):
             pixels = np.column_stack([pairs, middle])[:, order].astype(np.uint8)
-            inside = np.any(plain_masks(pixels[:, np.newaxis], given), axis=0).ravel()
+            inside = np.any([plain_opencv.mask(pixels[:, np.newaxis], color)
+                             for color in given], axis=0).ravel()
             # pairs are in order: the last of a value is the nearest
             _, last = np.unique(pairs[inside][::-1, 0], return_index=True)
             nearest.append(pixels[inside][::-1][last])

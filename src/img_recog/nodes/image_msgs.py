@@ -1,4 +1,5 @@
 """sensor_msgs/Image to and from arrays, by cv_bridge."""
+import contextlib
 import sys
 from typing import Tuple
 
@@ -18,8 +19,6 @@ _CONVERSIONS = {
     'bayer_gbrg8': (1, cv2.COLOR_BayerGR2BGR), 'bayer_grbg8': (1, cv2.COLOR_BayerGB2BGR),
     'yuv422': (2, cv2.COLOR_YUV2BGR_UYVY), 'yuv422_yuy2': (2, cv2.COLOR_YUV2BGR_YUY2),
 }
-# what a conversion raises
-_ERRORS = CvBridgeError, cv2.error, KeyError, RuntimeError, TypeError, ValueError
 _COLORS = {'bgr8': 3, 'rgb8': 3, 'bgra8': 4, 'rgba8': 4}
 
 
@@ -48,10 +47,8 @@ def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:
     Rows may be padded (step larger than a row) and multi-byte pixels may be of either
     endianness. Raises ImageError naming the size, encoding and reason.
     """
-    try:
+    with _refusing(msg, encoding):
         return _bridge.imgmsg_to_cv2(_plain(msg), encoding)
-    except _ERRORS as error:
-        raise _refusal(msg, encoding, error)
 
 
 class ColorImages:
@@ -69,13 +66,11 @@ class ColorImages:
         The order is one of bgr8, rgb8, bgra8, rgba8. The image shares the message's memory or is
         overwritten by the next. Raises ImageError naming the size, encoding and reason.
         """
-        try:
+        with _refusing(msg, 'bgr8'):
             if msg.encoding in _COLORS:
                 return _view(msg, _COLORS[msg.encoding]), msg.encoding
             if msg.encoding in _CONVERSIONS:
                 return self._convert(msg, *_CONVERSIONS[msg.encoding]), 'bgr8'
-        except _ERRORS as error:
-            raise _refusal(msg, 'bgr8', error)
         return from_msg(msg, 'bgr8'), 'bgr8'
 
     def _convert(self, msg: Image, channels: int, conversion: int) -> np.ndarray:
@@ -87,10 +82,15 @@ class ColorImages:
         return self._converted
 
 
-def _refusal(msg: Image, encoding: str, error: Exception) -> ImageError:
-    return ImageError('cannot convert an image of {}x{}, encoding {!r}, step {}, {} bytes to '
-                      '{}: {}'.format(msg.width, msg.height, msg.encoding, msg.step,
-                                      len(msg.data), encoding, ' '.join(str(error).split())))
+@contextlib.contextmanager
+def _refusing(msg: Image, encoding: str):
+    """Raise an ImageError for whatever the conversion of `msg` to `encoding` raises."""
+    try:
+        yield
+    except (CvBridgeError, cv2.error, KeyError, RuntimeError, TypeError, ValueError) as error:
+        raise ImageError('cannot convert an image of {}x{}, encoding {!r}, step {}, {} bytes to '
+                         '{}: {}'.format(msg.width, msg.height, msg.encoding, msg.step,
+                                         len(msg.data), encoding, ' '.join(str(error).split())))
 
 
 def _view(msg: Image, channels: int) -> np.ndarray:

@@ -48,7 +48,7 @@ class ColorExtractor:
             self._made = Masks(part.shape[:2], self._settings.colors)
         self._made.make(part, _TO_HSV[encoding])
         self._masks, self._areas = self._made.masks, self._made.areas_px
-        if self._settings.min_blob_size > 1:
+        if self._settings.min_blob_size > 1 and part.size:
             self._drop_small_blobs()
             self._areas = [cv2.countNonZero(mask) for mask in self._masks]
         return list(self._areas)
@@ -99,8 +99,6 @@ class ColorExtractor:
 
     def _drop_small_blobs(self) -> None:
         for mask in self._masks:
-            if mask.size == 0:
-                continue
             _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
             large = stats[:, cv2.CC_STAT_AREA] >= self._settings.min_blob_size
             large[0] = False        # the background

@@ -109,9 +109,8 @@ class _Program:
     """
 
     def __init__(self, colors: Sequence[Color]):
-        planes = _PLANES, _PLANES + 1, _PLANES + 2
         self.calls: List[_Call] = [
-            lambda arrays: cv2.split(arrays[_HSV], arrays[planes[0]:planes[2] + 1])]
+            lambda arrays: cv2.split(arrays[_HSV], arrays[_PLANES:_PLANES + 3])]
         known, conjunctions = {}, []
         for color in colors:
             tests = []
@@ -120,7 +119,7 @@ class _Program:
                     key = channel, low, high
                     if key not in known:
                         known[key] = _RESULTS + len(known)
-                        self.calls += _test(planes[channel], low, high, _TOPS[channel],
+                        self.calls += _test(_PLANES + channel, low, high, _TOPS[channel],
                                             known[key])
                     tests.append(known[key])
             conjunctions.append(tests)
