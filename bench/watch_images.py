@@ -6,7 +6,7 @@ import sys
 
 import rospy
 
-from img_recog.nodes.image_subscriber import ImageSubscriber
+from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
 def watch(topic: str) -> None:

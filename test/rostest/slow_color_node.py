@@ -3,8 +3,8 @@
 import sys
 import time
 
-from img_recog.nodes import running
 from img_recog.nodes.color_img_recog import ColorExtract
+from img_recog.ros import lifecycle
 
 EXTRA_S = 0.2
 
@@ -18,4 +18,4 @@ class SlowColorExtract(ColorExtract):
 
 
 if __name__ == '__main__':
-    sys.exit(running.run('color_extract', lambda: SlowColorExtract().spin()))
+    sys.exit(lifecycle.run('color_extract', lambda: SlowColorExtract().spin()))

@@ -11,7 +11,8 @@ from std_msgs.msg import Header
 from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
-from img_recog.nodes import camera_calibration, parameters
+from img_recog.nodes import camera_calibration
+from img_recog.ros import parameters
 
 GIVEN = {
     'width': 640, 'height': 480, 'distortion_model': 'plumb_bob', 'D': [0.1] * 5,

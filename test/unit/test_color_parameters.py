@@ -4,8 +4,8 @@ import os
 import pytest
 
 from img_recog.nodes import color_parameters
-from img_recog.nodes.parameters import ParameterError
 from img_recog.recognition.settings import Color, with_colors
+from img_recog.ros.parameters import ParameterError
 
 CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config', 'colors.yaml')
 

@@ -23,17 +23,18 @@ import rospy
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import PointCloud
 
-from img_recog.nodes import (color_detection_msgs, color_parameters, parameters, prompt_log,
-                             running, twist_msgs)
+from img_recog.nodes import color_detection_msgs, color_parameters, twist_msgs
 from img_recog.nodes.image_inputs import INPUTS
 from img_recog.nodes.image_msgs import ImageError
-from img_recog.nodes.image_publisher import ImagePublisher
-from img_recog.nodes.prompt_publisher import PromptPublisher
-from img_recog.nodes.reconfigure import Reconfigurable
-from img_recog.nodes.throttle import ThrottledWarning
 from img_recog.recognition import overlay
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
+from img_recog.ros import lifecycle, parameters
+from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.transport import rosout
+from img_recog.ros.transport.direct_publisher import PromptPublisher
+from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import Settings, one_of, setting
 
 _CAMERA = 'usb_cam/image_raw'
@@ -73,7 +74,7 @@ class ColorExtract:
         self._overlay = ImagePublisher('color_overlay')
         self._ended = threading.Event()
         self._handling = threading.Lock()
-        running.on_shutdown(self._end)
+        lifecycle.on_shutdown(self._end)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
         self._input = INPUTS[given.image_transport](_CAMERA)
 
@@ -102,7 +103,7 @@ class ColorExtract:
         for number, publisher in enumerate(self._masked):
             publisher.publish_drawn(msg.header, 'bgr8', image.shape[:2] + (3,),
                                     partial(self._extractor.masked, number))
-        prompt_log.info(', '.join('{}={}'.format(name, area_px) for name, area_px
+        rosout.info(', '.join('{}={}'.format(name, area_px) for name, area_px
                                   in zip(self._settings.color_names, areas_px)))
         commands = self._commander.decide(areas_px, time.monotonic())
         self._send(commands)
@@ -138,4 +139,4 @@ def main() -> int:
     """Run the node; return its exit code."""
     # OpenCV's threads wait for work in a busy loop, which costs more than they help with
     cv2.setNumThreads(1)
-    return running.run('color_extract', lambda: ColorExtract().spin())
+    return lifecycle.run('color_extract', lambda: ColorExtract().spin())

@@ -6,10 +6,10 @@ import rosgraph.names
 import rospy
 import yaml
 
-from img_recog.nodes import parameters
-from img_recog.nodes.parameters import ParameterError
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
                                             color_names, with_colors)
+from img_recog.ros import parameters
+from img_recog.ros.parameters import ParameterError
 from img_recog.settings import SettingError, Settings, declared, made_of
 
 COLORS = 'colors'

@@ -6,12 +6,13 @@ import rospy
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
 
-from img_recog.nodes import compressed_image_msgs, parameters
+from img_recog.nodes import compressed_image_msgs
 from img_recog.nodes.compressed_image_msgs import CompressionSettings
 from img_recog.nodes.image_msgs import ImageError
-from img_recog.nodes.reconfigure import Reconfigurable
-from img_recog.nodes.slots import Newest
-from img_recog.nodes.throttle import ThrottledWarning
+from img_recog.ros import parameters
+from img_recog.ros.queues import Newest
+from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ThrottledWarning
 
 _POLL_S = 0.2
 

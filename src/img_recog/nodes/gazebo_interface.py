@@ -5,7 +5,7 @@ import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 
 from img_recog.nodes import robot_msgs
-from img_recog.nodes.slots import Requests
+from img_recog.ros.queues import Requests
 from img_recog.simulation.models import WORLD, Models, State
 from img_recog.simulation.settings import SimulationError
 

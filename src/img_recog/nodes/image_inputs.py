@@ -6,8 +6,8 @@ import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.nodes import compressed_image_msgs, compressed_images, image_msgs
-from img_recog.nodes.image_subscriber import ImageSubscriber
-from img_recog.nodes.slots import Newest
+from img_recog.ros.queues import Newest
+from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
 class RawInput:

@@ -21,19 +21,18 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.nodes import (gazebo_interface, mesh_uris, parameters, robot_msgs, running,
-                             world_files)
-from img_recog.nodes.prompt_publisher import PromptPublisher
+from img_recog.nodes import gazebo_interface, mesh_uris, robot_msgs, world_files
 from img_recog.nodes.robot_topics import RobotTopics, TopicSettings
-from img_recog.nodes.slots import Requests
-from img_recog.nodes.throttle import ThrottledWarning
 from img_recog.nodes.view_topic import ViewTopic
+from img_recog.ros import lifecycle, parameters
+from img_recog.ros.queues import Requests
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.transport.direct_publisher import PromptPublisher
 from img_recog.simulation import description, gazebo_tags, loading, meshes, world_file
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer
 from img_recog.simulation.scene import Scene, poses_of
-from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, ViewSettings,
-                                           whole_steps)
+from img_recog.simulation.settings import PhysicsSettings, RobotSettings, ViewSettings, whole_steps
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 from img_recog.simulation.window import Window
@@ -152,7 +151,7 @@ class PybulletSim:
 
     def _publish_clock(self) -> None:
         now = robot_msgs.stamp_of(self._simulator.time_s)
-        running.set_time(now)
+        lifecycle.set_time(now)
         self._clock.publish(Clock(now))
 
     def _measure(self, simulated_s: float) -> None:
@@ -209,4 +208,4 @@ def _warn_of_what_is_left_out(robot: description.Description, urdf: str,
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return running.run('gazebo', lambda: PybulletSim().spin(), source_of_time=True)
+    return lifecycle.run('gazebo', lambda: PybulletSim().spin(), source_of_time=True)

@@ -9,9 +9,9 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
 from img_recog.nodes import robot_msgs, sensing_msgs, twist_msgs
-from img_recog.nodes.prompt_publisher import PromptPublisher
-from img_recog.nodes.slots import Newest
-from img_recog.nodes.throttle import Throttle, ThrottledWarning
+from img_recog.ros.queues import Newest
+from img_recog.ros.throttle import Throttle, ThrottledWarning
+from img_recog.ros.transport.direct_publisher import PromptPublisher
 from img_recog.settings import Settings, not_empty, setting
 from img_recog.simulation.motion_state import MotionState
 from img_recog.simulation.vehicle import Reading, Vehicle

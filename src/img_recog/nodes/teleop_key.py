@@ -10,7 +10,8 @@ import time
 import rospy
 from geometry_msgs.msg import Twist
 
-from img_recog.nodes import parameters, running, twist_msgs
+from img_recog.nodes import twist_msgs
+from img_recog.ros import lifecycle, parameters
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile
 from img_recog.teleoperation.settings import TeleopSettings
@@ -31,7 +32,7 @@ class TeleopKey:
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         self._sending = threading.Lock()
         self._stopped = False
-        running.on_shutdown(self._stop_robot)
+        lifecycle.on_shutdown(self._stop_robot)
 
     def spin(self) -> None:
         """Read keys and send commands until the node is shut down."""
@@ -69,4 +70,4 @@ class TeleopKey:
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return running.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin())
+    return lifecycle.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin())

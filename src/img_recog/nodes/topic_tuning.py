@@ -9,12 +9,12 @@ import rospy
 from sensor_msgs.msg import Image
 
 from img_recog.errors import UserError
-from img_recog.nodes import (color_parameters, compressed_image_msgs, image_msgs, image_topics,
-                             parameters, user_paths)
+from img_recog.nodes import color_parameters, compressed_image_msgs, image_msgs, user_paths
 from img_recog.nodes.picture_output import PictureOutput
-from img_recog.nodes.slots import Newest
-from img_recog.nodes.throttle import Throttle, ThrottledWarning
 from img_recog.recognition.settings import RecognitionSettings
+from img_recog.ros import image_topics, parameters
+from img_recog.ros.queues import Newest
+from img_recog.ros.throttle import Throttle, ThrottledWarning
 
 _NODE = '/color_extract'
 _WINDOW_PERIOD_S, _FILE_PERIOD_S, _LOOK_S = 0.5, 1.0, 0.05

@@ -18,10 +18,11 @@ from img_recog.camera import selection
 from img_recog.camera.source import SourceEnded, SourceError
 from img_recog.camera.still_source import read_image
 from img_recog.errors import UserError
-from img_recog.nodes import color_parameters, image_topics, running, user_paths
+from img_recog.nodes import color_parameters, user_paths
 from img_recog.nodes.picture_output import PictureOutput
 from img_recog.nodes.topic_tuning import TopicTuning
 from img_recog.recognition.settings import with_colors
+from img_recog.ros import image_topics, lifecycle
 
 _OUTPUT = 'tune_colors.png'
 _TIMEOUT_S = 10.0
@@ -79,7 +80,7 @@ def _tune(options: argparse.Namespace) -> int:
         raise SourceError('--frame needs a film, and there is no file {}'.format(name))
     topic = rosgraph.names.script_resolve_name('tune_colors', name)
     kind = image_topics.kind_of(topic)
-    return running.run(rosgraph.names.anonymous_name('tune_colors'),
+    return lifecycle.run(rosgraph.names.anonymous_name('tune_colors'),
                        lambda: TopicTuning(topic, kind, options, picture).spin())
 
 

@@ -26,14 +26,15 @@ from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
 from img_recog.camera.stamps import Stamps
-from img_recog.nodes import parameters, running, user_paths
+from img_recog.nodes import user_paths
 from img_recog.nodes.camera_calibration import CameraCalibration
 from img_recog.nodes.camera_controls import CameraControls
 from img_recog.nodes.camera_diagnostics import CameraDiagnostics
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog.nodes.image_publisher import ImagePublisher
-from img_recog.nodes.reconfigure import Reconfigurable
-from img_recog.nodes.throttle import ThrottledWarning
+from img_recog.ros import lifecycle, parameters
+from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.transport.image_publisher import ImagePublisher
 
 _CHECK_S = 0.2
 _FLUSH_S = 0.3
@@ -63,7 +64,7 @@ class UsbCam(Listener):
         self._opened_once = False
         self.is_blocked = False
         self._settled, self._ended = threading.Event(), threading.Event()
-        running.on_shutdown(self._end)
+        lifecycle.on_shutdown(self._end)
         self._images = ImagePublisher('~image_raw')
         self._compressed = CompressedImages('~image_raw')
         self._infos = rospy.Publisher('~camera_info', CameraInfo, queue_size=1)
@@ -165,7 +166,7 @@ def main() -> int:
     def serve():
         nodes.append(UsbCam())
         nodes[0].spin()
-    code = running.run('usb_cam', serve)
+    code = lifecycle.run('usb_cam', serve)
     if nodes and nodes[0].is_blocked:
-        running.leave_blocked_threads(code)
+        lifecycle.leave_blocked_threads(code)
     return code

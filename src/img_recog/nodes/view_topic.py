@@ -5,7 +5,7 @@ import rospy
 from std_msgs.msg import Header
 
 from img_recog.nodes import robot_msgs
-from img_recog.nodes.image_publisher import ImagePublisher
+from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.simulation.scene import Scene, poses_of
 from img_recog.simulation.settings import SimulationError, ViewSettings
 from img_recog.simulation.simulator import Simulator

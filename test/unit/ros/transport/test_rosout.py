@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 import rospy
 
-from img_recog.nodes import prompt_log
+from img_recog.ros.transport import rosout
 
 
 class Kept(logging.Handler):
@@ -33,7 +33,7 @@ def kept(monkeypatch):
 
 def say(text):
     """Log from one place."""
-    prompt_log.info(text)
+    rosout.info(text)
 
 
 def test_a_record_has_what_python_gives_it(kept):
@@ -59,8 +59,8 @@ def test_a_record_has_what_python_gives_it(kept):
 
 def test_records_of_two_places(kept):
     for _ in range(2):
-        prompt_log.info('here')
-        prompt_log.info('there')
+        rosout.info('here')
+        rosout.info('there')
     lines = [record.lineno for record in kept.records]
     assert [line - lines[0] for line in lines] == [0, 1, 0, 1]
 
@@ -69,7 +69,7 @@ class Speaker:
     """Logs from a method, by prompt_log and by rospy."""
 
     def speak(self):
-        prompt_log.info('here')
+        rosout.info('here')
         rospy.loginfo('there')
 
 
@@ -83,9 +83,9 @@ def test_a_method_has_its_class_before_it(kept):
 def test_whoever_logs_goes_on_though_the_line_does_not_reach_rosout(monkeypatch, error):
     def refuse(_):
         raise error
-    monkeypatch.setattr(prompt_log.rosout, '_rosout_pub', SimpleNamespace(publish=refuse))
-    monkeypatch.setattr(prompt_log.parameters, 'log_topics_are_wanted', lambda: False)
-    handler, logger = prompt_log._RosoutHandler(), logging.getLogger('refused')
+    monkeypatch.setattr(rosout.rosout, '_rosout_pub', SimpleNamespace(publish=refuse))
+    monkeypatch.setattr(rosout.parameters, 'log_topics_are_wanted', lambda: False)
+    handler, logger = rosout._RosoutHandler(), logging.getLogger('refused')
     logger.propagate = False
     logger.addHandler(handler)
     for _ in range(2):
@@ -95,7 +95,7 @@ def test_whoever_logs_goes_on_though_the_line_does_not_reach_rosout(monkeypatch,
 def test_a_log_file_is_still_rolled_over(tmp_path):
     path = str(tmp_path / 'node.log')
     handler = logging.handlers.RotatingFileHandler(path, maxBytes=2000, backupCount=1)
-    handler.shouldRollover = prompt_log.seldom(handler.shouldRollover)
+    handler.shouldRollover = rosout.seldom(handler.shouldRollover)
     looks = []
     logger = logging.getLogger('rolled over')
     logger.propagate = False

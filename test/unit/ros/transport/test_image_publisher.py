@@ -8,8 +8,8 @@ from rospy.msg import serialize_message
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.nodes import image_publisher
-from img_recog.nodes.image_publisher import ImagePublisher
+from img_recog.ros.transport import image_publisher
+from img_recog.ros.transport.image_publisher import ImagePublisher
 
 
 class Subscriber:

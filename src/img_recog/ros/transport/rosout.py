@@ -12,8 +12,8 @@ import rospy
 from rosgraph_msgs.msg import Log
 from rospy.impl import registration, rosout
 
-from img_recog.nodes import parameters
-from img_recog.nodes.prompt_publisher import PromptPublisher
+from img_recog.ros import parameters
+from img_recog.ros.transport.direct_publisher import PromptPublisher
 
 _LOGGER = logging.getLogger('rosout')
 _LINES_A_LOOK = 100

@@ -10,7 +10,7 @@ import genpy
 import rospy
 
 from img_recog.errors import UserError
-from img_recog.nodes import prompt_log
+from img_recog.ros.transport import rosout
 
 _LEAVING_S = 0.5
 
@@ -26,7 +26,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     """
     # rospy's own handler shuts down within the interrupted call; where that is a publish in the
     # main thread, both wait for the same lock for ever
-    prompt_log.init_node(name, disable_signals=True, disable_rostime=source_of_time)
+    rosout.init_node(name, disable_signals=True, disable_rostime=source_of_time)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
             signal.signal(number, _shut_down)

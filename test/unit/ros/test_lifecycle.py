@@ -5,7 +5,7 @@ import pytest
 import rospy
 from waiting import DEADLINE_S
 
-from img_recog.nodes import running
+from img_recog.ros import lifecycle
 
 
 @pytest.fixture
@@ -31,7 +31,7 @@ def shutdown(monkeypatch):
 
 def test_hook_before_the_shutdown_is_called_once(shutdown):
     calls = []
-    running.on_shutdown(lambda: calls.append(1))
+    lifecycle.on_shutdown(lambda: calls.append(1))
     assert calls == []
     shutdown().join()
     assert calls == [1]
@@ -61,7 +61,7 @@ def test_hook_while_rospy_closes_its_topics_is_called_once(shutdown, monkeypatch
         assert knocked.wait(DEADLINE_S)
     thread = shutdown(close)
     assert closing.wait(DEADLINE_S)
-    running.on_shutdown(lambda: calls.append(1))
+    lifecycle.on_shutdown(lambda: calls.append(1))
     thread.join()
     assert knocked.is_set()
     assert calls == [1]
@@ -70,5 +70,5 @@ def test_hook_while_rospy_closes_its_topics_is_called_once(shutdown, monkeypatch
 def test_hook_after_the_shutdown_is_called_once(shutdown):
     calls = []
     shutdown().join()
-    running.on_shutdown(lambda: calls.append(1))
+    lifecycle.on_shutdown(lambda: calls.append(1))
     assert calls == [1]

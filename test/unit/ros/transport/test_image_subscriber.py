@@ -11,8 +11,8 @@ from rospy.exceptions import TransportTerminated
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from sensor_msgs.msg import Image
 
-from img_recog.nodes import image_subscriber
-from img_recog.nodes.image_subscriber import ImageSubscriber
+from img_recog.ros.transport import image_subscriber
+from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
 def image(seed, height=48, width=64, encoding='rgb8', frame_id='camera'):

@@ -1,5 +1,5 @@
 """What happens at most once in a period of wall time."""
-from img_recog.nodes.throttle import Throttle, ThrottledWarning
+from img_recog.ros.throttle import Throttle, ThrottledWarning
 
 
 def test_ready_once_in_a_period(clock):

@@ -5,8 +5,8 @@ import threading
 
 import pytest
 
-from img_recog.nodes import slots
-from img_recog.nodes.slots import Newest, Requests
+from img_recog.ros import queues
+from img_recog.ros.queues import Newest, Requests
 
 GENEROUS_S = 20.0       # waited for only when something is broken
 
@@ -68,7 +68,7 @@ def test_newest_waits_until_there_is_one(monkeypatch):
             if block and self.empty():
                 waiting.set()
             return super().get(block, timeout)
-    monkeypatch.setattr(slots.queue, 'SimpleQueue', Announced)
+    monkeypatch.setattr(queues.queue, 'SimpleQueue', Announced)
     slot = Newest()
     taker = threading.Thread(target=lambda: got.append(slot.take(3 * GENEROUS_S)), daemon=True)
     taker.start()
@@ -89,7 +89,7 @@ def test_newest_of_two_that_were_put_at_once(monkeypatch):
         def put(self, item):
             both.wait()         # each has seen that nothing is held
             super().put(item)
-    monkeypatch.setattr(slots.queue, 'SimpleQueue', Meeting)
+    monkeypatch.setattr(queues.queue, 'SimpleQueue', Meeting)
     slot = Newest()
     putters = [threading.Thread(target=slot.put, args=(item,), daemon=True) for item in 'ab']
     for putter in putters:
@@ -134,7 +134,7 @@ def test_what_is_late_is_refused_and_not_done_later():
 
 def test_what_begins_in_time_and_ends_late_is_refused_and_harms_nobody(monkeypatch):
     requests, begun, go_on, after = Requests(), threading.Event(), threading.Event(), []
-    monkeypatch.setattr(slots, 'Future', future_that_first_calls(
+    monkeypatch.setattr(queues, 'Future', future_that_first_calls(
         lambda: begun.wait(GENEROUS_S)))
 
     def slow():
@@ -151,7 +151,7 @@ def test_what_begins_in_time_and_ends_late_is_refused_and_harms_nobody(monkeypat
 
 def test_several_are_done_in_the_order_they_came(monkeypatch):
     requests, order, arrived = Requests(), [], threading.Semaphore(0)
-    monkeypatch.setattr(slots, 'Future', future_that_first_calls(arrived.release))
+    monkeypatch.setattr(queues, 'Future', future_that_first_calls(arrived.release))
     askers = []
     for number in range(5):
         askers.append(Asker(requests, lambda number=number: order.append(number)))

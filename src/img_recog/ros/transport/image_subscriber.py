@@ -10,7 +10,7 @@ import rospy
 from rospy.exceptions import TransportTerminated
 from sensor_msgs.msg import Image
 
-from img_recog.nodes.throttle import ThrottledWarning
+from img_recog.ros.throttle import ThrottledWarning
 
 _LENGTH = struct.Struct('<I')
 # of the fields of a serialized Image that come before its texts and its data

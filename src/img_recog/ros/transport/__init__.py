@@ -1,0 +1,1 @@
+"""Faster ways through the internals of rospy, which no other folder touches."""
