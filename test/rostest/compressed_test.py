@@ -20,7 +20,7 @@ from std_msgs.msg import Header
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from support import Recorder, from_node, wait_for  # noqa: E402
 
-from img_recog.nodes import compressed_image_msgs, image_msgs  # noqa: E402
+from img_recog.conversions import compressed_image_msgs, image_msgs  # noqa: E402
 from img_recog.nodes.compressed_images import CompressedImages  # noqa: E402
 
 BLUE, RED = (20, 60, 200), (220, 20, 60)        # RGB

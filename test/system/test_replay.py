@@ -110,8 +110,9 @@ def test_what_was_recorded_is_replayed_like_the_film(replay, tmp_path):
     """A bag of the film's images gives the film's table."""
     import rosbag
     import rospy
-    from img_recog.nodes import image_msgs
     from std_msgs.msg import Header
+
+    from img_recog.conversions import image_msgs
     capture = cv2.VideoCapture(FILM, cv2.CAP_FFMPEG)
     with rosbag.Bag(str(tmp_path / 'bikes.bag'), 'w') as bag:
         for number in range(100):

@@ -11,8 +11,8 @@ from replaying import BLUE, RED, image
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String
 
+from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
-from img_recog.nodes import compressed_image_msgs, image_msgs
 from img_recog.nodes.replay_bag_files import is_bag
 from img_recog.nodes.replay_bags import BagFrames
 from img_recog.nodes.replay_films import FilmFrames

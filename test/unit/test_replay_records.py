@@ -6,11 +6,11 @@ import math
 import cv2
 import numpy as np
 import pytest
-import rosbag
 import robots
+import rosbag
 from replaying import BLUE, RED, Notebook, frame
 
-from img_recog.nodes import color_detection_msgs, robot_msgs, twist_msgs
+from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.nodes.replay_chain import Chain, Sent, measured
 from img_recog.nodes.replay_picture import Picture
 from img_recog.nodes.replay_plot import PlotRecorder

@@ -10,7 +10,8 @@ from std_msgs.msg import Header
 from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
-from img_recog.nodes import camera_info_msgs, camera_info_urls
+from img_recog.conversions import camera_info_msgs
+from img_recog.nodes import camera_info_urls
 from img_recog.ros import parameters
 
 

@@ -23,9 +23,10 @@ import rospy
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import PointCloud
 
-from img_recog.nodes import color_detection_msgs, color_parameters, twist_msgs
+from img_recog.conversions import color_detection_msgs, twist_msgs
+from img_recog.nodes import color_parameters
 from img_recog.nodes.image_inputs import INPUTS
-from img_recog.nodes.image_msgs import ImageError
+from img_recog.conversions.image_msgs import ImageError
 from img_recog.recognition import overlay
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
@@ -104,7 +105,7 @@ class ColorExtract:
             publisher.publish_drawn(msg.header, 'bgr8', image.shape[:2] + (3,),
                                     partial(self._extractor.masked, number))
         rosout.info(', '.join('{}={}'.format(name, area_px) for name, area_px
-                                  in zip(self._settings.color_names, areas_px)))
+                              in zip(self._settings.color_names, areas_px)))
         commands = self._commander.decide(areas_px, time.monotonic())
         self._send(commands)
         self._describe(msg.header, areas_px, commands)

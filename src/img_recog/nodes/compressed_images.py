@@ -6,9 +6,9 @@ import rospy
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
 
-from img_recog.nodes import compressed_image_msgs
-from img_recog.nodes.compressed_image_msgs import CompressionSettings
-from img_recog.nodes.image_msgs import ImageError
+from img_recog.conversions import compressed_image_msgs
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.conversions.image_msgs import ImageError
 from img_recog.ros import parameters
 from img_recog.ros.queues import Newest
 from img_recog.ros.reconfigure import Reconfigurable

@@ -4,7 +4,7 @@ from concurrent.futures import TimeoutError as LateError
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 
-from img_recog.nodes import robot_msgs
+from img_recog.conversions import robot_msgs
 from img_recog.ros.queues import Requests
 from img_recog.simulation.models import WORLD, Models, State
 from img_recog.simulation.settings import SimulationError

@@ -5,7 +5,8 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
-from img_recog.nodes import compressed_image_msgs, compressed_images, image_msgs
+from img_recog.conversions import compressed_image_msgs, image_msgs
+from img_recog.nodes import compressed_images
 from img_recog.ros.queues import Newest
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 

@@ -21,7 +21,8 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty, EmptyResponse
 
-from img_recog.nodes import gazebo_interface, mesh_uris, robot_msgs, world_files
+from img_recog.conversions import robot_msgs
+from img_recog.nodes import gazebo_interface, mesh_uris, world_files
 from img_recog.nodes.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.view_topic import ViewTopic
 from img_recog.ros import lifecycle, parameters

@@ -9,7 +9,7 @@ import genpy
 import rosbag
 from tf2_msgs.msg import TFMessage
 
-from img_recog.nodes import color_detection_msgs, robot_msgs, twist_msgs
+from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.nodes.replay_chain import SECOND_NS, Recorder, Seen, Sent
 from img_recog.simulation.body import Motion
 from img_recog.simulation.settings import OdometrySettings

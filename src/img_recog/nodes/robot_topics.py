@@ -8,7 +8,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
-from img_recog.nodes import robot_msgs, sensing_msgs, twist_msgs
+from img_recog.conversions import robot_msgs, twist_msgs
 from img_recog.ros.queues import Newest
 from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import PromptPublisher
@@ -58,10 +58,10 @@ class RobotTopics:
                                     robot_msgs.joint_states_to_msg),
             'imu': _Output(
                 PromptPublisher(names.imu_topic, Imu),
-                lambda value, stamp: sensing_msgs.imu_to_msg(value, stamp, settings.imu)),
+                lambda value, stamp: robot_msgs.imu_to_msg(value, stamp, settings.imu)),
             'scan': _Output(
                 PromptPublisher(names.scan_topic, LaserScan),
-                lambda value, stamp: sensing_msgs.scan_to_msg(value, stamp, settings.scan))}
+                lambda value, stamp: robot_msgs.scan_to_msg(value, stamp, settings.scan))}
         rospy.Subscriber(names.command_topic, Twist, self._keep_command, queue_size=10,
                          tcp_nodelay=True)
 

@@ -10,7 +10,7 @@ import time
 import rospy
 from geometry_msgs.msg import Twist
 
-from img_recog.nodes import twist_msgs
+from img_recog.conversions import twist_msgs
 from img_recog.ros import lifecycle, parameters
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile

@@ -8,8 +8,9 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import Image
 
+from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
-from img_recog.nodes import color_parameters, compressed_image_msgs, image_msgs, user_paths
+from img_recog.nodes import color_parameters, user_paths
 from img_recog.nodes.picture_output import PictureOutput
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import image_topics, parameters

@@ -81,7 +81,7 @@ def _tune(options: argparse.Namespace) -> int:
     topic = rosgraph.names.script_resolve_name('tune_colors', name)
     kind = image_topics.kind_of(topic)
     return lifecycle.run(rosgraph.names.anonymous_name('tune_colors'),
-                       lambda: TopicTuning(topic, kind, options, picture).spin())
+                         lambda: TopicTuning(topic, kind, options, picture).spin())
 
 
 def _output_path(path: str) -> str:

@@ -4,7 +4,7 @@ import threading
 import rospy
 from std_msgs.msg import Header
 
-from img_recog.nodes import robot_msgs
+from img_recog.conversions import robot_msgs
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.simulation.scene import Scene, poses_of
 from img_recog.simulation.settings import SimulationError, ViewSettings

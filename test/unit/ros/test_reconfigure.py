@@ -5,8 +5,8 @@ import logging
 import pytest
 from dynamic_reconfigure.encoding import decode_description, encode_description, extract_params
 
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.errors import UserError
-from img_recog.nodes.compressed_image_msgs import CompressionSettings
 from img_recog.ros import reconfigure
 from img_recog.ros.reconfigure import Reconfigurable, changed, config_type
 from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,

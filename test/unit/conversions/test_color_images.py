@@ -5,7 +5,7 @@ import pytest
 from cv_bridge import CvBridge
 from sensor_msgs.msg import Image
 
-from img_recog.nodes.image_msgs import ColorImages, ImageError
+from img_recog.conversions.image_msgs import ColorImages, ImageError
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
 

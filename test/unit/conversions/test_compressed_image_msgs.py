@@ -6,8 +6,8 @@ from cv_bridge import CvBridge
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
 
-from img_recog.nodes.compressed_image_msgs import CompressionSettings, from_msg, to_msg
-from img_recog.nodes.image_msgs import ImageError
+from img_recog.conversions.compressed_image_msgs import CompressionSettings, from_msg, to_msg
+from img_recog.conversions.image_msgs import ImageError
 
 RNG = np.random.RandomState(5)
 NOISE = RNG.randint(0, 256, (30, 40, 3)).astype(np.uint8)

@@ -8,9 +8,9 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import Header
 
 from img_recog.camera.calibration import Calibration
-from img_recog.nodes import camera_info_msgs, robot_msgs, sensing_msgs, twist_msgs
-from img_recog.simulation.imu import Inertial
+from img_recog.conversions import camera_info_msgs, robot_msgs, twist_msgs
 from img_recog.simulation.body import Motion
+from img_recog.simulation.imu import Inertial
 from img_recog.simulation.robot import JointStates
 from img_recog.simulation.settings import ImuSettings, ScanSettings
 
@@ -67,20 +67,20 @@ def test_stamps_are_exact(time_s, nanoseconds):
 
 def test_scan_round_trip():
     settings = ScanSettings(scan_samples=4, scan_frame='laser')
-    msg = sensing_msgs.scan_to_msg(np.array([0.5, np.inf, 1.0, 3.5]), STAMP, settings)
+    msg = robot_msgs.scan_to_msg(np.array([0.5, np.inf, 1.0, 3.5]), STAMP, settings)
     assert (msg.header.frame_id, msg.header.stamp) == ('laser', STAMP)
     assert (msg.angle_min, msg.angle_max, msg.angle_increment) == (0.0, 6.28319, 6.28319 / 3)
     assert (msg.range_min, msg.range_max) == (0.12, 3.5)
-    assert sensing_msgs.scan_from_msg(msg).tolist() == [0.5, np.inf, 1.0, 3.5]
+    assert robot_msgs.scan_from_msg(msg).tolist() == [0.5, np.inf, 1.0, 3.5]
 
 
 def test_imu_round_trip():
     inertial = Inertial((0.0, 0.0, 0.6, 0.8), np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]))
-    msg = sensing_msgs.imu_to_msg(inertial, STAMP, ImuSettings(gyro_noise=0.5, accel_noise=0.25))
+    msg = robot_msgs.imu_to_msg(inertial, STAMP, ImuSettings(gyro_noise=0.5, accel_noise=0.25))
     assert (msg.header.frame_id, msg.header.stamp) == ('imu_link', STAMP)
     assert msg.angular_velocity_covariance == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25]
     assert msg.linear_acceleration_covariance[0] == 0.0625
-    for got, want in zip(sensing_msgs.imu_from_msg(msg), inertial):
+    for got, want in zip(robot_msgs.imu_from_msg(msg), inertial):
         assert np.array_equal(got, want)
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
 
-from img_recog.nodes import image_msgs
-from img_recog.nodes.image_msgs import ImageError
+from img_recog.conversions import image_msgs
+from img_recog.conversions.image_msgs import ImageError
 from img_recog.settings import Settings, between, one_of, setting
 
 _PIXELS = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}       # the shape of one

@@ -8,8 +8,8 @@ from geometry_msgs.msg import Point32
 from sensor_msgs.msg import ChannelFloat32, PointCloud
 from std_msgs.msg import Header
 
-from img_recog.nodes import color_detection_msgs
-from img_recog.nodes.color_detection_msgs import ColorDetectionError
+from img_recog.conversions import color_detection_msgs
+from img_recog.conversions.color_detection_msgs import ColorDetectionError
 
 HEADER = Header(7, rospy.Time(12, 345), 'head_camera')
 

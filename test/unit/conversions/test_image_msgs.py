@@ -6,7 +6,7 @@ import pytest
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.nodes.image_msgs import ImageError, from_msg, to_msg
+from img_recog.conversions.image_msgs import ImageError, from_msg, to_msg
 
 RNG = np.random.RandomState(3)
 COLOUR = RNG.randint(0, 256, (6, 8, 3)).astype(np.uint8)

@@ -1,0 +1,1 @@
+"""The node color_extract."""

@@ -1,0 +1,1 @@
+"""The program replay: a video or a bag through recognition and simulation, without a master."""
