@@ -1,7 +1,9 @@
 """Frozen dataclasses whose fields know which values they allow."""
 import dataclasses
+import difflib
 import math
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple, Type, TypeVar
+from typing import (Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional, Tuple, Type,
+                    TypeVar)
 
 from img_recog.errors import UserError
 
@@ -16,6 +18,10 @@ class SettingError(UserError):
         self.value = value
         self.got = got
         self.allowed = allowed
+
+
+class ParameterError(UserError):
+    """A parameter is missing or has a value that is not allowed."""
 
 
 class Allowed(NamedTuple):
@@ -117,6 +123,14 @@ def made_of(settings_class: Type[SettingsType], values: Mapping[str, Any]) -> Se
     """
     return settings_class(**{field.name: values[field.name] for field in declared(settings_class)
                              if field.name in values})
+
+
+def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
+    """Return the line that says that there is no such parameter, and which is meant perhaps."""
+    near = difflib.get_close_matches(name, sorted(known), 1)
+    advice = ('did you mean {}?'.format(near[0]) if near else
+              'known are {}'.format(', '.join(sorted(known)) or 'none'))
+    return 'parameter {} is not one of this node: {}'.format(full_name or name, advice)
 
 
 def _number(text: str) -> Any:

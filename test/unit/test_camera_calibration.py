@@ -13,6 +13,7 @@ from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.nodes import camera_calibration
 from img_recog.ros import parameters
+from img_recog.settings import ParameterError
 
 GIVEN = {
     'width': 640, 'height': 480, 'distortion_model': 'plumb_bob', 'D': [0.1] * 5,
@@ -101,7 +102,7 @@ def test_calibration_of_another_camera_is_used_with_one_warning(make, ros, tmp_p
     ('http://x', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
     ('package://no_such_package/x', 'there is no package no_such_package')])
 def test_url_that_is_refused_names_the_parameter_with_its_namespace(make, url, words):
-    with pytest.raises(parameters.ParameterError) as refused:
+    with pytest.raises(ParameterError) as refused:
         make(url)
     assert str(refused.value).startswith('parameter /usb_cam/camera_info_url: got {!r}, '.format(
         url))

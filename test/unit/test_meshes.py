@@ -160,19 +160,6 @@ def test_what_pybullet_cannot_read_counts_as_missing(name, readable):
     assert missing == ([] if readable else ['package://toy/meshes/' + name])
 
 
-def test_find_file(tmp_path):
-    path = tmp_path / 'm' / 'a.stl'
-    for folder in (path.parent, tmp_path / 'package:' / 'm'):
-        folder.mkdir(parents=True)
-        (folder / 'a.stl').write_bytes(b'')
-    find = meshes.find_file(str(tmp_path))
-    for uri in (str(path), 'file://{}'.format(path), 'm/a.stl', './m/../m/a.stl'):
-        assert os.path.samefile(find(uri), str(path))
-    for uri in ('a.stl', 'm', '', 'file://', 'file://{}/b.stl'.format(tmp_path), '/m/a.stl',
-                'package://m/a.stl', 'http://m/a.stl'):
-        assert find(uri) is None
-
-
 @pytest.mark.parametrize('has_meshes', [True, False])
 def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
     sim = simulator()

@@ -1,8 +1,8 @@
 """When the log says that a robot starts and stops."""
 import numpy as np
 
-from img_recog.simulation.motion_state import MotionState
 from img_recog.simulation.body import Motion
+from img_recog.simulation.motion_state import MotionState
 
 
 def moving(linear_x=0.0, angular_z=0.0):

@@ -1,9 +1,9 @@
-"""Calibration URLs and the paths that users type."""
+"""Calibration URLs."""
 import os
 
 import pytest
 
-from img_recog.nodes import camera_info_urls, user_paths
+from img_recog.nodes import camera_info_urls
 from img_recog.settings import SettingError
 
 
@@ -26,12 +26,3 @@ def test_calibration_urls_that_are_refused(url, words):
     with pytest.raises(SettingError) as error:
         camera_info_urls.path_of(url, 'front')
     assert words in str(error.value)
-
-
-def test_relative_paths_are_looked_for_where_the_user_stands(monkeypatch, tmp_path):
-    (tmp_path / 'my.urdf').write_text('')
-    (tmp_path / 'empty').write_text('')
-    monkeypatch.setenv('PWD', str(tmp_path))
-    assert user_paths.found('my.urdf') == str(tmp_path / 'my.urdf')
-    assert user_paths.found('no.urdf') == 'no.urdf'
-    assert user_paths.found('empty', but=('empty',)) == 'empty'

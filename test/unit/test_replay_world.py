@@ -2,8 +2,9 @@
 import pytest
 import robots
 
+from img_recog import resources
 from img_recog.errors import UserError
-from img_recog.nodes import replay_world, world_files
+from img_recog.nodes import replay_world
 from img_recog.simulation.settings import SpawnSettings
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
@@ -27,7 +28,7 @@ def build(path, world='empty', **spawn):
 
 
 def test_the_demos_robot_in_the_demos_world(caplog):
-    simulator = build(world_files.burger(), world_files.DEFAULT_WORLD)
+    simulator = build(resources.burger(), resources.DEFAULT_WORLD)
     assert caplog.messages == []
     assert [body.name for body in simulator.world.bodies] == ['turtlebot3_world']
     vehicle = simulator.vehicles[0]
@@ -47,7 +48,7 @@ def test_what_a_robot_states_holds_and_what_nobody_has_is_told(robot_file, caplo
 
 
 def test_a_start_inside_of_a_post_is_told(caplog):
-    build(world_files.burger(), world_files.DEFAULT_WORLD, x_pos=-1.1, y_pos=0.0)
+    build(resources.burger(), resources.DEFAULT_WORLD, x_pos=-1.1, y_pos=0.0)
     assert len(caplog.messages) == 1 and '--x-pos' in caplog.messages[0]
 
 
@@ -70,4 +71,4 @@ def test_robot_and_world_that_are_not_there():
     with pytest.raises(UserError, match='/no/such.urdf: No such file or directory; set --urdf'):
         build('/no/such.urdf')
     with pytest.raises(UserError, match='world: got \'mars\''):
-        build(world_files.burger(), 'mars')
+        build(resources.burger(), 'mars')

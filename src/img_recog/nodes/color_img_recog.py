@@ -24,10 +24,10 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import PointCloud
 
 from img_recog.conversions import color_detection_msgs, twist_msgs
+from img_recog.conversions.image_msgs import ImageError
 from img_recog.nodes import color_parameters
 from img_recog.nodes.image_inputs import INPUTS
-from img_recog.conversions.image_msgs import ImageError
-from img_recog.recognition import overlay
+from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
 from img_recog.ros import lifecycle, parameters
@@ -61,7 +61,7 @@ class ColorExtract:
     def __init__(self):
         given = parameters.read(InputSettings)
         if given.colors_file:
-            color_parameters.from_file(given.colors_file)
+            parameter_file.read(given.colors_file)
         settings = color_parameters.read()
         topics = color_parameters.read_image_topics(settings, _TOPICS)
         color_parameters.warn_of_unknown(settings, InputSettings)

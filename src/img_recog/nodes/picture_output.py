@@ -6,8 +6,8 @@ from typing import Optional
 
 import numpy as np
 
+from img_recog import files
 from img_recog.errors import UserError
-from img_recog.nodes import output_files
 from img_recog.nodes.picture_window import PictureWindow, WindowError
 from img_recog.recognition import tuning_picture
 from img_recog.recognition.settings import RecognitionSettings
@@ -44,7 +44,7 @@ class PictureOutput:
     def save(self) -> None:
         """Write the picture, whole or not at all; raise UserError when it cannot be."""
         try:
-            with output_files.written([self._path], 'set --output') as (file,):
+            with files.atomic_write([self._path], 'set --output') as (file,):
                 self._figure.savefig(file, format='png', dpi=tuning_picture.DPI)
         except OSError as error:        # while it is written, as of a disk that is full
             raise UserError('cannot write {}: {}; set --output'.format(self._path,

@@ -28,7 +28,7 @@ class PictureWindow:
         Raises WindowError when tkinter is missing or the display cannot be reached.
         """
         try:
-            import tkinter      # a package of its own that may be missing
+            import tkinter  # a package of its own that may be missing
         except ImportError:
             raise WindowError('no window: Python has no tkinter here; install python3-tk')
         try:

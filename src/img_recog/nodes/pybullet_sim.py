@@ -21,8 +21,9 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from std_srvs.srv import Empty, EmptyResponse
 
+from img_recog import resources
 from img_recog.conversions import robot_msgs
-from img_recog.nodes import gazebo_interface, mesh_uris, world_files
+from img_recog.nodes import gazebo_interface
 from img_recog.nodes.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.view_topic import ViewTopic
 from img_recog.ros import lifecycle, parameters
@@ -51,13 +52,13 @@ class PybulletSim:
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
         urdf = parameters.robot_description()
-        robot = description.parse(urdf, mesh_uris.find)
+        robot = description.parse(urdf, resources.find)
         stated = gazebo_tags.settings(urdf, physics.step_s)
         settings = parameters.read_group(RobotSettings, stated)
         topics = parameters.read(TopicSettings, stated)
         parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings,
                                    *map(type, vars(settings).values()))
-        file = world_files.read(physics.world)
+        file = world_file.read(physics.world, resources.worlds(), resources.find)
         _warn_of_what_is_left_out(robot, urdf, file)
 
         client = loading.connect()

@@ -8,9 +8,9 @@ import rosbag
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-from img_recog.errors import UserError
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
+from img_recog.errors import UserError
 from img_recog.nodes.replay_bag_files import DEFAULT_TOPICS
 from img_recog.nodes.replay_chain import SECOND_NS, Frame
 

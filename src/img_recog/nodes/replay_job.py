@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Iterable, Union
 import cv2
 from tqdm import tqdm
 
+from img_recog import files, resources
 from img_recog.errors import UserError
-from img_recog.nodes import output_files, replay_films, replay_world, world_files
+from img_recog.nodes import replay_films, replay_world
 from img_recog.nodes.ahead import ahead
 from img_recog.nodes.interrupts import Interrupts
 from img_recog.nodes.replay_bag_files import DEFAULT_TOPICS, is_bag
@@ -76,13 +77,13 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     """
     frames = _frames(os.path.expanduser(options.input), options.topic)
     settings = _recognition(options.colors)
-    paths = output_files.names(os.path.expanduser(options.input),
+    paths = files.output_paths(os.path.expanduser(options.input),
                                os.path.expanduser(options.output), _EXTENSIONS)
     simulator = replay_world.build(_world(options.world), os.path.expanduser(options.urdf),
                                    _spawn(options))
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
-    with output_files.written(paths) as (bag_file, csv_file, png_file):
+    with files.atomic_write(paths) as (bag_file, csv_file, png_file):
         bag = BagRecorder(bag_file.raw, settings.color_names, odometry,
                           odometry.base_frame or robot.root)
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
@@ -139,14 +140,14 @@ def _frames(path: str, topic: str) -> Frames:
 def _recognition(path: str) -> RecognitionSettings:
     if not path:
         return with_colors()()
-    from img_recog.nodes import color_parameters        # takes a while to load
-    return color_parameters.from_file(os.path.expanduser(path))
+    from img_recog.recognition import parameter_file  # takes a while to load
+    return parameter_file.read(os.path.expanduser(path))
 
 
 def _world(name: str) -> str:
     """Return a world that names a file from here by its absolute path."""
     path = os.path.abspath(os.path.expanduser(name))
-    return path if name != world_files.DEFAULT_WORLD and os.path.isfile(path) else name
+    return path if name != resources.DEFAULT_WORLD and os.path.isfile(path) else name
 
 
 def _spawn(options: argparse.Namespace) -> SpawnSettings:
@@ -174,9 +175,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--no-teleop', dest='teleop', action='store_false',
                         help='without the zeros of the idle teleop: a command holds until the '
                         'next one')
-    parser.add_argument('--world', default=world_files.DEFAULT_WORLD,
+    parser.add_argument('--world', default=resources.DEFAULT_WORLD,
                         help='turtlebot3_world, empty, or the path of a URDF or SDF file')
-    parser.add_argument('--urdf', default=world_files.burger(), help='of the robot')
+    parser.add_argument('--urdf', default=resources.burger(), help='of the robot')
     for name, unit in (('x_pos', 'm'), ('y_pos', 'm'), ('z_pos', 'm'), ('yaw', 'rad')):
         parser.add_argument('--' + name.replace('_', '-'), type=float, metavar=unit.upper(),
                             default=getattr(spawn, name),

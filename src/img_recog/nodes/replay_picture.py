@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from img_recog.nodes.replay_numbers import (AREAS, SPEED, TIME, TURN, YAW, Numbers, X, Y)
+from img_recog.nodes.replay_numbers import AREAS, SPEED, TIME, TURN, YAW, Numbers, X, Y
 from img_recog.recognition.settings import Color
 
 _SIZE_IN, _DPI = (14.0, 9.0), 100

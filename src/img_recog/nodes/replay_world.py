@@ -4,10 +4,10 @@ import dataclasses
 import logging
 from typing import Any, Iterator, Mapping, Sequence
 
+from img_recog import resources
 from img_recog.errors import UserError
-from img_recog.nodes import mesh_uris, world_files
 from img_recog.settings import SettingError, made_of
-from img_recog.simulation import description, gazebo_tags, loading, meshes
+from img_recog.simulation import description, gazebo_tags, loading, meshes, world_file
 from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, SimulationError,
                                            SpawnSettings)
 from img_recog.simulation.simulator import Simulator
@@ -26,10 +26,10 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings) -> Simulator:
     physics = PhysicsSettings(world=world)
     urdf = _text(urdf_path)
     with _named(urdf_path):
-        robot = description.parse(urdf, mesh_uris.find)
+        robot = description.parse(urdf, resources.find)
         settings = dataclasses.replace(
             _stated_by(gazebo_tags.settings(urdf, physics.step_s)), spawn=spawn)
-    file = world_files.read(world)
+    file = world_file.read(world, resources.worlds(), resources.find)
     client = loading.connect()
     simulated = World(physics, file, client)
     with _named(urdf_path):

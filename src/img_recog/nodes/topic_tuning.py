@@ -8,14 +8,17 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import Image
 
+from img_recog import files
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
-from img_recog.nodes import color_parameters, user_paths
+from img_recog.nodes import color_parameters
 from img_recog.nodes.picture_output import PictureOutput
+from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import image_topics, parameters
 from img_recog.ros.queues import Newest
 from img_recog.ros.throttle import Throttle, ThrottledWarning
+from img_recog.settings import ParameterError
 
 _NODE = '/color_extract'
 _WINDOW_PERIOD_S, _FILE_PERIOD_S, _LOOK_S = 0.5, 1.0, 0.05
@@ -101,9 +104,9 @@ class TopicTuning:
 
     def _read_settings(self) -> RecognitionSettings:
         if self._options.colors:
-            return color_parameters.from_file(user_paths.found(self._options.colors))
+            return parameter_file.read(files.find_user_path(self._options.colors))
         node = rospy.resolve_name(self._options.node or _NODE)
         if self._options.node and not parameters.names_in(node):
-            raise parameters.ParameterError('there are no parameters of a node {}: start it, or '
-                                            'give its parameter file by --colors'.format(node))
+            raise ParameterError('there are no parameters of a node {}: start it, or give '
+                                 'its parameter file by --colors'.format(node))
         return color_parameters.read(node)

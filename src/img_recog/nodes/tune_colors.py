@@ -14,13 +14,14 @@ import numpy as np
 import rosgraph
 import rospy
 
+from img_recog import files
 from img_recog.camera import selection
 from img_recog.camera.source import SourceEnded, SourceError
 from img_recog.camera.still_source import read_image
 from img_recog.errors import UserError
-from img_recog.nodes import color_parameters, user_paths
 from img_recog.nodes.picture_output import PictureOutput
 from img_recog.nodes.topic_tuning import TopicTuning
+from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import with_colors
 from img_recog.ros import image_topics, lifecycle
 
@@ -34,7 +35,7 @@ _ADVICE = 'give a still image, a film or the name of a topic with images'
 def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -> None:
     if options.watch:
         raise SourceError('--watch needs a topic, and {} is a file'.format(path))
-    settings = (color_parameters.from_file(user_paths.found(options.colors)) if options.colors
+    settings = (parameter_file.read(files.find_user_path(options.colors)) if options.colors
                 else with_colors()())
     picture.begin(_image_in(path, options.frame or 0), settings)
     if picture.window is not None:
@@ -68,7 +69,7 @@ def _image_in(path: str, number: int) -> np.ndarray:
 def _tune(options: argparse.Namespace) -> int:
     name = options.image_or_topic
     picture = PictureOutput(_output_path(options.output), not options.no_window)
-    path = user_paths.found(name)
+    path = files.find_user_path(name)
     if os.path.isfile(path):
         _tune_file(path, options, picture)
         return 0
@@ -85,7 +86,7 @@ def _tune(options: argparse.Namespace) -> int:
 
 
 def _output_path(path: str) -> str:
-    folder = next(filter(os.path.isdir, user_paths.folders()))
+    folder = next(filter(os.path.isdir, files.user_folders()))
     return os.path.abspath(os.path.join(folder, os.path.expanduser(path)))
 
 

@@ -21,12 +21,12 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyResponse
 
+from img_recog import files
 from img_recog.camera import selection, urls
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
 from img_recog.camera.stamps import Stamps
-from img_recog.nodes import user_paths
 from img_recog.nodes.camera_calibration import CameraCalibration
 from img_recog.nodes.camera_controls import CameraControls
 from img_recog.nodes.camera_diagnostics import CameraDiagnostics
@@ -96,7 +96,7 @@ class UsbCam(Listener):
             raise self._failure
 
     def _open(self) -> FrameSource:
-        source = selection.open_source(self._settings, user_paths.folders(), rospy.logwarn)
+        source = selection.open_source(self._settings, files.user_folders(), rospy.logwarn)
         self._controls.device_is(getattr(source, 'path', None))
         return source
 

@@ -1,19 +1,14 @@
 """The one place where the parameter server is read."""
 import dataclasses
-import difflib
 from types import MappingProxyType
 from typing import Any, Callable, Iterable, List, Mapping, Type
 
 import rospy
 
-from img_recog.errors import UserError
-from img_recog.settings import SettingError, Settings, SettingsType, declared, made_of
+from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, declared,
+                                made_of, unknown)
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
-
-
-class ParameterError(UserError):
-    """A parameter is missing or has a value that is not allowed."""
 
 
 def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHING,
@@ -65,14 +60,6 @@ def warn_of_unknown(*settings_classes: Type[Settings], besides: Iterable[str] = 
     known = sorted(field.name for each in settings_classes for field in declared(each))
     for name in sorted(set(_parameters_in(namespace)) - {*known, *besides}):
         rospy.logwarn('%s', unknown(name, known, _name_in(namespace, name)))
-
-
-def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
-    """Return the line that says that there is no such parameter, and which is meant perhaps."""
-    near = difflib.get_close_matches(name, sorted(known), 1)
-    advice = ('did you mean {}?'.format(near[0]) if near else
-              'known are {}'.format(', '.join(sorted(known)) or 'none'))
-    return 'parameter {} is not one of this node: {}'.format(full_name or name, advice)
 
 
 def names_in(namespace: str) -> List[str]:

@@ -14,9 +14,10 @@ from typing import Dict, Optional, Sequence
 
 import numpy as np
 
+from img_recog.files import FindFile, find_in
 from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
                                            to_rpy)
-from img_recog.simulation.meshes import FindMesh, find_file, resolve
+from img_recog.simulation.meshes import resolve
 from img_recog.simulation.settings import SimulationError
 
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
@@ -48,7 +49,7 @@ class Description:
     missing_meshes: Sequence[str] = ()
 
 
-def parse(urdf: str, find_mesh: FindMesh = find_file(os.sep)) -> Description:
+def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     """Read and lump a robot description.
 
     find_mesh: how the URI of a mesh leads to a file.

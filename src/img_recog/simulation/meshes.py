@@ -2,15 +2,14 @@
 import copy
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, List, Optional
+from typing import List
 
-# from the URI in a description to the path of a file, None when there is none
-FindMesh = Callable[[str], Optional[str]]
+from img_recog.files import FindFile
 
 _READABLE = ('.dae', '.obj', '.stl')        # by PyBullet
 
 
-def resolve(root: ElementTree.Element, find: FindMesh) -> List[str]:
+def resolve(root: ElementTree.Element, find: FindFile) -> List[str]:
     """Write absolute paths into all meshes under `root`; return the URIs that lead nowhere.
 
     A shape whose mesh is missing is left out; where that leaves a link with nothing to be seen
@@ -26,7 +25,7 @@ def resolve(root: ElementTree.Element, find: FindMesh) -> List[str]:
     return missing
 
 
-def _resolve_shapes(link, kind: str, find: FindMesh, missing: List[str]) -> list:
+def _resolve_shapes(link, kind: str, find: FindFile, missing: List[str]) -> list:
     lost = []
     for shape in link.findall(kind):
         mesh = shape.find('geometry/mesh')
@@ -54,17 +53,6 @@ def _stand_in(link, kind: str, shapes: list, lost: ElementTree.Element) -> None:
             double.extend(copy.deepcopy(shape.findall(tag)))
         if kind == 'visual' and material is not None:
             double.append(material)
-
-
-def find_file(folder: str) -> FindMesh:
-    """Return a function that finds file:// URIs, absolute paths, and paths relative to `folder`.
-    """
-    def find(uri: str) -> Optional[str]:
-        if '://' in uri and not uri.startswith('file://'):
-            return None
-        path = os.path.join(folder, uri[len('file://'):] if uri.startswith('file://') else uri)
-        return path if os.path.isfile(path) else None
-    return find
 
 
 def described(missing: List[str]) -> str:

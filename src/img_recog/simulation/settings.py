@@ -3,8 +3,8 @@ import math
 from dataclasses import dataclass
 
 from img_recog.errors import UserError
-from img_recog.settings import (Allowed, Settings, above, anything, at_least, between,
-                                not_empty, one_of, setting)
+from img_recog.settings import (Allowed, Settings, above, anything, at_least, between, not_empty,
+                                one_of, setting)
 
 
 class SimulationError(UserError):

@@ -6,7 +6,6 @@ import pybullet
 from img_recog.simulation.vehicle import Reading, Vehicle
 from img_recog.simulation.world import World
 
-
 _CONTACT_DEPTH = 0.005          # m
 
 

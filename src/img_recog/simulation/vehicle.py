@@ -10,8 +10,7 @@ from img_recog.simulation.imu import Imu
 from img_recog.simulation.laser_scanner import LaserScanner
 from img_recog.simulation.odometry import make_odometry
 from img_recog.simulation.robot import JointStates, Robot
-from img_recog.simulation.settings import (ImuSettings, RobotSettings, ScanSettings,
-                                           whole_steps)
+from img_recog.simulation.settings import ImuSettings, RobotSettings, ScanSettings, whole_steps
 
 
 class Reading(NamedTuple):

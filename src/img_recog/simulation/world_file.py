@@ -4,6 +4,7 @@ import os
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, List, NamedTuple, Tuple
 
+from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.simulation import meshes
 from img_recog.simulation.geometry import Transform, from_rpy, to_rpy
 from img_recog.simulation.settings import SimulationError
@@ -27,7 +28,7 @@ class WorldFile(NamedTuple):
 
 
 def read(world: str, worlds: Dict[str, str],
-         find_mesh: meshes.FindMesh = lambda uri: None) -> WorldFile:
+         find_mesh: FindFile = lambda uri: None) -> WorldFile:
     """Return the world of the setting `world`.
 
     worlds: from the names that it may have besides a path, and `empty`, to paths of files.
@@ -36,9 +37,9 @@ def read(world: str, worlds: Dict[str, str],
     """
     if world == EMPTY:
         return WorldFile(EMPTY)
-    path = worlds.get(world, os.path.expanduser(world))
+    path = worlds.get(world) or os.path.expanduser(find_user_path(world))
     root = _parsed(world, path, worlds)
-    beside = meshes.find_file(os.path.dirname(os.path.abspath(path)))
+    beside = find_in(os.path.dirname(os.path.abspath(path)))
     missing = meshes.resolve(root, lambda uri: beside(uri) or find_mesh(uri))
     warnings = [meshes.described(missing)] if missing else []
     if root.tag == 'robot':

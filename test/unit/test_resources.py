@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from img_recog.nodes import mesh_uris
+from img_recog import resources
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def mesh(tmp_path):
 
 
 def test_package():
-    path = mesh_uris.find('package://img_recog/urdf/turtlebot3_burger.urdf')
+    path = resources.find('package://img_recog/urdf/turtlebot3_burger.urdf')
     assert os.path.isabs(path) and path.endswith('/urdf/turtlebot3_burger.urdf')
     with open(path) as file:
         assert 'base_footprint' in file.read()
@@ -26,30 +26,30 @@ def test_package():
     'package://no_such_package/meshes/a.stl', 'package://img_recog/meshes/no_such_file.stl',
     'package://img_recog/urdf', 'package://img_recog', 'package://', 'package:///a.stl'])
 def test_package_that_is_not_there_or_has_no_such_file(uri):
-    assert mesh_uris.find(uri) is None
+    assert resources.find(uri) is None
 
 
 def test_model_in_the_first_folder_that_has_it(monkeypatch, tmp_path, mesh):
     folders = [str(tmp_path / 'nothing'), '', str(tmp_path / 'models'), str(tmp_path)]
     monkeypatch.setenv('GAZEBO_MODEL_PATH', os.pathsep.join(folders))
-    assert mesh_uris.find('model://shelf/meshes/shelf.dae') == str(mesh)
-    assert mesh_uris.find('model://models/shelf/meshes/shelf.dae') == str(mesh)
-    assert mesh_uris.find('model://shelf/meshes/table.dae') is None
-    assert mesh_uris.find('model://shelf') is None
+    assert resources.find('model://shelf/meshes/shelf.dae') == str(mesh)
+    assert resources.find('model://models/shelf/meshes/shelf.dae') == str(mesh)
+    assert resources.find('model://shelf/meshes/table.dae') is None
+    assert resources.find('model://shelf') is None
 
 
 def test_no_model_without_a_model_path(monkeypatch, mesh):
     monkeypatch.chdir(mesh.parent.parent.parent)
     monkeypatch.delenv('GAZEBO_MODEL_PATH', raising=False)
-    assert mesh_uris.find('model://shelf/meshes/shelf.dae') is None
+    assert resources.find('model://shelf/meshes/shelf.dae') is None
     monkeypatch.setenv('GAZEBO_MODEL_PATH', '')
-    assert mesh_uris.find('model://shelf/meshes/shelf.dae') is None
+    assert resources.find('model://shelf/meshes/shelf.dae') is None
 
 
 def test_file_and_path(monkeypatch, mesh):
     monkeypatch.chdir(mesh.parent)
-    assert mesh_uris.find('file://' + str(mesh)) == str(mesh)
-    assert mesh_uris.find(str(mesh)) == str(mesh)
-    assert mesh_uris.find('shelf.dae') == str(mesh)
-    assert mesh_uris.find('file://' + str(mesh) + '.gz') is None
-    assert mesh_uris.find('http://example.org/shelf.dae') is None
+    assert resources.find('file://' + str(mesh)) == str(mesh)
+    assert resources.find(str(mesh)) == str(mesh)
+    assert resources.find('shelf.dae') == str(mesh)
+    assert resources.find('file://' + str(mesh) + '.gz') is None
+    assert resources.find('http://example.org/shelf.dae') is None

@@ -1,11 +1,12 @@
-"""URIs of meshes, as robot descriptions and worlds have them."""
+"""Resources of ROS and Gazebo packages: files by URI, and this package's own robot and worlds."""
 import os
-from typing import Optional
+from typing import Dict, Optional
 
 import rospkg
 
-from img_recog.simulation.meshes import find_file
+from img_recog.files import find_in
 
+DEFAULT_WORLD = 'turtlebot3_world'
 _PACKAGE = 'package://'
 _MODEL = 'model://'
 _packages = rospkg.RosPack()
@@ -14,7 +15,7 @@ _packages = rospkg.RosPack()
 def find(uri: str) -> Optional[str]:
     """Return the path of the file that package://, model://, file:// or a path means, else None.
 
-    Models are looked for in the folders of GAZEBO_MODEL_PATH.
+    model:// is looked for in the folders of GAZEBO_MODEL_PATH.
     """
     if uri.startswith(_PACKAGE):
         package, _, path = uri[len(_PACKAGE):].partition('/')
@@ -26,6 +27,20 @@ def find(uri: str) -> Optional[str]:
         path = uri[len(_MODEL):]
         folders = os.environ.get('GAZEBO_MODEL_PATH', '').split(os.pathsep)
     else:
-        return find_file(os.getcwd())(uri)
+        return find_in(os.getcwd())(uri)
     paths = (os.path.join(folder, path) for folder in folders if folder)
     return next(filter(os.path.isfile, paths), None)
+
+
+def worlds() -> Dict[str, str]:
+    """Return the names of the worlds of this package, and the paths of their files."""
+    return {DEFAULT_WORLD: _own_file('turtlebot3_world.urdf')}
+
+
+def burger() -> str:
+    """Return the path of the burger's URDF."""
+    return _own_file('turtlebot3_burger.urdf')
+
+
+def _own_file(name: str) -> str:
+    return os.path.join(rospkg.RosPack().get_path('img_recog'), 'urdf', name)

@@ -1,10 +1,10 @@
-"""Files of a replay: their names, and that they are there whole or not at all."""
+"""Paths that users type, and output files that are there whole or not at all."""
 import os
 
 import pytest
 
+from img_recog import files
 from img_recog.errors import UserError
-from img_recog.nodes import output_files
 
 EXTENSIONS = ('.bag', '.csv')
 
@@ -22,7 +22,7 @@ def folder(tmp_path, monkeypatch):
     ('a.mp4', 'new', 'new'), ('a.mp4', 'there/new', 'there/new')])
 def test_names(folder, source, output, wanted):
     (folder / 'there').mkdir()
-    assert output_files.names(source, output, EXTENSIONS) == (wanted + '.bag', wanted + '.csv')
+    assert files.output_paths(source, output, EXTENSIONS) == (wanted + '.bag', wanted + '.csv')
 
 
 @pytest.mark.parametrize('output, named', [
@@ -33,14 +33,14 @@ def test_names_that_are_refused(folder, output, named):
     (folder / 'a.bag').write_text('recorded')
     (folder / 'link.bag').symlink_to('a.bag')
     with pytest.raises(UserError) as refused:
-        output_files.names('a.bag', output, EXTENSIONS)
+        files.output_paths('a.bag', output, EXTENSIONS)
     assert str(refused.value).startswith(named)
 
 
 def test_files_replace_what_was_there_once_all_are_written(folder):
     (folder / 'a').write_text('old')
-    with output_files.written(('a', 'b')) as files:
-        for file in files:
+    with files.atomic_write(('a', 'b')) as outputs:
+        for file in outputs:
             file.write(b'new')
         assert (folder / 'a').read_text() == 'old' and not (folder / 'b').exists()
     assert sorted(os.listdir('.')) == ['a', 'b']
@@ -51,9 +51,9 @@ def test_files_replace_what_was_there_once_all_are_written(folder):
 def test_when_something_goes_wrong_all_is_as_before(folder, error):
     (folder / 'a').write_text('old')
     with pytest.raises(error):
-        with output_files.written(('a', 'b')) as files:
-            files[0].write(b'new')
-            files[1].close()
+        with files.atomic_write(('a', 'b')) as outputs:
+            outputs[0].write(b'new')
+            outputs[1].close()
             raise error
     assert os.listdir('.') == ['a'] and (folder / 'a').read_text() == 'old'
 
@@ -67,16 +67,16 @@ def test_a_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
         if len(opened) == last:
             raise KeyboardInterrupt
         return opened[-1]
-    monkeypatch.setattr(output_files, 'open', interrupted, raising=False)
+    monkeypatch.setattr(files, 'open', interrupted, raising=False)
     with pytest.raises(KeyboardInterrupt):
-        with output_files.written(('a', 'b')):
+        with files.atomic_write(('a', 'b')):
             raise AssertionError('must not come so far')
     assert len(opened) == last and os.listdir('.') == []
 
 
 def test_what_cannot_be_written_is_named(folder):
     with pytest.raises(UserError, match='cannot write no/b: no such file or directory; set '):
-        with output_files.written(('a', 'no/b')):
+        with files.atomic_write(('a', 'no/b')):
             raise AssertionError('must not come so far')
     assert os.listdir('.') == []
 
@@ -89,7 +89,7 @@ def test_what_is_no_file_stays(make, named):
     for name in ('taken', 'link'):
         with pytest.raises(UserError, match='cannot write {}: it is a {}; set '.format(
                 name, named)):
-            with output_files.written(('a', name)):
+            with files.atomic_write(('a', name)):
                 raise AssertionError('must not come so far')
     assert sorted(os.listdir('.')) == ['link', 'taken'] and os.stat('taken').st_mode == mode
 
@@ -97,7 +97,29 @@ def test_what_is_no_file_stays(make, named):
 def test_links_are_written_through(folder):
     (folder / 'there').mkdir()
     os.symlink('there/file', 'link')
-    with output_files.written(('link',)) as (file,):
+    with files.atomic_write(('link',)) as (file,):
         file.write(b'new')
     assert os.path.islink('link') and (folder / 'there' / 'file').read_text() == 'new'
     assert os.listdir('there') == ['file']
+
+
+def test_relative_paths_are_looked_for_where_the_user_stands(monkeypatch, tmp_path):
+    (tmp_path / 'my.urdf').write_text('')
+    (tmp_path / 'empty').write_text('')
+    monkeypatch.setenv('PWD', str(tmp_path))
+    assert files.find_user_path('my.urdf') == str(tmp_path / 'my.urdf')
+    assert files.find_user_path('no.urdf') == 'no.urdf'
+    assert files.find_user_path('empty', except_names=('empty',)) == 'empty'
+
+
+def test_find_in_a_folder(tmp_path):
+    path = tmp_path / 'm' / 'a.stl'
+    for folder in (path.parent, tmp_path / 'package:' / 'm'):
+        folder.mkdir(parents=True)
+        (folder / 'a.stl').write_bytes(b'')
+    find = files.find_in(str(tmp_path))
+    for uri in (str(path), 'file://{}'.format(path), 'm/a.stl', './m/../m/a.stl'):
+        assert os.path.samefile(find(uri), str(path))
+    for uri in ('a.stl', 'm', '', 'file://', 'file://{}/b.stl'.format(tmp_path), '/m/a.stl',
+                'package://m/a.stl', 'http://m/a.stl'):
+        assert find(uri) is None

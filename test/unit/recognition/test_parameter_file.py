@@ -3,11 +3,11 @@ import os
 
 import pytest
 
-from img_recog.nodes import color_parameters
+from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import Color, with_colors
-from img_recog.ros.parameters import ParameterError
+from img_recog.settings import ParameterError
 
-CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', 'config', 'colors.yaml')
+CONFIG = os.path.join(os.path.dirname(__file__), '..', '..', '..', 'config', 'colors.yaml')
 
 
 def written(tmp_path, text):
@@ -17,14 +17,14 @@ def written(tmp_path, text):
 
 
 def test_the_file_of_the_demo_says_what_holds_without_it():
-    settings = color_parameters.from_file(CONFIG)
+    settings = parameter_file.read(CONFIG)
     assert settings.color_names == ('blue', 'red')
     assert settings.colors == with_colors()().colors
     assert repr(settings) == repr(with_colors()())
 
 
 def test_another_file(tmp_path):
-    settings = color_parameters.from_file(written(
+    settings = parameter_file.read(written(
         tmp_path, 'colors: [green, red]\ngreen_hue_min: 40\ngreen_hue_max: 80\n'
         'green_image_topic: g\nimage_transport: raw\nstop_when_lost: 0.5\n'))
     assert settings.colors == (Color('green', (40, 80), (100, 255), (100, 255), 1000, 0.0, 0.0),
@@ -51,12 +51,12 @@ def test_another_file(tmp_path):
 def test_what_is_refused(tmp_path, text, words):
     path = written(tmp_path, text)
     with pytest.raises(ParameterError) as caught:
-        color_parameters.from_file(path)
+        parameter_file.read(path)
     assert words in str(caught.value) and path in str(caught.value)
     assert '\n' not in str(caught.value)
 
 
 def test_a_missing_file(tmp_path):
     with pytest.raises(ParameterError) as caught:
-        color_parameters.from_file(str(tmp_path / 'none.yaml'))
+        parameter_file.read(str(tmp_path / 'none.yaml'))
     assert 'none.yaml: No such file or directory' in str(caught.value)
