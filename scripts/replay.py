@@ -4,5 +4,5 @@ import signal
 
 if __name__ == '__main__':
     signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
-    from img_recog.nodes.replay import leave, main
+    from img_recog.replay.main import leave, main
     leave(main())

@@ -3,7 +3,7 @@ import numpy as np
 import rospy
 from std_msgs.msg import Header
 
-from img_recog.nodes.replay_chain import Frame, Recorder
+from img_recog.replay.chain import Frame, Recorder
 
 # bgr8 of the article's blue and red
 BLUE, RED, GREY = (255, 0, 0), (128, 0, 255), (90, 90, 90)

@@ -2,6 +2,7 @@
 
 PyBullet itself speaks of the centre of mass, in a frame turned to the principal axes.
 """
+import math
 from typing import Dict, NamedTuple, Sequence, Tuple
 
 import numpy as np
@@ -34,6 +35,12 @@ class Motion(NamedTuple):
     orientation: Tuple[float, float, float, float]
     linear: np.ndarray
     angular: np.ndarray
+
+    @property
+    def yaw(self) -> float:
+        """The heading in rad, from -pi to pi."""
+        x, y, z, w = self.orientation
+        return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 class Body:

@@ -11,8 +11,8 @@ from std_msgs.msg import Header
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError
-from img_recog.nodes.replay_bag_files import DEFAULT_TOPICS
-from img_recog.nodes.replay_chain import SECOND_NS, Frame
+from img_recog.replay.chain import SECOND_NS, Frame
+from img_recog.replay.inputs import DEFAULT_TOPICS
 
 _LONGEST_GAP_S = 3600
 _KINDS = {kind._type: kind for kind in (Image, CompressedImage)}

@@ -13,9 +13,8 @@ from std_msgs.msg import Header, String
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
-from img_recog.nodes.replay_bag_files import is_bag
-from img_recog.nodes.replay_bags import BagFrames
-from img_recog.nodes.replay_films import FilmFrames
+from img_recog.replay.bags import BagFrames
+from img_recog.replay.inputs import FilmFrames, is_bag
 
 RAW, COMPRESSED = '/usb_cam/image_raw', '/usb_cam/image_raw/compressed'
 

@@ -11,12 +11,12 @@ import rosbag
 from replaying import BLUE, RED, Notebook, frame
 
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
-from img_recog.nodes.replay_chain import Chain, Sent, measured
-from img_recog.nodes.replay_picture import Picture
-from img_recog.nodes.replay_plot import PlotRecorder
-from img_recog.nodes.replay_records import BagRecorder, TableRecorder, yaw_of
 from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
+from img_recog.replay.chain import Chain, Sent, measured
+from img_recog.replay.figure import Picture
+from img_recog.replay.plot_recorder import PlotRecorder
+from img_recog.replay.recorders import BagRecorder, TableRecorder
 from img_recog.simulation.body import Motion
 from img_recog.simulation.footprints import footprints
 from img_recog.simulation.settings import OdometrySettings
@@ -136,7 +136,7 @@ def test_table():
 def test_yaw(yaw):
     motion = Motion(np.zeros(3), (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)), np.zeros(3),
                     np.zeros(3))
-    assert yaw_of(motion) == pytest.approx(yaw)
+    assert motion.yaw == pytest.approx(yaw)
 
 
 @pytest.mark.parametrize('world, seen', [('turtlebot3_world', PICTURE), ('empty', PICTURE),

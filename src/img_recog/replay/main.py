@@ -8,7 +8,7 @@ import os
 import sys
 import time
 
-from img_recog.nodes.replay_painter import Painter
+from img_recog.replay.painter import Painter
 
 
 def main() -> int:
@@ -19,10 +19,10 @@ def main() -> int:
     with Painter() as painter:
         # takes a while, in which the painter loads what it needs; nothing of it becomes garbage
         gc.disable()
-        from img_recog.nodes import replay_job
+        from img_recog.replay import job
         gc.freeze()
         gc.enable()
-        return replay_job.main(painter, begin_s)
+        return job.main(painter, begin_s)
 
 
 def leave(code: int) -> None:

@@ -4,7 +4,7 @@ import robots
 
 from img_recog import resources
 from img_recog.errors import UserError
-from img_recog.nodes import replay_world
+from img_recog.replay import scenario
 from img_recog.simulation.settings import SpawnSettings
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
@@ -24,7 +24,7 @@ def robot_file(tmp_path):
 
 
 def build(path, world='empty', **spawn):
-    return replay_world.build(world, path, SpawnSettings(**spawn))
+    return scenario.build(world, path, SpawnSettings(**spawn))
 
 
 def test_the_demos_robot_in_the_demos_world(caplog):

@@ -9,8 +9,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from img_recog.nodes.replay_numbers import AREAS, SPEED, TIME, TURN, YAW, Numbers, X, Y
 from img_recog.recognition.settings import Color
+from img_recog.replay.plot_data import AREAS, SPEED, TIME, TURN, YAW, Numbers, X, Y
 
 _SIZE_IN, _DPI = (14.0, 9.0), 100
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'

@@ -4,12 +4,12 @@ import threading
 import pytest
 from waiting import wait_for
 
-from img_recog.nodes.ahead import ahead
+from img_recog.replay.inputs import prefetch
 
 
 @pytest.mark.parametrize('count', [0, 1, 3, 4, 5, 1000])
 def test_the_same_items_in_the_same_order(count):
-    assert list(ahead(range(count), 4)) == list(range(count))
+    assert list(prefetch(range(count), 4)) == list(range(count))
 
 
 def test_made_ahead_in_another_thread_but_not_further_than_asked():
@@ -21,7 +21,7 @@ def test_made_ahead_in_another_thread_but_not_further_than_asked():
             made.append(number)
             yield number
 
-    taken = ahead(items(), 4)
+    taken = prefetch(items(), 4)
     assert next(taken) == 0
     wait_for(lambda: len(made) == 5, 'the four that follow')
     assert next(taken) == 1
@@ -37,7 +37,7 @@ def test_what_is_raised_comes_after_the_items_before_it():
         yield 2
         raise ValueError('no more')
 
-    taken = ahead(items(), 8)
+    taken = prefetch(items(), 8)
     assert [next(taken), next(taken)] == [1, 2]
     with pytest.raises(ValueError, match='no more'):
         next(taken)

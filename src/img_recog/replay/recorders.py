@@ -1,7 +1,6 @@
 """What a replay leaves behind as data: a bag and a table."""
 import csv
 import io
-import math
 import os
 from typing import IO, Optional, Sequence
 
@@ -10,8 +9,7 @@ import rosbag
 from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
-from img_recog.nodes.replay_chain import SECOND_NS, Recorder, Seen, Sent
-from img_recog.simulation.body import Motion
+from img_recog.replay.chain import SECOND_NS, Recorder, Seen, Sent
 from img_recog.simulation.settings import OdometrySettings
 from img_recog.simulation.vehicle import Reading
 
@@ -115,14 +113,8 @@ class TableRecorder(Recorder):
             *seen.areas_px,
             ' '.join(str(command.linear_x) for command in seen.commands),
             ' '.join(str(command.angular_z) for command in seen.commands),
-            *map(_number, (motion.position[0], motion.position[1], yaw_of(motion),
+            *map(_number, (motion.position[0], motion.position[1], motion.yaw,
                            motion.linear[0], motion.angular[2]))])
-
-
-def yaw_of(motion: Motion) -> float:
-    """Return the heading in rad, from -pi to pi."""
-    x, y, z, w = motion.orientation
-    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
 def _time(time_ns: int) -> genpy.Time:

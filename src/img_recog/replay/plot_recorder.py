@@ -3,10 +3,9 @@ from typing import Dict, List, Sequence
 
 import numpy as np
 
-from img_recog.nodes.replay_chain import RECOGNITION, SECOND_NS, TELEOP, Recorder, Seen, Sent
-from img_recog.nodes.replay_numbers import Numbers
-from img_recog.nodes.replay_records import yaw_of
 from img_recog.recognition.settings import Color
+from img_recog.replay.chain import RECOGNITION, SECOND_NS, TELEOP, Recorder, Seen, Sent
+from img_recog.replay.plot_data import Numbers
 
 
 class PlotRecorder(Recorder):
@@ -27,7 +26,7 @@ class PlotRecorder(Recorder):
     def seen(self, seen: Seen) -> None:
         motion = seen.motion
         self._rows.append((seen.time_ns / SECOND_NS, motion.position[0], motion.position[1],
-                           yaw_of(motion), motion.linear[0], motion.angular[2], *seen.areas_px))
+                           motion.yaw, motion.linear[0], motion.angular[2], *seen.areas_px))
 
     def sent(self, sent: Sent) -> None:
         self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command))

@@ -3,8 +3,8 @@ import pytest
 import robots
 from replaying import BLUE, RED, Notebook, frame
 
-from img_recog.nodes.replay_chain import RECOGNITION, TELEOP, Chain, measured
 from img_recog.recognition.settings import with_colors
+from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, measured
 
 MS = 10 ** 6
 PERIOD = 40 * MS

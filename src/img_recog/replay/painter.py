@@ -58,7 +58,7 @@ def _serve(parents: Connection, ours: Connection) -> None:
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     gc.disable()        # it lives so short that there is nothing to gain
-    from img_recog.nodes.replay_picture import Picture
+    from img_recog.replay.figure import Picture
     picture, file = Picture(), io.BytesIO()
     try:
         title, numbers = ours.recv()

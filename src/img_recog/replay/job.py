@@ -11,28 +11,24 @@ from typing import TYPE_CHECKING, Iterable, Union
 import cv2
 from tqdm import tqdm
 
-from img_recog import files, resources
+from img_recog import files
 from img_recog.errors import UserError
-from img_recog.nodes import replay_films, replay_world
-from img_recog.nodes.ahead import ahead
-from img_recog.nodes.interrupts import Interrupts
-from img_recog.nodes.replay_bag_files import DEFAULT_TOPICS, is_bag
-from img_recog.nodes.replay_chain import SECOND_NS, Chain, measured
-from img_recog.nodes.replay_films import FilmFrames
-from img_recog.nodes.replay_painter import Painter
-from img_recog.nodes.replay_plot import PlotRecorder
-from img_recog.nodes.replay_records import BagRecorder, TableRecorder, yaw_of
 from img_recog.recognition.settings import RecognitionSettings, with_colors
-from img_recog.settings import SettingError
+from img_recog.replay import cli, inputs, scenario
+from img_recog.replay.chain import SECOND_NS, Chain, measured
+from img_recog.replay.inputs import FilmFrames, is_bag, prefetch
+from img_recog.replay.painter import Painter
+from img_recog.replay.plot_recorder import PlotRecorder
+from img_recog.replay.recorders import BagRecorder, TableRecorder
+from img_recog.replay.signals import Interrupts
 from img_recog.simulation.body import Motion
 from img_recog.simulation.footprints import footprints
-from img_recog.simulation.settings import SpawnSettings
 
 if TYPE_CHECKING:
-    from img_recog.nodes.replay_bags import BagFrames
+    from img_recog.replay.bags import BagFrames
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
-_AHEAD = 8                      # frames
+_PREFETCHED = 8                      # frames
 _FATAL, _QUIET = 1, -8          # OpenCV's and ffmpeg's names for these
 _log = logging.getLogger('replay.py')
 Frames = Union[FilmFrames, 'BagFrames']
@@ -54,7 +50,7 @@ def main(painter: Painter, begin_s: float) -> int:
     arguments = [word for word in sys.argv[1:]
                  if not (word.startswith('__') and ':=' in word)]
     try:
-        sys.stdout.write(replay(_parser().parse_args(arguments), painter, begin_s, interrupts)
+        sys.stdout.write(replay(cli.parse(arguments), painter, begin_s, interrupts)
                          + '\n')
     except UserError as error:
         _log.error('%s', ' '.join(str(error).split()))
@@ -79,8 +75,8 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     settings = _recognition(options.colors)
     paths = files.output_paths(os.path.expanduser(options.input),
                                os.path.expanduser(options.output), _EXTENSIONS)
-    simulator = replay_world.build(_world(options.world), os.path.expanduser(options.urdf),
-                                   _spawn(options))
+    simulator = scenario.build(cli.world_of(options.world), os.path.expanduser(options.urdf),
+                               cli.spawn_of(options))
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file):
@@ -90,7 +86,7 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         table = TableRecorder(text, settings.color_names)
         start_s = time.perf_counter()
         with interrupts.held():     # tqdm's destructor wants what its constructor makes
-            progress = tqdm(ahead(measured(frames, settings), _AHEAD), unit=' frames',
+            progress = tqdm(prefetch(measured(frames, settings), _PREFETCHED), unit=' frames',
                             total=frames.expected or None, disable=None)
         with progress:
             end_ns = _run(Chain(simulator, settings, options.teleop, [bag, table, plot]),
@@ -120,17 +116,17 @@ def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, mot
     return ('{} frames, {:.3f} s simulated in {:.2f} s, {:.1f} times real time ({:.2f} s with '
             'world and plot); the robot ends at x {:.3f} m, y {:.3f} m, yaw {:.3f} rad; wrote {}'
             .format(frames, simulated_s, loop_s, simulated_s / loop_s, whole_s,
-                    *motion.position[:2], yaw_of(motion), ', '.join(paths)))
+                    *motion.position[:2], motion.yaw, ', '.join(paths)))
 
 
 def _frames(path: str, topic: str) -> Frames:
     if not os.path.isfile(path):
         raise UserError('cannot replay {}: {}; {}'.format(
             path, 'it is no file' if os.path.exists(path) else 'no such file',
-            replay_films.WANTED))
+            inputs.WANTED))
     if is_bag(path):
         # what only bags need takes a while to load
-        from img_recog.nodes.replay_bags import BagFrames
+        from img_recog.replay.bags import BagFrames
         return BagFrames(path, topic)
     if topic:
         raise UserError('cannot replay {}: --topic is for a bag, and this is none'.format(path))
@@ -142,44 +138,3 @@ def _recognition(path: str) -> RecognitionSettings:
         return with_colors()()
     from img_recog.recognition import parameter_file  # takes a while to load
     return parameter_file.read(os.path.expanduser(path))
-
-
-def _world(name: str) -> str:
-    """Return a world that names a file from here by its absolute path."""
-    path = os.path.abspath(os.path.expanduser(name))
-    return path if name != resources.DEFAULT_WORLD and os.path.isfile(path) else name
-
-
-def _spawn(options: argparse.Namespace) -> SpawnSettings:
-    try:
-        return SpawnSettings(options.x_pos, options.y_pos, options.z_pos, options.yaw)
-    except SettingError as error:
-        raise UserError('--{}: got {}, allowed is {}'.format(
-            error.name.replace('_', '-'), error.got, error.allowed))
-
-
-def _parser() -> argparse.ArgumentParser:
-    spawn = SpawnSettings()
-    parser = argparse.ArgumentParser(
-        prog='replay.py', description='Run a film or a bag through colour recognition and the '
-        'simulated robot, as fast as it goes and without a master; write a bag, a table (CSV) '
-        'and a picture (PNG) of it.', allow_abbrev=False)
-    parser.add_argument('input', metavar='FILM_OR_BAG')
-    parser.add_argument('--topic', default='', help='images of a bag; default: {}, or the only '
-                        'ones in it'.format(' or '.join(DEFAULT_TOPICS)))
-    parser.add_argument('--colors', default='', metavar='YAML',
-                        help='parameters of color_extract; default: those of the article')
-    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
-                        help='where to write; default: NAME.replay.bag, .csv and .png in the '
-                        'current folder')
-    parser.add_argument('--no-teleop', dest='teleop', action='store_false',
-                        help='without the zeros of the idle teleop: a command holds until the '
-                        'next one')
-    parser.add_argument('--world', default=resources.DEFAULT_WORLD,
-                        help='turtlebot3_world, empty, or the path of a URDF or SDF file')
-    parser.add_argument('--urdf', default=resources.burger(), help='of the robot')
-    for name, unit in (('x_pos', 'm'), ('y_pos', 'm'), ('z_pos', 'm'), ('yaw', 'rad')):
-        parser.add_argument('--' + name.replace('_', '-'), type=float, metavar=unit.upper(),
-                            default=getattr(spawn, name),
-                            help='where the robot starts; default: %(default)s {}'.format(unit))
-    return parser

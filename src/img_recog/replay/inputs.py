@@ -1,5 +1,7 @@
-"""The frames of a film, stamped by its rate."""
-from typing import Iterator
+"""What is replayed: which kind of file it is, and the frames of a video."""
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from typing import Iterable, Iterator, TypeVar
 
 import genpy
 from std_msgs.msg import Header
@@ -9,9 +11,19 @@ from img_recog.camera.selection import open_file
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded, SourceError
 from img_recog.errors import UserError
-from img_recog.nodes.replay_chain import SECOND_NS, Frame
+from img_recog.replay.chain import SECOND_NS, Frame
 
-WANTED = 'give a film that OpenCV plays, or a bag with images'
+WANTED = 'give a video that OpenCV plays, or a bag with images'
+DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
+_MAGIC = b'#ROSBAG'
+_END = object()
+Item = TypeVar('Item')
+
+
+def is_bag(path: str) -> bool:
+    """Return whether a file is a bag, by its first bytes or, if it has none of use, its name."""
+    with open(path, 'rb') as file:
+        return file.read(len(_MAGIC)) == _MAGIC or path.endswith('.bag')
 
 
 class FilmFrames:
@@ -54,3 +66,20 @@ class FilmFrames:
         if self._broken:
             raise UserError('{}; get it whole, or make a film of what there is: ffmpeg -i {} '
                             'whole.mkv'.format(self._broken[0], self._path))
+
+
+def prefetch(items: Iterable[Item], depth: int) -> Iterator[Item]:
+    """Yield the same items in the same order, with up to `depth` of them made ahead in a thread.
+
+    An exception that is raised while an item is made is raised in its place.
+    """
+    iterator = iter(items)
+    with ThreadPoolExecutor(1) as pool:
+        making = deque(pool.submit(next, iterator, _END)
+                       for _ in range(depth))
+        while True:
+            item = making.popleft().result()
+            if item is _END:
+                return
+            making.append(pool.submit(next, iterator, _END))
+            yield item

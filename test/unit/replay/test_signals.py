@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from img_recog.nodes.interrupts import Interrupts
+from img_recog.replay.signals import Interrupts
 
 NUMBERS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
