@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
 """Frames of the test's own through color_extract, and commands through the simulator."""
-import os
-import sys
 import unittest
 
 import cv2
@@ -14,8 +12,7 @@ from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
 from std_srvs.srv import Empty
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, from_node, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, from_node, wait_for
 
 BLUE, RED = (200, 60, 20), (60, 20, 220)        # BGR
 RANGES = {'blue': ((50, 100, 100), (150, 255, 255)), 'red': ((150, 100, 150), (180, 255, 255))}

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Compressed images over real connections: who asks gets them, color_extract reads them."""
-import os
 import subprocess
-import sys
 import unittest
 from unittest import mock
 
@@ -17,11 +15,9 @@ from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, from_node, wait_for  # noqa: E402
-
-from img_recog.conversions import compressed_image_msgs, image_msgs  # noqa: E402
-from img_recog.nodes.compressed_images import CompressedImages  # noqa: E402
+from img_recog.conversions import compressed_image_msgs, image_msgs
+from img_recog.nodes.usb_cam.compressed_publisher import CompressedImages
+from img_recog_testing.recording import Recorder, from_node, wait_for
 
 BLUE, RED = (20, 60, 200), (220, 20, 60)        # RGB
 NODES = ('color_extract', 'from_compressed')

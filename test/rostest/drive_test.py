@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
 """The robot drives forward on blue, backward on red, and stands when neither is seen."""
-import os
-import sys
 import unittest
 
 import rospy
@@ -9,8 +7,7 @@ import rostest
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, wait_for
 
 
 class DriveTest(unittest.TestCase):

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """A real street film through the whole system, checked frame by frame."""
 import hashlib
-import os
-import sys
 import unittest
 
 import cv2
@@ -15,8 +13,7 @@ from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CompressedImage, Image
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, from_node, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, from_node, wait_for
 
 RANGES = (((50, 100, 100), (150, 255, 255)), ((150, 100, 150), (180, 255, 255)))
 FRAMES, LIMIT_PX = 250, 1000

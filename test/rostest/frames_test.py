@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
 """Headers, encodings and numbers of the demo's messages, and the colour images bit for bit."""
-import os
-import sys
 import unittest
 
 import cv2
@@ -14,8 +12,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 from tf2_msgs.msg import TFMessage
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, from_node, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, from_node, wait_for
 
 RANGES = {'/blue_image': ((50, 100, 100), (150, 255, 255)),
           '/red_image': ((150, 100, 150), (180, 255, 255))}

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Colours that are changed while color_extract runs, and what it tells besides."""
-import os
 import subprocess
-import sys
 import unittest
 
 import cv2
@@ -15,8 +13,7 @@ from geometry_msgs.msg import Twist
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image, PointCloud
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, from_node, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, from_node, wait_for
 
 NODE = '/color_extract'
 BLUE, RED, YELLOW, GREY = (200, 60, 20), (60, 20, 220), (20, 180, 200), (128, 128, 128)     # BGR

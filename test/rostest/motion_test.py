@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """The burger in the empty world, driven through ROS: how far, how straight, how it turns."""
 import math
-import os
-import sys
 import unittest
 
 import numpy as np
@@ -13,8 +11,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Empty
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, wait_for
 
 
 def twist(linear, angular):

@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
 """The names in the running demo are those of the article's system."""
-import os
-import sys
 import unittest
 
 import rosgraph
@@ -10,8 +8,7 @@ import rostest
 import tf2_ros
 import yaml
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import wait_for  # noqa: E402
+from img_recog_testing.recording import wait_for
 
 NODES = {'/color_extract', '/gazebo', '/robot_state_publisher', '/turtlebot3_teleop_keyboard',
          '/usb_cam'}

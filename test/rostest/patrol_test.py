@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """A driver that knows nothing but the scan goes about in turtlebot3_world and touches nothing."""
 import math
-import os
-import sys
 import unittest
 
 import numpy as np
@@ -12,9 +10,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, wait_for  # noqa: E402
-import turtlebot3_world  # noqa: E402
+from img_recog_testing import turtlebot3_world
+from img_recog_testing.recording import Recorder, wait_for
 
 SIMULATED_S = 180.0
 # a circle that holds the burger seen from above: its middle is so far behind base_footprint

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """The services of simulator and camera, called in the running demo."""
 import os
-import sys
 import unittest
 
 import rospy
@@ -12,8 +11,7 @@ from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 from sensor_msgs.srv import SetCameraInfo
 from std_srvs.srv import Empty
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, wait_for
 
 
 def call(name):

@@ -3,7 +3,7 @@
 import sys
 import time
 
-from img_recog.nodes.color_img_recog import ColorExtract
+from img_recog.nodes.color_extract.node import ColorExtract
 from img_recog.ros import lifecycle
 
 EXTRA_S = 0.2

@@ -1,7 +1,5 @@
 #!/usr/bin/env python3
 """A recognition that is six times slower than its camera acts on what is new."""
-import os
-import sys
 import unittest
 
 import rospy
@@ -10,8 +8,7 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import Image
 from std_srvs.srv import Empty
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from support import Recorder, wait_for  # noqa: E402
+from img_recog_testing.recording import Recorder, wait_for
 
 OLDEST_S = 0.4
 FRAMES = 60

@@ -6,7 +6,7 @@ import time
 import cv2
 import numpy as np
 
-from waiting import wait_for
+from img_recog_testing.waiting import wait_for
 
 CAMERA = ('rosrun', 'img_recog', 'usb_cam_node.py')
 

@@ -3,7 +3,7 @@ import os
 import re
 import signal
 
-from waiting import wait_for
+from img_recog_testing.waiting import wait_for
 
 NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_keyboard',
          'usb_cam')

@@ -9,7 +9,7 @@ import xmlrpc.client
 import pytest
 import yaml
 
-from waiting import wait_for
+from img_recog_testing.waiting import wait_for
 
 BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
 MODEL = 'turtlebot3_burger'

@@ -5,7 +5,7 @@ import re
 import signal
 import termios
 
-from waiting import wait_for
+from img_recog_testing.waiting import wait_for
 
 NAME = '/turtlebot3_teleop_keyboard'
 

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from waiting import wait_for
+from img_recog_testing.waiting import wait_for
 
 BLUE, RED, WALL = (215, 70, 25), (60, 25, 215), (190, 200, 206)      # BGR
 WIDTH, HEIGHT = 1200, 1015          # of the picture with two colours

@@ -4,9 +4,9 @@ import signal
 
 import pytest
 
-from simulator_tools import (Echo, Images, complaints, cpu_ticks, descendants, drawing, drive,
-                             standing)
-from waiting import wait_for
+from img_recog_testing.simulator_tools import (Echo, Images, complaints, cpu_ticks, descendants,
+                                               drawing, drive, standing)
+from img_recog_testing.waiting import wait_for
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from waiting import wait_for
+from img_recog_testing.waiting import wait_for
 
 SIMULATOR = 'Bullet Physics'
 

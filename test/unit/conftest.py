@@ -1,12 +1,9 @@
 """Fixtures that several unit tests share."""
-import os
-import sys
 
 import cv2
 import pytest
-from films import FILM_RATE_HZ, smooth_image
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
+from img_recog_testing.videos import FILM_RATE_HZ, smooth_image
 
 
 class FakeClock:

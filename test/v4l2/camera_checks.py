@@ -23,10 +23,10 @@ from dynamic_reconfigure.client import Client
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_srvs.srv import Empty
 
+from img_recog_testing.processes import Ros
+from img_recog_testing.waiting import wait_for
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / 'test' / 'system'), str(ROOT / 'test')]
-from conftest import Ros  # noqa: E402
-from waiting import wait_for  # noqa: E402
 
 NODE = ROOT / 'build' / 'devel' / 'lib' / 'img_recog' / 'usb_cam_node.py'
 DRIVER = '/sys/bus/platform/drivers/vivid/'

@@ -1,1 +1,1 @@
-"""The ROS nodes: parameters, message conversions and one module a node."""
+"""The ROS nodes, a folder each; nothing here is shared by two of them but color_parameters."""

@@ -2,6 +2,7 @@
 import os
 
 import rosgraph
+import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.errors import UserError
@@ -11,6 +12,11 @@ _KINDS = {kind._type: kind for kind in (Image, CompressedImage)}
 
 class TopicError(UserError):
     """There is no such topic, or none with images."""
+
+
+def topic_beside(raw_topic: str) -> str:
+    """Return the topic of the compressed images of a raw topic, wherever that is remapped to."""
+    return rospy.resolve_name(raw_topic) + '/compressed'
 
 
 def kind_of(topic: str) -> type:

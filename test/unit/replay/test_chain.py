@@ -1,10 +1,10 @@
 """Frames to commands to a robot, in simulated time: when what is sent, and where it drives."""
 import pytest
-import robots
-from replaying import BLUE, RED, Notebook, frame
 
 from img_recog.recognition.settings import with_colors
 from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, measured
+from img_recog_testing import robots
+from img_recog_testing.replaying import BLUE, RED, Notebook, frame
 
 MS = 10 ** 6
 PERIOD = 40 * MS

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 import rosbag
 import rospy
-from films import FILM_RATE_HZ
-from replaying import BLUE, RED, image
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String
 
@@ -15,6 +13,8 @@ from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
 from img_recog.replay.bags import BagFrames
 from img_recog.replay.inputs import FilmFrames, is_bag
+from img_recog_testing.replaying import BLUE, RED, image
+from img_recog_testing.videos import FILM_RATE_HZ
 
 RAW, COMPRESSED = '/usb_cam/image_raw', '/usb_cam/image_raw/compressed'
 
@@ -74,7 +74,7 @@ def test_what_is_no_film(tmp_path):
         path = tmp_path / name
         path.write_bytes(content)
         line = refusal(FilmFrames, str(path))
-        assert str(path) in line and line.endswith('give a film that OpenCV plays, or a bag with '
+        assert str(path) in line and line.endswith('give a video that OpenCV plays, or a bag with '
                                                    'images'), line
     path = str(tmp_path / 'still.png')
     assert cv2.imwrite(path, image())

@@ -2,9 +2,9 @@
 import threading
 
 import pytest
-from waiting import wait_for
 
 from img_recog.replay.inputs import prefetch
+from img_recog_testing.waiting import wait_for
 
 
 @pytest.mark.parametrize('count', [0, 1, 3, 4, 5, 1000])

@@ -6,9 +6,7 @@ import math
 import cv2
 import numpy as np
 import pytest
-import robots
 import rosbag
-from replaying import BLUE, RED, Notebook, frame
 
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
@@ -20,6 +18,8 @@ from img_recog.replay.recorders import BagRecorder, TableRecorder
 from img_recog.simulation.body import Motion
 from img_recog.simulation.footprints import footprints
 from img_recog.simulation.settings import OdometrySettings
+from img_recog_testing import robots
+from img_recog_testing.replaying import BLUE, RED, Notebook, frame
 
 START_NS = 1600000000 * 10 ** 9 + 123
 PERIOD_NS = 40 * 10 ** 6

@@ -1,11 +1,11 @@
 """The world and robot of a replay are the demo's, or those of the files that are given."""
 import pytest
-import robots
 
 from img_recog import resources
 from img_recog.errors import UserError
 from img_recog.replay import scenario
 from img_recog.simulation.settings import SpawnSettings
+from img_recog_testing import robots
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>

@@ -3,9 +3,9 @@ import threading
 
 import pytest
 import rospy
-from waiting import DEADLINE_S
 
 from img_recog.ros import lifecycle
+from img_recog_testing.waiting import DEADLINE_S
 
 
 @pytest.fixture

@@ -1,0 +1,145 @@
+"""The tool tune_colors: a picture that tells why a colour is seen in an image, or is not.
+
+Given a file it is no node and needs no master; given a topic it is the anonymous node that
+TopicTuning describes.
+"""
+import argparse
+import math
+import os
+import sys
+from typing import Optional, Sequence
+
+import cv2
+import numpy as np
+import rosgraph
+import rospy
+
+from img_recog import files
+from img_recog.camera import selection
+from img_recog.camera.source import SourceEnded, SourceError
+from img_recog.camera.still_source import read_image
+from img_recog.errors import UserError
+from img_recog.nodes.tune_colors.node import TopicTuning
+from img_recog.nodes.tune_colors.output import PictureOutput
+from img_recog.recognition import parameter_file
+from img_recog.recognition.settings import with_colors
+from img_recog.ros import image_topics, lifecycle
+
+_OUTPUT = 'tune_colors.png'
+_TIMEOUT_S = 10.0
+_ANY_RATE_HZ = 30.0
+_LOG_NOTHING = 0
+_ADVICE = 'give a still image, a film or the name of a topic with images'
+
+
+def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -> None:
+    if options.watch:
+        raise SourceError('--watch needs a topic, and {} is a file'.format(path))
+    settings = (parameter_file.read(files.find_user_path(options.colors)) if options.colors
+                else with_colors()())
+    picture.begin(_image_in(path, options.frame or 0), settings)
+    if picture.window is not None:
+        picture.window.wait()
+
+
+def _image_in(path: str, number: int) -> np.ndarray:
+    """Return frame `number` of a film, or a still image, in bgr8; raise SourceError."""
+    image = read_image(path)
+    if image is not None:
+        if number:
+            raise SourceError('{} is a still image and has no frame {}'.format(path, number))
+        return image
+    # what they say of a file that they cannot play is said once, below
+    os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
+    cv2.setLogLevel(_LOG_NOTHING)
+    try:
+        film = selection.open_file(path, _ANY_RATE_HZ, loop=False)
+    except SourceError as error:        # which goes on with advice for a camera node
+        raise SourceError('{}; {}'.format(str(error).partition(';')[0], _ADVICE))
+    try:
+        for _ in range(number):
+            film.read()
+        return cv2.cvtColor(film.read(), cv2.COLOR_RGB2BGR)
+    except SourceEnded as error:
+        raise SourceError('there is no frame {}, counted from 0: {}'.format(number, error))
+    finally:
+        film.close()
+
+
+def _tune(options: argparse.Namespace) -> int:
+    name = options.image_or_topic
+    picture = PictureOutput(_output_path(options.output), not options.no_window)
+    path = files.find_user_path(name)
+    if os.path.isfile(path):
+        _tune_file(path, options, picture)
+        return 0
+    if os.path.exists(path):
+        raise SourceError('cannot use {}: neither a file nor a topic; {}'.format(name, _ADVICE))
+    if not rosgraph.names.is_legal_name(name) or not name:
+        raise SourceError('cannot open {}: no such file; {}'.format(name or "''", _ADVICE))
+    if options.frame is not None:
+        raise SourceError('--frame needs a film, and there is no file {}'.format(name))
+    topic = rosgraph.names.script_resolve_name('tune_colors', name)
+    kind = image_topics.kind_of(topic)
+    return lifecycle.run(rosgraph.names.anonymous_name('tune_colors'),
+                         lambda: TopicTuning(topic, kind, options, picture).spin())
+
+
+def _output_path(path: str) -> str:
+    folder = next(filter(os.path.isdir, files.user_folders()))
+    return os.path.abspath(os.path.join(folder, os.path.expanduser(path)))
+
+
+def _options(arguments: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog='tune_colors.py', description='Tell why a colour is seen in an image, or is not: '
+        'write a picture of frame, masks and histograms, and show it where there is a display.')
+    parser.add_argument('image_or_topic', metavar='IMAGE_OR_TOPIC',
+                        help='still image, film, or topic with images: its newest one; in a '
+                        'window it is followed')
+    parser.add_argument('--frame', type=_whole, metavar='N',
+                        help='which frame of a film, counted from 0 (default 0)')
+    colors = parser.add_mutually_exclusive_group()
+    colors.add_argument('--colors', metavar='YAML', help='parameter file with the colours')
+    colors.add_argument('--node', metavar='NAME', help='whose parameters are the colours of a '
+                        'topic (default /color_extract); else they are the article\'s')
+    parser.add_argument('--timeout', type=_seconds, default=_TIMEOUT_S, metavar='S',
+                        help='how long to wait for an image of a topic (default %(default)g s)')
+    parser.add_argument('--output', type=_png, default=_OUTPUT, metavar='PATH.png',
+                        help='where to write the picture (default %(default)s)')
+    parser.add_argument('--watch', action='store_true',
+                        help='write it anew each second, until Ctrl-C')
+    parser.add_argument('--no-window', action='store_true', help='only write it')
+    return parser.parse_args(arguments)
+
+
+def _whole(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError('got {!r}, wants a whole number from 0'.format(text))
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not value > 0:
+        raise argparse.ArgumentTypeError('got {!r}, wants a number of seconds'.format(text))
+    return value
+
+
+def _png(text: str) -> str:
+    if not text.lower().endswith('.png'):
+        raise argparse.ArgumentTypeError('got {!r}, wants a path that ends in .png'.format(text))
+    return text
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the tool; return its exit code."""
+    options = _options(rospy.myargv()[1:] if arguments is None else arguments)
+    try:
+        return _tune(options)
+    except UserError as error:
+        sys.stderr.write('tune_colors.py: {}\n'.format(' '.join(str(error).split())))
+        return 1

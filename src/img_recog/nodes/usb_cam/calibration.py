@@ -1,0 +1,122 @@
+"""The calibration of a camera: its file, its service and its message."""
+import os
+import reprlib
+from typing import Optional, Tuple
+
+import rospkg
+import rospy
+from sensor_msgs.msg import CameraInfo
+from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
+from std_msgs.msg import Header
+
+from img_recog.camera import calibration
+from img_recog.camera.calibration import Calibration
+from img_recog.camera.settings import CameraSettings
+from img_recog.conversions import camera_info_msgs
+from img_recog.ros import parameters
+from img_recog.settings import SettingError
+
+
+_URLS = 'file:///PATH, package://PACKAGE/PATH or empty'
+
+
+class CameraCalibration:
+    """Knows the calibration in force; serves ~set_camera_info (sensor_msgs/SetCameraInfo)."""
+
+    def __init__(self, settings: CameraSettings):
+        """Load the calibration file, if there is one.
+
+        Raises ParameterError when camera_info_url names no file.
+        """
+        self._name = settings.camera_name
+        self._path = parameters.read_one(
+            'camera_info_url', '', lambda url: path_of_url(url, self._name))
+        self._loaded = _load(self._path, self._name)
+        self._in_force: Optional[Calibration] = None
+        # of the images seen last, in pixels
+        self._size: Optional[Tuple[int, int]] = None
+        # of those to come, where that is certain before they do
+        self._promised = ((settings.image_width, settings.image_height)
+                          if settings.video_device == 'synthetic' else None)
+
+    def serve(self) -> None:
+        """Advertise the service."""
+        rospy.Service('~set_camera_info', SetCameraInfo, self._set_camera_info)
+
+    def images_are(self, width: int, height: int) -> None:
+        """Fit the calibration to images of this size, in pixels."""
+        if self._size == (width, height):
+            return
+        self._size, self._in_force = (width, height), None
+        if self._loaded is None:
+            return
+        try:
+            self._in_force = calibration.scaled(self._loaded, width, height)
+        except calibration.CalibrationError as error:
+            rospy.logwarn('%s: %s: publishing none', self._path, error)
+            return
+        if self._in_force is not self._loaded:
+            rospy.loginfo('calibration %s is for %dx%d: scaled to %dx%d', self._path,
+                          self._loaded.width, self._loaded.height, width, height)
+
+    def to_msg(self, header: Header) -> CameraInfo:
+        """Return the message for images of the size given last."""
+        return camera_info_msgs.to_msg(self._in_force, *self._size, header)
+
+    def _set_camera_info(self, request) -> SetCameraInfoResponse:
+        given = camera_info_msgs.from_msg(request.camera_info, self._name)
+        size = self._size or self._promised
+        try:
+            calibration.check(given)
+            if size is not None and (given.width, given.height) != size:
+                raise calibration.CalibrationError(
+                    'the calibration is for {}x{}, the images are {}x{}'.format(
+                        given.width, given.height, *size))
+            calibration.save(self._path, given)
+        except calibration.CalibrationError as error:
+            rospy.logerr('set_camera_info: %s', error)
+            return SetCameraInfoResponse(success=False, status_message=str(error))
+        self._loaded = given
+        if self._size is not None:
+            self._in_force = given
+        rospy.loginfo('calibration written to %s', self._path)
+        unchecked = '' if size else ('; its size {}x{} could not be checked: the camera has not '
+                                     'been open yet'.format(given.width, given.height))
+        return SetCameraInfoResponse(success=True, status_message=self._path + unchecked)
+
+
+def path_of_url(url: str, camera_name: str) -> str:
+    """Return the path that a calibration URL stands for.
+
+    url: file:///PATH, package://PACKAGE/PATH, or empty for camera_info/CAMERA_NAME.yaml in
+    ROS_HOME; ${NAME} is replaced by the camera's name and ${ROS_HOME} by that folder.
+    Raises SettingError for another scheme or an unknown package.
+    """
+    url = url or 'file://${ROS_HOME}/camera_info/${NAME}.yaml'
+    resolved = url.replace('${NAME}', camera_name).replace('${ROS_HOME}', rospkg.get_ros_home())
+    scheme, _, rest = resolved.partition('://')
+    if scheme == 'file' and rest.startswith('/'):
+        return rest
+    if scheme == 'package' and '/' in rest:
+        package, _, path = rest.partition('/')
+        try:
+            return os.path.join(rospkg.RosPack().get_path(package), path)
+        except rospkg.ResourceNotFound:
+            raise SettingError('camera_info_url', url, '{} (there is no package {})'.format(
+                _URLS, package))
+    raise SettingError('camera_info_url', url, _URLS)
+
+
+def _load(path: str, camera_name: str) -> Optional[Calibration]:
+    try:
+        loaded = calibration.load(path)
+    except FileNotFoundError:
+        rospy.loginfo('camera is not calibrated: no %s', path)
+        return None
+    except calibration.CalibrationError as error:
+        rospy.logerr('%s; publishing no calibration', error)
+        return None
+    if loaded.camera_name not in ('', camera_name):
+        rospy.logwarn('calibration %s is of a camera %s, camera_name is %s: using it all the same',
+                      path, reprlib.repr(loaded.camera_name), camera_name)
+    return loaded

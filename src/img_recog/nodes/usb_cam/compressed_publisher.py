@@ -1,0 +1,81 @@
+"""A topic of compressed images beside one of raw images, as image_transport's plugin makes it."""
+import threading
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import CompressedImage
+from std_msgs.msg import Header
+
+from img_recog.conversions import compressed_image_msgs
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.conversions.image_msgs import ImageError
+from img_recog.ros import image_topics, parameters
+from img_recog.ros.queues import Newest
+from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.throttle import ThrottledWarning
+
+_POLL_S = 0.2
+
+
+class CompressedImages:
+    """Publishes images compressed, and compresses them only while someone subscribes.
+
+    Publishes: TOPIC/compressed (sensor_msgs/CompressedImage, with the header of the raw image),
+    TOPIC/compressed/parameter_descriptions, TOPIC/compressed/parameter_updates. Serves:
+    TOPIC/compressed/set_parameters. Reads: the fields of CompressionSettings as parameters under
+    TOPIC/compressed, and takes changes of them while it runs.
+
+    A thread of its own compresses the newest image: PNG may take longer than a camera's period,
+    and then images are left out here, while the raw ones keep their time.
+    """
+
+    def __init__(self, topic: str):
+        """Advertise beside the raw topic `topic`.
+
+        Raises ParameterError when a parameter has a value that is not allowed.
+        """
+        name = image_topics.topic_beside(topic)
+        settings = parameters.read(CompressionSettings, namespace=name)
+        parameters.warn_of_unknown(CompressionSettings, namespace=name)
+        self._images, self._closed = Newest(), threading.Event()
+        self._warn = ThrottledWarning()
+        self._publisher = rospy.Publisher(name, CompressedImage, queue_size=1)
+        self._parameters = Reconfigurable(settings, lambda _: None, name)
+        self._worker = threading.Thread(target=self._work, daemon=True)
+        self._worker.start()
+
+    def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
+        """Have the image sent if anyone subscribes; returns at once.
+
+        image: uint8 of shape (height, width[, 3]), which must not be changed afterwards.
+        encoding: rgb8, bgr8 or mono8.
+        """
+        if self._publisher.get_num_connections() > 0:
+            # a header of its own: rospy numbers the messages of each topic in it
+            own = Header(seq=header.seq, stamp=header.stamp, frame_id=header.frame_id)
+            self._images.put((image, encoding, own))
+
+    def close(self) -> None:
+        """Take the topics and the service down."""
+        self._closed.set()
+        self._worker.join()
+        self._parameters.close()
+        self._publisher.unregister()
+
+    def _work(self) -> None:
+        while not (self._closed.is_set() or rospy.is_shutdown()):
+            item = self._images.take(_POLL_S)
+            if item is not None:
+                self._send(*item)
+
+    def _send(self, image: np.ndarray, encoding: str, header: Header) -> None:
+        try:
+            msg = compressed_image_msgs.to_msg(image, encoding, header, self._parameters.settings)
+        except ImageError as error:
+            self._warn('%s', error)
+            return
+        try:
+            self._publisher.publish(msg)
+        except rospy.ROSException:      # the topic is closed while the node ends
+            if not rospy.core.is_shutdown_requested():
+                raise

@@ -1,0 +1,36 @@
+"""What the rostests share: collecting messages, and waiting for them."""
+
+import rospy
+
+from img_recog_testing.waiting import DEADLINE_S, wait_for
+
+
+class Recorder:
+    """Collects the messages of a topic; `messages` may be read while it grows."""
+
+    def __init__(self, topic, message_type, accept=lambda msg: True):
+        self.messages = []
+        self._topic = topic
+        self._accept = accept
+        self._subscriber = rospy.Subscriber(topic, message_type, self._take, queue_size=1000,
+                                            buff_size=1 << 26, tcp_nodelay=True)
+
+    def _take(self, msg):
+        if self._accept(msg):
+            self.messages.append(msg)
+
+    def close(self):
+        """Collect no more."""
+        self._subscriber.unregister()
+
+    def wait(self, count=1, deadline_s=DEADLINE_S):
+        """Return the messages once there are `count` more than now."""
+        goal = len(self.messages) + count
+        wait_for(lambda: len(self.messages) >= goal,
+                 '{} messages on {}'.format(count, self._topic), deadline_s)
+        return self.messages
+
+
+def from_node(name):
+    """Return a filter for messages that the node of this name sent."""
+    return lambda msg: msg._connection_header['callerid'] == name

@@ -1,0 +1,151 @@
+"""The simulator as a process: what it is given, and what is seen of it."""
+import json
+import os
+import re
+import sys
+
+from img_recog_testing.waiting import wait_for
+
+BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
+
+
+def burger(addition=''):
+    """Return the text of the burger's URDF with something added at its end."""
+    with open(BURGER) as file:
+        return file.read().replace('</robot>', addition + '</robot>')
+
+
+class Echo:
+    """Some numbers of a topic, as `rostopic echo` prints them: a row for each message."""
+
+    def __init__(self, ros, topic):
+        self._process = ros.start('rostopic', 'echo', '-p', topic)
+        self.pid = self._process.pid
+
+    @property
+    def rows(self):
+        _, _, table = self._process.output.partition('%time')
+        lines = table.split('\n')[1:-1]
+        return [[float(word) for word in line.split(',')[1:]] for line in lines]
+
+    def wait(self, accept, what):
+        """Return the newest row once `accept` says that it is as wanted."""
+        def newest():
+            rows = self.rows
+            return rows[-1:] if rows and accept(*rows[-1]) else None
+        return wait_for(newest, lambda: '{}; the newest are {}'.format(what, self.rows[-3:]))[0]
+
+    def wait_more(self, count):
+        """Return all rows once there are `count` more than now."""
+        goal = len(self.rows) + count
+        wait_for(lambda: len(self.rows) >= goal, lambda: '{} rows'.format(goal))
+        return self.rows
+
+    def close(self):
+        self._process.close()
+
+
+def drive(ros, linear):
+    """Send one command."""
+    return ros.start('rostopic', 'pub', '/cmd_vel', 'geometry_msgs/Twist',
+                     '{{linear: {{x: {}}}}}'.format(linear))
+
+
+def call(ros, service):
+    assert ros.run('rosservice', 'call', '/gazebo/' + service).strip() == ''
+
+
+def complaints(node):
+    """Return what a simulator found wrong, but for a busy machine."""
+    return [line for line in re.findall(r'\[(?:WARN|ERROR|FATAL)\].*', node.output)
+            if 'this machine is too slow' not in line]
+
+
+def descendants(pid):
+    """Return the process ids below `pid` and their command lines."""
+    parents, found = {}, {}
+    for entry in filter(str.isdigit, os.listdir('/proc')):
+        try:
+            with open('/proc/{}/stat'.format(entry)) as file:
+                parents[int(entry)] = int(file.read().rpartition(')')[2].split()[1])
+            with open('/proc/{}/cmdline'.format(entry)) as file:
+                found[int(entry)] = file.read().replace('\0', ' ')
+        except OSError:
+            continue            # it has ended meanwhile
+    below = {pid}
+    for _ in parents:
+        below |= {child for child, parent in parents.items() if parent in below}
+    return {child: found[child] for child in below - {pid} if child in found}
+
+
+def drawing(node):
+    """Return the id of the process that draws for a simulator, or None."""
+    return next((pid for pid, line in descendants(node.pid).items() if 'spawn_main' in line), None)
+
+
+def cpu_ticks(pid):
+    with open('/proc/{}/stat'.format(pid)) as file:
+        fields = file.read().rpartition(')')[2].split()
+    return int(fields[11]) + int(fields[12])
+
+
+def alive(pid):
+    """Return whether a process runs; one that is only waited for does not."""
+    try:
+        with open('/proc/{}/stat'.format(pid)) as file:
+            return file.read().rpartition(')')[2].split()[0] != 'Z'
+    except OSError:
+        return False
+
+
+IMAGES = '''
+import json
+import numpy, rospy
+from sensor_msgs.msg import Image
+
+def show(msg):
+    pixels = numpy.frombuffer(msg.data, numpy.uint8).reshape(msg.height, msg.width, 3)
+    def found(low, high):
+        rows, columns = numpy.nonzero(((pixels >= low) & (pixels <= high)).all(axis=2))
+        middle = [float(columns.mean()), float(rows.mean())] if len(rows) else None
+        return {'share': len(rows) / pixels[..., 0].size, 'middle': middle}
+    print(json.dumps({
+        'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id,
+        'size': [msg.width, msg.height, msg.step], 'encoding': msg.encoding,
+        'green': found((0, 90, 0), (60, 255, 60)), 'white': found((205,) * 3, (255,) * 3),
+        'wall': found((20,) * 3, (90,) * 3), 'dark': found((0,) * 3, (130,) * 3)}), flush=True)
+
+rospy.init_node('images', anonymous=True)
+rospy.Subscriber('/gazebo/view/image_raw', Image, show, queue_size=1, buff_size=1 << 24)
+rospy.spin()
+'''
+
+
+class Images:
+    """What the images of the view hold."""
+
+    def __init__(self, ros):
+        self._process = ros.start(sys.executable, '-c', IMAGES)
+
+    @property
+    def all(self):
+        return [json.loads(line) for line in self._process.output.split('\n')[:-1]
+                if line.startswith('{')]
+
+    def wait(self, accept=lambda image: True, count=1):
+        """Return the newest image once `count` more have come and it is as wanted."""
+        goal = len(self.all) + count
+
+        def newest():
+            images = self.all
+            return images[-1] if len(images) >= goal and accept(images[-1]) else None
+        return wait_for(newest, lambda: 'an image; the newest: {}\n{}'.format(
+            self.all[-1:], self._process.output[-500:]))
+
+    def close(self):
+        self._process.close()
+
+
+def standing(rows):
+    """Return whether 30 rows, of a second, say the same but for a trembling."""
+    return len(rows) == 30 and max(x for x, *_ in rows) - min(x for x, *_ in rows) < 1e-3

@@ -1,0 +1,139 @@
+"""Files that are no frame source: each is refused with one line that names it."""
+import os
+import struct
+import zlib
+
+import cv2
+import pytest
+
+from img_recog.camera.selection import open_file, open_source
+from img_recog.camera.settings import CameraSettings
+from img_recog.camera.source import SourceError
+from img_recog.errors import UserError
+from img_recog_testing.videos import smooth_image
+
+NOT_PLAYABLE = ('cannot play {}: neither a film nor an image that OpenCV reads; set video_device '
+                'to one, or to synthetic')
+
+
+def refusal(path):
+    """The error line that opening `path` by its name in video_device ends with."""
+    with pytest.raises(SourceError) as refused:
+        open_source(CameraSettings(video_device=str(path)))
+    assert isinstance(refused.value, UserError)
+    assert '\n' not in str(refused.value)
+    return str(refused.value)
+
+
+def png_header(width, height):
+    def chunk(name, data):
+        return (struct.pack('>I', len(data)) + name + data
+                + struct.pack('>I', zlib.crc32(name + data)))
+    size = struct.pack('>IIBBBBB', width, height, 8, 2, 0, 0, 0)
+    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', size) + chunk(b'IDAT', zlib.compress(b'\0'))
+            + chunk(b'IEND', b''))
+
+
+def test_missing_file_lists_what_exists_and_what_to_set(tmp_path, monkeypatch):
+    monkeypatch.setattr('img_recog.camera.device_source.glob.glob',
+                        lambda pattern: ['/dev/video3', '/dev/video1'])
+    path = tmp_path / 'missing.mp4'
+    assert refusal(path) == (
+        'cannot open {}: no such file or device (have /dev/video1, /dev/video3); set '
+        'video_device to a device, a film, a still image, synthetic or auto'.format(path))
+
+
+def test_missing_device_says_that_there_is_none(monkeypatch):
+    monkeypatch.setattr('img_recog.camera.device_source.glob.glob', lambda pattern: [])
+    assert refusal('/dev/no-video0').startswith(
+        'cannot open /dev/no-video0: no such file or device (have no /dev/video*); ')
+
+
+@pytest.mark.parametrize('name, content', [
+    ('text.mp4', b'this is a text\n' * 50),
+    ('text.png', b'this is a text\n' * 50),
+    ('text.txt', b'this is a text\n' * 50),
+    ('text.nfo', 'words of several bytes: \u9752\n'.encode() * 400),
+    ('empty.mp4', b''),
+    ('empty.png', b''),
+    ('zeros.avi', bytes(5000)),
+    ('sizeless.png', png_header(0, 0)),
+    ('enormous.png', png_header(100000, 100000)),
+    ('cut.png', png_header(8, 8)[:30])])
+def test_file_that_is_no_film_and_no_image(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    assert refusal(path) == NOT_PLAYABLE.format(path)
+
+
+@pytest.mark.parametrize('fourcc, name, kept', [
+    ('MJPG', 'film.avi', 1000), ('mp4v', 'film.mp4', 1000), ('mp4v', 'film.mp4', 0.5)])
+def test_truncated_film(make_film, fourcc, name, kept):
+    path = make_film(name, fourcc)
+    size = os.path.getsize(path)
+    os.truncate(path, kept if kept > 1 else int(kept * size))
+    assert os.path.getsize(path) < size
+    assert refusal(path) == NOT_PLAYABLE.format(path)
+
+
+def test_truncated_still_image(tmp_path):
+    path = str(tmp_path / 'still.png')
+    cv2.imwrite(path, smooth_image(0))
+    os.truncate(path, os.path.getsize(path) // 2)
+    assert refusal(path) == NOT_PLAYABLE.format(path)
+
+
+@pytest.mark.parametrize('kept', [20, 0.5, -2])
+def test_truncated_jpeg(tmp_path, capfd, kept):
+    path, data = tmp_path / 'still.jpg', cv2.imencode('.jpg', smooth_image(0))[1]
+    path.write_bytes(data.tobytes()[:int(kept * len(data)) if isinstance(kept, float) else kept])
+    assert refusal(path) == 'cannot read {}: the picture is cut off, its end is missing'.format(
+        path)
+    assert capfd.readouterr().err == ''
+
+
+@pytest.mark.parametrize('extra', [b'', b'and more', bytes(9000)])
+@pytest.mark.parametrize('progressive', [0, 1])
+def test_whole_jpeg_with_more_behind_its_end_is_shown(tmp_path, extra, progressive):
+    path = tmp_path / 'still.jpg'
+    how = [cv2.IMWRITE_JPEG_PROGRESSIVE, progressive]
+    path.write_bytes(cv2.imencode('.jpg', smooth_image(0), how)[1].tobytes() + extra)
+    assert open_file(str(path), 30.0).read().shape == (64, 96, 3)
+
+
+def test_directory(tmp_path):
+    assert refusal(tmp_path) == (
+        'cannot open {}: neither a device nor a file, nor a folder with images; set video_device '
+        'to one, or to synthetic'.format(tmp_path))
+
+
+def test_pipe(tmp_path):
+    os.mkfifo(str(tmp_path / 'pipe'))
+    assert 'neither a device nor a file' in refusal(tmp_path / 'pipe')
+
+
+def test_dangling_link(tmp_path):
+    (tmp_path / 'film.mp4').symlink_to(tmp_path / 'gone.mp4')
+    assert 'film.mp4: no such file or device' in refusal(tmp_path / 'film.mp4')
+
+
+def test_character_device_that_is_no_camera(monkeypatch):
+    monkeypatch.setattr('img_recog.camera.device_source.glob.glob',
+                        lambda pattern: ['/dev/video7'])
+    assert refusal('/dev/null') == (
+        'cannot open /dev/null: no V4L2 capture device, or in use by another program (have '
+        '/dev/video7); set video_device to one of these, a file, or synthetic')
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason='root may read every file')
+def test_unreadable_file(make_film):
+    path = make_film()
+    os.chmod(path, 0)
+    assert refusal(path) == 'cannot read {}: permission denied'.format(path)
+
+
+def test_file_without_permission_to_read(make_film, monkeypatch):
+    path = make_film()
+    monkeypatch.setattr(os, 'access', lambda path, mode: mode != os.R_OK)
+    with pytest.raises(SourceError, match='^cannot read .*film.avi: permission denied$'):
+        open_file(path, 30.0)

@@ -1,0 +1,163 @@
+"""The calibration that the camera node publishes and takes, with the log and parameters faked."""
+import os
+from types import SimpleNamespace
+
+import pytest
+import yaml
+from sensor_msgs.msg import CameraInfo
+from sensor_msgs.srv import SetCameraInfoRequest
+from std_msgs.msg import Header
+
+from img_recog.camera import calibration
+from img_recog.camera.calibration import Calibration
+from img_recog.camera.settings import CameraSettings
+from img_recog.nodes.usb_cam import calibration as camera_calibration
+from img_recog.ros import parameters
+from img_recog.settings import ParameterError
+
+GIVEN = {
+    'width': 640, 'height': 480, 'distortion_model': 'plumb_bob', 'D': [0.1] * 5,
+    'K': [500.0, 0.0, 320.0, 0.0, 500.0, 240.0, 0.0, 0.0, 1.0],
+    'R': [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+    'P': [500.0, 0.0, 320.0, 0.0, 0.0, 500.0, 240.0, 0.0, 0.0, 0.0, 1.0, 0.0]}
+
+
+class FakeRos:
+    """Keeps what is logged."""
+
+    def __init__(self):
+        self.lines = []
+        for level in ('info', 'warn', 'err'):
+            setattr(self, 'log' + level, self._logger(level))
+
+    def _logger(self, level):
+        return lambda text, *values: self.lines.append((level, text % values))
+
+    def levels(self):
+        return [level for level, _ in self.lines]
+
+
+@pytest.fixture
+def ros(monkeypatch):
+    """A FakeRos in place of rospy."""
+    fake = FakeRos()
+    monkeypatch.setattr(camera_calibration, 'rospy', fake)
+    return fake
+
+
+@pytest.fixture
+def make(ros, tmp_path, monkeypatch):
+    """A function that makes the calibration of a camera; its file is calibration.yaml."""
+    def made(url='file://{}/calibration.yaml'.format(tmp_path), **settings):
+        # only get_param is faked, so that the error line is the one of every parameter
+        monkeypatch.setattr(parameters, 'rospy', SimpleNamespace(
+            get_param=lambda *_: {'camera_info_url': url},
+            resolve_name=lambda name: name.replace('~', '/usb_cam/')))
+        return camera_calibration.CameraCalibration(
+            CameraSettings(camera_info_url=url, **settings))
+    return made
+
+
+def saved(tmp_path, **fields):
+    path = str(tmp_path / 'calibration.yaml')
+    values = dict(camera_name='head_camera', width=640, height=480, distortion_model='plumb_bob',
+                  distortion=GIVEN['D'], camera_matrix=GIVEN['K'], rectification=GIVEN['R'],
+                  projection=GIVEN['P'])
+    values.update(fields)
+    calibration.save(path, Calibration(**values))
+    return path
+
+
+def answer(made, **fields):
+    return made._set_camera_info(SetCameraInfoRequest(CameraInfo(**dict(GIVEN, **fields))))
+
+
+def test_calibration_of_the_file_is_published(make, ros, tmp_path):
+    saved(tmp_path)
+    made = make()
+    made.images_are(640, 480)
+    assert list(made.to_msg(Header()).K) == GIVEN['K']
+    assert ros.lines == []
+
+
+def test_broken_calibration_is_one_error_and_none_is_published(make, ros, tmp_path):
+    path = saved(tmp_path, camera_matrix=[float('nan')] * 9)
+    made = make()
+    made.images_are(640, 480)
+    assert not any(made.to_msg(Header()).K) and not made.to_msg(Header()).distortion_model
+    assert ros.lines == [('err', 'calibration {} has no usable entry camera_matrix (wants finite '
+                                 'numbers, has nan); publishing no calibration'.format(path))]
+
+
+def test_calibration_of_another_camera_is_used_with_one_warning(make, ros, tmp_path):
+    saved(tmp_path, camera_name='narrow_stereo')
+    made = make()
+    made.images_are(640, 480)
+    assert list(made.to_msg(Header()).K) == GIVEN['K']
+    assert ros.levels() == ['warn']
+    assert "is of a camera 'narrow_stereo', camera_name is head_camera" in ros.lines[0][1]
+
+
+@pytest.mark.parametrize('url, words', [
+    ('http://x', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
+    ('package://no_such_package/x', 'there is no package no_such_package')])
+def test_url_that_is_refused_names_the_parameter_with_its_namespace(make, url, words):
+    with pytest.raises(ParameterError) as refused:
+        make(url)
+    assert str(refused.value).startswith('parameter /usb_cam/camera_info_url: got {!r}, '.format(
+        url))
+    assert words in str(refused.value)
+
+
+@pytest.mark.parametrize('fields, words', [
+    ({'K': [float('nan')] * 9}, 'camera_matrix (wants finite numbers, has nan)'),
+    ({'K': [0.0] * 9}, 'camera_matrix (wants a focal length fx above 0, has 0)'),
+    ({'distortion_model': ''}, "has ''"),
+    ({'distortion_model': 'plum_bob'}, "has 'plum_bob'"),
+    ({'D': []}, 'distortion_coefficients (wants 5 or 4 numbers for plumb_bob, has 0)'),
+    ({'width': 0, 'height': 0}, 'image_width (wants a whole number above 0, has 0)'),
+    ({'width': 320}, 'the calibration is for 320x480, the images are 640x480')])
+def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fields, words):
+    path = saved(tmp_path)
+    with open(path) as file:
+        before = file.read()
+    made = make()
+    made.images_are(640, 480)
+    response = answer(made, **fields)
+    assert not response.success and words in response.status_message
+    assert ros.levels() == ['err']
+    with open(path) as file:
+        assert file.read() == before
+    assert list(made.to_msg(Header()).K) == GIVEN['K']
+
+
+def test_good_calibration_is_written_and_in_force(make, tmp_path):
+    made = make()
+    made.images_are(640, 480)
+    response = answer(made)
+    assert (response.success, response.status_message) == (
+        True, str(tmp_path / 'calibration.yaml'))
+    assert list(made.to_msg(Header()).K) == GIVEN['K']
+
+
+def test_size_that_is_not_known_yet_is_told_to_be_unchecked(make, tmp_path):
+    made = make()
+    assert not answer(made, width=0, height=0).success
+    assert not os.path.exists(str(tmp_path / 'calibration.yaml'))
+    response = answer(made)
+    assert response.success
+    assert response.status_message.endswith(
+        'its size 640x480 could not be checked: the camera has not been open yet')
+    made.images_are(320, 240)
+    assert made.to_msg(Header()).K[0] == 250.0
+
+
+def test_size_of_the_synthetic_scene_is_known_before_it_is_open(make, tmp_path):
+    made = make(video_device='synthetic', image_width=320, image_height=240)
+    response = answer(made)
+    assert not response.success
+    assert response.status_message == (
+        'the calibration is for 640x480, the images are 320x240')
+    assert answer(made, width=320, height=240).success
+    with open(str(tmp_path / 'calibration.yaml')) as file:
+        assert yaml.safe_load(file)['image_width'] == 320

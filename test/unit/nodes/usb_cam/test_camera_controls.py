@@ -1,0 +1,38 @@
+"""What the node says of controls that its source does not have."""
+from types import SimpleNamespace
+
+import pytest
+
+from img_recog.camera.settings import ControlSettings
+from img_recog.nodes.usb_cam import controls as camera_controls
+from img_recog.nodes.usb_cam.controls import CameraControls
+
+
+@pytest.fixture
+def lines(monkeypatch):
+    """What is logged, with its level."""
+    logged = []
+    monkeypatch.setattr(camera_controls, 'rospy', SimpleNamespace(
+        loginfo=lambda text, *values: logged.append(('info', text % values)),
+        logwarn=lambda text, *values: logged.append(('warn', text % values))))
+    return logged
+
+
+def test_controls_that_were_given_are_told_to_be_without_effect_once(lines):
+    controls = CameraControls(ControlSettings(brightness=5, autoexposure=False), {'zoom': 3})
+    for _ in range(2):
+        controls.device_is(None)
+    assert lines == [
+        ('info', 'no device, so these controls have no effect: brightness, autoexposure, zoom')]
+
+
+def test_controls_at_their_defaults_are_not_told(lines):
+    controls = CameraControls(ControlSettings(), {})
+    controls.device_is(None)
+    assert lines == []
+
+
+def test_controls_of_a_device_are_not_told(lines, tmp_path):
+    controls = CameraControls(ControlSettings(brightness=5), {})
+    controls.device_is(str(tmp_path / 'gone'))
+    assert [level for level, _ in lines] == ['warn']

@@ -1,0 +1,293 @@
+"""Colour areas against plain OpenCV and numpy, with the article's ranges and others."""
+import cv2
+import numpy as np
+import pytest
+
+from img_recog.recognition.areas import ENCODINGS, ColorExtractor
+from img_recog.recognition.settings import with_colors
+from img_recog_testing import plain_opencv
+
+# bgr8 pixels at both sides of each bound of the article, with the HSV that OpenCV gives them
+BOUNDS = [
+    # bgr, hsv, in blue, in red
+    ((0, 200, 64), (50, 255, 200), True, False),
+    ((0, 200, 70), (49, 255, 200), False, False),
+    ((204, 150, 124), (110, 100, 204), True, False),
+    ((201, 148, 123), (110, 99, 201), False, False),
+    ((100, 32, 0), (110, 255, 100), True, False),
+    ((99, 32, 0), (110, 255, 99), False, False),
+    ((251, 0, 255), (150, 255, 255), True, True),
+    ((200, 0, 191), (149, 255, 200), True, False),
+    ((191, 0, 200), (151, 255, 200), False, True),
+    ((4, 0, 200), (179, 255, 200), False, True),
+    ((0, 0, 200), (0, 255, 200), False, False),
+    ((148, 122, 201), (170, 100, 201), False, True),
+    ((147, 122, 200), (170, 99, 200), False, False),
+    ((48, 0, 150), (170, 255, 150), False, True),
+    ((48, 0, 149), (170, 255, 149), False, False),
+]
+
+
+def extractor(**values):
+    return ColorExtractor(with_colors()(**values))
+
+
+def random_image(seed, shape=(48, 64, 3)):
+    return np.random.RandomState(seed).randint(0, 256, shape).astype(np.uint8)
+
+
+def in_range(image, color):
+    """Return by numpy alone where a bgr8 image is of a colour."""
+    hue, saturation, value = np.moveaxis(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), 2, 0)
+    low, high = color.hue
+    inside = ((hue >= low) & (hue <= high)) if low <= high else ((hue >= low) | (hue <= high))
+    for plane, (low, high) in ((saturation, color.saturation), (value, color.value)):
+        inside &= (plane >= low) & (plane <= high)
+    return inside
+
+
+def assert_equal_to_plain_opencv(image, settings=with_colors()()):
+    found = ColorExtractor(settings)
+    areas_px = found.measure(image)
+    assert len(areas_px) == len(settings.colors)
+    assert np.array_equal(found.bgr(), image)
+    for number, color in enumerate(settings.colors):
+        inside = in_range(image, color)
+        if color.hue[0] <= color.hue[1]:
+            mask = plain_opencv.mask(image, color)
+            assert np.array_equal(mask == 255, inside)
+            assert areas_px[number] == cv2.countNonZero(mask)
+            assert np.array_equal(found.masked(number), cv2.bitwise_and(image, image, mask=mask))
+        assert areas_px[number] == inside.sum()
+        assert np.array_equal(found.mask(number), np.where(inside, 255, 0))
+        masked = found.masked(number)
+        assert masked.dtype == np.uint8 and masked.shape == image.shape
+        assert np.array_equal(masked, np.where(inside[..., np.newaxis], image, 0))
+
+
+@pytest.mark.parametrize('seed', range(5))
+@pytest.mark.parametrize('shape', [(480, 640, 3), (3, 5, 3), (1, 1, 3), (3, 1, 3)])
+def test_random_frames_equal_plain_opencv(seed, shape):
+    assert_equal_to_plain_opencv(random_image(seed, shape))
+
+
+@pytest.mark.parametrize('shape', [(1080, 1920, 3), (523, 1003, 3), (3, 600000, 3)])
+def test_large_frames_equal_plain_opencv(shape):
+    assert_equal_to_plain_opencv(random_image(1, shape))
+
+
+def test_random_frames_have_both_colours():
+    assert all(area_px > 1000 for area_px in extractor().measure(random_image(0, (480, 640, 3))))
+
+
+@pytest.mark.parametrize('seed', range(40))
+def test_any_ranges_equal_plain_opencv(seed):
+    random = np.random.RandomState(seed)
+    values = {}
+    for name in ('blue', 'red'):
+        values[name + '_hue_min'], values[name + '_hue_max'] = map(int, random.randint(0, 181, 2))
+        for part in ('saturation', 'value'):
+            low, high = sorted(map(int, random.choice([0, 1, 60, 100, 254, 255], 2)))
+            values['{}_{}_min'.format(name, part)] = low
+            values['{}_{}_max'.format(name, part)] = high
+    assert_equal_to_plain_opencv(random_image(seed, (48, 64, 3)), with_colors()(**values))
+
+
+@pytest.mark.parametrize('low', [0, 1, 90, 178, 179, 180])
+@pytest.mark.parametrize('high', [0, 1, 90, 178, 179, 180])
+def test_hues_wrap(low, high):
+    hues = cv2.cvtColor(np.array([[(hue, 200, 200) for hue in range(180)]], np.uint8),
+                        cv2.COLOR_HSV2BGR)
+    settings = with_colors(['any'])(any_hue_min=low, any_hue_max=high, any_saturation_min=0,
+                                    any_value_min=0)
+    assert_equal_to_plain_opencv(hues, settings)
+
+
+def test_a_range_of_everything():
+    settings = with_colors(['any'])(any_hue_min=0, any_hue_max=180, any_saturation_min=0,
+                                    any_value_min=0)
+    assert_equal_to_plain_opencv(random_image(3), settings)
+    assert ColorExtractor(settings).measure(random_image(3)) == [48 * 64]
+
+
+@pytest.mark.parametrize('encoding', ENCODINGS)
+def test_every_order_of_channels_gives_the_same(encoding):
+    image = random_image(4)
+    given = np.dstack([image, random_image(5)[..., 0]]) if 'a' in encoding else image
+    if encoding.startswith('rgb'):
+        given = np.ascontiguousarray(given[..., [2, 1, 0, 3][:given.shape[2]]])
+    found, plain = extractor(), extractor()
+    assert found.measure(given, encoding) == plain.measure(image)
+    assert np.array_equal(found.bgr(), image)
+    for number in (0, 1):
+        assert np.array_equal(found.masked(number), plain.masked(number))
+
+
+def test_rows_that_are_apart_and_memory_that_cannot_be_written():
+    image = random_image(6, (48, 80, 3))
+    image.setflags(write=False)
+    found, plain = extractor(), extractor()
+    assert found.measure(image[:, 3:67]) == plain.measure(image[:, 3:67].copy())
+    for number in (0, 1):
+        assert np.array_equal(found.masked(number), plain.masked(number))
+
+
+def test_frame_whose_pixels_belong_to_both_colours():
+    image = np.zeros((40, 60, 3), np.uint8)
+    image[:, :20], image[:, 20:30] = (255, 0, 255), (255, 40, 0)
+    assert_equal_to_plain_opencv(image)
+    found = extractor()
+    assert found.measure(image) == [40 * 30, 40 * 20]
+    assert np.array_equal(found.masked(0), image)
+    assert not found.masked(1)[:, 20:].any()
+
+
+@pytest.mark.parametrize('bgr, hsv, in_blue, in_red', BOUNDS)
+def test_bounds_of_the_articles_ranges(bgr, hsv, in_blue, in_red):
+    image = np.full((1, 1, 3), bgr, np.uint8)
+    assert tuple(cv2.cvtColor(image, cv2.COLOR_BGR2HSV)[0, 0]) == hsv
+    found = extractor()
+    assert found.measure(image) == [in_blue, in_red]
+    for number, inside in enumerate((in_blue, in_red)):
+        assert tuple(found.masked(number)[0, 0]) == (bgr if inside else (0, 0, 0))
+
+
+@pytest.mark.parametrize('channel', [0, 1, 2])
+def test_bounds_are_included_at_both_ends_of_each_channel(channel):
+    image, hsv = np.full((2, 3, 3), (191, 60, 200), np.uint8), np.array([152, 178, 200])
+    assert np.array_equal(cv2.cvtColor(image, cv2.COLOR_BGR2HSV)[0, 0], hsv)
+
+    def area_px(lower, upper):
+        values = {}
+        for part, low, high in zip(('hue', 'saturation', 'value'), lower, upper):
+            values['c_{}_min'.format(part)], values['c_{}_max'.format(part)] = int(low), int(high)
+        return ColorExtractor(with_colors(['c'])(**values)).measure(image)[0]
+
+    step = np.eye(3, dtype=int)[channel]
+    assert area_px(hsv, hsv) == 6
+    assert area_px(hsv + step, [180, 255, 255]) == 0
+    assert area_px([0, 0, 0], hsv - step) == 0
+    assert area_px(hsv, hsv + step) == 6
+    assert area_px(hsv - step, hsv) == 6
+
+
+@pytest.mark.parametrize('value', [0, 128, 255])
+def test_black_grey_and_white_have_no_colour(value):
+    found = extractor()
+    assert found.measure(np.full((48, 64, 3), value, np.uint8)) == [0, 0]
+    assert not found.masked(0).any() and not found.masked(1).any()
+    assert found.centroid(0) is None and found.centroid(1) is None
+
+
+def test_whole_frame_of_a_colour():
+    image = np.full((48, 64, 3), (215, 70, 25), np.uint8)
+    found = extractor()
+    assert found.measure(image) == [48 * 64, 0]
+    assert np.array_equal(found.masked(0), image)
+    assert found.centroid(0) == (31.5, 23.5)
+
+
+def test_input_is_left_alone_and_results_share_no_memory_with_it():
+    image = random_image(7)
+    before, found = image.copy(), extractor()
+    found.measure(image)
+    blue, red = found.masked(0), found.masked(1)
+    assert np.array_equal(image, before)
+    assert not np.shares_memory(blue, image) and not np.shares_memory(blue, red)
+
+
+@pytest.mark.parametrize('encoding', ENCODINGS)
+@pytest.mark.parametrize('shape', [(0, 5), (5, 0), (0, 0)])
+def test_an_image_without_pixels(shape, encoding):
+    found = extractor()
+    found.measure(random_image(0))
+    assert found.measure(np.zeros(shape + (4 if 'a' in encoding else 3,), np.uint8), encoding) == [
+        0, 0]
+    assert found.bgr().shape[:2] == found.mask(0).shape == found.masked(0).shape[:2] == shape
+    assert found.centroid(0) is None
+
+
+def test_nothing_of_an_earlier_image_is_left():
+    found = extractor()
+    for seed, shape in enumerate([(48, 64, 3), (20, 64, 3), (600, 1000, 3), (48, 64, 3), (1, 1, 3),
+                                  (48, 30, 3)]):
+        image, plain = random_image(seed, shape), extractor()
+        assert found.measure(image) == plain.measure(image)
+        for number in (0, 1):
+            assert np.array_equal(found.masked(number), plain.masked(number))
+            assert np.array_equal(found.mask(number), plain.mask(number))
+    black = np.zeros((48, 64, 3), np.uint8)
+    assert found.measure(black) == [0, 0] and not found.masked(0).any()
+
+
+def test_nothing_is_allocated_in_the_steady_state():
+    image, found = random_image(8), extractor()
+    found.measure(image, 'rgb8')
+    addresses = {number: found.masked(number).ctypes.data for number in (0, 1)}
+    kept = dict(found._buffers)
+    for _ in range(3):
+        found.measure(image, 'rgb8')
+        assert {number: found.masked(number).ctypes.data for number in (0, 1)} == addresses
+    assert all(found._buffers[key] is buffer for key, buffer in kept.items())
+    assert len(found._buffers) == len(kept)
+
+
+def test_other_settings_hold_from_the_next_image_on():
+    image, found = random_image(9), extractor()
+    before = found.measure(image)
+    found.use(with_colors()(blue_hue_min=100))
+    assert found.masked(0).any()
+    after = found.measure(image)
+    assert after[0] < before[0] and after[1] == before[1]
+    found.use(with_colors(['red'])())
+    assert found.measure(image) == [before[1]]
+
+
+def test_a_region_of_interest():
+    image = random_image(10)
+    found, part = extractor(roi_x_offset=10, roi_y_offset=5, roi_width=20, roi_height=30), \
+        extractor()
+    assert found.measure(image) == part.measure(image[5:35, 10:30])
+    for number in (0, 1):
+        masked = found.masked(number)
+        assert masked.shape == image.shape
+        assert np.array_equal(masked[5:35, 10:30], part.masked(number))
+        masked[5:35, 10:30] = 0
+        assert not masked.any()
+        x, y = part.centroid(number)
+        assert found.centroid(number) == (x + 10, y + 5)
+
+
+@pytest.mark.parametrize('roi, size', [
+    ({'roi_x_offset': 60}, 4 * 48), ({'roi_y_offset': 40, 'roi_height': 1000}, 8 * 64),
+    ({'roi_x_offset': 64}, 0), ({'roi_x_offset': 1000, 'roi_y_offset': 1000}, 0)])
+def test_a_region_that_is_partly_or_wholly_outside(roi, size):
+    found = extractor(**roi)
+    assert found.measure(np.full((48, 64, 3), (215, 70, 25), np.uint8)) == [size, 0]
+    assert (found.masked(0).any(axis=2).sum(), found.masked(1).any()) == (size, False)
+    assert (found.mask(0) == 255).sum() == size
+
+
+def test_small_blobs_do_not_count():
+    image = np.zeros((48, 64, 3), np.uint8)
+    image[2:5, 2:5] = image[20:30, 20:40] = image[30, 40] = (215, 70, 25)   # one at a corner
+    for least, area_px in ((0, 210), (1, 210), (9, 210), (10, 201), (201, 201), (202, 0)):
+        found = extractor(min_blob_size=least)
+        assert found.measure(image) == [area_px, 0]
+        assert (found.mask(0) == 255).sum() == area_px
+        assert found.masked(0).any(axis=2).sum() == area_px
+
+
+def test_centroids_are_the_mean_of_the_pixels():
+    image, found = random_image(11), extractor()
+    found.measure(image)
+    for number in (0, 1):
+        rows, columns = np.nonzero(found.mask(number))
+        assert found.centroid(number) == pytest.approx((columns.mean(), rows.mean()), abs=1e-9)
+
+
+def test_areas_stand_in_the_order_of_the_colours():
+    image = random_image(12)
+    blue, red = extractor().measure(image)
+    assert blue != red
+    assert ColorExtractor(with_colors(['red', 'blue'])()).measure(image) == [red, blue]

@@ -1,0 +1,78 @@
+"""The scan against the analytic geometry of the world."""
+import math
+
+import numpy as np
+import pytest
+
+from img_recog.simulation.settings import ScanSettings, SensorSettings, SimulationError
+from img_recog_testing import turtlebot3_world
+from img_recog_testing.robots import simulator
+
+ANGLES = np.linspace(0.0, 6.28319, 360)
+
+
+def scan(sim):
+    """Return the first scan and where its origin is in the world."""
+    reading = next(each for each in sim.advance(200) if each.sensor == 'scan')
+    return reading.value, sim.vehicles[0].robot.motion('base_scan')
+
+
+@pytest.mark.parametrize('x, y, yaw', [(-2.0, -0.5, 0.0), (0.5, 0.4, 1.0), (1.9, -0.6, -2.5)])
+def test_scan_of_the_world_is_its_geometry(x, y, yaw):
+    exact = ScanSettings(scan_noise=0.0)
+    ranges, motion = scan(simulator('turtlebot3_world', x, y, yaw, scan=exact))
+    qx, qy, qz, qw = motion.orientation
+    heading = math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz))
+    model = turtlebot3_world.ranges(motion.position[:2], heading + ANGLES, 3.5)
+    both = np.isfinite(ranges) & np.isfinite(model)
+    assert np.count_nonzero(both) > 300
+    # a ray that grazes the rim of a post may see it or what is behind it
+    grazing = np.isfinite(ranges) != np.isfinite(model)
+    grazing[both] = np.abs(ranges[both] - model[both]) > 0.03
+    assert np.count_nonzero(grazing) <= 2
+
+
+def test_scan_of_a_wall_of_known_distance(tmp_path):
+    wall = tmp_path / 'wall.sdf'
+    wall.write_text('<sdf version="1.6"><model name="wall"><static>true</static>'
+                    '<pose>1.55 0 0.5 0 0 0</pose><link name="l"><collision name="c"><geometry>'
+                    '<box><size>0.1 4 1</size></box></geometry></collision></link></model></sdf>')
+    sim = simulator(str(wall), x=0.032, scan=ScanSettings(scan_noise=0.0))
+    ranges, motion = scan(sim)
+    assert motion.position[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
+    hit = np.cos(ANGLES) > math.cos(math.atan2(1.9, 1.5))       # within the wall's ends
+    assert np.count_nonzero(hit) > 100
+    assert ranges[hit] == pytest.approx(1.5 / np.cos(ANGLES[hit]), abs=0.02)
+    assert np.all(np.isposinf(ranges[np.cos(ANGLES) < 0]))
+
+
+def test_scan_in_the_open_is_infinite_and_blind_to_the_robot():
+    ranges, _ = scan(simulator('empty'))
+    assert ranges.shape == (360,)
+    assert np.all(np.isposinf(ranges))
+
+
+def test_noise_is_seeded_and_as_large_as_it_says():
+    exact, _ = scan(simulator('turtlebot3_world', scan=ScanSettings(scan_noise=0.0), x=0.5, y=0.5))
+    noisy, _ = scan(simulator('turtlebot3_world', x=0.5, y=0.5))
+    again, _ = scan(simulator('turtlebot3_world', x=0.5, y=0.5))
+    other, _ = scan(simulator('turtlebot3_world', x=0.5, y=0.5, sensors=SensorSettings(seed=1)))
+    hit = np.isfinite(exact)
+    assert np.std((noisy - exact)[hit]) == pytest.approx(0.01, rel=0.2)
+    assert np.array_equal(noisy, again)
+    assert not np.array_equal(noisy, other)
+
+
+def test_never_below_range_min():
+    # 0.02 m between the robot's side and a post: nearer than the scanner sees
+    ranges, _ = scan(simulator('turtlebot3_world', x=0.032, y=0.25))
+    assert ranges.min() == 0.12
+
+
+@pytest.mark.parametrize('settings, words', [
+    (ScanSettings(scan_frame='lidar'), 'no link lidar (has base_footprint'),
+    (ScanSettings(scan_range_min=4.0), 'scan_range_min: got 4 m')])
+def test_refusals(settings, words):
+    with pytest.raises(SimulationError) as error:
+        simulator(scan=settings)
+    assert words in str(error.value)
