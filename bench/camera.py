@@ -20,9 +20,9 @@ RATE_HZ, FRAMES = 30, 150
 UNBOUNDED_HZ = 1000                 # more than any of them reaches
 
 
-def film(folder: str, width: int, height: int) -> str:
-    """Write a film of the synthetic scene and return its path."""
-    path = os.path.join(folder, 'film_{}.avi'.format(width))
+def video(folder: str, width: int, height: int) -> str:
+    """Write a video of the synthetic scene and return its path."""
+    path = os.path.join(folder, 'video_{}.avi'.format(width))
     writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*'MJPG'), RATE_HZ,
                              (width, height))
     for number in range(FRAMES):
@@ -56,7 +56,7 @@ def cases() -> list:
     return [('{} {}x{}, {}'.format(name, width, height, words), write, (width, height), rate_hz)
             for width, height in SIZES
             for name, write, words, rate_hz in (
-                ('film', film, '30 Hz', RATE_HZ), ('still', still, '30 Hz', RATE_HZ),
+                ('video', video, '30 Hz', RATE_HZ), ('still', still, '30 Hz', RATE_HZ),
                 ('still', still, 'highest rate', UNBOUNDED_HZ))]
 
 

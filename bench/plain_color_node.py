@@ -1,6 +1,6 @@
 """The recognition as one writes it first, the article's way, to compare with.
 
-It does for each frame, in rospy's receiving thread, what the article's node does: for each colour
+It does for each frame, in rospy's receiving thread, what the article's node does: for each color
 a conversion to HSV, cv2.inRange, cv2.bitwise_and and a count; then it publishes both images,
 logs, and publishes the commands.
 """
@@ -43,7 +43,7 @@ class PlainNode:
 
     @staticmethod
     def extract(image, lower, upper):
-        """Return the area of a colour and the image with all else black."""
+        """Return the area of a color and the image with all else black."""
         hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
         mask = cv2.inRange(hsv, lower, upper)
         return cv2.countNonZero(mask), cv2.bitwise_and(image, image, mask=mask)

@@ -35,7 +35,7 @@ def script(*path: str) -> Callable[[Master, str, bool], tuple]:
 
 
 def filters(master: Master, name: str, _viewed: bool) -> tuple:
-    """Start two filters in C++, a colour each; their answers are their images."""
+    """Start two filters in C++, a color each; their answers are their images."""
     pids = []
     for color, limits in FILTERS.items():
         process = master.start(

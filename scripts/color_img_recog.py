@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Recognise colours in images and command the robot."""
+"""Recognise colors in images and command the robot."""
 import signal
 import sys
 

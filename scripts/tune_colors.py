@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tell why a colour is seen in an image, or is not."""
+"""Tell why a color is seen in an image, or is not."""
 import signal
 import sys
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Publish the frames of a camera, a film, a still image or the synthetic scene."""
+"""Publish the frames of a camera, a video, an image or the synthetic scene."""
 import signal
 import sys
 

@@ -1,1 +1,1 @@
-"""Drive a robot by the colours a camera sees."""
+"""Drive a robot by the colors a camera sees."""

@@ -64,7 +64,7 @@ def not_empty() -> Allowed:
     return Allowed('a text that is not empty', lambda value: value.strip() != '')
 
 
-def anything() -> Allowed:
+def any_value() -> Allowed:
     """Accept every value of the right type."""
     return Allowed('', lambda value: True)
 
@@ -73,7 +73,7 @@ _MOST = 0x7fffffff      # parameters are whole numbers of 32 bits
 _KINDS = {int: 'a whole number', float: 'a finite number', bool: 'true or false', str: 'a text'}
 
 
-def setting(default: Any, allowed: Allowed = anything(), description: str = '') -> Any:
+def setting(default: Any, allowed: Allowed = any_value(), description: str = '') -> Any:
     """Declare a field of a `Settings` class.
 
     default: the value in force unless it is overridden; its type is the type that is accepted.
@@ -83,7 +83,7 @@ def setting(default: Any, allowed: Allowed = anything(), description: str = '') 
     return _field(default, type(default), allowed, description)
 
 
-def required(kind: type, allowed: Allowed = anything(), description: str = '') -> Any:
+def required(kind: type, allowed: Allowed = any_value(), description: str = '') -> Any:
     """Declare a field of a `Settings` class that has no default: it has to be given.
 
     kind: the type that is accepted; the others as for `setting`.
@@ -104,25 +104,25 @@ class Settings:
     """
 
     def __post_init__(self):
-        for field in declared(type(self)):
+        for field in setting_fields(type(self)):
             object.__setattr__(self, field.name, _checked(field, getattr(self, field.name)))
 
 
 SettingsType = TypeVar('SettingsType', bound=Settings)
 
 
-def declared(settings_class: type) -> Iterator[dataclasses.Field]:
+def setting_fields(settings_class: type) -> Iterator[dataclasses.Field]:
     """Yield the fields of a `Settings` class that were made by `setting`."""
     return (field for field in dataclasses.fields(settings_class) if 'allowed' in field.metadata)
 
 
-def made_of(settings_class: Type[SettingsType], values: Mapping[str, Any]) -> SettingsType:
+def from_mapping(settings_class: Type[SettingsType], values: Mapping[str, Any]) -> SettingsType:
     """Return the settings with those of `values` that are theirs in the place of defaults.
 
     Raises SettingError naming the field, its value and what is allowed.
     """
-    return settings_class(**{field.name: values[field.name] for field in declared(settings_class)
-                             if field.name in values})
+    return settings_class(**{field.name: values[field.name]
+                             for field in setting_fields(settings_class) if field.name in values})
 
 
 def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:

@@ -10,7 +10,7 @@ BLUE, RED, GREY = (255, 0, 0), (128, 0, 255), (90, 90, 90)
 
 
 def image(*colors, width=40):
-    """Draw stripes of 40 x `width` pixels in these colours, bgr8, on grey."""
+    """Draw stripes of 40 x `width` pixels in these colors, bgr8, on grey."""
     result = np.full((40, 200, 3), GREY, np.uint8)
     for number, color in enumerate(colors):
         result[:, number * width:(number + 1) * width] = color
@@ -18,7 +18,7 @@ def image(*colors, width=40):
 
 
 def frame(number, stamp_ns, *colors):
-    """Return a Frame with stripes in these colours."""
+    """Return a Frame with stripes in these colors."""
     header = Header(number, rospy.Time(*divmod(stamp_ns, 10 ** 9)), 'head_camera')
     return Frame(number, stamp_ns, header, image(*colors), 'bgr8')
 
@@ -32,11 +32,11 @@ class Notebook(Recorder):
     def start(self, stamp_ns):
         self.start_ns = stamp_ns
 
-    def seen(self, seen):
+    def on_frame(self, seen):
         self.frames.append(seen)
 
-    def sent(self, sent):
+    def on_command(self, sent):
         self.commands.append((sent.time_ns, sent.command.linear_x, sent.sender))
 
-    def read(self, reading):
+    def on_reading(self, reading):
         self.readings.append(reading)

@@ -6,7 +6,7 @@ import numpy as np
 POSTS = [(x, y) for x in (-1.1, 0, 1.1) for y in (-1.1, 0, 1.1)]
 POST_RADIUS = 0.15
 WALL_APOTHEM = 2.540        # of its inner side
-# a prism reaches through the wall where its corner does: centre and corner radius
+# a prism reaches through the wall where its corner does: center and corner radius
 PRISMS = [((3.5, 0), 1.173), *(((x, y), 0.807) for x in (-1.8, 1.8) for y in (-2.7, 2.7))]
 
 
@@ -19,8 +19,8 @@ def clearance(point):
     """Return how far a point inside the wall is from the nearest thing, or less near a corner."""
     distances = [math.dist(point, post) - POST_RADIUS for post in POSTS]
     distances.append(min(WALL_APOTHEM - normal @ point for normal in _normals()))
-    distances += [max(normal @ np.subtract(point, centre) for normal in _normals())
-                  - corner * math.sqrt(3) / 2 for centre, corner in PRISMS]
+    distances += [max(normal @ np.subtract(point, center) for normal in _normals())
+                  - corner * math.sqrt(3) / 2 for center, corner in PRISMS]
     return min(distances)
 
 
@@ -37,18 +37,18 @@ def ranges(origin, angles, range_max):
     return np.array(found)
 
 
-def _ray_to_circle(origin, direction, centre, radius):
-    offset = np.subtract(centre, origin)
+def _ray_to_circle(origin, direction, center, radius):
+    offset = np.subtract(center, origin)
     along = offset @ direction
     square = radius ** 2 - (offset @ offset - along ** 2)
     return along - math.sqrt(square) if square >= 0 and along > 0 else math.inf
 
 
-def _ray_to_hexagon(origin, direction, centre, corner):
+def _ray_to_hexagon(origin, direction, center, corner):
     """Return the distance from outside, slab by slab."""
     enter, leave, apothem = -math.inf, math.inf, corner * math.sqrt(3) / 2
     for normal in _normals()[:3]:
-        speed, offset = normal @ direction, normal @ np.subtract(centre, origin)
+        speed, offset = normal @ direction, normal @ np.subtract(center, origin)
         if abs(speed) < 1e-12:
             if abs(offset) > apothem:
                 return math.inf

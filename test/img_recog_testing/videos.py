@@ -1,7 +1,7 @@
-"""What the films and still images of the tests show."""
+"""What the videos and images of the tests show."""
 import numpy as np
 
-FILM_RATE_HZ = 12.5
+VIDEO_RATE_HZ = 12.5
 
 
 def smooth_image(number, width=96, height=64):

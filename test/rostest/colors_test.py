@@ -19,7 +19,7 @@ RANGES = {'blue': ((50, 100, 100), (150, 255, 255)), 'red': ((150, 100, 150), (1
 
 
 def picture(blue_px=0, red_px=0):
-    """Return a grey bgr8 picture of 320x240 with so many pixels of each colour."""
+    """Return a grey bgr8 picture of 320x240 with so many pixels of each color."""
     image = np.full((240 * 320, 3), 128, np.uint8)
     image[:blue_px] = BLUE
     image[len(image) - red_px:] = RED
@@ -91,7 +91,7 @@ class ColorsTest(unittest.TestCase):
         self.assertEqual([], self._commands_for(message(picture(1000, 1000), 'bgr8')))
         self.assertEqual([-10.0], self._commands_for(message(picture(0, 1001), 'bgr8')))
 
-    def test_both_colours_give_two_twists_blue_first(self):
+    def test_both_colors_give_two_twists_blue_first(self):
         before = len(self.twists.messages)
         self._send(message(picture(1001, 1001), 'bgr8'))
         wait_for(lambda: len(self.twists.messages) >= before + 2, 'two Twists')

@@ -24,7 +24,7 @@ NODES = ('color_extract', 'from_compressed')
 
 
 def picture(blue_px=0, red_px=0, seed=1):
-    """Return a noisy grey rgb8 picture of 320x240 with so many pixels of each colour."""
+    """Return a noisy grey rgb8 picture of 320x240 with so many pixels of each color."""
     image = np.random.RandomState(seed).randint(110, 150, (240 * 320, 3)).astype(np.uint8)
     image[:blue_px] = BLUE
     image[len(image) - red_px:] = RED
@@ -43,7 +43,7 @@ def dynparam(*words):
 
 
 class CompressedTest(unittest.TestCase):
-    """Each test has topics of its own, but for those of the two nodes that look for colours."""
+    """Each test has topics of its own, but for those of the two nodes that look for colors."""
 
     @classmethod
     def setUpClass(cls):
@@ -151,9 +151,9 @@ class CompressedTest(unittest.TestCase):
                                 log.msg.startswith('blue=')) for node in NODES}
         twists = {'color_extract': Recorder('/cmd_vel', Twist, from_node('/color_extract')),
                   'from_compressed': Recorder('/from_compressed/cmd_vel', Twist)}
-        images = {(node, colour): Recorder(prefix + colour + '_image', Image)
+        images = {(node, color): Recorder(prefix + color + '_image', Image)
                   for node, prefix in zip(NODES, ('/', '/from_compressed/'))
-                  for colour in ('blue', 'red')}
+                  for color in ('blue', 'red')}
         wait_for(lambda: raw.get_num_connections() == 1 and
                  compressed._publisher.get_num_connections() == 1, 'both nodes to subscribe')
 
@@ -174,10 +174,10 @@ class CompressedTest(unittest.TestCase):
         for number, (blue, red) in enumerate(cases):
             stamp = send(picture(blue, red, number))
             self.assertEqual(*(areas[node].messages[-1].msg for node in NODES))
-            for colour in ('blue', 'red'):
-                pair = [images[node, colour] for node in NODES]
+            for color in ('blue', 'red'):
+                pair = [images[node, color] for node in NODES]
                 wait_for(lambda: all(each.messages[-1].header.stamp == stamp for each in pair),
-                         colour + '_image')
+                         color + '_image')
                 self.assertEqual(*(each.messages[-1].data for each in pair))
         for node in NODES:
             # the first is of the last frame before the cases, the first two of which give none

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Headers, encodings and numbers of the demo's messages, and the colour images bit for bit."""
+"""Headers, encodings and numbers of the demo's messages, and the color images bit for bit."""
 import unittest
 
 import cv2
@@ -63,7 +63,7 @@ class FramesTest(unittest.TestCase):
             self.assertLess(abs(stamp - clock), 5.0, name)
             self.assertGreater(stamp, 0.0, name)
 
-    def test_colour_images_are_plain_opencvs_bit_for_bit(self):
+    def test_color_images_are_plain_opencvs_bit_for_bit(self):
         frames = {msg.header.stamp: msg
                   for msg in list(self.topics['/usb_cam/image_raw'].messages)}
         for topic, (lower, upper) in RANGES.items():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Colours that are changed while color_extract runs, and what it tells besides."""
+"""Colors that are changed while color_extract runs, and what it tells besides."""
 import subprocess
 import unittest
 
@@ -25,7 +25,7 @@ DEFAULTS = {'blue_hue_min': 50, 'blue_saturation_min': 100, 'blue_saturation_max
 
 
 def picture(*squares):
-    """Return a grey bgr8 picture of 320x240 with a square of 40x40 for each BGR colour."""
+    """Return a grey bgr8 picture of 320x240 with a square of 40x40 for each BGR color."""
     image = np.full((240, 320, 3), GREY, np.uint8)
     for number, bgr in enumerate(squares):
         image[100:140, 60 * number + 10:60 * number + 50] = bgr
@@ -117,7 +117,7 @@ class LiveTest(unittest.TestCase):
             self.assertEqual(before, self.client.get_configuration(timeout=30))
             self.assertEqual('blue=1600, red=0, yellow=0', self.send(picture(BLUE)))
 
-    def test_a_third_colour_has_its_command_and_its_image(self):
+    def test_a_third_color_has_its_command_and_its_image(self):
         image = picture(YELLOW, BLUE)
         before = len(self.yellow.messages)
         self.assertEqual([(10.0, 0.0), (0.0, 0.5), (-10.0, 0.0)], self.commands_for(image))

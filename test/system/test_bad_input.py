@@ -26,7 +26,7 @@ CAMERA_CASES = {
     'missing path': ('_video_device:=/no/such.mp4', '/no/such.mp4: no such file', 'synthetic'),
     'no camera': ('_video_device:=/dev/null', '/dev/null: no V4L2 capture device', 'have'),
     'a directory': ('_video_device:=/usr', '/usr: neither a device nor a file', 'synthetic'),
-    'no video': ('_video_device:=' + BURGER, 'turtlebot3_burger.urdf: neither a film nor',
+    'no video': ('_video_device:=' + BURGER, 'turtlebot3_burger.urdf: neither a video nor',
                  'synthetic'),
     'pixel format': ('_pixel_format:=mjpg', "/usb_cam/pixel_format: got 'mjpg'",
                      'grey, mjpeg, rgb24, uyvy, yuvmono10, yuyv'),
@@ -124,9 +124,9 @@ def test_in_the_demo_the_other_nodes_go_on(ros, argument, node, named):
 
 
 COLOR_CASES = {
-    'no colours': ('colors: []', '/color_extract/colors: got []', 'like [blue, red]'),
-    'a colour without hues': ('colors: [green]', '/color_extract/green_hue_min: got nothing',
-                              'from 0 to 180'),
+    'no colors': ('colors: []', '/color_extract/colors: got []', 'like [blue, red]'),
+    'a color without hues': ('colors: [green]', '/color_extract/green_hue_min: got nothing',
+                             'from 0 to 180'),
     'bounds': ('blue_value_min: 200\nblue_value_max: 100',
                '/color_extract/blue_value_min: got 200', 'at most blue_value_max, which is 100'),
     'a limit': ('red_area_limit: -1', '/color_extract/red_area_limit: got -1', 'at least 0'),
@@ -165,6 +165,6 @@ def test_parameters_that_color_extract_has_not_are_warnings(roscore, tmp_path):
     node = roscore.start('rosrun', 'img_recog', 'color_img_recog.py', '_blue_hue_mni:=10',
                          '_green_hue_min:=40')
     node.wait_output(r'\[WARN\].*/color_extract/blue_hue_mni .*did you mean blue_hue_min\?')
-    node.wait_output(r'\[WARN\].*/color_extract/green_hue_min: there is no colour green, the '
-                     r'colours are blue, red; add it to colors: \[blue, red, green\]')
+    node.wait_output(r'\[WARN\].*/color_extract/green_hue_min: there is no color green, the '
+                     r'colors are blue, red; add it to colors: \[blue, red, green\]')
     assert node.interrupt() == 0

@@ -64,7 +64,7 @@ def test_start_of_a_source_that_is_gone_leaves_the_camera_stopped(roscore, tmp_p
     camera.wait_output(r'\[ERROR\].*/still.png: no such file or device.*; still stopped')
     assert cv2.imwrite(str(path), np.zeros((6, 6, 3), np.uint8))
     roscore.run('rosservice', 'call', '/usb_cam/start_capture')
-    camera.wait_output(r'camera: still image .*/still.png, 6x6')
+    camera.wait_output(r'camera: image .*/still.png, 6x6')
     assert camera.interrupt() == 0
 
 

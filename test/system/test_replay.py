@@ -15,7 +15,7 @@ from img_recog.simulation.world import World
 from img_recog_testing.waiting import wait_for
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
-FILM = os.path.join(ROOT, 'test', 'data', 'bikes.mp4')
+VIDEO = os.path.join(ROOT, 'test', 'data', 'bikes.mp4')
 WORLD = os.path.join(ROOT, 'urdf', 'turtlebot3_world.urdf')
 BURGER = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
 RANGES = (((50, 100, 100), (150, 255, 255)), ((150, 100, 150), (180, 255, 255)))
@@ -48,9 +48,9 @@ def contents(folder):
             if '.replay.' in name}
 
 
-def film_areas():
-    """Return blue and red area of each frame of the film, by OpenCV alone."""
-    capture, areas = cv2.VideoCapture(FILM, cv2.CAP_FFMPEG), []
+def video_areas():
+    """Return blue and red area of each frame of the video, by OpenCV alone."""
+    capture, areas = cv2.VideoCapture(VIDEO, cv2.CAP_FFMPEG), []
     good, bgr = capture.read()
     while good:
         hsv = cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV)
@@ -61,7 +61,7 @@ def film_areas():
 
 
 def drive(areas):
-    """Return the pose of the demo's robot at the end of a film of these areas, 25 Hz."""
+    """Return the pose of the demo's robot at the end of a video of these areas, 25 Hz."""
     client = loading.connect()
     world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
     with open(BURGER) as file:
@@ -79,17 +79,17 @@ def drive(areas):
     return vehicle.robot.motion()
 
 
-def test_film(replay, tmp_path, ros):
+def test_video(replay, tmp_path, ros):
     """Twice the same bytes; the areas are OpenCV's, and the robot ends where it should."""
-    code, lines = replay(FILM)
+    code, lines = replay(VIDEO)
     assert code == 0 and len(lines) == 1, lines
     first = contents(tmp_path)
     assert list(first) == FILES
-    code, again = replay(FILM)
+    code, again = replay(VIDEO)
     assert code == 0 and contents(tmp_path) == first
     assert [name for name in os.listdir(str(tmp_path)) if name.startswith('.bikes')] == []
 
-    areas = film_areas()
+    areas = video_areas()
     rows = list(csv.DictReader(first['bikes.replay.csv'].decode().splitlines()))
     assert [[int(row['blue_px']), int(row['red_px'])] for row in rows] == areas
     assert [row['time_s'] for row in rows[:3]] == ['0.000000000', '0.040000000', '0.080000000']
@@ -106,14 +106,14 @@ def test_film(replay, tmp_path, ros):
         assert re.search(r'/{} +\d+ msgs +: {}'.format(topic, kind), info), info
 
 
-def test_what_was_recorded_is_replayed_like_the_film(replay, tmp_path):
-    """A bag of the film's images gives the film's table."""
+def test_what_was_recorded_is_replayed_like_the_video(replay, tmp_path):
+    """A bag of the video's images gives the video's table."""
     import rosbag
     import rospy
     from std_msgs.msg import Header
 
     from img_recog.conversions import image_msgs
-    capture = cv2.VideoCapture(FILM, cv2.CAP_FFMPEG)
+    capture = cv2.VideoCapture(VIDEO, cv2.CAP_FFMPEG)
     with rosbag.Bag(str(tmp_path / 'bikes.bag'), 'w') as bag:
         for number in range(100):
             stamp = rospy.Time(100 + number // 25, number % 25 * 40000000)
@@ -121,9 +121,9 @@ def test_what_was_recorded_is_replayed_like_the_film(replay, tmp_path):
             bag.write('/usb_cam/image_raw',
                       image_msgs.to_msg(image, 'rgb8', Header(number, stamp, 'eye')), stamp)
     assert replay('~/bikes.bag', '--output', 'of_bag')[0] == 0
-    assert replay(FILM, '--output', '~/of_film')[0] == 0
+    assert replay(VIDEO, '--output', '~/of_video')[0] == 0
     tables = []
-    for name in ('of_bag', 'of_film'):
+    for name in ('of_bag', 'of_video'):
         with open(str(tmp_path / (name + '.csv'))) as file:
             tables.append([row[:2] + row[3:] for row in csv.reader(file)][:101])
     assert tables[0] == tables[1]
@@ -133,7 +133,7 @@ def test_options(replay, tmp_path):
     (tmp_path / 'colors.yaml').write_text('colors: [blue]\nblue_angular_z: 1.0\n'
                                           'blue_area_limit: 10\n')
     (tmp_path / 'out').mkdir()
-    code, lines = replay(FILM, '--colors', 'colors.yaml', '--world', 'empty', '--output', 'out',
+    code, lines = replay(VIDEO, '--colors', 'colors.yaml', '--world', 'empty', '--output', 'out',
                          '--x-pos', '1', '--y-pos', '-2', '--yaw', '0.5', '--no-teleop',
                          '--urdf', BURGER)
     assert code == 0, lines
@@ -160,19 +160,19 @@ def test_interrupted_it_leaves_nothing_behind(ros, tmp_path):
 
 
 CASES = {
-    'missing': (['no.mp4'], 'cannot replay no.mp4: no such file', 'give a film'),
-    'folder': (['.'], 'cannot replay .: it is no file', 'give a film'),
-    'text': (['text.txt'], 'cannot play text.txt', 'give a film'),
-    'empty film': (['empty.mp4'], 'cannot play empty.mp4', 'give a film'),
-    'cut film': (['cut.mp4'], 'cannot play cut.mp4', 'give a film'),
-    'text as bag': (['text.bag'], 'cannot read text.bag as a bag', 'give a film'),
-    'topic of a film': ([FILM, '--topic', '/eye'], FILM, '--topic is for a bag'),
-    'colours': ([FILM, '--colors', 'text.txt'], 'parameters in text.txt', 'blue_hue_min'),
-    'robot': ([FILM, '--urdf', 'text.txt'], 'the robot in text.txt: it is no XML', 'check'),
-    'no robot': ([FILM, '--urdf', 'no.urdf'], 'the robot in no.urdf', 'set --urdf'),
-    'world': ([FILM, '--world', 'mars'], "world: got 'mars'", 'turtlebot3_world, empty'),
-    'start': ([FILM, '--x-pos', '1e9'], '--x-pos: got 1000000000.0', 'from -1000 to 1000'),
-    'output': ([FILM, '--output', 'no/such'], 'cannot write no/such.bag', 'set --output'),
+    'missing': (['no.mp4'], 'cannot replay no.mp4: no such file', 'give a video'),
+    'folder': (['.'], 'cannot replay .: it is no file', 'give a video'),
+    'text': (['text.txt'], 'cannot play text.txt', 'give a video'),
+    'empty video': (['empty.mp4'], 'cannot play empty.mp4', 'give a video'),
+    'cut video': (['cut.mp4'], 'cannot play cut.mp4', 'give a video'),
+    'text as bag': (['text.bag'], 'cannot read text.bag as a bag', 'give a video'),
+    'topic of a video': ([VIDEO, '--topic', '/eye'], VIDEO, '--topic is for a bag'),
+    'colors': ([VIDEO, '--colors', 'text.txt'], 'parameters in text.txt', 'blue_hue_min'),
+    'robot': ([VIDEO, '--urdf', 'text.txt'], 'the robot in text.txt: it is no XML', 'check'),
+    'no robot': ([VIDEO, '--urdf', 'no.urdf'], 'the robot in no.urdf', 'set --urdf'),
+    'world': ([VIDEO, '--world', 'mars'], "world: got 'mars'", 'turtlebot3_world, empty'),
+    'start': ([VIDEO, '--x-pos', '1e9'], '--x-pos: got 1000000000.0', 'from -1000 to 1000'),
+    'output': ([VIDEO, '--output', 'no/such'], 'cannot write no/such.bag', 'set --output'),
 }
 
 
@@ -181,7 +181,7 @@ def test_bad_input(replay, tmp_path, arguments, named, advice):
     for name in ('text.txt', 'text.bag'):
         (tmp_path / name).write_text('hello\n')
     (tmp_path / 'empty.mp4').write_bytes(b'')
-    with open(FILM, 'rb') as file:
+    with open(VIDEO, 'rb') as file:
         (tmp_path / 'cut.mp4').write_bytes(file.read()[:300000])
     before = sorted(os.listdir(str(tmp_path)))
     line = refused(replay(*arguments))
@@ -190,7 +190,7 @@ def test_bad_input(replay, tmp_path, arguments, named, advice):
     assert left == set(before) - {'ros'}, 'nothing is left behind'
 
 
-@pytest.mark.parametrize('arguments', [[], [FILM, '--x-pos', 'here'], [FILM, 'world:=empty']])
+@pytest.mark.parametrize('arguments', [[], [VIDEO, '--x-pos', 'here'], [VIDEO, 'world:=empty']])
 def test_wrong_usage(replay, arguments):
     code, lines = replay(*arguments)
     assert code == 2 and lines[0].startswith('usage: replay.py'), lines

@@ -11,7 +11,7 @@ import pytest
 from img_recog_testing.waiting import wait_for
 
 BLUE, RED, WALL = (215, 70, 25), (60, 25, 215), (190, 200, 206)      # BGR
-WIDTH, HEIGHT = 1200, 1015          # of the picture with two colours
+WIDTH, HEIGHT = 1200, 1015          # of the picture with two colors
 FRAME = (slice(48, 372), slice(33, 465))        # where a 640x480 frame is in it, less its border
 BLUE_LINE = (r'^blue: (\d+) px, (above|below) the limit of 1000 px; '
              r'hue 50-150, saturation 100-255, value 100-255$')
@@ -82,7 +82,7 @@ def test_a_still_without_a_master(ros, folder):
     assert sorted(os.listdir(str(folder))) == ['card.png', 'tune_colors.png']
 
 
-def test_colours_of_a_file(ros, folder):
+def test_colors_of_a_file(ros, folder):
     (folder / 'mine.yaml').write_text(
         'colors: [wall, blue]\nwall_hue_min: 170\nwall_hue_max: 30\nwall_saturation_min: 0\n'
         'wall_area_limit: 1000000\nblue_value_min: 230\n')
@@ -95,20 +95,20 @@ def test_colours_of_a_file(ros, folder):
     assert_shows(read(path), card())
 
 
-def test_a_frame_of_a_film(ros, folder):
-    film = cv2.VideoWriter(str(folder / 'film.avi'), cv2.CAP_FFMPEG,
-                           cv2.VideoWriter_fourcc(*'MJPG'), 10, (640, 480))
-    if not film.isOpened():
-        pytest.skip('this OpenCV cannot write a film')
+def test_a_frame_of_a_video(ros, folder):
+    video = cv2.VideoWriter(str(folder / 'video.avi'), cv2.CAP_FFMPEG,
+                            cv2.VideoWriter_fourcc(*'MJPG'), 10, (640, 480))
+    if not video.isOpened():
+        pytest.skip('this OpenCV cannot write a video')
     for color in (BLUE, RED):
-        film.write(card(color))
-    film.release()
+        video.write(card(color))
+    video.release()
     for frame, seen in (((), 'blue'), (('--frame', '0'), 'blue'), (('--frame', '1'), 'red')):
-        *colors, path = lines(start(ros, folder, 'film.avi', *frame))
+        *colors, path = lines(start(ros, folder, 'video.avi', *frame))
         above = [line.partition(':')[0] for line in colors if 'above' in line]
         assert above == [seen]
         assert_shows(read(path), card(BLUE if seen == 'blue' else RED))
-    line = refusal(start(ros, folder, 'film.avi', '--frame', '2'))
+    line = refusal(start(ros, folder, 'video.avi', '--frame', '2'))
     assert 'no frame 2' in line and 'after 2 frames' in line
 
 
@@ -116,14 +116,14 @@ FILE_CASES = {
     'no file': (('nix.jpg',), 'cannot open nix.jpg: no such file', 'name of a topic'),
     'empty': (('',), "cannot open ''", 'name of a topic'),
     'a folder': (('/usr',), 'cannot use /usr', 'name of a topic'),
-    'a text': (('mine.txt',), 'mine.txt: neither a film nor an image', 'name of a topic'),
-    'half a film': (('half.mp4',), 'half.mp4: neither a film nor an image', 'name of a topic'),
+    'a text': (('mine.txt',), 'mine.txt: neither a video nor an image', 'name of a topic'),
+    'half a video': (('half.mp4',), 'half.mp4: neither a video nor an image', 'name of a topic'),
     'no master': (('/nix/image',), 'no file /nix/image', 'no master'),
     'frame of a still': (('card.png', '--frame', '1'), 'card.png is a still', 'no frame 1'),
-    'frame of a topic': (('/nix', '--frame', '1'), '--frame needs a film', '/nix'),
+    'frame of a topic': (('/nix', '--frame', '1'), '--frame needs a video', '/nix'),
     'watch a file': (('card.png', '--watch'), '--watch needs a topic', 'card.png is a file'),
-    'no colours': (('card.png', '--colors', 'nix.yaml'), 'nix.yaml', 'No such file'),
-    'bad colours': (('card.png', '--colors', 'mine.txt'), 'mine.txt', 'colors: [blue, red]'),
+    'no colors': (('card.png', '--colors', 'nix.yaml'), 'nix.yaml', 'No such file'),
+    'bad colors': (('card.png', '--colors', 'mine.txt'), 'mine.txt', 'colors: [blue, red]'),
     'no place': (('card.png', '--output', '/nix/it.png'), 'write /nix/it.png', 'set --output'),
 }
 
@@ -159,7 +159,7 @@ def camera(shared_ros, folder):
     shared_ros.master = master
     process = shared_ros.start('rosrun', 'img_recog', 'usb_cam_node.py', '_framerate:=20',
                                '_video_device:={}'.format(folder / 'card.png'))
-    process.wait_output('camera: still image')
+    process.wait_output('camera: image')
     return shared_ros
 
 
@@ -176,7 +176,7 @@ def test_a_topic(camera, folder, topic):
     assert 'tune_colors' not in nodes and '/usb_cam' in nodes
 
 
-def test_colours_of_the_running_node(camera, folder):
+def test_colors_of_the_running_node(camera, folder):
     camera.master.setParam('/test', '/color_extract', {'blue_hue_max': 112})
     camera.master.setParam('/test', '/other', {'colors': ['blue'], 'blue_area_limit': 76800})
     blue, red, _ = lines(start(camera, folder, '/usb_cam/image_raw'))

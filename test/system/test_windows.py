@@ -24,14 +24,14 @@ def display(ros):
     return ros.env['DISPLAY']
 
 
-def shares(ros, tmp_path, **colours):
+def shares(ros, tmp_path, **colors):
     """Return the share of the display's pixels within each range of RGB bounds, 0 to 255."""
     path = str(tmp_path / 'display.ppm')
     subprocess.run(['import', '-window', 'root', '-depth', '8', path], env=ros.env, check=True)
     cv2 = pytest.importorskip('cv2')
     image = cv2.imread(path)[..., ::-1]
     return {name: float(((image >= low) & (image <= high)).all(axis=2).mean())
-            for name, (low, high) in colours.items()}
+            for name, (low, high) in colors.items()}
 
 
 def test_image_view_shows_the_blue_part(ros, display, tmp_path):
@@ -69,11 +69,11 @@ def test_a_launch_file_of_usb_cams_kind_shows_the_picture(ros, display, tmp_path
     green = cv2.UMat(480, 640, cv2.CV_8UC3, (0, 200, 0)).get()
     assert cv2.imwrite(picture, green)
     launch.write_text(USB_CAM_LAUNCH.format(picture))
-    ros.start('roslaunch', '-p', ros.port, str(launch)).wait_output('camera: still image')
+    ros.start('roslaunch', '-p', ros.port, str(launch)).wait_output('camera: image')
     ros.wait_run('frame_id: "usb_cam"', 'rostopic', 'echo', '-n', '1', '/usb_cam/image_raw/header')
-    colour = {'green': ((0, 180, 0), (20, 220, 20))}
-    wait_for(lambda: shares(ros, tmp_path, **colour)['green'] > 0.25,
-             lambda: 'the picture: {}'.format(shares(ros, tmp_path, **colour)))
+    color = {'green': ((0, 180, 0), (20, 220, 20))}
+    wait_for(lambda: shares(ros, tmp_path, **color)['green'] > 0.25,
+             lambda: 'the picture: {}'.format(shares(ros, tmp_path, **color)))
 
 
 def test_the_tuning_window_follows_the_camera(ros, display, tmp_path):
@@ -81,16 +81,16 @@ def test_the_tuning_window_follows_the_camera(ros, display, tmp_path):
     demo.wait_output('camera: synthetic')
     tool = ros.start('rosrun', 'img_recog', 'tune_colors.py', '/usb_cam/image_raw', '--output',
                      str(tmp_path / 'picture.png'))
-    colours = {'blue': ((25, 70, 215), (25, 70, 215)), 'red': ((215, 25, 60), (215, 25, 60)),
-               'white': ((255, 255, 255), (255, 255, 255))}
+    colors = {'blue': ((25, 70, 215), (25, 70, 215)), 'red': ((215, 25, 60), (215, 25, 60)),
+              'white': ((255, 255, 255), (255, 255, 255))}
     for seen, unseen in (('blue', 'red'), ('red', 'blue')):
         def shown():
-            found = shares(ros, tmp_path, **colours)
+            found = shares(ros, tmp_path, **colors)
             return found[seen] > 0.01 and found[unseen] == 0 and found['white'] > 0.3
-        wait_for(shown, lambda: '{}: {}'.format(seen, shares(ros, tmp_path, **colours)))
+        wait_for(shown, lambda: '{}: {}'.format(seen, shares(ros, tmp_path, **colors)))
     assert tool.interrupt() == 0
     assert 'Traceback' not in tool.output, tool.output
-    assert shares(ros, tmp_path, **colours)['white'] == 0
+    assert shares(ros, tmp_path, **colors)['white'] == 0
 
 
 def test_the_tuning_window_shows_a_file(ros, display, tmp_path):
@@ -106,14 +106,14 @@ def test_the_tuning_window_shows_a_file(ros, display, tmp_path):
 
 def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
     demo = ros.demo('camera:=none', 'gui:=true', 'image_view:=false')
-    colours = {'green': ((0, 90, 0), (60, 255, 60)), 'white': ((205, 205, 205), (255, 255, 255)),
-               'wall': ((20, 20, 20), (90, 90, 90)), 'floor': ((130, 130, 130), (190, 190, 190))}
+    colors = {'green': ((0, 90, 0), (60, 255, 60)), 'white': ((205, 205, 205), (255, 255, 255)),
+              'wall': ((20, 20, 20), (90, 90, 90)), 'floor': ((130, 130, 130), (190, 190, 190))}
 
     def shown():
-        found = shares(ros, tmp_path, **colours)
+        found = shares(ros, tmp_path, **colors)
         return (found['green'] > 0.03 and found['white'] > 0.0005 and found['wall'] > 0.01
                 and found['floor'] > 0.4)
-    wait_for(shown, lambda: 'the world: {}'.format(shares(ros, tmp_path, **colours)))
+    wait_for(shown, lambda: 'the world: {}'.format(shares(ros, tmp_path, **colors)))
 
     # closing the window, and the display under it, leaves the simulation running
     windows = subprocess.run(['xwininfo', '-root', '-tree'], env=ros.env, stdout=subprocess.PIPE,

@@ -3,7 +3,7 @@
 import cv2
 import pytest
 
-from img_recog_testing.videos import FILM_RATE_HZ, smooth_image
+from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
 
 
 class FakeClock:
@@ -27,12 +27,12 @@ def clock():
 
 
 @pytest.fixture
-def make_film(tmp_path):
-    """A function that writes a film of smooth images, 12.5 Hz, and returns its path."""
-    def make(name='film.avi', fourcc='MJPG', frames=6, size=(96, 64)):
+def make_video(tmp_path):
+    """A function that writes a video of smooth images, 12.5 Hz, and returns its path."""
+    def make(name='video.avi', fourcc='MJPG', frames=6, size=(96, 64)):
         path = str(tmp_path / name)
         writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*fourcc),
-                                 FILM_RATE_HZ, size)
+                                 VIDEO_RATE_HZ, size)
         if not writer.isOpened():
             pytest.skip('this OpenCV cannot write {}'.format(fourcc))
         for number in range(frames):

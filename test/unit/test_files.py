@@ -17,7 +17,7 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize('source, output, wanted', [
-    ('/films/a.mp4', '', 'a.replay'), ('a.bag', '', 'a.replay'), ('a', '.', './a.replay'),
+    ('/videos/a.mp4', '', 'a.replay'), ('a.bag', '', 'a.replay'), ('a', '.', './a.replay'),
     ('a.b.mp4', 'there', 'there/a.b.replay'), ('a.mp4', 'there/', 'there/a.replay'),
     ('a.mp4', 'new', 'new'), ('a.mp4', 'there/new', 'there/new')])
 def test_names(folder, source, output, wanted):

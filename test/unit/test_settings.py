@@ -6,8 +6,8 @@ import pytest
 
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.errors import UserError
-from img_recog.settings import (SettingError, Settings, above, at_least, between, declared,
-                                not_empty, one_of, setting)
+from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,
+                                one_of, setting, setting_fields)
 from img_recog.teleoperation.settings import TeleopSettings
 
 
@@ -100,8 +100,8 @@ def test_settings_are_frozen():
         Sample().width = 320
 
 
-def test_declared_yields_the_fields_made_by_setting_in_order():
-    assert [field.name for field in declared(Sample)] == [
+def test_setting_fields_yields_the_fields_made_by_setting_in_order():
+    assert [field.name for field in setting_fields(Sample)] == [
         'width', 'count', 'rate', 'enabled', 'mode', 'name', 'note']
 
 

@@ -225,7 +225,7 @@ def pixels_of(msg):
 
 
 def look_at_bars(image):
-    """Look at vivid's colour bars: white, yellow, cyan, green, magenta, red, blue, black."""
+    """Look at vivid's color bars: white, yellow, cyan, green, magenta, red, blue, black."""
     height, width, channels = image.shape
     bars = [image[height * 8 // 10, width * (2 * bar + 1) // 16].astype(int) for bar in range(8)]
     if channels == 1:

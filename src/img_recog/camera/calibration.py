@@ -63,7 +63,7 @@ _ASPECT_TOLERANCE = 0.01
 def scaled(calibration: Calibration, width: int, height: int) -> Calibration:
     """Return the calibration for images of another size that show the same.
 
-    Focal lengths and centres are in pixels and grow with the image (sensor_msgs/CameraInfo); the
+    Focal lengths and centers are in pixels and grow with the image (sensor_msgs/CameraInfo); the
     distortion has no unit.
     Raises CalibrationError when the aspect ratio is another: then nobody knows what was cut off.
     """

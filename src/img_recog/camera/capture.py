@@ -25,13 +25,13 @@ class Listener:
     def skipped(self, reason: str) -> None:
         """A frame could not be used."""
 
-    def left_out(self) -> None:
-        """A frame was left out, since the source gives more than its `most_hz`."""
+    def dropped(self) -> None:
+        """A frame was left out, since the source gives more than its `max_hz`."""
 
     def lost(self, reason: str) -> None:
         """A source gives no more frames, and its return is waited for; told once."""
 
-    def back(self) -> None:
+    def reconnected(self) -> None:
         """A lost source gives frames again."""
 
     def ended(self, reason: str) -> None:
@@ -118,10 +118,10 @@ class Capture:
         """Notice a source that is silent; to be called by the owner several times a second."""
         with self._lock:
             source, since = self._reading, self._reading_since
-        if source is None or source.silence_s is None:
+        if source is None or source.stall_timeout_s is None:
             return
         silent_s = self._now() - since
-        if silent_s > source.silence_s:
+        if silent_s > source.stall_timeout_s:
             self._lose('{} has given no frame for {:.1f} s'.format(source.name, silent_s))
 
     def run(self) -> None:
@@ -171,12 +171,12 @@ class Capture:
             if not self._lost:
                 self._listener.opened(source)
             pacer = Pacer(source.rate_hz, self._now) if source.rate_hz else None
-            throttle = Throttle(source.most_hz) if source.most_hz else None
+            throttle = Throttle(source.max_hz) if source.max_hz else None
             while not self._stopping.is_set():
                 image = self._read(source)
                 if image is not None and throttle is not None and not throttle.accepts(
                         self._now() - source.age_s):
-                    self._listener.left_out()
+                    self._listener.dropped()
                     continue
                 if pacer is not None and self._pause(pacer.delay_s()):
                     break
@@ -227,4 +227,4 @@ class Capture:
             lost, self._lost = self._lost, False
         if lost:
             self._listener.opened(source)
-            self._listener.back()
+            self._listener.reconnected()

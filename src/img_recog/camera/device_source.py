@@ -69,9 +69,9 @@ class DeviceSource(FrameSource):
         number = int(self._capture.get(cv2.CAP_PROP_FOURCC))
         given = ''.join(chr(number >> shift & 0xff) for shift in (0, 8, 16, 24))
         rate_hz = self._capture.get(cv2.CAP_PROP_FPS)
-        self.most_hz = settings.framerate
+        self.max_hz = settings.framerate
         self.expected_hz = min(settings.framerate, rate_hz) if rate_hz > 0 else None
-        self.silence_s = max(_SILENCE_S, 3.0 / (self.expected_hz or settings.framerate))
+        self.stall_timeout_s = max(_SILENCE_S, 3.0 / (self.expected_hz or settings.framerate))
         self.differs = (given, self.width, self.height) != (
             wanted, settings.image_width, settings.image_height)
         self.description = (

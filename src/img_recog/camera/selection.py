@@ -5,18 +5,18 @@ import stat
 from typing import Callable, Sequence
 
 from img_recog.camera.device_source import DeviceSource, list_devices
-from img_recog.camera.film_source import NOT_PLAYABLE, FilmSource
+from img_recog.camera.image_source import FolderSource, ImageSource, is_truncated, read_image
 from img_recog.camera.pixels import converted
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError
-from img_recog.camera.still_source import FolderSource, StillSource, is_cut, read_image
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.url_source import open_url
+from img_recog.camera.video_source import NOT_PLAYABLE, VideoSource
 
 DEFAULT_DEVICE = '/dev/video0'
 
 
-def settled(settings: CameraSettings) -> CameraSettings:
+def resolve_auto(settings: CameraSettings) -> CameraSettings:
     """Return the settings with `auto` replaced by what it stands for now.
 
     Once for a node: a camera that is unplugged is not to be replaced by the synthetic scene.
@@ -35,7 +35,7 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
     warn: told in one line what is wrong with a source that can be used all the same.
     Raises SourceError naming the path, what there is instead and what to set.
     """
-    settings = settled(settings)
+    settings = resolve_auto(settings)
     name = settings.video_device
     if name == 'synthetic':
         return SyntheticSource(settings.image_width, settings.image_height, settings.framerate)
@@ -55,7 +55,7 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
 
 def open_file(path: str, rate_hz: float, loop: bool = True,
               warn: Callable[[str], None] = lambda _: None) -> FrameSource:
-    """Open a still image (repeated at `rate_hz`) or a film (at its own rate).
+    """Open an image (repeated at `rate_hz`) or a video (at its own rate).
 
     Raises SourceError when OpenCV reads the file as neither.
     """
@@ -63,13 +63,13 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
         raise SourceError('cannot read {}: permission denied'.format(path))
     image = read_image(path)
     if image is not None:
-        return StillSource(path, converted(image, 'rgb8'), rate_hz)
-    if is_cut(path):
+        return ImageSource(path, converted(image, 'rgb8'), rate_hz)
+    if is_truncated(path):
         raise SourceError('cannot read {}: the picture is cut off, its end is missing'.format(
             path))
     if _is_text(path):
         raise SourceError(NOT_PLAYABLE.format(path))
-    return FilmSource(path, loop, warn)
+    return VideoSource(path, loop, warn)
 
 
 def _find(name: str, folders: Sequence[str]) -> str:
@@ -78,12 +78,12 @@ def _find(name: str, folders: Sequence[str]) -> str:
         if os.path.exists(path):
             return os.path.abspath(path)
     raise SourceError('cannot open {}: no such file or device (have {}); set video_device to a '
-                      'device, a film, a still image, synthetic or auto'
+                      'device, a video, an image, synthetic or auto'
                       .format(candidates[0], list_devices()))
 
 
 def _is_text(path: str) -> bool:
-    # ffmpeg plays a text file as a film of its letters
+    # ffmpeg plays a text file as a video of its letters
     with open(path, 'rb') as file:
         start = file.read(4096)
     return bool(start) and all(byte >= 32 or byte in b'\t\n\f\r\x1b' for byte in start)

@@ -22,14 +22,14 @@ GREY_FORMATS = ('grey', 'yuvmono10')
 class CameraSettings(Settings):
     """Parameters of a frame source.
 
-    video_device: a V4L2 device, the path of a film, still image or folder of stills, the URL of a
-        stream, film or still image (rtsp://, http://), `synthetic`, or `auto` (the first device
+    video_device: a V4L2 device, the path of a video, image or folder of images, the URL of a
+        stream, video or image (rtsp://, http://), `synthetic`, or `auto` (the first device
         where there is one, else the synthetic scene).
     image_width, image_height: pixels asked of a device and drawn by the synthetic scene; other
         sources keep their own size.
     framerate: Hz asked of a device, and the most that is taken of one that gives more; kept by
-        the synthetic scene and still images; a film plays at its own rate, a stream as it comes.
-    loop: whether films and folders start again at their end; else the node ends there.
+        the synthetic scene and images; a video plays at its own rate, a stream as it comes.
+    loop: whether videos and folders start again at their end; else the node ends there.
     create_suspended: whether the camera stays closed until ~start_capture.
     """
 

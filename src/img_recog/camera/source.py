@@ -12,7 +12,7 @@ class SourceError(UserError):
 
 
 class SourceEnded(Exception):
-    """A film or folder is over; the text says so in one line."""
+    """A video or folder is over; the text says so in one line."""
 
 
 class FrameSkipped(Exception):
@@ -29,9 +29,9 @@ class FrameSource(abc.ABC):
     differs: whether the format or size is another than was asked for.
     rate_hz: the rate to play the frames at, or None where `read` itself waits for the device.
     expected_hz: the rate at which frames are expected to come, None where nobody knows.
-    most_hz: the rate above which frames are left out, None for none.
+    max_hz: the rate above which frames are left out, None for none.
     reconnects: whether it may come back after `read` has failed, and is worth waiting for.
-    silence_s: a `read` that takes longer than this means that something is wrong; None: never.
+    stall_timeout_s: a `read` that takes longer means that something is wrong; None: never.
     age_s: from the capture of the frame that was read last to the return of `read`.
     """
 
@@ -43,9 +43,9 @@ class FrameSource(abc.ABC):
     differs: bool = False
     rate_hz: Optional[float] = None
     expected_hz: Optional[float] = None
-    most_hz: Optional[float] = None
+    max_hz: Optional[float] = None
     reconnects: bool = False
-    silence_s: Optional[float] = None
+    stall_timeout_s: Optional[float] = None
     age_s: float = 0.0
 
     @abc.abstractmethod

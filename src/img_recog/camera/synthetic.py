@@ -26,7 +26,7 @@ def draw_frame(number: int, width: int = _WIDTH, height: int = _HEIGHT) -> np.nd
     """Draw the scene at frame `number`, a function of its arguments alone.
 
     Returns uint8 of shape (height, width, 3), rgb8. At 640x480 a card in view shows at least
-    20,000 px of its colour, and a frame without one none.
+    20,000 px of its color, and a frame without one none.
     """
     return _draw_card(_draw_room(width, height), number)
 
@@ -58,16 +58,16 @@ class _Pen:
     def _pixel(self, x: float, y: float):
         return tuple(int(round(v)) for v in np.array([x, y]) * self._scale)
 
-    def box(self, left, top, right, bottom, colour):
+    def box(self, left, top, right, bottom, color):
         first, last = self._pixel(left, top), self._pixel(right, bottom)
-        cv2.rectangle(self._image, first, (last[0] - 1, last[1] - 1), colour, cv2.FILLED)
+        cv2.rectangle(self._image, first, (last[0] - 1, last[1] - 1), color, cv2.FILLED)
 
-    def disc(self, x, y, radius, colour):
+    def disc(self, x, y, radius, color):
         axes = tuple(max(1, int(round(v))) for v in radius * self._scale)
-        cv2.ellipse(self._image, self._pixel(x, y), axes, 0, 0, 360, colour, cv2.FILLED)
+        cv2.ellipse(self._image, self._pixel(x, y), axes, 0, 0, 360, color, cv2.FILLED)
 
-    def polygon(self, points, colour):
-        cv2.fillPoly(self._image, [np.array([self._pixel(x, y) for x, y in points])], colour)
+    def polygon(self, points, color):
+        cv2.fillPoly(self._image, [np.array([self._pixel(x, y) for x, y in points])], color)
 
 
 def _draw_room(width: int, height: int) -> np.ndarray:
@@ -87,19 +87,19 @@ def _draw_room(width: int, height: int) -> np.ndarray:
 
 def _draw_card(image: np.ndarray, number: int) -> np.ndarray:
     step = number % PERIOD_FRAMES
-    for frames, colour in ((BLUE_FRAMES, BLUE), (RED_FRAMES, RED)):
+    for frames, color in ((BLUE_FRAMES, BLUE), (RED_FRAMES, RED)):
         if step in frames:
             from_edge = min(step - frames.start, frames.stop - 1 - step)
             offset = _ENTRY_OFFSETS[from_edge] if from_edge < len(_ENTRY_OFFSETS) else 0
-            _draw_hand_with_card(_Pen(image), offset, colour)
+            _draw_hand_with_card(_Pen(image), offset, color)
     return image
 
 
-def _draw_hand_with_card(pen: _Pen, offset: float, colour) -> None:
+def _draw_hand_with_card(pen: _Pen, offset: float, color) -> None:
     left, top = _CARD_LEFT + offset, _CARD_TOP
     right, bottom = left + _CARD_WIDTH, top + _CARD_HEIGHT
     pen.polygon([(right - 90, bottom + 20), (right - 30, bottom + 10),
                  (right + 70, _HEIGHT), (right - 30, _HEIGHT)], _SLEEVE)
     pen.disc(right - 60, bottom + 15, 44, _SKIN)
-    pen.box(left, top, right, bottom, colour)
+    pen.box(left, top, right, bottom, color)
     pen.disc(right - 70, bottom - 8, 17, _SKIN)

@@ -1,4 +1,4 @@
-"""What is at a URL: a live stream, a film or a picture, by OpenCV's ffmpeg."""
+"""What is at a URL: a live stream, a video or a picture, by OpenCV's ffmpeg."""
 import time
 from typing import Callable, Optional, Tuple
 
@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 
 from img_recog.camera import urls
-from img_recog.camera.film_source import FilmSource
+from img_recog.camera.image_source import EXTENSIONS, ImageSource
 from img_recog.camera.pixels import converted
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceError
-from img_recog.camera.still_source import EXTENSIONS, StillSource
+from img_recog.camera.video_source import VideoSource
 
 # when the time for a read is over, ffmpeg may make a frame of the part that has come
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
@@ -17,18 +17,18 @@ _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
 _SILENCE_S = 1.8
 # OpenCV says the same of a damaged frame and of the end, but at the end it says so again at once
 _AT_ONCE_S, _FAILURES_AT_THE_END = 0.005, 4
-# A film whose container does not say how many frames it has, as a recording by a browser.
-_FILM_EXTENSIONS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.ogv', '.webm')
+# A video whose container does not say how many frames it has, as a recording by a browser.
+_VIDEO_EXTENSIONS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.ogv', '.webm')
 
 
 def open_url(url: str, rate_hz: float, loop: bool = True,
              warn: Callable[[str], None] = lambda _: None) -> FrameSource:
-    """Open a live stream, a film (at its own rate) or a picture (fetched once, for `rate_hz`).
+    """Open a live stream, a video (at its own rate) or a picture (fetched once, for `rate_hz`).
 
     Raises SourceError when it is none of them, or does not answer.
     """
     scheme, url = urls.split(url)
-    name = urls.name_for_log(url)
+    name = urls.redacted(url)
     if scheme not in urls.SCHEMES:
         raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
             name, ', '.join(each + '://' for each in urls.SCHEMES)))
@@ -37,15 +37,15 @@ def open_url(url: str, rate_hz: float, loop: bool = True,
         capture.release()
         raise SourceError('cannot open {}: no stream that OpenCV plays, or not within {:g} s; '
                           'is its server running?'.format(name, _OPEN_TIMEOUT_S))
-    if not scheme.startswith('http'):       # the others send at the rate of the film by themselves
+    if not scheme.startswith('http'):       # the others send at the rate of the video
         return StreamSource(name, capture, announces_rate=True)
-    # a film says how many frames it has; of a live stream ffmpeg says zero or something absurd
+    # a video says how many frames it has; of a live stream ffmpeg says zero or something absurd
     count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-    if count > 1 or urls.ends_with(url, _FILM_EXTENSIONS):
-        return RemoteFilmSource(url, capture, loop, warn)
+    if count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS):
+        return RemoteVideoSource(url, capture, loop, warn)
     stream = StreamSource(name, capture)
     if count == 1 or urls.ends_with(url, EXTENSIONS):
-        return _still_or_stream(stream, rate_hz)
+        return _image_or_stream(stream, rate_hz)
     return stream
 
 
@@ -55,7 +55,7 @@ def _open_capture(url: str) -> cv2.VideoCapture:
         cv2.CAP_PROP_READ_TIMEOUT_MSEC, int(1000 * _READ_TIMEOUT_S)])
 
 
-def _still_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
+def _image_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
     # some cameras call their stream a .jpg too: a picture is what has one frame alone
     images = []
     while len(images) < 2:
@@ -65,16 +65,16 @@ def _still_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
             continue
         except SourceError:
             stream.close()
-            return StillSource(stream.name, images[0], rate_hz)
+            return ImageSource(stream.name, images[0], rate_hz)
     return stream
 
 
-class RemoteFilmSource(FilmSource):
-    """A film at a URL. When its server stalls, one that plays in a loop is waited for."""
+class RemoteVideoSource(VideoSource):
+    """A video at a URL. When its server stalls, one that plays in a loop is waited for."""
 
-    _not_playable = ('cannot play {}: no film that OpenCV reads from there (a server without '
+    _not_playable = ('cannot play {}: no video that OpenCV reads from there (a server without '
                      'range requests cannot serve an .mp4 whose index is at its end)')
-    _gone = '{} can no longer be read: its server is gone, or has another film now'
+    _gone = '{} can no longer be read: its server is gone, or has another video now'
     _cut = 'truncated or damaged, or its server hung up'
 
     def __init__(self, url: str, capture: cv2.VideoCapture, loop: bool,
@@ -83,7 +83,7 @@ class RemoteFilmSource(FilmSource):
         self._opened: Optional[cv2.VideoCapture] = capture
         self._now = now
         self.reconnects = loop      # one that plays once is not to begin again
-        self.silence_s = _SILENCE_S if loop else None
+        self.stall_timeout_s = _SILENCE_S if loop else None
         super().__init__(url, loop, warn)
 
     def _open(self) -> cv2.VideoCapture:
@@ -95,7 +95,7 @@ class RemoteFilmSource(FilmSource):
         image = super()._following()
         silent_s = self._now() - begin_s
         if silent_s >= _READ_TIMEOUT_S:
-            raise SourceError('the film {} stalls: its server has sent nothing for {:.1f} s'
+            raise SourceError('the video {} stalls: its server has sent nothing for {:.1f} s'
                               .format(self.name, silent_s))
         return image
 
@@ -107,7 +107,7 @@ class StreamSource(FrameSource):
     """
 
     reconnects = True
-    silence_s = _SILENCE_S
+    stall_timeout_s = _SILENCE_S
 
     def __init__(self, name: str, capture: cv2.VideoCapture, announces_rate: bool = False,
                  now: Callable[[], float] = time.monotonic):

@@ -1,4 +1,4 @@
-"""URLs of films and streams: which there are, and how they may stand in a log."""
+"""URLs of videos and streams: which there are, and how they may stand in a log."""
 import re
 from urllib.parse import urlsplit
 
@@ -24,7 +24,7 @@ def ends_with(url: str, extensions: tuple) -> bool:
     return urlsplit(url).path.lower().endswith(extensions)
 
 
-def name_for_log(name: str) -> str:
+def redacted(name: str) -> str:
     """Return what `video_device` names as it may stand in a log: without user and query.
 
     Either may hold a password.

@@ -1,8 +1,8 @@
-"""Areas and centroids of colours as sensor_msgs/PointCloud, and back.
+"""Areas and centroids of colors as sensor_msgs/PointCloud, and back.
 
-Point i is the centroid of colour i in pixels (x right, y down, z 0; NaN, NaN, 0 where the colour
-has no pixel). Channel i has the name of colour i; its values are 0 but at i, where it is the area
-in pixels. So every channel has a value for each point, as the message wants, and names its colour.
+Point i is the centroid of color i in pixels (x right, y down, z 0; NaN, NaN, 0 where the color
+has no pixel). Channel i has the name of color i; its values are 0 but at i, where it is the area
+in pixels. So every channel has a value for each point, as the message wants, and names its color.
 """
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -18,20 +18,20 @@ _NOWHERE = (math.nan, math.nan)
 
 
 class ColorDetectionError(UserError):
-    """A PointCloud holds no colours."""
+    """A PointCloud holds no colors."""
 
 
 class ColorDetection(NamedTuple):
-    """Name, area in pixels and centroid (x, y) in pixels, or None, of each colour."""
+    """Name, area in pixels and centroid (x, y) in pixels, or None, of each color."""
 
     names: List[str]
     areas_px: List[int]
     centroids: List[Centroid]
 
 
-def to_msg(header: Header, names: Sequence[str], areas_px: Sequence[int],
-           centroids: Sequence[Centroid]) -> PointCloud:
-    """Return the message for the colours of one image; names, areas and centroids in one order.
+def to_msg(names: Sequence[str], areas_px: Sequence[int], centroids: Sequence[Centroid],
+           header: Header) -> PointCloud:
+    """Return the message for the colors of one image; names, areas and centroids in one order.
 
     header: the image's. The message has float32: areas above 2**24 pixels are rounded.
     """
@@ -43,7 +43,7 @@ def to_msg(header: Header, names: Sequence[str], areas_px: Sequence[int],
 
 
 def from_msg(msg: PointCloud) -> ColorDetection:
-    """Return the colours in a message.
+    """Return the colors in a message.
 
     Raises ColorDetectionError when it has not a channel a point with a value a point.
     """

@@ -31,7 +31,7 @@ def to_msg(image: np.ndarray, encoding: str, header: Header,
     """Return a message that holds `image`, uint8 of shape (height, width[, 3]), compressed.
 
     encoding: rgb8, bgr8 or mono8. The format says, as compressed_image_transport does, what the
-    image was and what its file holds: colours are always handed to the encoder as bgr8, and
+    image was and what its file holds: colors are always handed to the encoder as bgr8, and
     nothing is named for grey: 'rgb8; jpeg compressed bgr8', 'mono8; png compressed '.
     Raises ImageError when the image cannot be compressed.
     """
@@ -53,7 +53,7 @@ def to_msg(image: np.ndarray, encoding: str, header: Header,
 def from_msg(msg: CompressedImage, encoding: str = 'bgr8') -> np.ndarray:
     """Return the image of a message in the wanted encoding, whatever was compressed and how.
 
-    Colours are where the format says that they are: a format that names a colour encoding and
+    Colors are where the format says that they are: a format that names a color encoding and
     then not 'compressed bgr' is of an old publisher, and its file has red and blue exchanged; one
     without a semicolon says nothing, and the file is as files are.
     Raises ImageError naming format, size and reason.

@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 from img_recog.errors import UserError
 
 _bridge = CvBridge()
-# what cv_bridge does to make bgr8 of what is no order of colours; others are left to it
+# what cv_bridge does to make bgr8 of what is no order of colors; others are left to it
 _CONVERSIONS = {
     'mono8': (1, cv2.COLOR_GRAY2BGR),
     'bayer_rggb8': (1, cv2.COLOR_BayerBG2BGR), 'bayer_bggr8': (1, cv2.COLOR_BayerRG2BGR),
@@ -52,7 +52,7 @@ def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:
 
 
 class ColorImages:
-    """Makes colour images of messages of any encoding, without a copy where there is a way.
+    """Makes color images of messages of any encoding, without a copy where there is a way.
 
     What needs a conversion is converted into memory that is kept from image to image.
     """

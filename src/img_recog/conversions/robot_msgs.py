@@ -9,7 +9,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
 from img_recog.simulation.body import Motion
-from img_recog.simulation.imu import Inertial
+from img_recog.simulation.imu import ImuReading
 from img_recog.simulation.robot import JointStates
 from img_recog.simulation.settings import ImuSettings, ScanSettings
 
@@ -81,7 +81,7 @@ def scan_from_msg(msg: LaserScan) -> np.ndarray:
     return np.array(msg.ranges)
 
 
-def imu_to_msg(inertial: Inertial, stamp: genpy.Time, settings: ImuSettings) -> Imu:
+def imu_to_msg(inertial: ImuReading, stamp: genpy.Time, settings: ImuSettings) -> Imu:
     """Return the message for a measurement; the covariances are those of the noise."""
     msg = Imu(orientation=Quaternion(*inertial.orientation),
               angular_velocity=Vector3(*inertial.angular_velocity),
@@ -92,11 +92,11 @@ def imu_to_msg(inertial: Inertial, stamp: genpy.Time, settings: ImuSettings) -> 
     return msg
 
 
-def imu_from_msg(msg: Imu) -> Inertial:
+def imu_from_msg(msg: Imu) -> ImuReading:
     """Return the measurement in a message."""
     turned, rate, force = msg.orientation, msg.angular_velocity, msg.linear_acceleration
-    return Inertial((turned.x, turned.y, turned.z, turned.w), np.array([rate.x, rate.y, rate.z]),
-                    np.array([force.x, force.y, force.z]))
+    return ImuReading((turned.x, turned.y, turned.z, turned.w), np.array([rate.x, rate.y, rate.z]),
+                      np.array([force.x, force.y, force.z]))
 
 
 def _isotropic(variance: float) -> list:

@@ -23,7 +23,7 @@ def read(namespace: str = '~') -> RecognitionSettings:
 
 
 def read_image_topics(settings: RecognitionSettings, taken: Sequence[str]) -> List[str]:
-    """Return for each colour the topic of its masked images, by default NAME_image.
+    """Return for each color the topic of its masked images, by default NAME_image.
 
     taken: topics that the node uses already.
     Raises ParameterError for one that is no name of a topic, or has another use.
@@ -53,4 +53,4 @@ def warn_of_unknown(settings: RecognitionSettings, *others: Type[Settings]) -> N
     for name in strangers:
         rospy.logwarn('parameter %s: %s', rospy.resolve_name('~' + name),
                       no_such_color(name, settings.color_names))
-    parameters.warn_of_unknown(type(settings), *others, besides=known + strangers)
+    parameters.warn_of_unknown(type(settings), *others, also_known=known + strangers)

@@ -1,1 +1,1 @@
-"""Colour ranges to areas and masked images, areas to commands; knows no ROS."""
+"""Color ranges to areas and masked images, areas to commands; knows no ROS."""

@@ -1,4 +1,4 @@
-"""Colour ranges to areas, masks and masked images."""
+"""Color ranges to areas, masks and masked images."""
 from typing import Dict, List, Optional, Tuple
 
 import cv2
@@ -14,7 +14,7 @@ ENCODINGS = tuple(_TO_HSV)
 
 
 class ColorExtractor:
-    """Measures colours in images, in memory that is kept from image to image.
+    """Measures colors in images, in memory that is kept from image to image.
 
     What it returns is of the image measured last, and is overwritten by the next; nothing of that
     image may change before. The ranges are independent: a pixel may belong to several.
@@ -29,14 +29,14 @@ class ColorExtractor:
         self._areas: List[int] = []
         self._masks: List[np.ndarray] = []
         self._made: Optional[Masks] = None
-        self.use(settings)
+        self.configure(settings)
 
-    def use(self, settings: RecognitionSettings) -> None:
+    def configure(self, settings: RecognitionSettings) -> None:
         """Measure by these settings from the next image on."""
         self._settings, self._made = settings, None
 
     def measure(self, image: np.ndarray, encoding: str = 'bgr8') -> List[int]:
-        """Return the number of pixels of each colour, in the order of the settings.
+        """Return the number of pixels of each color, in the order of the settings.
 
         image: uint8 of shape (height, width, 3 or 4), whose rows may be apart in memory.
         encoding: one of ENCODINGS, the order of its channels.
@@ -54,14 +54,14 @@ class ColorExtractor:
         return list(self._areas)
 
     def mask(self, number: int) -> np.ndarray:
-        """Return where colour `number` is: uint8 of shape (height, width), 255 inside, else 0."""
+        """Return where color `number` is: uint8 of shape (height, width), 255 inside, else 0."""
         whole = self._buffer('whole mask', self._image.shape[:2])
         whole[:] = 0
         whole[self._region] = self._masks[number]
         return whole
 
     def masked(self, number: int, result: Optional[np.ndarray] = None) -> np.ndarray:
-        """Return the image in bgr8, uint8 of shape (height, width, 3), black but for a colour.
+        """Return the image in bgr8, uint8 of shape (height, width, 3), black but for a color.
 
         result: where to write it, if not into kept memory.
         """
@@ -84,9 +84,9 @@ class ColorExtractor:
         return self._bgr
 
     def centroid(self, number: int) -> Optional[Tuple[float, float]]:
-        """Return the mean x and y of a colour's pixels, None if there are none.
+        """Return the mean x and y of a color's pixels, None if there are none.
 
-        In pixels of the whole image: 0, 0 is the centre of the upper left one.
+        In pixels of the whole image: 0, 0 is the center of the upper left one.
         """
         area = self._areas[number]
         if area == 0:

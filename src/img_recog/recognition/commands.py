@@ -15,9 +15,9 @@ STOP = Command(0.0)
 
 
 def commands(areas_px: Sequence[int], settings: RecognitionSettings) -> List[Command]:
-    """Return the command of each colour whose area is above its limit, in the settings' order.
+    """Return the command of each color whose area is above its limit, in the settings' order.
 
-    areas_px: one area a colour. No colour in view gives no command at all: stopping is left to
+    areas_px: one area a color. No color in view gives no command at all: stopping is left to
     whoever else commands the robot (in the article, the idle teleop), or to a Commander.
     """
     return [Command(color.linear_x, color.angular_z)
@@ -36,7 +36,7 @@ class Commander:
         self._last: Optional[List[Command]] = None
         self._seen_s, self._is_stopped = now_s, False
 
-    def use(self, settings: RecognitionSettings) -> None:
+    def configure(self, settings: RecognitionSettings) -> None:
         """Decide by these settings from now on."""
         self._settings = settings
 
@@ -51,11 +51,11 @@ class Commander:
         return self.wait(now_s)
 
     def wait(self, now_s: float) -> List[Command]:
-        """Return what to publish while no frame comes: STOP, once, when colours are lost."""
+        """Return what to publish while no frame comes: STOP, once, when colors are lost."""
         limit_s = self._settings.stop_when_lost
         if self._is_stopped or limit_s == 0 or now_s - self._seen_s < limit_s:
             return []
-        # the colour that is seen next is news, though it may be the last one
+        # the color that is seen next is news, though it may be the last one
         self._is_stopped, self._last = True, None
         return [STOP]
 

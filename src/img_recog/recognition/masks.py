@@ -1,4 +1,4 @@
-"""Colour ranges to masks, by few operations on few pixels."""
+"""Color ranges to masks, by few operations on few pixels."""
 import functools
 from typing import Callable, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -22,13 +22,13 @@ _Call = Callable[[Sequence[np.ndarray]], object]
 class Masks:
     """Makes the masks of images of one shape, in memory that is kept.
 
-    masks: for each colour, uint8 of the shape of the images, 255 inside, else 0.
-    areas_px: for each colour, how many pixels are inside.
+    masks: for each color, uint8 of the shape of the images, 255 inside, else 0.
+    areas_px: for each color, how many pixels are inside.
 
     A range is a test of each plane of the HSV image and the conjunction of these, which takes
-    less than cv2.inRange on three channels, and equal tests of two colours are one. The
+    less than cv2.inRange on three channels, and equal tests of two colors are one. The
     conversion to HSV takes most of the time, and is made only where it is needed: what has the
-    saturation of a colour has channels that differ, and that is seen in a third of the time.
+    saturation of a color has channels that differ, and that is seen in a third of the time.
     """
 
     def __init__(self, shape: Tuple[int, int], colors: Sequence[Color]):
@@ -83,7 +83,7 @@ class _Strip:
         return [cv2.countNonZero(part) for part in self._parts[self._program.first_mask:]]
 
     def _look(self, image: np.ndarray) -> Optional[_Box]:
-        """Return what holds all pixels that can be of a colour, None if none can."""
+        """Return what holds all pixels that can be of a color, None if none can."""
         if self._line is None or self._frames_without:
             self._frames_without = max(0, self._frames_without - 1)
             return self._whole

@@ -15,7 +15,7 @@ def draw(extractor: ColorExtractor, colors: Sequence[Color], areas_px: Sequence[
          commands: Sequence[Command]) -> np.ndarray:
     """Return the image that was measured last with what was found in it.
 
-    bgr8, uint8 of shape (height, width, 3): the outline of each colour in that colour, a cross at
+    bgr8, uint8 of shape (height, width, 3): the outline of each color in that color, a cross at
     its centroid, its area beside its limit, and the commands in the order in which they are sent.
     """
     image = extractor.bgr().copy()
@@ -41,7 +41,7 @@ def draw(extractor: ColorExtractor, colors: Sequence[Color], areas_px: Sequence[
 
 
 def color_of(color: Color) -> tuple:
-    """Return the middle of a colour's hues as a bright BGR colour."""
+    """Return the middle of a color's hues as a bright BGR color."""
     pixel = cv2.cvtColor(np.array([[[color.middle_hue, 220, 255]]], np.uint8), cv2.COLOR_HSV2BGR)
     return tuple(int(value) for value in pixel[0, 0])
 

@@ -5,7 +5,7 @@ import yaml
 
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
                                             color_names, with_colors)
-from img_recog.settings import ParameterError, SettingError, declared, made_of, unknown
+from img_recog.settings import ParameterError, SettingError, from_mapping, setting_fields, unknown
 
 COLORS = 'colors'
 IMAGE_TOPIC = '{}_image_topic'
@@ -22,7 +22,7 @@ def read(path: str) -> RecognitionSettings:
     try:
         names = color_names(values.pop(COLORS, list(DEFAULT_COLORS)))
         kind = with_colors(names)
-        known = {field.name for field in declared(kind)}
+        known = {field.name for field in setting_fields(kind)}
         others = {*_NODE_ONLY, *(IMAGE_TOPIC.format(name) for name in names)}
         for name in values:
             if color_in(name) not in (None, *names):
@@ -30,16 +30,16 @@ def read(path: str) -> RecognitionSettings:
                     path, name, no_such_color(name, names)))
             if name not in known | others:
                 raise ParameterError('{}: {}'.format(path, unknown(name, known)))
-        return made_of(kind, values)
+        return from_mapping(kind, values)
     except SettingError as error:
         raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(
             path, error.name, error.got, error.allowed))
 
 
 def no_such_color(parameter: str, names: Sequence[str]) -> str:
-    """Return the line about a parameter of a colour that is not among the names."""
+    """Return the line about a parameter of a color that is not among the names."""
     name = color_in(parameter)
-    return 'there is no colour {}, the colours are {}; add it to {}: [{}]'.format(
+    return 'there is no color {}, the colors are {}; add it to {}: [{}]'.format(
         name, ', '.join(names), COLORS, ', '.join([*names, name]))
 
 

@@ -1,10 +1,10 @@
-"""Which colours are looked for, and what is done when one is seen."""
+"""Which colors are looked for, and what is done when one is seen."""
 import dataclasses
 import re
 from dataclasses import dataclass
 from typing import Any, ClassVar, Iterable, Mapping, NamedTuple, Optional, Tuple, Type
 
-from img_recog.settings import (SettingError, Settings, anything, at_least, between, required,
+from img_recog.settings import (SettingError, Settings, any_value, at_least, between, required,
                                 setting)
 
 
@@ -34,7 +34,7 @@ class Color(NamedTuple):
 
 _HUES = 180        # after so many, they begin again
 _HUE, _LEVEL = between(0, 180), between(0, 255)
-# of each colour: type, what is allowed, description
+# of each color: type, what is allowed, description
 _PARTS = {
     'hue_min': (int, _HUE, 'lowest hue; above hue_max, the range goes through 0'),
     'hue_max': (int, _HUE, 'highest hue'),
@@ -43,10 +43,10 @@ _PARTS = {
     'value_min': (int, _LEVEL, 'lowest value'),
     'value_max': (int, _LEVEL, 'highest value'),
     'area_limit': (int, at_least(0), 'the command is given above so many pixels'),
-    'linear_x': (float, anything(), 'command, m/s'),
-    'angular_z': (float, anything(), 'command, rad/s'),
+    'linear_x': (float, any_value(), 'command, m/s'),
+    'angular_z': (float, any_value(), 'command, rad/s'),
 }
-# what holds for a colour that says no more than its hue: it stops the robot
+# what holds for a color that says no more than its hue: it stops the robot
 _DEFAULTS = {'saturation_min': 100, 'saturation_max': 255, 'value_min': 100, 'value_max': 255,
              'area_limit': 1000, 'linear_x': 0.0, 'angular_z': 0.0}
 # the article's numbers
@@ -60,17 +60,17 @@ _NAME = re.compile('[a-zA-Z][a-zA-Z0-9_]*')
 
 @dataclass(frozen=True)
 class RecognitionSettings(Settings):
-    """What holds for all colours; `with_colors` makes the subclass that has those of each.
+    """What holds for all colors; `with_colors` makes the subclass that has those of each.
 
     colors: a Color for each, in the order in which they are looked for and command.
     roi_*: the region of interest in pixels (sensor_msgs/RegionOfInterest); what is outside is of
-    no colour. A width or height of 0 is all that there is.
+    no color. A width or height of 0 is all that there is.
     """
 
     publish_on_change: bool = setting(
         False, description='publish commands only when they differ from those of the last frame')
     stop_when_lost: float = setting(
-        0.0, at_least(0), 'after so many seconds without a colour or an image, and at the end, '
+        0.0, at_least(0), 'after so many seconds without a color or an image, and at the end, '
         'publish a zero Twist; 0 is never')
     min_blob_size: int = setting(
         0, at_least(0), 'connected pixels that are fewer than these do not count')
@@ -109,9 +109,9 @@ class RecognitionSettings(Settings):
 
 
 def with_colors(names: Iterable[str] = DEFAULT_COLORS) -> Type[RecognitionSettings]:
-    """Return the settings that have hue_min, ..., angular_z of each colour: blue_hue_min, ...
+    """Return the settings that have hue_min, ..., angular_z of each color: blue_hue_min, ...
 
-    Blue and red have the article's numbers as defaults; any other colour must be given its
+    Blue and red have the article's numbers as defaults; any other color must be given its
     hue_min and hue_max.
     """
     fields = [('{}_{}'.format(name, part), *_field(name, part))
@@ -121,7 +121,7 @@ def with_colors(names: Iterable[str] = DEFAULT_COLORS) -> Type[RecognitionSettin
 
 
 def color_in(parameter: str) -> Optional[str]:
-    """Return the name of the colour that a parameter is of by its own name, None if of none."""
+    """Return the name of the color that a parameter is of by its own name, None if of none."""
     for part in (*_PARTS, 'image_topic'):
         if parameter.endswith('_' + part):
             return parameter[:-len(part) - 1]

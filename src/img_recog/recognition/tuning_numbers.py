@@ -1,4 +1,4 @@
-"""What of an image passes which bound of a colour: the numbers in a tuning picture."""
+"""What of an image passes which bound of a color: the numbers in a tuning picture."""
 from typing import List, NamedTuple, Optional, Tuple
 
 import cv2
@@ -13,7 +13,7 @@ HUES, LEVELS = 181, 256         # so many values are allowed as bounds of H, and
 class Histogram(NamedTuple):
     """How many pixels have each value of a plane of the HSV image, int of shape (181 or 256,).
 
-    passing_px: of these, the ones that pass the colour's bounds of the other planes.
+    passing_px: of these, the ones that pass the color's bounds of the other planes.
     """
 
     all_px: np.ndarray
@@ -21,7 +21,7 @@ class Histogram(NamedTuple):
 
 
 class ColorNumbers(NamedTuple):
-    """How the pixels of the region of interest fare with one colour.
+    """How the pixels of the region of interest fare with one color.
 
     area_px: as the node counts them; in_bounds_px: the same without regard to the size of blobs.
     saturation, value: of the pixels with a hue within its bounds.
@@ -40,7 +40,7 @@ class ColorNumbers(NamedTuple):
 class FrameNumbers(NamedTuple):
     """How the pixels of the region of interest fare.
 
-    hue: of all of them; passing are those with saturation and value within the bounds of a colour.
+    hue: of all of them; passing are those with saturation and value within the bounds of a color.
     """
 
     hue: Histogram
@@ -65,7 +65,7 @@ def frame_numbers(extractor: ColorExtractor, areas_px: List[int],
 
 
 def color_numbers(hsv: np.ndarray, color: Color, area_px: int) -> ColorNumbers:
-    """Return the numbers of one colour.
+    """Return the numbers of one color.
 
     hsv: uint8 of shape (height, width, 3) on OpenCV's scale (H 0-180, S and V 0-255).
     """

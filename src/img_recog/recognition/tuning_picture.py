@@ -1,4 +1,4 @@
-"""A picture that tells why a colour is seen in an image, or is not."""
+"""A picture that tells why a color is seen in an image, or is not."""
 from typing import List, Tuple
 
 import cv2
@@ -26,18 +26,18 @@ _GREY, _ABOVE, _BELOW = '0.78', '#1a7f37', '#b42318'
 _SMALL, _NORMAL, _LARGE = 8, 9, 12      # points
 _NAME_LENGTH = 12                       # so many letters stand beside the ranges
 _SHOWN_PX = 1000                        # more would not be seen
-# coloured bars that are a 25th of the grey ones can be seen beside them
+# colored bars that are a 25th of the grey ones can be seen beside them
 _GREY_ABOVE = 25
-_FOOT = ('Grey: all pixels (above), those of the hue (in the rows). Coloured: those of them that '
+_FOOT = ('Grey: all pixels (above), those of the hue (in the rows). Colored: those of them that '
          'the other bounds let pass. What is shaded is in bounds.')
 
 
 def draw(image: np.ndarray, settings: RecognitionSettings) -> Tuple[Figure, List[int]]:
-    """Return the picture of an image and the area of each colour in pixels.
+    """Return the picture of an image and the area of each color in pixels.
 
     image: bgr8, uint8 of shape (height, width, 3).
-    Above: the frame with the region of interest, and the hues with the range of each colour.
-    Below a row a colour: what is left of the frame, as the node publishes it, the area and its
+    Above: the frame with the region of interest, and the hues with the range of each color.
+    Below a row a color: what is left of the frame, as the node publishes it, the area and its
     limit, and the saturation and value of the pixels of its hue with their bounds.
     """
     extractor = ColorExtractor(settings)
@@ -67,7 +67,7 @@ def pixels(figure: Figure, width: int, height: int) -> np.ndarray:
 
 
 def verdict(color: Color, area_px: int) -> str:
-    """Return the area of a colour beside its limit: 'blue: 56463 px, above the limit of ...'."""
+    """Return the area of a color beside its limit: 'blue: 56463 px, above the limit of ...'."""
     side = ('above' if area_px > color.area_limit_px else
             'below' if area_px < color.area_limit_px else 'not above')
     return '{}: {} px, {} the limit of {} px'.format(color.name, area_px, side,
@@ -75,7 +75,7 @@ def verdict(color: Color, area_px: int) -> str:
 
 
 def bounds(color: Color) -> str:
-    """Return the bounds of a colour: 'hue 50-150, saturation 100-255, value 100-255'."""
+    """Return the bounds of a color: 'hue 50-150, saturation 100-255, value 100-255'."""
     return 'hue {}-{}, saturation {}-{}, value {}-{}'.format(
         *color.hue, *color.saturation, *color.value)
 
@@ -126,8 +126,8 @@ def _draw_frame(sheet: _Sheet, image: np.ndarray, settings: RecognitionSettings)
 def _draw_hues(sheet: _Sheet, hue: Histogram, settings: RecognitionSettings) -> None:
     width, top = _RIGHT - _HUE_LEFT, _FRAME_TOP + _RANGE_HEIGHT * len(settings.colors)
     sheet.text(_HUE_LEFT, _FRAME_TOP - 0.12, 'hue', _LARGE, fontweight='bold')
-    sheet.text(_HUE_LEFT + 0.5, _FRAME_TOP - 0.12, 'coloured: pixels whose saturation and value '
-               'a colour allows; grey: all', _NORMAL)
+    sheet.text(_HUE_LEFT + 0.5, _FRAME_TOP - 0.12, 'colored: pixels whose saturation and value '
+               'a color allows; grey: all', _NORMAL)
     ranges = sheet.axes(_HUE_LEFT, _FRAME_TOP, width, top - _FRAME_TOP - 0.05)
     plot = sheet.axes(_HUE_LEFT, top, width, _HUE_HEIGHT)
     strip = sheet.axes(_HUE_LEFT, top + _HUE_HEIGHT, width, _STRIP_HEIGHT)
@@ -209,7 +209,7 @@ def _fill(axes, counts: np.ndarray, color) -> None:
 
 
 def _bars(axes, counts: np.ndarray) -> None:
-    """Draw a bar for each hue, in its colour; as one collection in a tenth of bar's time."""
+    """Draw a bar for each hue, in its color; as one collection in a tenth of bar's time."""
     hues = np.flatnonzero(counts)
     corners = [((hue - 0.5, 0), (hue - 0.5, counts[hue]), (hue + 0.5, counts[hue]),
                 (hue + 0.5, 0)) for hue in hues]
@@ -236,7 +236,7 @@ def _typical_rgb(color: Color) -> np.ndarray:
 
 
 def _hue_rgb(hues: np.ndarray) -> np.ndarray:
-    """Return fully saturated colours of hues (0-180), float of shape (number, 3), 0 to 1."""
+    """Return fully saturated colors of hues (0-180), float of shape (number, 3), 0 to 1."""
     hsv = np.full((1, len(hues), 3), 225, np.uint8)
     hsv[0, :, 0], hsv[0, :, 1] = hues % (HUES - 1), 255
     return cv2.cvtColor(hsv, cv2.COLOR_HSV2RGB)[0] / 255

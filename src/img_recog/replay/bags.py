@@ -32,7 +32,7 @@ class Decoded(NamedTuple):
 class BagFrames:
     """The images on one topic of a bag.
 
-    expected, period_ns, warnings: as those of FilmFrames; the period is the mean one, known at
+    expected, period_ns, warnings: as those of VideoFrames; the period is the mean one, known at
     the end.
     """
 
@@ -122,7 +122,7 @@ def _opened(path: str) -> rosbag.Bag:
         raise UserError('the bag {0} has no index, as when its recording was cut off; make one: '
                         'rosbag reindex {0}'.format(path))
     except _DAMAGE as error:
-        raise UserError('cannot read {} as a bag: {}; give a film that OpenCV plays, or a bag '
+        raise UserError('cannot read {} as a bag: {}; give a video that OpenCV plays, or a bag '
                         'with images'.format(path, _line(error)))
 
 

@@ -35,18 +35,18 @@ class Frame(NamedTuple):
     encoding: str
 
 
-class Measured(NamedTuple):
-    """A frame, and the area and the centroid (x, y in pixels, or None) of each colour in it."""
+class FrameMeasurement(NamedTuple):
+    """A frame, and the area and the centroid (x, y in pixels, or None) of each color in it."""
 
     frame: Frame
     areas_px: List[int]
     centroids: List[Optional[Tuple[float, float]]]
 
 
-class Seen(NamedTuple):
+class FrameResult(NamedTuple):
     """What came of a frame.
 
-    areas_px, centroids (x, y in pixels, or None): of each colour; commands: those given for it;
+    areas_px, centroids (x, y in pixels, or None): of each color; commands: those given for it;
     motion: of the robot's root link when the frame came.
     """
 
@@ -58,7 +58,7 @@ class Seen(NamedTuple):
     motion: Motion
 
 
-class Sent(NamedTuple):
+class CommandSent(NamedTuple):
     """A command for the robot; sender: RECOGNITION or TELEOP."""
 
     time_ns: int
@@ -72,22 +72,22 @@ class Recorder:
     def start(self, stamp_ns: int) -> None:
         """Note the stamp of the first frame, which is time 0."""
 
-    def seen(self, seen: Seen) -> None:
+    def on_frame(self, seen: FrameResult) -> None:
         """Note a frame; its commands come next, by `sent`."""
 
-    def sent(self, sent: Sent) -> None:
+    def on_command(self, sent: CommandSent) -> None:
         """Note a command."""
 
-    def read(self, reading: Reading) -> None:
+    def on_reading(self, reading: Reading) -> None:
         """Note what a sensor of the robot saw."""
 
 
-def measured(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator[Measured]:
+def measured(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator[FrameMeasurement]:
     """Yield the frames measured; nothing of the chain is needed for it, so it may go ahead."""
     extractor, colors = ColorExtractor(settings), range(len(settings.colors))
     for frame in frames:
         areas_px = extractor.measure(frame.image, frame.encoding)
-        yield Measured(frame, areas_px, [extractor.centroid(number) for number in colors])
+        yield FrameMeasurement(frame, areas_px, [extractor.centroid(number) for number in colors])
 
 
 class Chain:
@@ -108,7 +108,7 @@ class Chain:
         self._teleop_ns = 0 if teleop else math.inf
         self._look_up_ns = _LOOK_UP_NS
 
-    def run(self, frames: Iterable[Measured]) -> int:
+    def run(self, frames: Iterable[FrameMeasurement]) -> int:
         """Run all frames, and return the time of the last in ns, 0 without any."""
         time_ns, start_ns = 0, None
         for found in frames:
@@ -118,11 +118,11 @@ class Chain:
                 for recorder in self._recorders:
                     recorder.start(start_ns)
             time_ns = frame.stamp_ns - start_ns
-            self.pass_time(time_ns)
-            self._look(found, time_ns)
+            self.simulate_until(time_ns)
+            self._process_frame(found, time_ns)
         return time_ns
 
-    def pass_time(self, until_ns: int) -> None:
+    def simulate_until(self, until_ns: int) -> None:
         """Simulate until a time, with what is sent while no frame comes."""
         while True:
             # at the time itself a frame has come, and nobody waits any longer
@@ -141,16 +141,16 @@ class Chain:
 
     def end(self, time_ns: int) -> None:
         """Let the time of the last frame pass and the recognition end."""
-        self.pass_time(time_ns - 1)
+        self.simulate_until(time_ns - 1)
         self._advance(time_ns)
         self._send(time_ns, self._commander.end(), RECOGNITION)
 
-    def _look(self, found: Measured, time_ns: int) -> None:
+    def _process_frame(self, found: FrameMeasurement, time_ns: int) -> None:
         commands = self._commander.decide(found.areas_px, time_ns / SECOND_NS)
-        seen = Seen(found.frame, time_ns, found.areas_px, found.centroids, commands,
-                    self._vehicle.robot.motion())
+        seen = FrameResult(found.frame, time_ns, found.areas_px, found.centroids, commands,
+                           self._vehicle.robot.motion())
         for recorder in self._recorders:
-            recorder.seen(seen)
+            recorder.on_frame(seen)
         self._send(time_ns, commands, RECOGNITION)
         self._look_up_ns = time_ns + _LOOK_UP_NS
 
@@ -158,7 +158,7 @@ class Chain:
         for command in commands:
             self._vehicle.command(*command)
             for recorder in self._recorders:
-                recorder.sent(Sent(time_ns, command, sender))
+                recorder.on_command(CommandSent(time_ns, command, sender))
 
     def _advance(self, time_ns: int) -> None:
         steps = (time_ns + self._step_ns // 2) // self._step_ns
@@ -166,4 +166,4 @@ class Chain:
         self._steps = max(steps, self._steps)
         for reading in readings:
             for recorder in self._recorders:
-                recorder.read(reading)
+                recorder.on_reading(reading)

@@ -33,10 +33,10 @@ def spawn_of(options: argparse.Namespace) -> SpawnSettings:
 def _parser() -> argparse.ArgumentParser:
     spawn = SpawnSettings()
     parser = argparse.ArgumentParser(
-        prog='replay.py', description='Run a film or a bag through colour recognition and the '
+        prog='replay.py', description='Run a video or a bag through color recognition and the '
         'simulated robot, as fast as it goes and without a master; write a bag, a table (CSV) '
         'and a picture (PNG) of it.', allow_abbrev=False)
-    parser.add_argument('input', metavar='FILM_OR_BAG')
+    parser.add_argument('input', metavar='VIDEO_OR_BAG')
     parser.add_argument('--topic', default='', help='images of a bag; default: {}, or the only '
                         'ones in it'.format(' or '.join(DEFAULT_TOPICS)))
     parser.add_argument('--colors', default='', metavar='YAML',

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from img_recog.recognition.settings import Color
-from img_recog.replay.plot_data import AREAS, SPEED, TIME, TURN, YAW, Numbers, X, Y
+from img_recog.replay.plot_data import AREAS, SPEED, TIME, TURN, YAW, PlotData, X, Y
 
 _SIZE_IN, _DPI = (14.0, 9.0), 100
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
@@ -33,7 +33,7 @@ class Picture:
             self._map = self._figure.add_axes((0.67, 0.43, 0.31, 0.49))
             self._close_up = self._figure.add_axes((0.67, 0.07, 0.31, 0.27))
 
-    def draw(self, file: IO[bytes], title: str, numbers: Numbers) -> None:
+    def draw(self, file: IO[bytes], title: str, numbers: PlotData) -> None:
         """Write the picture as PNG; once, for what is drawn stays."""
         with _style():
             self._figure.suptitle(title, x=0.06, y=0.98, ha='left')
@@ -67,7 +67,7 @@ def _draw_areas(axes: Axes, rows: np.ndarray, colors: Sequence[Color]) -> None:
                      label='limit of {}: {} px'.format(', '.join(names), limit_px))
     room = 1.4 if len(axes.lines) > _IN_A_ROW else 1.0      # for the names
     axes.set_ylim(0, room * axes.get_ylim()[1])
-    _set_title(axes, 'Area of each colour')
+    _set_title(axes, 'Area of each color')
     axes.set_ylabel('area (px)')
     _finish(axes)
 
@@ -106,7 +106,7 @@ def _draw_position(axes: Axes, rows: np.ndarray) -> None:
 
 def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str, labels: tuple,
                 least: float) -> None:
-    """Draw angles with a scale of their own, to the right of what there is in metres.
+    """Draw angles with a scale of their own, to the right of what there is in meters.
 
     name: of the line; labels: of the left and right scale.
     least: the scale on the left goes at least so far: the noise of a robot that stands is not to

@@ -6,10 +6,10 @@ from typing import Iterable, Iterator, TypeVar
 import genpy
 from std_msgs.msg import Header
 
-from img_recog.camera.film_source import FilmSource
 from img_recog.camera.selection import open_file
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded, SourceError
+from img_recog.camera.video_source import VideoSource
 from img_recog.errors import UserError
 from img_recog.replay.chain import SECOND_NS, Frame
 
@@ -26,31 +26,31 @@ def is_bag(path: str) -> bool:
         return file.read(len(_MAGIC)) == _MAGIC or path.endswith('.bag')
 
 
-class FilmFrames:
-    """Plays a film once: frame k is at k / rate.
+class VideoFrames:
+    """Plays a video once: frame k is at k / rate.
 
     expected: how many frames there may be, 0 where nobody knows; period_ns: between two frames;
     warnings: what to tell the user once all frames have been given out.
     """
 
     def __init__(self, path: str):
-        """Open a film; UserError when it cannot be played."""
+        """Open a video; UserError when it cannot be played."""
         self._path, self._broken = path, []
         try:
             source = open_file(path, 1.0, loop=False, warn=self._broken.append)
         except SourceError as error:
             # what the camera would have one set is no matter here
             raise UserError('{}; {}'.format(str(error).partition('; set ')[0], WANTED))
-        if not isinstance(source, FilmSource):
+        if not isinstance(source, VideoSource):
             source.close()
-            raise UserError('{} is a still image; {}'.format(path, WANTED))
+            raise UserError('{} is an image; {}'.format(path, WANTED))
         self._source = source
         self.expected = source.expected_frames
         self.period_ns = round(SECOND_NS / source.rate_hz)
         self.warnings = []
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield all frames; UserError at the end of a film that breaks off."""
+        """Yield all frames; UserError at the end of a video that breaks off."""
         number, frame_id = 0, CameraSettings().camera_frame_id
         try:
             while True:
@@ -64,7 +64,7 @@ class FilmFrames:
         finally:
             self._source.close()
         if self._broken:
-            raise UserError('{}; get it whole, or make a film of what there is: ffmpeg -i {} '
+            raise UserError('{}; get it whole, or make a video of what there is: ffmpeg -i {} '
                             'whole.mkv'.format(self._broken[0], self._path))
 
 

@@ -16,7 +16,7 @@ from img_recog.errors import UserError
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.replay import cli, inputs, scenario
 from img_recog.replay.chain import SECOND_NS, Chain, measured
-from img_recog.replay.inputs import FilmFrames, is_bag, prefetch
+from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
 from img_recog.replay.painter import Painter
 from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder
@@ -31,7 +31,7 @@ _EXTENSIONS = ('.bag', '.csv', '.png')
 _PREFETCHED = 8                      # frames
 _FATAL, _QUIET = 1, -8          # OpenCV's and ffmpeg's names for these
 _log = logging.getLogger('replay.py')
-Frames = Union[FilmFrames, 'BagFrames']
+Frames = Union[VideoFrames, 'BagFrames']
 
 
 def main(painter: Painter, begin_s: float) -> int:
@@ -130,7 +130,7 @@ def _frames(path: str, topic: str) -> Frames:
         return BagFrames(path, topic)
     if topic:
         raise UserError('cannot replay {}: --topic is for a bag, and this is none'.format(path))
-    return FilmFrames(path)
+    return VideoFrames(path)
 
 
 def _recognition(path: str) -> RecognitionSettings:

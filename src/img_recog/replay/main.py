@@ -1,4 +1,4 @@
-"""The program replay: a film or a bag through recognition and simulation, without a master.
+"""The program replay: a video or a bag through recognition and simulation, without a master.
 
 Runs as fast as it goes, and writes what happened as a bag, a table and a picture. The same input
 gives the same files to the byte.

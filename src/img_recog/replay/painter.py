@@ -36,7 +36,7 @@ class Painter:
         self._process.join()
 
     def begin(self, title: str, numbers: Any) -> None:
-        """Let it draw; numbers: Numbers."""
+        """Let it draw; numbers: PlotData."""
         try:
             self._ours.send((title, numbers))
         except OSError:

@@ -9,7 +9,7 @@ from img_recog.recognition.settings import Color
 TIME, X, Y, YAW, SPEED, TURN, AREAS = range(7)
 
 
-class Numbers(NamedTuple):
+class PlotData(NamedTuple):
     """What happened.
 
     rows: (frames, columns), at each frame; recognition, teleop: (commands, 3), what each of them

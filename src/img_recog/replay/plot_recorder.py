@@ -4,8 +4,9 @@ from typing import Dict, List, Sequence
 import numpy as np
 
 from img_recog.recognition.settings import Color
-from img_recog.replay.chain import RECOGNITION, SECOND_NS, TELEOP, Recorder, Seen, Sent
-from img_recog.replay.plot_data import Numbers
+from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
+                                    Recorder)
+from img_recog.replay.plot_data import PlotData
 
 
 class PlotRecorder(Recorder):
@@ -23,16 +24,16 @@ class PlotRecorder(Recorder):
     def frames(self) -> int:
         return len(self._rows)
 
-    def seen(self, seen: Seen) -> None:
+    def on_frame(self, seen: FrameResult) -> None:
         motion = seen.motion
         self._rows.append((seen.time_ns / SECOND_NS, motion.position[0], motion.position[1],
                            motion.yaw, motion.linear[0], motion.angular[2], *seen.areas_px))
 
-    def sent(self, sent: Sent) -> None:
+    def on_command(self, sent: CommandSent) -> None:
         self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command))
 
-    def numbers(self, end_s: float, outlines: Sequence[np.ndarray]) -> Numbers:
-        """Return what has been kept; end_s, outlines: as Numbers has them."""
-        return Numbers(self._colors, np.array(self._rows),
-                       *(np.array(self._sent[sender]).reshape(-1, 3)
-                         for sender in (RECOGNITION, TELEOP)), end_s, outlines)
+    def numbers(self, end_s: float, outlines: Sequence[np.ndarray]) -> PlotData:
+        """Return what has been kept; end_s, outlines: as PlotData has them."""
+        return PlotData(self._colors, np.array(self._rows),
+                        *(np.array(self._sent[sender]).reshape(-1, 3)
+                          for sender in (RECOGNITION, TELEOP)), end_s, outlines)

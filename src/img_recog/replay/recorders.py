@@ -9,7 +9,7 @@ import rosbag
 from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
-from img_recog.replay.chain import SECOND_NS, Recorder, Seen, Sent
+from img_recog.replay.chain import SECOND_NS, CommandSent, FrameResult, Recorder
 from img_recog.simulation.settings import OdometrySettings
 from img_recog.simulation.vehicle import Reading
 
@@ -53,7 +53,7 @@ class BagRecorder(Recorder):
                  base_frame: str):
         """Write to an open file, empty and without a buffer.
 
-        names: of the colours. base_frame: child_frame_id of the odometry.
+        names: of the colors. base_frame: child_frame_id of the odometry.
         """
         self._bag = rosbag.Bag(_Appended(file, _BUFFER_BYTES), 'w')
         self._names, self._odometry, self._base_frame = names, odometry, base_frame
@@ -62,14 +62,14 @@ class BagRecorder(Recorder):
     def start(self, stamp_ns: int) -> None:
         self._start_ns = stamp_ns
 
-    def seen(self, seen: Seen) -> None:
+    def on_frame(self, seen: FrameResult) -> None:
         self._write('/color_detection', color_detection_msgs.to_msg(
-            seen.frame.header, self._names, seen.areas_px, seen.centroids), seen.time_ns)
+            self._names, seen.areas_px, seen.centroids, seen.frame.header), seen.time_ns)
 
-    def sent(self, sent: Sent) -> None:
+    def on_command(self, sent: CommandSent) -> None:
         self._write('/cmd_vel', twist_msgs.to_msg(*sent.command), sent.time_ns)
 
-    def read(self, reading: Reading) -> None:
+    def on_reading(self, reading: Reading) -> None:
         time_ns = round(reading.time_s * SECOND_NS)
         stamp = _time(self._start_ns + time_ns)
         if reading.sensor == 'joint_states':
@@ -99,14 +99,14 @@ class TableRecorder(Recorder):
     """
 
     def __init__(self, file: IO[str], names: Sequence[str]):
-        """Write to an open file; names: of the colours."""
+        """Write to an open file; names: of the colors."""
         self._rows = csv.writer(file, lineterminator='\n')
         self._rows.writerow([
             'time_s', 'frame', 'stamp_s', *(name + '_px' for name in names),
             'commands_linear_x_m_per_s', 'commands_angular_z_rad_per_s', 'x_m', 'y_m', 'yaw_rad',
             'linear_x_m_per_s', 'angular_z_rad_per_s'])
 
-    def seen(self, seen: Seen) -> None:
+    def on_frame(self, seen: FrameResult) -> None:
         motion = seen.motion
         self._rows.writerow([
             _seconds(seen.time_ns), seen.frame.number, _seconds(seen.frame.stamp_ns),

@@ -6,7 +6,7 @@ from typing import Any, Iterator, Mapping, Sequence
 
 from img_recog import resources
 from img_recog.errors import UserError
-from img_recog.settings import SettingError, made_of
+from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import description, gazebo_tags, loading, meshes, world_file
 from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, SimulationError,
                                            SpawnSettings)
@@ -65,7 +65,7 @@ def _text(path: str) -> str:
 
 def _stated_by(values: Mapping[str, Any]) -> RobotSettings:
     """Return the settings with what <gazebo> tags state in the place of defaults."""
-    return RobotSettings(**{field.name: made_of(type(field.default), values)
+    return RobotSettings(**{field.name: from_mapping(type(field.default), values)
                             for field in dataclasses.fields(RobotSettings)})
 
 

@@ -12,7 +12,7 @@ import rospy
 from img_recog.errors import UserError
 from img_recog.ros.transport import rosout
 
-_LEAVING_S = 0.5
+_JOIN_TIMEOUT_S = 0.5
 
 
 def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> int:
@@ -74,7 +74,7 @@ def leave_blocked_threads(code: int) -> None:
     rospy.signal_shutdown('done')
     for thread in threading.enumerate():
         if not thread.daemon and thread is not threading.current_thread():
-            thread.join(_LEAVING_S)     # one of them may be telling the master
+            thread.join(_JOIN_TIMEOUT_S)     # one of them may be telling the master
     logging.shutdown()
     sys.stdout.flush()
     sys.stderr.flush()

@@ -5,27 +5,28 @@ from typing import Any, Callable, Iterable, List, Mapping, Type
 
 import rospy
 
-from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, declared,
-                                made_of, unknown)
+from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, from_mapping,
+                                setting_fields, unknown)
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
-def read(settings_class: Type[SettingsType], stated: Mapping[str, Any] = _NOTHING,
+def read(settings_class: Type[SettingsType],
+         from_description: Mapping[str, Any] = _NOTHING,
          namespace: str = '~') -> SettingsType:
     """Return the settings with every field overridden for which there is a private parameter.
 
-    stated: values that come before the defaults and after the parameters: those of a robot
-    description.
+    from_description: values of a robot description, which replace the defaults; a parameter
+    replaces them.
     namespace: where the parameters are, if they are not the private ones: a resolved name.
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
     private = _parameters_in(namespace)
     try:
-        return made_of(settings_class, {**stated, **private})
+        return from_mapping(settings_class, {**from_description, **private})
     except SettingError as error:
-        is_stated = error.name in stated and error.name not in private
-        where = ('{}, as robot_description states it'.format(error.name) if is_stated
+        is_described = error.name in from_description and error.name not in private
+        where = ('{}, as robot_description states it'.format(error.name) if is_described
                  else 'parameter ' + _name_in(namespace, error.name))
         raise ParameterError('{}: got {}, allowed is {}'.format(where, error.got, error.allowed))
 
@@ -44,21 +45,21 @@ def read_one(name: str, default: Any, checked: Callable[[Any], Any], namespace: 
             _name_in(namespace, name), error.got, error.allowed))
 
 
-def read_group(group_class: type, stated: Mapping[str, Any] = _NOTHING):
+def read_group(group_class: type, from_description: Mapping[str, Any] = _NOTHING):
     """Return a dataclass whose fields are settings, each read as by `read`."""
-    return group_class(**{field.name: read(type(field.default), stated)
+    return group_class(**{field.name: read(type(field.default), from_description)
                           for field in dataclasses.fields(group_class)})
 
 
-def warn_of_unknown(*settings_classes: Type[Settings], besides: Iterable[str] = (),
+def warn_of_unknown(*settings_classes: Type[Settings], also_known: Iterable[str] = (),
                     namespace: str = '~') -> None:
     """Log one warning for each private parameter that none of the settings has: a likely typo.
 
-    besides: more names that are known: those of namespaces, as of a topic's own parameters.
+    also_known: more names that are known: those of namespaces, as of a topic's own parameters.
     namespace: as for `read`.
     """
-    known = sorted(field.name for each in settings_classes for field in declared(each))
-    for name in sorted(set(_parameters_in(namespace)) - {*known, *besides}):
+    known = sorted(field.name for each in settings_classes for field in setting_fields(each))
+    for name in sorted(set(_parameters_in(namespace)) - {*known, *also_known}):
         rospy.logwarn('%s', unknown(name, known, _name_in(namespace, name)))
 
 

@@ -5,7 +5,7 @@ from concurrent.futures import Future
 from typing import Any, Callable, Optional
 
 
-class Newest:
+class LatestValue:
     """Holds the newest item only: a callback puts, the loop takes."""
 
     def __init__(self):
@@ -32,14 +32,14 @@ class Newest:
             return None
 
 
-class Requests:
+class CallQueue:
     """Work that service handlers ask of the loop, done in its thread and waited for."""
 
     def __init__(self):
         self._condition = threading.Condition()
         self._waiting = []
 
-    def do(self, action: Callable[[], Any], timeout_s: float) -> Any:
+    def call(self, action: Callable[[], Any], timeout_s: float) -> Any:
         """Have the loop call `action`; return what it returns, raise what it raises.
 
         Raises concurrent.futures.TimeoutError when the loop does not begin and end in time; what
@@ -54,7 +54,7 @@ class Requests:
         finally:
             future.cancel()
 
-    def serve(self, timeout_s: float) -> None:
+    def process(self, timeout_s: float) -> None:
         """Call in the loop: do what is asked, or wait up to `timeout_s` for the first request."""
         with self._condition:
             if not self._waiting and timeout_s > 0:

@@ -8,7 +8,7 @@ from dynamic_reconfigure.encoding import Config
 from dynamic_reconfigure.server import Server
 
 from img_recog.errors import UserError
-from img_recog.settings import SettingError, Settings, declared
+from img_recog.settings import SettingError, Settings, setting_fields
 
 # What dynamic_reconfigure's own generator calls the types, and its bounds where there are none.
 _TYPES = {bool: 'bool', int: 'int', float: 'double', str: 'str'}
@@ -22,7 +22,7 @@ def config_type(settings_class: Type[Settings]) -> SimpleNamespace:
     Names, defaults, types, bounds, choices and descriptions are those of the fields. Whole
     numbers must fit into 32 bits.
     """
-    described = [_describe(field) for field in declared(settings_class)]
+    described = [_describe(field) for field in setting_fields(settings_class)]
     by_name = {key: {each['name']: each[key] for each in described}
                for key in ('min', 'max', 'level', 'type')}
     return SimpleNamespace(
@@ -37,7 +37,7 @@ def changed(settings: Settings, values: Mapping[str, Any]) -> Settings:
 
     Raises SettingError naming the field, its value and what is allowed.
     """
-    names = [field.name for field in declared(type(settings))]
+    names = [field.name for field in setting_fields(type(settings))]
     for name, value in values.items():
         if name not in names:
             raise SettingError(name, value, 'one of the parameters ' + ', '.join(names))
@@ -122,7 +122,7 @@ class _Server(Server):
 
 
 def _values(settings: Settings) -> dict:
-    return {field.name: getattr(settings, field.name) for field in declared(type(settings))}
+    return {field.name: getattr(settings, field.name) for field in setting_fields(type(settings))}
 
 
 def _describe(field) -> dict:

@@ -1,6 +1,6 @@
 """A body in the world, spoken of by the frame of its root link.
 
-PyBullet itself speaks of the centre of mass, in a frame turned to the principal axes.
+PyBullet itself speaks of the center of mass, in a frame turned to the principal axes.
 """
 import math
 from typing import Dict, NamedTuple, Sequence, Tuple
@@ -85,14 +85,14 @@ class Body:
 
     def transform_in_world(self, position: Vector, orientation: Quaternion) -> tuple:
         """Return position and orientation, in the world, of a pose given in the mass frame."""
-        centre = pybullet.getBasePositionAndOrientation(self.number, physicsClientId=self.client)
-        return pybullet.multiplyTransforms(*centre, position, orientation)
+        center = pybullet.getBasePositionAndOrientation(self.number, physicsClientId=self.client)
+        return pybullet.multiplyTransforms(*center, position, orientation)
 
     def place(self, pose: Pose) -> None:
         """Put the parts where `pose` says, at rest."""
-        centre, turned = pybullet.multiplyTransforms(pose.position, pose.orientation,
+        center, turned = pybullet.multiplyTransforms(pose.position, pose.orientation,
                                                      *self.mass_in_root)
-        pybullet.resetBasePositionAndOrientation(self.number, centre, turned,
+        pybullet.resetBasePositionAndOrientation(self.number, center, turned,
                                                  physicsClientId=self.client)
         pybullet.resetBaseVelocity(self.number, (0, 0, 0), (0, 0, 0), physicsClientId=self.client)
         for joint, position in zip(self.joints.values(), pose.joints):
@@ -109,19 +109,19 @@ class Body:
 
     def motion_of_base(self, in_mass: Tuple[Vector, Quaternion]) -> Motion:
         """Return the motion of a frame that the base carries, at a pose in its mass frame."""
-        centre, turned = pybullet.getBasePositionAndOrientation(self.number,
+        center, turned = pybullet.getBasePositionAndOrientation(self.number,
                                                                 physicsClientId=self.client)
         linear, angular = pybullet.getBaseVelocity(self.number, physicsClientId=self.client)
-        return moving(pybullet.multiplyTransforms(centre, turned, *in_mass), centre, linear,
+        return moving(pybullet.multiplyTransforms(center, turned, *in_mass), center, linear,
                       angular)
 
     def move(self, linear: Vector, angular: Vector) -> None:
         """Set the velocity of the root link: m/s and rad/s, in the world."""
-        centre, _ = pybullet.getBasePositionAndOrientation(self.number,
+        center, _ = pybullet.getBasePositionAndOrientation(self.number,
                                                            physicsClientId=self.client)
-        arm = np.subtract(centre, self.pose().position)
-        at_centre = np.array(linear) + np.cross(angular, arm)
-        pybullet.resetBaseVelocity(self.number, at_centre.tolist(), list(angular),
+        arm = np.subtract(center, self.pose().position)
+        at_center = np.array(linear) + np.cross(angular, arm)
+        pybullet.resetBaseVelocity(self.number, at_center.tolist(), list(angular),
                                    physicsClientId=self.client)
 
 
@@ -130,15 +130,15 @@ def rotation_matrix(orientation: Quaternion) -> np.ndarray:
     return np.array(pybullet.getMatrixFromQuaternion(orientation)).reshape(3, 3)
 
 
-def moving(frame: Tuple[Vector, Quaternion], centre: Vector, linear: Vector,
+def moving(frame: Tuple[Vector, Quaternion], center: Vector, linear: Vector,
            angular: Vector) -> Motion:
     """Return the motion of a frame on a rigid part.
 
-    frame: position and orientation in the world; centre, linear, angular: a point of the part,
+    frame: position and orientation in the world; center, linear, angular: a point of the part,
     its velocity and that of the part, in the world.
     """
     position, orientation = frame
-    x, y, z = (a - b for a, b in zip(position, centre))
+    x, y, z = (a - b for a, b in zip(position, center))
     (vx, vy, vz), (wx, wy, wz) = linear, angular
     at_frame = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
     in_frame = np.array((at_frame, angular)) @ rotation_matrix(orientation)

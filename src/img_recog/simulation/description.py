@@ -204,7 +204,7 @@ def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None
     for old in link.findall('inertial'):
         link.remove(old)
     inertial = ElementTree.SubElement(link, 'inertial')
-    _set_origin(inertial, Transform(np.eye(3), inertia.centre))
+    _set_origin(inertial, Transform(np.eye(3), inertia.center))
     ElementTree.SubElement(inertial, 'mass', value=repr(float(inertia.mass)))
     values = zip(_INERTIA_KEYS, inertia.matrix.flat)
     ElementTree.SubElement(inertial, 'inertia', {key: repr(float(v)) for key, v in values})

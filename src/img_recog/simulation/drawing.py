@@ -1,12 +1,12 @@
-"""A URDF made ready for PyBullet's window, which paints all shapes of a link in one colour."""
+"""A URDF made ready for PyBullet's window, which paints all shapes of a link in one color."""
 import copy
 import xml.etree.ElementTree as ElementTree
 
 _INERTIA = {'ixx': '0', 'ixy': '0', 'ixz': '0', 'iyy': '0', 'iyz': '0', 'izz': '0'}
 
 
-def one_colour_a_link(urdf: str) -> str:
-    """Return the URDF with each colour of a link moved to a massless link fixed to it.
+def split_links_by_color(urdf: str) -> str:
+    """Return the URDF with each color of a link moved to a massless link fixed to it.
 
     What remains of the link is its inertia: collisions are not drawn and left out.
     """
@@ -18,11 +18,11 @@ def one_colour_a_link(urdf: str) -> str:
         for visual in link.findall('visual'):
             link.remove(visual)
             material = visual.find('material')
-            colour = b'' if material is None else ElementTree.tostring(material).strip()
-            if colour not in painted:
-                name = '{}_colour_{}'.format(link.get('name'), len(painted))
-                painted[colour] = _fixed_link(robot, link.get('name'), name)
-            painted[colour].append(copy.deepcopy(visual))
+            color = b'' if material is None else ElementTree.tostring(material).strip()
+            if color not in painted:
+                name = '{}_color_{}'.format(link.get('name'), len(painted))
+                painted[color] = _fixed_link(robot, link.get('name'), name)
+            painted[color].append(copy.deepcopy(visual))
     return ElementTree.tostring(robot, 'unicode')
 
 

@@ -1,4 +1,4 @@
-"""Rigid transforms and inertias as plain arrays: metres, radians, REP 103 axes."""
+"""Rigid transforms and inertias as plain arrays: meters, radians, REP 103 axes."""
 import math
 from typing import NamedTuple, Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Transform(NamedTuple):
-    """A pose of a child frame in its parent: `rotation` (3, 3), `translation` (3,) in metres."""
+    """A pose of a child frame in its parent: `rotation` (3, 3), `translation` (3,) in meters."""
 
     rotation: np.ndarray
     translation: np.ndarray
@@ -42,27 +42,27 @@ def to_rpy(rotation: np.ndarray) -> np.ndarray:
 
 
 class Inertia(NamedTuple):
-    """Mass in kg, centre of mass (3,) in m, and inertia (3, 3) in kg m2 about that centre."""
+    """Mass in kg, center of mass (3,) in m, and inertia (3, 3) in kg m2 about that center."""
 
     mass: float
-    centre: np.ndarray
+    center: np.ndarray
     matrix: np.ndarray
 
     def moved(self, frame: Transform) -> 'Inertia':
         """Return the same inertia seen from the parent of `frame`."""
-        return Inertia(self.mass, frame.apply(self.centre),
+        return Inertia(self.mass, frame.apply(self.center),
                        frame.rotation @ self.matrix @ frame.rotation.T)
 
     def __add__(self, other: 'Inertia') -> 'Inertia':
         mass = self.mass + other.mass
         if mass == 0:
             return NO_INERTIA
-        centre = (self.mass * self.centre + other.mass * other.centre) / mass
-        return Inertia(mass, centre, self._about(centre) + other._about(centre))
+        center = (self.mass * self.center + other.mass * other.center) / mass
+        return Inertia(mass, center, self._about(center) + other._about(center))
 
     def _about(self, point: np.ndarray) -> np.ndarray:
         """Return the inertia matrix about `point` (the parallel axis theorem)."""
-        arm = self.centre - point
+        arm = self.center - point
         return self.matrix + self.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
 

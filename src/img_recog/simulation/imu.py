@@ -12,7 +12,7 @@ from img_recog.simulation.world import GRAVITY
 _UPWARDS = np.array((0.0, 0.0, GRAVITY))       # what an accelerometer at rest feels
 
 
-class Inertial(NamedTuple):
+class ImuReading(NamedTuple):
     """What the unit measures, in its own frame but for the orientation.
 
     orientation: unit quaternion (x, y, z, w), in the world, without noise; angular_velocity
@@ -40,7 +40,7 @@ class Imu(Device):
         """Forget the last velocity, as when the robot is put elsewhere or time has gone by."""
         self._velocity: Optional[np.ndarray] = None
 
-    def observe(self) -> Inertial:
+    def observe(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""
         motion = self._robot.motion(self._settings.imu_frame)
         to_world = rotation_matrix(motion.orientation)
@@ -49,4 +49,4 @@ class Imu(Device):
         self._velocity = velocity
         force = ((velocity - before) / self._period_s + _UPWARDS) @ to_world
         noise = self._noise.standard_normal(6) * self._deviations
-        return Inertial(motion.orientation, motion.angular + noise[:3], force + noise[3:])
+        return ImuReading(motion.orientation, motion.angular + noise[:3], force + noise[3:])

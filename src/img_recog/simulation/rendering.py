@@ -17,7 +17,7 @@ WINDOW_LIGHT = {'lightPosition': tuple(100 * axis for axis in SUN), 'shadowMapWo
 GREY = np.uint8(178)            # the window's lit floor, and its background of 0.7: no horizon
 FLOOR_SHADOW = np.uint8(152)    # the window's floor in shadow
 # The window's shader (useShadowMapInstancingPS.glsl, with an ambient light of 0.5) gives
-# 0.75 + 0.25 c of its colour to a face with cosine c between normal and sun, which TinyRenderer
+# 0.75 + 0.25 c of its color to a face with cosine c between normal and sun, which TinyRenderer
 # can do, and 0.675 + 0.175 c in shadow and when turned away, where TinyRenderer leaves 0.75.
 _SHADING = {'lightDirection': SUN, 'lightColor': (1, 1, 1), 'lightAmbientCoeff': 0.75,
             'lightDiffuseCoeff': 0.25, 'lightSpecularCoeff': 0.0}
@@ -102,7 +102,7 @@ def _shade(pixels: np.ndarray, distance: np.ndarray, to_world: np.ndarray,
 def _floor_distances(to_world: np.ndarray, rays: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Return how far along the optical axis the floor is, in m, for arguments as in `_shade`.
 
-    Where there is none it is just nearer than _FAR, for the background has the floor's colour.
+    Where there is none it is just nearer than _FAR, for the background has the floor's color.
     """
     eye_height, farthest = to_world[2, 3], 0.99 * _FAR
     if eye_height <= 0:
@@ -169,10 +169,10 @@ def _sun_maps(client: int, camera: Camera, view: np.ndarray) -> List[_SunMap]:
     return maps
 
 
-def _sun_map(client: int, centre: Sequence[float], half: float, size: int) -> _SunMap:
+def _sun_map(client: int, center: Sequence[float], half: float, size: int) -> _SunMap:
     texel = 2 * half / size
     # whole texels, or the edges of shadows crawl when the target moves
-    middle = np.round((_SUN_VIEW @ (*centre, 1.0))[:2] / texel) * texel
+    middle = np.round((_SUN_VIEW @ (*center, 1.0))[:2] / texel) * texel
     projection = list(pybullet.computeProjectionMatrixFOV(90, 1, _SUN_NEAR, _SUN_FAR))
     projection[0] = projection[5] = 1 / half
     projection[12:14] = -middle / half

@@ -104,7 +104,7 @@ class Robot(Body):
     def _carrier(self, frame: str):
         """Return the PyBullet link that carries a frame, and the frame's pose in it.
 
-        The pose is in the link's frame, or, for the base, in the frame of its centre of mass.
+        The pose is in the link's frame, or, for the base, in the frame of its center of mass.
         """
         if frame not in self._frames:
             raise SimulationError('robot_description has no link {} (has {})'.format(

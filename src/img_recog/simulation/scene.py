@@ -13,13 +13,13 @@ import pybullet
 
 from img_recog.simulation.body import Body, Pose
 from img_recog.simulation.description import Description
-from img_recog.simulation.drawing import one_colour_a_link
+from img_recog.simulation.drawing import split_links_by_color
 from img_recog.simulation.loading import load_urdf
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.world import add_floor, load_bodies
 from img_recog.simulation.world_file import WorldFile
 
-_PATIENCE_S = 2.0               # with a process that was told to end
+_EXIT_TIMEOUT_S = 2.0               # with a process that was told to end
 
 
 class Scene(NamedTuple):
@@ -36,8 +36,8 @@ class SceneCopy:
         """Load the scene, with a visible floor if wanted."""
         world = scene.world
         if not world.sdf and world.text:
-            world = world._replace(text=one_colour_a_link(world.text))
-        self._bodies = [Body(load_urdf(one_colour_a_link(robot.urdf), client), client)
+            world = world._replace(text=split_links_by_color(world.text))
+        self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), client), client)
                         for robot in scene.robots]
         self._bodies += load_bodies(world, client)
         for body in self._bodies:
@@ -74,7 +74,7 @@ class Helper:
     def end(self) -> bool:
         """End the process; return whether it ended well, by itself or as it was told."""
         self.connection.close()
-        self._process.join(_PATIENCE_S)
+        self._process.join(_EXIT_TIMEOUT_S)
         if self._process.is_alive():
             self._process.terminate()
             self._process.join()

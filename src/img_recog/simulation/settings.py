@@ -3,7 +3,7 @@ import math
 from dataclasses import dataclass
 
 from img_recog.errors import UserError
-from img_recog.settings import (Allowed, Settings, above, anything, at_least, between, not_empty,
+from img_recog.settings import (Allowed, Settings, above, any_value, at_least, between, not_empty,
                                 one_of, setting)
 
 
@@ -71,7 +71,7 @@ class OdometrySettings(Settings):
 
     odometry_source: str = setting('world', one_of('encoder', 'world'))
     odom_frame: str = setting('odom', not_empty())
-    base_frame: str = setting('', anything())
+    base_frame: str = setting('', any_value())
     publish_odom_tf: bool = setting(True)
 
 
@@ -100,8 +100,8 @@ class ScanSettings(Settings):
 
     scan_frame: str = setting('base_scan', not_empty())
     scan_samples: int = setting(360, between(2, 16383))
-    scan_angle_min: float = setting(0.0, anything())
-    scan_angle_max: float = setting(6.28319, anything())
+    scan_angle_min: float = setting(0.0, any_value())
+    scan_angle_max: float = setting(6.28319, any_value())
     scan_range_min: float = setting(0.120, at_least(0))
     scan_range_max: float = setting(3.5, above(0))
     scan_noise: float = setting(0.01, at_least(0))

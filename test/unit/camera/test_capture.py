@@ -56,14 +56,14 @@ class Recorder(Listener):
     def skipped(self, reason):
         self._note('skipped', reason)
 
-    def left_out(self):
+    def dropped(self):
         self._note('left out')
 
     def lost(self, reason):
         self._note('lost', reason)
 
-    def back(self):
-        self._note('back')
+    def reconnected(self):
+        self._note('reconnected')
 
     def ended(self, reason):
         self._note('ended', reason)
@@ -117,10 +117,10 @@ GONE = SourceError('unplugged')
 
 
 def device(*steps, **attributes):
-    return steps, dict({'reconnects': True, 'silence_s': 1.5}, **attributes)
+    return steps, dict({'reconnects': True, 'stall_timeout_s': 1.5}, **attributes)
 
 
-def film(*steps, **attributes):
+def video(*steps, **attributes):
     return steps, dict({'rate_hz': 8.0}, **attributes)
 
 
@@ -130,8 +130,8 @@ def test_frames_of_a_device_come_as_they_are_read(clock):
                              ('frame', 0.4375)]
 
 
-def test_frames_of_a_film_are_paced(clock):
-    rig = Rig(clock, film(0.0, 0.03125, 0.0, 0.0625, SourceError('end')))
+def test_frames_of_a_video_are_paced(clock):
+    rig = Rig(clock, video(0.0, 0.03125, 0.0, 0.0625, SourceError('end')))
     rig.run()
     assert [entry for entry in rig.listener.told if entry[0] == 'frame'] == [
         ('frame', 0.0), ('frame', 0.125), ('frame', 0.25), ('frame', 0.375)]
@@ -145,14 +145,16 @@ def test_lost_device_is_told_once_closed_first_and_tried_again_ever_less_often(c
         ('lost', 'unplugged'), ('lost', 'unplugged')]
     assert rig.waits[:7] == [0.5, 1.0, 2.0, 4.0, 5.0, 5.0, 5.0]
     assert rig.waits[7] == 0.5      # from the start again after it was back
-    assert rig.listener.kinds()[:6] == ['opened', 'frame', 'lost', 'opened', 'back', 'frame']
+    assert rig.listener.kinds()[:6] == [
+        'opened', 'frame', 'lost', 'opened', 'reconnected', 'frame']
     assert [source.closed for source in rig.opened] == [1, 1]
 
 
 def test_device_that_opens_but_gives_nothing_is_not_called_back(clock):
     rig = Rig(clock, device(0.125, GONE), device(GONE), device(GONE), device(0.125, GONE))
     rig.run()
-    assert rig.listener.kinds()[:6] == ['opened', 'frame', 'lost', 'opened', 'back', 'frame']
+    assert rig.listener.kinds()[:6] == [
+        'opened', 'frame', 'lost', 'opened', 'reconnected', 'frame']
     assert rig.waits[:3] == [0.5, 1.0, 2.0]
 
 
@@ -172,7 +174,7 @@ def test_silent_device_is_noticed_while_read_blocks(clock):
     told = rig.run()
     assert seen == [0, 1]
     assert told[2][:2] == ('lost', 'fake has given no frame for 1.6 s')
-    assert rig.listener.kinds()[2:6] == ['lost', 'opened', 'back', 'frame']
+    assert rig.listener.kinds()[2:6] == ['lost', 'opened', 'reconnected', 'frame']
 
 
 def test_source_that_may_be_slow_is_not_called_silent(clock):
@@ -180,7 +182,7 @@ def test_source_that_may_be_slow_is_not_called_silent(clock):
         clock.advance(60.0)
         rig.capture.check()
 
-    rig = Rig(clock, device(slow, GONE, silence_s=None))
+    rig = Rig(clock, device(slow, GONE, stall_timeout_s=None))
     rig.run()
     assert rig.listener.kinds()[:3] == ['opened', 'frame', 'lost']
 
@@ -199,14 +201,14 @@ def test_device_that_is_missing_at_the_start_is_not_waited_for(clock):
     assert rig.waits == []
 
 
-def test_film_that_vanishes_ends_the_capture(clock):
-    rig = Rig(clock, film(0.0, SourceError('moved')))
+def test_video_that_vanishes_ends_the_capture(clock):
+    rig = Rig(clock, video(0.0, SourceError('moved')))
     assert rig.run()[-1] == ('failed', 'moved', False, 0.0)
     assert not rig.capture.is_lost and rig.opened[0].closed == 1
 
 
-def test_end_of_a_film_is_told_once_and_closes_it(clock):
-    rig = Rig(clock, film(0.0, SourceEnded('over')))
+def test_end_of_a_video_is_told_once_and_closes_it(clock):
+    rig = Rig(clock, video(0.0, SourceEnded('over')))
     assert [entry[0] for entry in rig.run()] == ['opened', 'frame', 'ended']
     assert rig.opened[0].closed == 1
 
@@ -218,13 +220,13 @@ def test_error_that_nobody_expected_is_handed_over(clock):
 
 
 def test_empty_frame_is_skipped_and_keeps_the_pace(clock):
-    rig = Rig(clock, film(0.0, FrameSkipped('empty'), 0.0, SourceError('end')))
+    rig = Rig(clock, video(0.0, FrameSkipped('empty'), 0.0, SourceError('end')))
     assert [(entry[0], entry[-1]) for entry in rig.run()][:4] == [
         ('opened', 0.0), ('frame', 0.0), ('skipped', 0.0), ('frame', 0.25)]
 
 
 def test_camera_that_gives_more_than_asked_for_is_throttled_evenly(clock):
-    rig = Rig(clock, device(*[1 / 64] * 640, GONE, most_hz=16.0))
+    rig = Rig(clock, device(*[1 / 64] * 640, GONE, max_hz=16.0))
     told = rig.run()
     times = [entry[1] for entry in told if entry[0] == 'frame']
     assert {round((b - a) * 64) for a, b in zip(times[1:], times[2:])} == {4}
@@ -232,7 +234,7 @@ def test_camera_that_gives_more_than_asked_for_is_throttled_evenly(clock):
 
 
 def test_camera_at_about_its_rate_is_let_through_whole(clock):
-    rig = Rig(clock, device(*[1 / 30.5, 1 / 30.1] * 300, GONE, most_hz=30.0))
+    rig = Rig(clock, device(*[1 / 30.5, 1 / 30.1] * 300, GONE, max_hz=30.0))
     rig.run()
     assert rig.listener.kinds().count('frame') == 600
 
@@ -264,7 +266,7 @@ class RealFile(FrameSource):
 
     width = height = 2
     name = description = 'real'
-    reconnects, silence_s = True, 0.05
+    reconnects, stall_timeout_s = True, 0.05
 
     def __init__(self, blocking):
         self._blocking, self._descriptor = blocking, os.open('/dev/null', os.O_RDONLY)
@@ -293,7 +295,7 @@ class Counter(Listener):
     def lost(self, reason):
         self.losses += 1
 
-    def back(self):
+    def reconnected(self):
         self.returns += 1
 
 

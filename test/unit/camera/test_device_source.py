@@ -87,7 +87,7 @@ def test_size_is_what_the_device_gives_and_read_waits_for_it(open_device):
 
 
 @pytest.mark.parametrize('pixel_format', ['mjpeg', 'yuyv', 'uyvy', 'rgb24'])
-def test_colour_formats_give_rgb8(open_device, pixel_format):
+def test_color_formats_give_rgb8(open_device, pixel_format):
     source, _ = open_device(pixel_format=pixel_format)
     assert source.encoding == 'rgb8'
     assert np.array_equal(source.read(), BGR[..., ::-1])
@@ -165,11 +165,11 @@ def test_frame_of_another_size_is_skipped(open_device, monkeypatch):
 
 def test_rates_and_silence_follow_what_was_asked_for_and_given(open_device):
     fast, _ = open_device(framerate=10)
-    assert (fast.most_hz, fast.expected_hz, fast.silence_s) == (10.0, 10.0, 1.5)
+    assert (fast.max_hz, fast.expected_hz, fast.stall_timeout_s) == (10.0, 10.0, 1.5)
     slow, _ = open_device(framerate=0.5)
-    assert (slow.most_hz, slow.expected_hz, slow.silence_s) == (0.5, 0.5, 6.0)
+    assert (slow.max_hz, slow.expected_hz, slow.stall_timeout_s) == (0.5, 0.5, 6.0)
     usual, _ = open_device(framerate=30)
-    assert (usual.most_hz, usual.expected_hz) == (30.0, 15.0)
+    assert (usual.max_hz, usual.expected_hz) == (30.0, 15.0)
 
 
 def test_other_format_or_size_than_asked_for_is_known(open_device):

@@ -12,7 +12,7 @@ from img_recog.camera.source import SourceError
 from img_recog.errors import UserError
 from img_recog_testing.videos import smooth_image
 
-NOT_PLAYABLE = ('cannot play {}: neither a film nor an image that OpenCV reads; set video_device '
+NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads; set video_device '
                 'to one, or to synthetic')
 
 
@@ -40,7 +40,7 @@ def test_missing_file_lists_what_exists_and_what_to_set(tmp_path, monkeypatch):
     path = tmp_path / 'missing.mp4'
     assert refusal(path) == (
         'cannot open {}: no such file or device (have /dev/video1, /dev/video3); set '
-        'video_device to a device, a film, a still image, synthetic or auto'.format(path))
+        'video_device to a device, a video, an image, synthetic or auto'.format(path))
 
 
 def test_missing_device_says_that_there_is_none(monkeypatch):
@@ -60,16 +60,16 @@ def test_missing_device_says_that_there_is_none(monkeypatch):
     ('sizeless.png', png_header(0, 0)),
     ('enormous.png', png_header(100000, 100000)),
     ('cut.png', png_header(8, 8)[:30])])
-def test_file_that_is_no_film_and_no_image(tmp_path, name, content):
+def test_file_that_is_no_video_and_no_image(tmp_path, name, content):
     path = tmp_path / name
     path.write_bytes(content)
     assert refusal(path) == NOT_PLAYABLE.format(path)
 
 
 @pytest.mark.parametrize('fourcc, name, kept', [
-    ('MJPG', 'film.avi', 1000), ('mp4v', 'film.mp4', 1000), ('mp4v', 'film.mp4', 0.5)])
-def test_truncated_film(make_film, fourcc, name, kept):
-    path = make_film(name, fourcc)
+    ('MJPG', 'video.avi', 1000), ('mp4v', 'video.mp4', 1000), ('mp4v', 'video.mp4', 0.5)])
+def test_truncated_video(make_video, fourcc, name, kept):
+    path = make_video(name, fourcc)
     size = os.path.getsize(path)
     os.truncate(path, kept if kept > 1 else int(kept * size))
     assert os.path.getsize(path) < size
@@ -113,8 +113,8 @@ def test_pipe(tmp_path):
 
 
 def test_dangling_link(tmp_path):
-    (tmp_path / 'film.mp4').symlink_to(tmp_path / 'gone.mp4')
-    assert 'film.mp4: no such file or device' in refusal(tmp_path / 'film.mp4')
+    (tmp_path / 'video.mp4').symlink_to(tmp_path / 'gone.mp4')
+    assert 'video.mp4: no such file or device' in refusal(tmp_path / 'video.mp4')
 
 
 def test_character_device_that_is_no_camera(monkeypatch):
@@ -126,14 +126,14 @@ def test_character_device_that_is_no_camera(monkeypatch):
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason='root may read every file')
-def test_unreadable_file(make_film):
-    path = make_film()
+def test_unreadable_file(make_video):
+    path = make_video()
     os.chmod(path, 0)
     assert refusal(path) == 'cannot read {}: permission denied'.format(path)
 
 
-def test_file_without_permission_to_read(make_film, monkeypatch):
-    path = make_film()
+def test_file_without_permission_to_read(make_video, monkeypatch):
+    path = make_video()
     monkeypatch.setattr(os, 'access', lambda path, mode: mode != os.R_OK)
-    with pytest.raises(SourceError, match='^cannot read .*film.avi: permission denied$'):
+    with pytest.raises(SourceError, match='^cannot read .*video.avi: permission denied$'):
         open_file(path, 30.0)

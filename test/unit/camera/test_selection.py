@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from img_recog.camera import selection
-from img_recog.camera.film_source import FilmSource
+from img_recog.camera.image_source import FolderSource, ImageSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
-from img_recog.camera.still_source import FolderSource, StillSource
 from img_recog.camera.synthetic import SyntheticSource, draw_frame
+from img_recog.camera.video_source import VideoSource
 from img_recog_testing.videos import smooth_image
 
 
@@ -19,7 +19,7 @@ def opened(name, folders=('',), **settings):
     return open_source(CameraSettings(video_device=str(name), **settings), folders)
 
 
-def save_still(path, number):
+def save_image(path, number):
     path.parent.mkdir(exist_ok=True)
     assert cv2.imwrite(str(path), smooth_image(number))
 
@@ -36,7 +36,7 @@ def test_synthetic_has_the_size_and_rate_of_the_settings():
 
 
 def test_synthetic_is_not_looked_for_among_files(tmp_path, monkeypatch):
-    save_still(tmp_path / 'still.png', 0)
+    save_image(tmp_path / 'still.png', 0)
     (tmp_path / 'still.png').rename(tmp_path / 'synthetic')
     monkeypatch.chdir(tmp_path)
     assert isinstance(opened('synthetic'), SyntheticSource)
@@ -48,10 +48,10 @@ def test_auto_without_a_device_is_synthetic(tmp_path, monkeypatch):
 
 
 def test_auto_with_a_device_is_that_device(tmp_path, monkeypatch):
-    save_still(tmp_path / 'video0.png', 3)
+    save_image(tmp_path / 'video0.png', 3)
     monkeypatch.setattr(selection, 'DEFAULT_DEVICE', str(tmp_path / 'video0.png'))
     source = opened('auto')
-    assert isinstance(source, StillSource) and shows(source, 3)
+    assert isinstance(source, ImageSource) and shows(source, 3)
 
 
 def test_auto_with_a_device_that_is_no_camera_is_refused_and_not_replaced(monkeypatch):
@@ -67,27 +67,27 @@ def test_character_device_is_opened_with_the_other_settings(monkeypatch):
     assert given == [CameraSettings(video_device='/dev/null', image_width=320)]
 
 
-def test_film_and_still_are_told_apart(make_film, tmp_path):
-    save_still(tmp_path / 'still.png', 0)
-    film, still = opened(make_film()), opened(tmp_path / 'still.png', framerate=5)
-    assert isinstance(film, FilmSource) and isinstance(still, StillSource)
-    assert (film.rate_hz, still.rate_hz) == (12.5, 5.0)
-    film.close()
+def test_video_and_still_are_told_apart(make_video, tmp_path):
+    save_image(tmp_path / 'still.png', 0)
+    video, still = opened(make_video()), opened(tmp_path / 'still.png', framerate=5)
+    assert isinstance(video, VideoSource) and isinstance(still, ImageSource)
+    assert (video.rate_hz, still.rate_hz) == (12.5, 5.0)
+    video.close()
 
 
 def test_content_decides_and_not_the_name(tmp_path):
-    save_still(tmp_path / 'still.png', 2)
+    save_image(tmp_path / 'still.png', 2)
     (tmp_path / 'still.png').rename(tmp_path / 'still.mp4')
     source = opened(tmp_path / 'still.mp4')
-    assert isinstance(source, StillSource) and shows(source, 2)
+    assert isinstance(source, ImageSource) and shows(source, 2)
 
 
 def test_relative_path_is_looked_for_in_the_folders_in_order(tmp_path):
     first, second = str(tmp_path / 'first'), str(tmp_path / 'second')
-    save_still(tmp_path / 'first' / 'only_first.png', 1)
-    save_still(tmp_path / 'first' / 'both.png', 2)
-    save_still(tmp_path / 'second' / 'both.png', 3)
-    save_still(tmp_path / 'second' / 'only_second.png', 4)
+    save_image(tmp_path / 'first' / 'only_first.png', 1)
+    save_image(tmp_path / 'first' / 'both.png', 2)
+    save_image(tmp_path / 'second' / 'both.png', 3)
+    save_image(tmp_path / 'second' / 'only_second.png', 4)
     assert shows(opened('only_first.png', (first, second)), 1)
     assert shows(opened('only_second.png', (first, second)), 4)
     assert shows(opened('both.png', (first, second)), 2)
@@ -97,34 +97,34 @@ def test_relative_path_is_looked_for_in_the_folders_in_order(tmp_path):
 def test_relative_path_in_no_folder_names_the_first_place(tmp_path):
     folders = (str(tmp_path / 'first'), str(tmp_path / 'second'))
     with pytest.raises(SourceError) as refused:
-        opened('film.mp4', folders)
+        opened('video.mp4', folders)
     assert str(refused.value).startswith(
-        'cannot open {}/first/film.mp4: no such file or device'.format(tmp_path))
+        'cannot open {}/first/video.mp4: no such file or device'.format(tmp_path))
 
 
 def test_default_folder_is_the_current_one_and_the_path_becomes_absolute(tmp_path, monkeypatch):
-    save_still(tmp_path / 'still.png', 5)
+    save_image(tmp_path / 'still.png', 5)
     monkeypatch.chdir(tmp_path)
     source = opened('still.png')
     assert shows(source, 5)
-    assert source.description.startswith('still image {}/still.png,'.format(tmp_path))
+    assert source.description.startswith('image {}/still.png,'.format(tmp_path))
 
 
 def test_absolute_path_does_not_depend_on_the_folders(tmp_path):
-    save_still(tmp_path / 'still.png', 1)
-    save_still(tmp_path / 'folder' / 'still.png', 2)
+    save_image(tmp_path / 'still.png', 1)
+    save_image(tmp_path / 'folder' / 'still.png', 2)
     assert shows(opened(tmp_path / 'still.png', (str(tmp_path / 'folder'),)), 1)
 
 
 def test_tilde_is_the_home_folder_whatever_the_folders(tmp_path, monkeypatch):
-    save_still(tmp_path / 'home' / 'still.png', 4)
+    save_image(tmp_path / 'home' / 'still.png', 4)
     monkeypatch.setenv('HOME', str(tmp_path / 'home'))
     assert shows(opened('~/still.png', (str(tmp_path),)), 4)
 
 
-def test_folder_of_stills_is_played_by_name_at_the_framerate(tmp_path):
+def test_folder_of_images_is_played_by_name_at_the_framerate(tmp_path):
     for name, number in (('b.png', 1), ('a.png', 0), ('c.PNG', 2)):
-        save_still(tmp_path / name.lower(), number)
+        save_image(tmp_path / name.lower(), number)
         (tmp_path / name.lower()).rename(tmp_path / name)
     (tmp_path / 'notes.txt').write_text('no image')
     (tmp_path / '.hidden.png').write_bytes((tmp_path / 'a.png').read_bytes())
@@ -138,8 +138,8 @@ def test_folder_of_stills_is_played_by_name_at_the_framerate(tmp_path):
 
 
 def test_folder_without_loop_ends(tmp_path):
-    save_still(tmp_path / 'a.png', 0)
-    save_still(tmp_path / 'b.png', 1)
+    save_image(tmp_path / 'a.png', 0)
+    save_image(tmp_path / 'b.png', 1)
     source = opened(tmp_path, loop=False)
     assert shows(source, 0) and shows(source, 1)
     with pytest.raises(SourceEnded, match='^the folder .* is over after 2 images$'):
@@ -147,10 +147,10 @@ def test_folder_without_loop_ends(tmp_path):
 
 
 def test_images_of_a_folder_that_do_not_fit_are_skipped(tmp_path):
-    save_still(tmp_path / 'a.png', 0)
+    save_image(tmp_path / 'a.png', 0)
     assert cv2.imwrite(str(tmp_path / 'b.png'), smooth_image(1, 80, 48))
     (tmp_path / 'c.png').write_bytes((tmp_path / 'a.png').read_bytes()[:60])
-    save_still(tmp_path / 'd.png', 3)
+    save_image(tmp_path / 'd.png', 3)
     source = opened(tmp_path)
     assert shows(source, 0)
     with pytest.raises(FrameSkipped, match='b.png is 80x48 in a folder of 96x64'):
@@ -161,7 +161,7 @@ def test_images_of_a_folder_that_do_not_fit_are_skipped(tmp_path):
 
 
 def test_folder_that_is_emptied_ends(tmp_path):
-    save_still(tmp_path / 'a.png', 0)
+    save_image(tmp_path / 'a.png', 0)
     source = opened(tmp_path)
     assert shows(source, 0)
     (tmp_path / 'a.png').unlink()
@@ -171,15 +171,15 @@ def test_folder_that_is_emptied_ends(tmp_path):
         source.read()
 
 
-def test_film_without_loop_ends_after_its_last_frame(make_film):
-    path = make_film()
+def test_video_without_loop_ends_after_its_last_frame(make_video):
+    path = make_video()
     source = opened(path, loop=False)
     assert source.description.endswith('12.5 Hz, played once')
     for _ in range(6):
         source.read()
     with pytest.raises(SourceEnded) as ended:
         source.read()
-    assert str(ended.value) == 'the film {} is over after 6 frames'.format(path)
+    assert str(ended.value) == 'the video {} is over after 6 frames'.format(path)
     source.close()
 
 
@@ -197,9 +197,9 @@ def cut_jpeg(path, thumbnail=False):
 
 @pytest.mark.parametrize('thumbnail', [False, True])
 def test_jpeg_that_is_cut_off_is_skipped_in_a_folder(tmp_path, thumbnail):
-    save_still(tmp_path / 'a.png', 0)
+    save_image(tmp_path / 'a.png', 0)
     cut_jpeg(tmp_path / 'b.jpg', thumbnail)
-    save_still(tmp_path / 'c.png', 2)
+    save_image(tmp_path / 'c.png', 2)
     source = opened(tmp_path)
     assert shows(source, 0)
     with pytest.raises(FrameSkipped, match='^cannot read the image .*b.jpg$'):
@@ -208,8 +208,8 @@ def test_jpeg_that_is_cut_off_is_skipped_in_a_folder(tmp_path, thumbnail):
 
 
 @pytest.mark.parametrize('loop', [True, False])
-def test_film_that_breaks_off_is_told_in_one_line_once(make_film, loop):
-    path, warnings = make_film(frames=60), []
+def test_video_that_breaks_off_is_told_in_one_line_once(make_video, loop):
+    path, warnings = make_video(frames=60), []
     size = os.path.getsize(path)
     os.truncate(path, size // 2)
     source = open_source(CameraSettings(video_device=path, loop=loop), warn=warnings.append)
@@ -221,14 +221,14 @@ def test_film_that_breaks_off_is_told_in_one_line_once(make_film, loop):
     except SourceEnded:
         assert not loop and 10 < count < 50
     assert len(warnings) == 1
-    assert warnings[0].startswith('the film {} breaks off after '.format(path))
+    assert warnings[0].startswith('the video {} breaks off after '.format(path))
     assert warnings[0].endswith(' of 60 frames: truncated or damaged')
     source.close()
 
 
-def test_whole_film_is_not_called_truncated(make_film):
+def test_whole_video_is_not_called_truncated(make_video):
     warnings = []
-    source = open_source(CameraSettings(video_device=make_film()), warn=warnings.append)
+    source = open_source(CameraSettings(video_device=make_video()), warn=warnings.append)
     for _ in range(20):
         source.read()
     source.close()
@@ -237,9 +237,9 @@ def test_whole_film_is_not_called_truncated(make_film):
 
 def test_auto_is_settled_once(tmp_path, monkeypatch):
     monkeypatch.setattr(selection, 'DEFAULT_DEVICE', str(tmp_path))
-    settings = selection.settled(CameraSettings(video_device='auto'))
+    settings = selection.resolve_auto(CameraSettings(video_device='auto'))
     assert settings.video_device == str(tmp_path)
-    assert selection.settled(settings) is settings
+    assert selection.resolve_auto(settings) is settings
 
 
 def test_other_url_is_refused_with_those_that_are_known():

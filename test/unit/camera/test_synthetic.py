@@ -30,7 +30,7 @@ def test_default_frame_is_rgb_640x480():
     assert frame.shape == (480, 640, 3) and frame.dtype == np.uint8
 
 
-def test_cards_show_at_least_20000_px_of_their_colour_and_else_there_is_none():
+def test_cards_show_at_least_20000_px_of_their_color_and_else_there_is_none():
     for number in range(PERIOD_FRAMES):
         blue, red = areas_px(draw_frame(number))
         assert (blue >= 20000) if number in BLUE_FRAMES else (blue == 0), number

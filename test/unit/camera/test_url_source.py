@@ -1,4 +1,4 @@
-"""Streams, films and pictures at URLs: what is told apart, and what ends them."""
+"""Streams, videos and pictures at URLs: what is told apart, and what ends them."""
 import functools
 import http.server
 import os
@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from img_recog.camera import url_source, urls
+from img_recog.camera.image_source import ImageSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
-from img_recog.camera.still_source import StillSource
-from img_recog.camera.url_source import RemoteFilmSource, StreamSource
+from img_recog.camera.url_source import RemoteVideoSource, StreamSource
 from img_recog_testing.videos import smooth_image
 
 IMAGE = np.zeros((48, 64, 3), np.uint8)
@@ -123,18 +123,18 @@ UNKNOWN = -9.223372036854776e+18
 
 
 @pytest.mark.parametrize('url, count, kind', [
-    ('http://h/f.avi?tok=1', 60, RemoteFilmSource), ('http://h/film', 60, RemoteFilmSource),
-    ('https://h/recorded.webm?a=b.c', UNKNOWN, RemoteFilmSource),
+    ('http://h/f.avi?tok=1', 60, RemoteVideoSource), ('http://h/video', 60, RemoteVideoSource),
+    ('https://h/recorded.webm?a=b.c', UNKNOWN, RemoteVideoSource),
     ('http://h/live', UNKNOWN, StreamSource), ('http://h/live', 0, StreamSource),
-    ('http://h/live?file=film.mp4', UNKNOWN, StreamSource),
-    ('http://h/stream.jpg', UNKNOWN, StreamSource), ('rtsp://h/film.mp4', 60, StreamSource),
+    ('http://h/live?file=video.mp4', UNKNOWN, StreamSource),
+    ('http://h/stream.jpg', UNKNOWN, StreamSource), ('rtsp://h/video.mp4', 60, StreamSource),
     ('rtmp://h/live', UNKNOWN, StreamSource)])
-def test_what_ffmpeg_says_tells_a_film_from_a_stream(clock, monkeypatch, url, count, kind):
+def test_what_ffmpeg_says_tells_a_video_from_a_stream(clock, monkeypatch, url, count, kind):
     capture = FakeCapture(clock, [True] * 4, FPS=25.0, FRAME_COUNT=count)
     source = at_url(monkeypatch, capture, url)
     assert type(source) is kind
-    assert source.rate_hz == (25.0 if kind is RemoteFilmSource else None)
-    assert source.expected_hz == (25.0 if kind is RemoteFilmSource or url[0] == 'r' else None)
+    assert source.rate_hz == (25.0 if kind is RemoteVideoSource else None)
+    assert source.expected_hz == (25.0 if kind is RemoteVideoSource or url[0] == 'r' else None)
 
 
 @pytest.mark.parametrize('url, count', [
@@ -142,56 +142,56 @@ def test_what_ffmpeg_says_tells_a_film_from_a_stream(clock, monkeypatch, url, co
 def test_picture_at_a_url_is_a_still_image(clock, monkeypatch, url, count):
     capture = FakeCapture(clock, [True] + [False] * 4, FPS=25.0, FRAME_COUNT=count)
     source = at_url(monkeypatch, capture, url, framerate=5)
-    assert isinstance(source, StillSource) and capture.released
+    assert isinstance(source, ImageSource) and capture.released
     assert (source.rate_hz, source.width, source.height) == (5.0, 64, 48)
     assert source.read().shape == source.read().shape == (48, 64, 3)
 
 
 @pytest.mark.parametrize('steps, kind', [
-    ([False, True] + [False] * 4, StillSource), ([False, True, False, True], StreamSource)])
+    ([False, True] + [False] * 4, ImageSource), ([False, True, False, True], StreamSource)])
 def test_damaged_frames_do_not_hide_what_is_called_a_picture(clock, monkeypatch, steps, kind):
     capture = FakeCapture(clock, steps, FPS=25.0, FRAME_COUNT=UNKNOWN)
     assert type(at_url(monkeypatch, capture, 'http://h/p.jpg')) is kind
 
 
-def remote_film(clock, *steps, loop=True, warnings=None, count=4):
+def remote_video(clock, *steps, loop=True, warnings=None, count=4):
     capture = FakeCapture(clock, steps, FPS=25.0, FRAME_COUNT=count)
-    return RemoteFilmSource('http://me:secret@h/f.mp4?key=secret', capture, loop,
-                            (warnings if warnings is not None else []).append, clock)
+    return RemoteVideoSource('http://me:secret@h/f.mp4?key=secret', capture, loop,
+                             (warnings if warnings is not None else []).append, clock)
 
 
 @pytest.mark.parametrize('step', [-2.0, 2.0])       # with half a frame at last
 @pytest.mark.parametrize('loop', [True, False])
-def test_film_that_stalls_says_so_and_is_waited_for_if_it_loops(clock, loop, step):
-    source = remote_film(clock, True, True, step, loop=loop)
+def test_video_that_stalls_says_so_and_is_waited_for_if_it_loops(clock, loop, step):
+    source = remote_video(clock, True, True, step, loop=loop)
     source.read()
     with pytest.raises(SourceError) as stalled:
         source.read()
     assert str(stalled.value) == (
-        'the film http://h/f.mp4?... stalls: its server has sent nothing for 2.0 s')
-    assert source.reconnects == loop and (source.silence_s is not None) == loop
+        'the video http://h/f.mp4?... stalls: its server has sent nothing for 2.0 s')
+    assert source.reconnects == loop and (source.stall_timeout_s is not None) == loop
 
 
-def test_film_that_is_cut_short_by_its_server_says_so(clock):
+def test_video_that_is_cut_short_by_its_server_says_so(clock):
     warnings = []
-    source = remote_film(clock, True, False, loop=False, warnings=warnings)
+    source = remote_video(clock, True, False, loop=False, warnings=warnings)
     source.read()
     with pytest.raises(SourceEnded):
         source.read()
-    assert warnings == ['the film http://h/f.mp4?... breaks off after 1 of 4 frames: truncated or '
+    assert warnings == ['the video http://h/f.mp4?... breaks off after 1 of 4 frames: truncated or '
                         'damaged, or its server hung up']
 
 
-def test_film_whose_server_is_gone_at_the_seam_is_not_called_replaced(clock, monkeypatch):
-    source = remote_film(clock, True, False, count=1)
+def test_video_whose_server_is_gone_at_the_seam_is_not_called_replaced(clock, monkeypatch):
+    source = remote_video(clock, True, False, count=1)
     monkeypatch.setattr(url_source, '_open_capture', lambda _: FakeCapture(clock, [False]))
-    with pytest.raises(SourceError, match='its server is gone, or has another film now$'):
+    with pytest.raises(SourceError, match='its server is gone, or has another video now$'):
         source.read()
 
 
-def test_film_that_gives_no_frame_at_all_hints_at_range_requests(clock):
+def test_video_that_gives_no_frame_at_all_hints_at_range_requests(clock):
     with pytest.raises(SourceError, match='a server without range requests cannot serve an .mp4'):
-        remote_film(clock, False)
+        remote_video(clock, False)
 
 
 @pytest.mark.parametrize('url, shown', [
@@ -204,9 +204,9 @@ def test_film_that_gives_no_frame_at_all_hints_at_range_requests(clock):
     ('http://u:pa/ss@host/live', 'http://host/live'),
     ('http://u:p?s@host/live', 'http://host/live'), ('http://u:p#s@host/live', 'http://host/live'),
     ('rtsp://[::1]:554/live', 'rtsp://[::1]:554/live'),
-    ('/a/film?.mp4', '/a/film?.mp4'), ('synthetic', 'synthetic')])
+    ('/a/video?.mp4', '/a/video?.mp4'), ('synthetic', 'synthetic')])
 def test_log_shows_no_password(url, shown):
-    assert urls.name_for_log(url) == shown
+    assert urls.redacted(url) == shown
 
 
 class Handler(http.server.SimpleHTTPRequestHandler):
@@ -254,12 +254,12 @@ def opened(url, **settings):
 
 
 @pytest.mark.parametrize('scheme, name', [
-    ('http', 'film.avi'), ('HTTP', 'film.avi'), ('http', 'film.avi?tok=1'), ('http', 'film')])
-def test_film_at_a_url_plays_at_its_own_rate_and_ends(make_film, serve, scheme, name):
-    path = make_film()
+    ('http', 'video.avi'), ('HTTP', 'video.avi'), ('http', 'video.avi?tok=1'), ('http', 'video')])
+def test_video_at_a_url_plays_at_its_own_rate_and_ends(make_video, serve, scheme, name):
+    path = make_video()
     os.rename(path, os.path.join(os.path.dirname(path), name.split('?')[0]))
     source = opened('{}://{}{}'.format(scheme, serve, name), loop=False)
-    assert isinstance(source, RemoteFilmSource) and source.rate_hz == 12.5
+    assert isinstance(source, RemoteVideoSource) and source.rate_hz == 12.5
     for _ in range(6):
         assert source.read().shape == (64, 96, 3)
     with pytest.raises(SourceEnded):
@@ -267,9 +267,9 @@ def test_film_at_a_url_plays_at_its_own_rate_and_ends(make_film, serve, scheme, 
     source.close()
 
 
-def test_film_at_a_url_loops(make_film, serve):
-    make_film()
-    source = opened('http://{}film.avi'.format(serve))
+def test_video_at_a_url_loops(make_video, serve):
+    make_video()
+    source = opened('http://{}video.avi'.format(serve))
     for number in list(range(6)) * 2:
         wanted = smooth_image(number)[..., ::-1].astype(int)
         assert np.abs(source.read() - wanted).mean() < 3.0, number
@@ -281,7 +281,7 @@ def test_picture_at_a_url_is_fetched_once(tmp_path, serve, name):
     assert cv2.imwrite(str(tmp_path / name), smooth_image(1))
     source = opened('http://{}{}'.format(serve, name), framerate=4)
     (tmp_path / name).unlink()
-    assert isinstance(source, StillSource) and source.rate_hz == 4.0
+    assert isinstance(source, ImageSource) and source.rate_hz == 4.0
     for _ in range(3):
         assert np.abs(source.read() - smooth_image(1)[..., ::-1].astype(int)).mean() < 3.0
 
@@ -316,12 +316,12 @@ def test_stream_with_a_damaged_frame_goes_on(serve):
     source.close()
 
 
-def test_film_with_its_index_at_the_end_is_refused_with_a_hint(make_film, serve):
-    make_film('film.mp4', 'mp4v', frames=60, size=(640, 480))
+def test_video_with_its_index_at_the_end_is_refused_with_a_hint(make_video, serve):
+    make_video('video.mp4', 'mp4v', frames=60, size=(640, 480))
     with pytest.raises(SourceError) as refused:
-        opened('http://{}film.mp4'.format(serve))
+        opened('http://{}video.mp4'.format(serve))
     assert str(refused.value) == (
-        'cannot play http://{}film.mp4: no film that OpenCV reads from there (a server without '
+        'cannot play http://{}video.mp4: no video that OpenCV reads from there (a server without '
         'range requests cannot serve an .mp4 whose index is at its end)'.format(serve))
 
 

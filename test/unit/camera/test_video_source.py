@@ -1,4 +1,4 @@
-"""Films and still images: equal to what OpenCV reads, looped without a seam."""
+"""Videos and images: equal to what OpenCV reads, looped without a seam."""
 import os
 
 import cv2
@@ -7,11 +7,11 @@ import pytest
 
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError
-from img_recog_testing.videos import FILM_RATE_HZ, smooth_image
+from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
 
 
-def film_frames(path):
-    """Every frame of a film as OpenCV's own VideoCapture reads it, turned to rgb8."""
+def video_frames(path):
+    """Every frame of a video as OpenCV's own VideoCapture reads it, turned to rgb8."""
     capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
     good, image = capture.read()
     while good:
@@ -21,10 +21,10 @@ def film_frames(path):
 
 
 @pytest.mark.parametrize('fourcc, name', [
-    ('MJPG', 'film.avi'), ('FFV1', 'film.avi'), ('FFV1', 'film.mkv'), ('mp4v', 'film.mp4')])
-def test_film_equals_videocapture_and_loops_without_a_seam(make_film, fourcc, name):
-    path = make_film(name, fourcc)
-    expected, source = film_frames(path), open_file(path, 30.0)
+    ('MJPG', 'video.avi'), ('FFV1', 'video.avi'), ('FFV1', 'video.mkv'), ('mp4v', 'video.mp4')])
+def test_video_equals_videocapture_and_loops_without_a_seam(make_video, fourcc, name):
+    path = make_video(name, fourcc)
+    expected, source = video_frames(path), open_file(path, 30.0)
     assert len(expected) == 6
     for turn in range(3):
         for number, image in enumerate(expected):
@@ -32,44 +32,44 @@ def test_film_equals_videocapture_and_loops_without_a_seam(make_film, fourcc, na
     source.close()
 
 
-def test_frames_of_a_film_are_told_apart_and_have_their_colours(make_film):
-    source = open_file(make_film(), 30.0)
+def test_frames_of_a_video_are_told_apart_and_have_their_colors(make_video):
+    source = open_file(make_video(), 30.0)
     for number in list(range(6)) * 2:
         wanted = smooth_image(number)[..., ::-1].astype(int)
         assert np.abs(source.read() - wanted).mean() < 3.0, number
     source.close()
 
 
-def test_film_has_its_own_size_and_rate(make_film):
-    path = make_film(size=(80, 48))
+def test_video_has_its_own_size_and_rate(make_video):
+    path = make_video(size=(80, 48))
     source = open_file(path, 30.0)
     assert (source.width, source.height, source.encoding) == (80, 48, 'rgb8')
-    assert source.rate_hz == FILM_RATE_HZ
+    assert source.rate_hz == VIDEO_RATE_HZ
     assert source.read().shape == (48, 80, 3)
-    assert source.description == 'film {}, 80x48, 12.5 Hz, played in a loop'.format(path)
+    assert source.description == 'video {}, 80x48, 12.5 Hz, played in a loop'.format(path)
     source.close()
 
 
-def test_film_of_one_frame_repeats_it(make_film):
-    path = make_film(frames=1)
+def test_video_of_one_frame_repeats_it(make_video):
+    path = make_video(frames=1)
     source = open_file(path, 30.0)
     for _ in range(4):
-        assert np.array_equal(source.read(), film_frames(path)[0])
+        assert np.array_equal(source.read(), video_frames(path)[0])
     source.close()
 
 
-def test_frames_of_a_film_belong_to_the_caller(make_film):
-    path = make_film()
+def test_frames_of_a_video_belong_to_the_caller(make_video):
+    path = make_video()
     source = open_file(path, 30.0)
-    for image in film_frames(path):
+    for image in video_frames(path):
         frame = source.read()
         assert np.array_equal(frame, image)
         frame[:] = 0
     source.close()
 
 
-def test_looping_and_closing_leave_no_file_open(make_film):
-    path = make_film()
+def test_looping_and_closing_leave_no_file_open(make_video):
+    path = make_video()
 
     def times_open():
         links = ('/proc/self/fd/' + number for number in os.listdir('/proc/self/fd'))
@@ -84,8 +84,8 @@ def test_looping_and_closing_leave_no_file_open(make_film):
     assert times_open() == 0
 
 
-def test_film_that_is_removed_while_it_plays_ends_with_one_line(make_film):
-    path = make_film()
+def test_video_that_is_removed_while_it_plays_ends_with_one_line(make_video):
+    path = make_video()
     source = open_file(path, 30.0)
     os.remove(path)
     for _ in range(5):
@@ -96,10 +96,10 @@ def test_film_that_is_removed_while_it_plays_ends_with_one_line(make_film):
     source.close()
 
 
-def test_film_that_is_replaced_by_one_of_another_size_ends(make_film):
-    path = make_film()
+def test_video_that_is_replaced_by_one_of_another_size_ends(make_video):
+    path = make_video()
     source = open_file(path, 30.0)
-    os.replace(make_film('other.avi', size=(80, 48)), path)
+    os.replace(make_video('other.avi', size=(80, 48)), path)
     for _ in range(5):
         assert source.read().shape == (64, 96, 3)
     with pytest.raises(SourceError, match='can no longer be read'):
@@ -114,7 +114,7 @@ def test_still_image_equals_bit_for_bit_and_repeats(tmp_path, name):
     source = open_file(path, 7.5)
     assert (source.width, source.height, source.encoding) == (47, 31, 'rgb8')
     assert source.rate_hz == 7.5
-    assert source.description == 'still image {}, 47x31, 7.5 Hz'.format(path)
+    assert source.description == 'image {}, 47x31, 7.5 Hz'.format(path)
     for _ in range(3):
         frame = source.read()
         assert frame.dtype == np.uint8 and np.array_equal(frame, image)

@@ -1,4 +1,4 @@
-"""Areas and centroids of colours go into a PointCloud and come out the same."""
+"""Areas and centroids of colors go into a PointCloud and come out the same."""
 import io
 import math
 
@@ -27,13 +27,13 @@ def sent(msg):
     (['green'], [0], [None]),
     (['a', 'b', 'c'], [2 ** 24, 1, 0], [(4095.5, 0.5), (0.0, 0.0), None])])
 def test_round_trip(names, areas_px, centroids):
-    msg = sent(color_detection_msgs.to_msg(HEADER, names, areas_px, centroids))
+    msg = sent(color_detection_msgs.to_msg(names, areas_px, centroids, HEADER))
     assert color_detection_msgs.from_msg(msg) == (names, areas_px, centroids)
     assert msg.header == HEADER
 
 
 def test_format():
-    msg = sent(color_detection_msgs.to_msg(HEADER, ['blue', 'red'], [0, 20], [None, (1.5, 2.5)]))
+    msg = sent(color_detection_msgs.to_msg(['blue', 'red'], [0, 20], [None, (1.5, 2.5)], HEADER))
     assert [channel.name for channel in msg.channels] == ['blue', 'red']
     assert [list(channel.values) for channel in msg.channels] == [[0.0, 0.0], [0.0, 20.0]]
     assert math.isnan(msg.points[0].x) and math.isnan(msg.points[0].y) and msg.points[0].z == 0

@@ -1,4 +1,4 @@
-"""Colour images of messages of every encoding, bit for bit those of cv_bridge."""
+"""Color images of messages of every encoding, bit for bit those of cv_bridge."""
 import cv2
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def test_yuy2():
 
 
 @pytest.mark.parametrize('encoding', ['bgr8', 'rgb8', 'bgra8', 'rgba8'])
-def test_colours_are_where_the_message_has_them(encoding):
+def test_colors_are_where_the_message_has_them(encoding):
     msg = message(encoding, CHANNELS[encoding], padding=5)
     msg.data = bytearray(msg.data)
     image, order = ColorImages().from_msg(msg)

@@ -1,4 +1,4 @@
-"""Arrays to sensor_msgs/CompressedImage and back: formats, colours, png bit for bit, refusals."""
+"""Arrays to sensor_msgs/CompressedImage and back: formats, colors, png bit for bit, refusals."""
 import cv2
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def test_grey_png_is_lossless(level):
     assert np.array_equal(from_msg(msg), cv2.cvtColor(GREY, cv2.COLOR_GRAY2BGR))
 
 
-def test_jpeg_keeps_colours_where_they_are():
+def test_jpeg_keeps_colors_where_they_are():
     for image, encoding in ((BLUE, 'bgr8'), (BLUE[..., ::-1], 'rgb8')):
         msg = to_msg(np.ascontiguousarray(image), encoding, Header())
         for read in (from_msg(msg), by_cv_bridge(msg, 'bgr8')):

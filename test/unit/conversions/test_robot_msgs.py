@@ -10,7 +10,7 @@ from std_msgs.msg import Header
 from img_recog.camera.calibration import Calibration
 from img_recog.conversions import camera_info_msgs, robot_msgs, twist_msgs
 from img_recog.simulation.body import Motion
-from img_recog.simulation.imu import Inertial
+from img_recog.simulation.imu import ImuReading
 from img_recog.simulation.robot import JointStates
 from img_recog.simulation.settings import ImuSettings, ScanSettings
 
@@ -75,7 +75,8 @@ def test_scan_round_trip():
 
 
 def test_imu_round_trip():
-    inertial = Inertial((0.0, 0.0, 0.6, 0.8), np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]))
+    inertial = ImuReading((0.0, 0.0, 0.6, 0.8), np.array([1.0, 2.0, 3.0]),
+                          np.array([4.0, 5.0, 6.0]))
     msg = robot_msgs.imu_to_msg(inertial, STAMP, ImuSettings(gyro_noise=0.5, accel_noise=0.25))
     assert (msg.header.frame_id, msg.header.stamp) == ('imu_link', STAMP)
     assert msg.angular_velocity_covariance == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25]

@@ -1,4 +1,4 @@
-"""Colour areas against plain OpenCV and numpy, with the article's ranges and others."""
+"""Color areas against plain OpenCV and numpy, with the article's ranges and others."""
 import cv2
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def random_image(seed, shape=(48, 64, 3)):
 
 
 def in_range(image, color):
-    """Return by numpy alone where a bgr8 image is of a colour."""
+    """Return by numpy alone where a bgr8 image is of a color."""
     hue, saturation, value = np.moveaxis(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), 2, 0)
     low, high = color.hue
     inside = ((hue >= low) & (hue <= high)) if low <= high else ((hue >= low) | (hue <= high))
@@ -76,7 +76,7 @@ def test_large_frames_equal_plain_opencv(shape):
     assert_equal_to_plain_opencv(random_image(1, shape))
 
 
-def test_random_frames_have_both_colours():
+def test_random_frames_have_both_colors():
     assert all(area_px > 1000 for area_px in extractor().measure(random_image(0, (480, 640, 3))))
 
 
@@ -132,7 +132,7 @@ def test_rows_that_are_apart_and_memory_that_cannot_be_written():
         assert np.array_equal(found.masked(number), plain.masked(number))
 
 
-def test_frame_whose_pixels_belong_to_both_colours():
+def test_frame_whose_pixels_belong_to_both_colors():
     image = np.zeros((40, 60, 3), np.uint8)
     image[:, :20], image[:, 20:30] = (255, 0, 255), (255, 40, 0)
     assert_equal_to_plain_opencv(image)
@@ -172,14 +172,14 @@ def test_bounds_are_included_at_both_ends_of_each_channel(channel):
 
 
 @pytest.mark.parametrize('value', [0, 128, 255])
-def test_black_grey_and_white_have_no_colour(value):
+def test_black_grey_and_white_have_no_color(value):
     found = extractor()
     assert found.measure(np.full((48, 64, 3), value, np.uint8)) == [0, 0]
     assert not found.masked(0).any() and not found.masked(1).any()
     assert found.centroid(0) is None and found.centroid(1) is None
 
 
-def test_whole_frame_of_a_colour():
+def test_whole_frame_of_a_color():
     image = np.full((48, 64, 3), (215, 70, 25), np.uint8)
     found = extractor()
     assert found.measure(image) == [48 * 64, 0]
@@ -235,11 +235,11 @@ def test_nothing_is_allocated_in_the_steady_state():
 def test_other_settings_hold_from_the_next_image_on():
     image, found = random_image(9), extractor()
     before = found.measure(image)
-    found.use(with_colors()(blue_hue_min=100))
+    found.configure(with_colors()(blue_hue_min=100))
     assert found.masked(0).any()
     after = found.measure(image)
     assert after[0] < before[0] and after[1] == before[1]
-    found.use(with_colors(['red'])())
+    found.configure(with_colors(['red'])())
     assert found.measure(image) == [before[1]]
 
 
@@ -286,7 +286,7 @@ def test_centroids_are_the_mean_of_the_pixels():
         assert found.centroid(number) == pytest.approx((columns.mean(), rows.mean()), abs=1e-9)
 
 
-def test_areas_stand_in_the_order_of_the_colours():
+def test_areas_stand_in_the_order_of_the_colors():
     image = random_image(12)
     blue, red = extractor().measure(image)
     assert blue != red

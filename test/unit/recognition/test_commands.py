@@ -20,7 +20,7 @@ def settings(**values):
     (1001, 1001, [FORWARD, BACKWARD]),
     (307200, 0, [FORWARD]),
     (0, 307200, [BACKWARD])])
-def test_one_command_for_each_colour_above_its_limit_blue_first(blue_px, red_px, expected):
+def test_one_command_for_each_color_above_its_limit_blue_first(blue_px, red_px, expected):
     assert commands([blue_px, red_px], settings()) == expected
 
 
@@ -46,7 +46,7 @@ def test_publish_on_change():
         [], [FORWARD], [], [FORWARD, BACKWARD], [], [BACKWARD], [], [], [BACKWARD]]
 
 
-def test_stop_once_when_no_colour_is_seen():
+def test_stop_once_when_no_color_is_seen():
     commander = Commander(settings(stop_when_lost=0.5), 10.0)
     assert commander.decide(BLUE, 10.1) == [FORWARD]
     assert commander.decide(NONE, 10.2) == commander.decide(NONE, 10.55) == []
@@ -63,7 +63,7 @@ def test_stop_once_when_the_image_is_stale():
         [], [], [STOP], [], []]
 
 
-def test_stop_when_no_colour_was_ever_seen_and_at_the_end():
+def test_stop_when_no_color_was_ever_seen_and_at_the_end():
     commander = Commander(settings(stop_when_lost=0.5), 10.0)
     assert [commander.wait(now) for now in (10.4, 10.5, 10.6)] == [[], [STOP], []]
     assert commander.end() == [STOP]
@@ -80,6 +80,6 @@ def test_the_same_command_after_a_stop_is_a_change():
 def test_other_settings_hold_at_once():
     commander = Commander(settings(), 0.0)
     assert commander.wait(100.0) == []
-    commander.use(settings(stop_when_lost=1.0, blue_linear_x=0.1))
+    commander.configure(settings(stop_when_lost=1.0, blue_linear_x=0.1))
     assert commander.decide(BLUE, 100.1) == [Command(0.1)]
     assert commander.wait(101.2) == [STOP]

@@ -1,4 +1,4 @@
-"""Where the masks of colours look for them: everywhere that one can be."""
+"""Where the masks of colors look for them: everywhere that one can be."""
 import cv2
 import numpy as np
 import pytest
@@ -26,13 +26,13 @@ def assert_equal_to_plain_opencv(made, image, given):
 
 
 def grey_room(seed, shape):
-    """Return a bgr8 image of grey noise that is nearly without colour."""
+    """Return a bgr8 image of grey noise that is nearly without color."""
     random = np.random.RandomState(seed)
     grey = random.randint(0, 256, shape + (1,))
     return np.clip(grey + random.randint(-3, 4, shape + (3,)), 0, 255).astype(np.uint8)
 
 
-def test_every_colour_there_is():
+def test_every_color_there_is():
     made = Masks((256, 256), ARTICLE)
     image = np.empty((256, 256, 3), np.uint8)
     image[..., 0], image[..., 1] = np.mgrid[:256, :256]
@@ -47,7 +47,7 @@ def test_every_colour_there_is():
     colors(saturation_min=30, saturation_max=40, value_min=0, value_max=90),
     colors(saturation_min=200, saturation_max=200, value_min=51, value_max=52)])
 def test_each_pixel_is_found_alone(monkeypatch, given):
-    """Of each value, those pixels of a colour that are nearest to grey."""
+    """Of each value, those pixels of a color that are nearest to grey."""
     value, least = np.mgrid[:256, :256]
     pairs = np.stack([value, least], axis=-1)[least <= value]
     nearest = []
@@ -73,7 +73,7 @@ def test_a_range_that_no_pixel_is_in():
 
 
 @pytest.mark.parametrize('shape', [(480, 640), (1080, 1920), (47, 31), (3, 200000)])
-def test_colours_that_move_through_a_grey_room(shape):
+def test_colors_that_move_through_a_grey_room(shape):
     made = Masks(shape, ARTICLE)
     height, width = shape
     places = [(0, 0, 1, 1), (height - 1, width - 1, 1, 1), (0, width // 2, height, 1),
@@ -86,7 +86,7 @@ def test_colours_that_move_through_a_grey_room(shape):
         assert_equal_to_plain_opencv(made, image, ARTICLE)
 
 
-def test_a_picture_full_of_colour_that_becomes_empty():
+def test_a_picture_full_of_color_that_becomes_empty():
     made = Masks((48, 64), ARTICLE)
     for _ in range(3):
         for number in range(20):
@@ -106,7 +106,7 @@ def test_a_fourth_channel_means_nothing():
         assert made.areas_px == [200, 0]
 
 
-def test_only_what_can_be_of_a_colour_is_converted(monkeypatch):
+def test_only_what_can_be_of_a_color_is_converted(monkeypatch):
     converted, cvt_color = [], cv2.cvtColor
 
     def recorded(image, *arguments):

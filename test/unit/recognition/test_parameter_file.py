@@ -1,4 +1,4 @@
-"""The colours in a file, and what is refused of one."""
+"""The colors in a file, and what is refused of one."""
 import os
 
 import pytest
@@ -41,7 +41,7 @@ def test_another_file(tmp_path):
     ('5: 6', 'got 5 in the place of the name'),
     ('blue_linear_x: 1' + 400 * '0', 'allowed is a finite number, of 32 bits'),
     ('min_blob_size: 99999999999', 'allowed is a whole number at least 0, of 32 bits'),
-    ('purple_hue_min: 3', 'there is no colour purple, the colours are blue, red; add it to '
+    ('purple_hue_min: 3', 'there is no color purple, the colors are blue, red; add it to '
      'colors: [blue, red, purple]'),
     ('blue_hue_mim: 3', 'did you mean blue_hue_min?'),
     ('red_area_limit: -5', 'parameter red_area_limit: got -5, allowed is a whole number at '

@@ -18,7 +18,7 @@ def test_defaults_are_the_articles():
             settings.roi_height) == (0, 0, 0, 0)
 
 
-def test_more_colours():
+def test_more_colors():
     settings = with_colors(['green', 'blue'])(green_hue_min=40, green_hue_max=80,
                                               green_linear_x=1, blue_area_limit=7)
     assert settings.colors == (
@@ -51,7 +51,7 @@ def test_what_is_refused(values, text):
     assert str(caught.value) == text
 
 
-def test_a_new_colour_needs_its_hues():
+def test_a_new_color_needs_its_hues():
     with pytest.raises(SettingError) as caught:
         with_colors(['blue', 'green'])(green_hue_min=40)
     assert str(caught.value) == (

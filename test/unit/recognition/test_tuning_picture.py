@@ -57,7 +57,7 @@ def test_numbers_are_those_of_plain_numpy(settings):
     assert (numbers.hue.passing_px == np.histogram(hues[seen], np.arange(182))[0]).all()
 
 
-def test_coloured_bars_in_bounds_are_the_area():
+def test_colored_bars_in_bounds_are_the_area():
     image = noise(1)
     for color, got in zip(FIVE.colors, measured(image, FIVE).colors):
         for counts, (low, high) in ((got.saturation, color.saturation), (got.value, color.value)):
@@ -148,7 +148,7 @@ def test_frame_and_masks_are_in_the_picture():
     assert (red[:, :third] == 0).all() and (red[:, -third:] == (215, 25, 60)).all()
 
 
-def test_bars_have_the_colour_of_their_hue():
+def test_bars_have_the_color_of_their_hue():
     figure, _ = tuning_picture.draw(one_color(110, size=(100, 100)), ARTICLE)
     hues = axes_image(figure, 2, rendered(figure))
     column = round((110 + 1.5) / 183 * (hues.shape[1] + 6)) - 3

@@ -1,4 +1,4 @@
-"""Frames of films and bags: their stamps, and what is said of files that have none."""
+"""Frames of videos and bags: their stamps, and what is said of files that have none."""
 import os
 
 import cv2
@@ -12,9 +12,9 @@ from std_msgs.msg import Header, String
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
 from img_recog.replay.bags import BagFrames
-from img_recog.replay.inputs import FilmFrames, is_bag
+from img_recog.replay.inputs import VideoFrames, is_bag
 from img_recog_testing.replaying import BLUE, RED, image
-from img_recog_testing.videos import FILM_RATE_HZ
+from img_recog_testing.videos import VIDEO_RATE_HZ
 
 RAW, COMPRESSED = '/usb_cam/image_raw', '/usb_cam/image_raw/compressed'
 
@@ -48,10 +48,10 @@ def refusal(function, *arguments):
     return str(refused.value)
 
 
-def test_film(make_film):
-    path = make_film(frames=6)
-    frames = FilmFrames(path)
-    assert frames.expected == 6 and frames.period_ns == round(10 ** 9 / FILM_RATE_HZ)
+def test_video(make_video):
+    path = make_video(frames=6)
+    frames = VideoFrames(path)
+    assert frames.expected == 6 and frames.period_ns == round(10 ** 9 / VIDEO_RATE_HZ)
     capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
     for number, frame in enumerate(frames):
         assert frame.number == frame.header.seq == number
@@ -61,24 +61,24 @@ def test_film(make_film):
     assert number == 5
 
 
-def test_film_that_breaks_off_is_refused_at_its_end(make_film):
-    path = make_film(frames=60)
+def test_video_that_breaks_off_is_refused_at_its_end(make_video):
+    path = make_video(frames=60)
     with open(path, 'r+b') as file:
         file.truncate(os.path.getsize(path) // 2)
-    line = refusal(list, FilmFrames(path))
+    line = refusal(list, VideoFrames(path))
     assert path + ' breaks off after' in line and 'ffmpeg -i ' + path in line
 
 
-def test_what_is_no_film(tmp_path):
+def test_what_is_no_video(tmp_path):
     for name, content in (('text.mp4', b'hello'), ('empty.mp4', b''), ('noise.mp4', bytes(999))):
         path = tmp_path / name
         path.write_bytes(content)
-        line = refusal(FilmFrames, str(path))
+        line = refusal(VideoFrames, str(path))
         assert str(path) in line and line.endswith('give a video that OpenCV plays, or a bag with '
                                                    'images'), line
     path = str(tmp_path / 'still.png')
     assert cv2.imwrite(path, image())
-    assert refusal(FilmFrames, path).startswith(path + ' is a still image; give')
+    assert refusal(VideoFrames, path).startswith(path + ' is an image; give')
 
 
 @pytest.mark.parametrize('topic, message, compression', [

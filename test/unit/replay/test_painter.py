@@ -9,10 +9,10 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.recognition.settings import with_colors
 from img_recog.replay.painter import Painter
-from img_recog.replay.plot_data import Numbers
+from img_recog.replay.plot_data import PlotData
 
-NUMBERS = Numbers(with_colors()().colors, np.ones((3, 8)), np.ones((2, 3)), np.zeros((0, 3)), 1.0,
-                  [])
+NUMBERS = PlotData(with_colors()().colors, np.ones((3, 8)), np.ones((2, 3)), np.zeros((0, 3)), 1.0,
+                   [])
 
 
 def test_it_draws():

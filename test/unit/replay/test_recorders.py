@@ -11,7 +11,7 @@ import rosbag
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
-from img_recog.replay.chain import Chain, Sent, measured
+from img_recog.replay.chain import Chain, CommandSent, measured
 from img_recog.replay.figure import Picture
 from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder
@@ -103,7 +103,7 @@ def test_bag_of_several_chunks_is_whole():
     bag = BagRecorder(file, ['blue'], OdometrySettings(), 'base')
     bag.start(START_NS)
     for number in range(20000):
-        bag.sent(Sent(number, Command(float(number)), 'somebody'))
+        bag.on_command(CommandSent(number, Command(float(number)), 'somebody'))
     bag.close()
     assert file.value.count(b'\x04\0\0\0op=\x05') > 1
     assert [(stamp - START_NS, msg.linear.x) for stamp, msg in messages(file.value)['/cmd_vel']

@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from img_recog.ros import queues
-from img_recog.ros.queues import Newest, Requests
+from img_recog.ros.queues import CallQueue, LatestValue
 
 GENEROUS_S = 20.0       # waited for only when something is broken
 
@@ -22,7 +22,7 @@ class Asker(threading.Thread):
 
     def run(self):
         try:
-            self.result = self._requests.do(self._action, self._timeout_s)
+            self.result = self._requests.call(self._action, self._timeout_s)
         except Exception as error:
             self.error = error
 
@@ -43,14 +43,14 @@ def future_that_first_calls(action):
 
 def serve_until_ended(requests, *askers):
     for _ in range(1000):
-        requests.serve(0.05)
+        requests.process(0.05)
         if not any(asker.is_alive() for asker in askers):
             break
     return [asker.end() for asker in askers]
 
 
 def test_newest_is_taken_once():
-    slot = Newest()
+    slot = LatestValue()
     assert slot.take() is None
     for item in (1, 2, 3):
         slot.put(item)
@@ -69,7 +69,7 @@ def test_newest_waits_until_there_is_one(monkeypatch):
                 waiting.set()
             return super().get(block, timeout)
     monkeypatch.setattr(queues.queue, 'SimpleQueue', Announced)
-    slot = Newest()
+    slot = LatestValue()
     taker = threading.Thread(target=lambda: got.append(slot.take(3 * GENEROUS_S)), daemon=True)
     taker.start()
     assert waiting.wait(GENEROUS_S)
@@ -90,7 +90,7 @@ def test_newest_of_two_that_were_put_at_once(monkeypatch):
             both.wait()         # each has seen that nothing is held
             super().put(item)
     monkeypatch.setattr(queues.queue, 'SimpleQueue', Meeting)
-    slot = Newest()
+    slot = LatestValue()
     putters = [threading.Thread(target=slot.put, args=(item,), daemon=True) for item in 'ab']
     for putter in putters:
         putter.start()
@@ -101,18 +101,18 @@ def test_newest_of_two_that_were_put_at_once(monkeypatch):
 
 
 def test_newest_gives_up_after_the_timeout():
-    assert Newest().take(0.01) is None
+    assert LatestValue().take(0.01) is None
 
 
 def test_result_comes_from_the_thread_of_the_loop():
-    requests = Requests()
+    requests = CallQueue()
     asker, = serve_until_ended(requests, Asker(requests, lambda: (7, threading.get_ident())))
     assert asker.error is None
     assert asker.result == (7, threading.get_ident())
 
 
 def test_exception_goes_to_the_asker_and_leaves_the_loop_alone():
-    requests = Requests()
+    requests = CallQueue()
 
     def fail():
         raise KeyError('no such model')
@@ -123,24 +123,24 @@ def test_exception_goes_to_the_asker_and_leaves_the_loop_alone():
 
 
 def test_what_is_late_is_refused_and_not_done_later():
-    requests, done = Requests(), []
+    requests, done = CallQueue(), []
     with pytest.raises(concurrent.futures.TimeoutError):
-        requests.do(lambda: done.append('late'), 0.01)
-    requests.serve(0.0)
+        requests.call(lambda: done.append('late'), 0.01)
+    requests.process(0.0)
     assert done == []
     serve_until_ended(requests, Asker(requests, lambda: done.append('in time')))
     assert done == ['in time']
 
 
 def test_what_begins_in_time_and_ends_late_is_refused_and_harms_nobody(monkeypatch):
-    requests, begun, go_on, after = Requests(), threading.Event(), threading.Event(), []
+    requests, begun, go_on, after = CallQueue(), threading.Event(), threading.Event(), []
     monkeypatch.setattr(queues, 'Future', future_that_first_calls(
         lambda: begun.wait(GENEROUS_S)))
 
     def slow():
         begun.set()
         after.append(go_on.wait(GENEROUS_S))
-    loop = threading.Thread(target=lambda: requests.serve(GENEROUS_S), daemon=True)
+    loop = threading.Thread(target=lambda: requests.process(GENEROUS_S), daemon=True)
     loop.start()
     asker = Asker(requests, slow, timeout_s=0.01).end()
     assert isinstance(asker.error, concurrent.futures.TimeoutError)
@@ -150,18 +150,18 @@ def test_what_begins_in_time_and_ends_late_is_refused_and_harms_nobody(monkeypat
 
 
 def test_several_are_done_in_the_order_they_came(monkeypatch):
-    requests, order, arrived = Requests(), [], threading.Semaphore(0)
+    requests, order, arrived = CallQueue(), [], threading.Semaphore(0)
     monkeypatch.setattr(queues, 'Future', future_that_first_calls(arrived.release))
     askers = []
     for number in range(5):
         askers.append(Asker(requests, lambda number=number: order.append(number)))
         assert arrived.acquire(timeout=GENEROUS_S)
-    requests.serve(0.0)
+    requests.process(0.0)
     assert [asker.end().error for asker in askers] == [None] * 5
     assert order == [0, 1, 2, 3, 4]
 
 
 def test_serve_without_requests_returns():
-    requests = Requests()
-    requests.serve(0.0)
-    requests.serve(0.01)
+    requests = CallQueue()
+    requests.process(0.0)
+    requests.process(0.01)

@@ -1,22 +1,22 @@
-"""Each colour on a link of its own, nothing lost."""
+"""Each color on a link of its own, nothing lost."""
 import xml.etree.ElementTree as ElementTree
 
 from img_recog.simulation.description import parse
-from img_recog.simulation.drawing import one_colour_a_link
+from img_recog.simulation.drawing import split_links_by_color
 from img_recog_testing.robots import WORLDS, burger
 
 
 def painted(urdf):
-    return ElementTree.fromstring(one_colour_a_link(urdf))
+    return ElementTree.fromstring(split_links_by_color(urdf))
 
 
-def test_every_link_has_one_colour_and_every_shape_is_kept():
+def test_every_link_has_one_color_and_every_shape_is_kept():
     for urdf in (parse(burger()).urdf, open(WORLDS['turtlebot3_world']).read()):
         robot = painted(urdf)
         for link in robot.findall('link'):
-            colours = {ElementTree.tostring(visual.find('material')).strip()
-                       for visual in link.findall('visual')}
-            assert len(colours) <= 1
+            colors = {ElementTree.tostring(visual.find('material')).strip()
+                      for visual in link.findall('visual')}
+            assert len(colors) <= 1
         before = len(list(ElementTree.fromstring(urdf).iter('visual')))
         assert len(list(robot.iter('visual'))) == before > 50
 

@@ -36,7 +36,7 @@ def test_two_point_masses_make_a_dumbbell():
     right = Inertia(3.0, np.array([0.0, -1.0, 0.0]), np.zeros((3, 3)))
     both = left + right
     assert both.mass == 4.0
-    assert np.allclose(both.centre, [0, -0.5, 0])
+    assert np.allclose(both.center, [0, -0.5, 0])
     # reduced mass 3/4 kg, distance 2 m
     assert np.allclose(both.matrix, np.diag([3.0, 0.0, 3.0]))
 
@@ -44,7 +44,7 @@ def test_two_point_masses_make_a_dumbbell():
 def test_moving_an_inertia_turns_its_matrix():
     moved = Inertia(2.0, np.zeros(3), np.diag([1.0, 2.0, 3.0])).moved(
         from_rpy((5, 0, 0), (0, 0, math.pi / 2)))
-    assert np.allclose(moved.centre, [5, 0, 0])
+    assert np.allclose(moved.center, [5, 0, 0])
     assert np.allclose(moved.matrix, np.diag([2.0, 1.0, 3.0]))
 
 
@@ -53,4 +53,4 @@ def test_no_inertia_adds_nothing():
     one = Inertia(2.0, np.array([1.0, 2.0, 3.0]), np.eye(3))
     total = one + NO_INERTIA
     assert total.mass == 2.0
-    assert np.allclose(total.centre, one.centre) and np.allclose(total.matrix, one.matrix)
+    assert np.allclose(total.center, one.center) and np.allclose(total.matrix, one.matrix)

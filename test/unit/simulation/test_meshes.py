@@ -112,7 +112,7 @@ def test_pybullet_loads_the_meshes(find):
     assert hit[3] == pytest.approx((-0.022, 0.01, 0.182 + 0.08), abs=3e-3)
 
 
-def test_collision_shape_stands_in_for_a_missing_visual_in_its_colour():
+def test_collision_shape_stands_in_for_a_missing_visual_in_its_color():
     link, missing = resolved(mesh('visual', inside=BLUE) + box('collision') + box('collision', 2))
     visuals = link.findall('visual')
     assert [each.find('geometry/box').get('size') for each in visuals] == ['1 1 1', '2 2 2']

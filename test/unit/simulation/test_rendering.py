@@ -1,4 +1,4 @@
-"""Images without a display: where the sun's shadows fall and which colours come out."""
+"""Images without a display: where the sun's shadows fall and which colors come out."""
 import numpy as np
 import pybullet
 import pytest
@@ -21,11 +21,11 @@ def client():
     pybullet.disconnect(physicsClientId=number)
 
 
-def add_box(client, centre, half, colour=RED):
+def add_box(client, center, half, color=RED):
     """Add a visible box with half sides `half`."""
     shape = pybullet.createVisualShape(pybullet.GEOM_BOX, halfExtents=half,
-                                       rgbaColor=(*colour, 1), physicsClientId=client)
-    pybullet.createMultiBody(0, -1, shape, centre, physicsClientId=client)
+                                       rgbaColor=(*color, 1), physicsClientId=client)
+    pybullet.createMultiBody(0, -1, shape, center, physicsClientId=client)
 
 
 def seen(image, camera, point):
@@ -39,15 +39,15 @@ def seen(image, camera, point):
     return int(round(height * (1 - y / w) / 2)) - 1, int(round(width * (1 + x / w) / 2))
 
 
-def colour_at(image, camera, point):
-    """Return the colour with which `point` appears."""
+def color_at(image, camera, point):
+    """Return the color with which `point` appears."""
     return image[seen(image, camera, point)].tolist()
 
 
 def assert_shade(image, camera, point, shade):
-    """Check that a red point appears with this share of its colour."""
+    """Check that a red point appears with this share of its color."""
     wanted = [255 * shade * channel for channel in RED]
-    assert colour_at(image, camera, point) == pytest.approx(wanted, abs=3)
+    assert color_at(image, camera, point) == pytest.approx(wanted, abs=3)
 
 
 def shadow_end(image, camera, start):
@@ -55,7 +55,7 @@ def shadow_end(image, camera, start):
     away = -np.array(SUN[:2]) / np.hypot(*SUN[:2])
     for far in np.arange(0, 2, 0.002):
         point = (*(start + far * away), 0)
-        if colour_at(image, camera, point) == [GREY] * 3:
+        if color_at(image, camera, point) == [GREY] * 3:
             return far
     return None
 
@@ -87,10 +87,10 @@ def test_top_of_a_box_is_lit_evenly(client, yaw):
 def test_shadow_lies_on_the_side_away_from_the_sun(client):
     add_box(client, (0, 0, 0.25), (0.25, 0.25, 0.25))
     image = render(client, ABOVE, *SIZE)
-    assert colour_at(image, ABOVE, (-0.4, 0.03, 0)) == [FLOOR_SHADOW] * 3
-    assert colour_at(image, ABOVE, (0.4, 0.03, 0)) == [GREY] * 3
-    assert colour_at(image, ABOVE, (-0.4, -0.4, 0)) == [GREY] * 3
-    assert colour_at(image, ABOVE, (-0.4, 0.4, 0)) == [GREY] * 3
+    assert color_at(image, ABOVE, (-0.4, 0.03, 0)) == [FLOOR_SHADOW] * 3
+    assert color_at(image, ABOVE, (0.4, 0.03, 0)) == [GREY] * 3
+    assert color_at(image, ABOVE, (-0.4, -0.4, 0)) == [GREY] * 3
+    assert color_at(image, ABOVE, (-0.4, 0.4, 0)) == [GREY] * 3
 
 
 @pytest.mark.parametrize('height', [0.5, 1.0])
@@ -122,17 +122,17 @@ def test_a_rod_of_a_centimetre_casts_a_shadow_near_the_target(client, side):
     image = render(client, camera, 640, 480)
     for height in np.linspace(0.02, 0.18, 17):
         x, y, _ = np.array((0, side, 0)) - np.array(SUN) * height / SUN[2]
-        assert colour_at(image, camera, (x, y, 0)) == [FLOOR_SHADOW] * 3
+        assert color_at(image, camera, (x, y, 0)) == [FLOOR_SHADOW] * 3
         for aside in (-0.015, 0.015):
-            assert colour_at(image, camera, (x, y + aside, 0)) == [GREY] * 3
+            assert color_at(image, camera, (x, y + aside, 0)) == [GREY] * 3
 
 
 def test_small_body_far_from_the_origin_casts_its_shadow(client):
     add_box(client, (-12, 15, 0.25), (0.25, 0.25, 0.25))
     camera = ABOVE._replace(target=(-12, 15, 0))
     image = render(client, camera, *SIZE)
-    assert colour_at(image, camera, (-12.4, 15.03, 0)) == [FLOOR_SHADOW] * 3
-    assert colour_at(image, camera, (-11.6, 15.03, 0)) == [GREY] * 3
+    assert color_at(image, camera, (-12.4, 15.03, 0)) == [FLOOR_SHADOW] * 3
+    assert color_at(image, camera, (-11.6, 15.03, 0)) == [GREY] * 3
 
 
 @pytest.mark.parametrize('yaw, normal', [
@@ -167,7 +167,7 @@ def test_shadows_end_at_the_horizon(client):
     add_box(client, 4 * np.array(SUN), (0.5, 0.5, 0.05))
     camera = Camera((0, 0, 1), 3, 0, 0)
     image = render(client, camera, *SIZE)
-    assert colour_at(image, camera, (0, 0, 0)) == [FLOOR_SHADOW] * 3
+    assert color_at(image, camera, (0, 0, 0)) == [FLOOR_SHADOW] * 3
     assert np.unique(image[:SIZE[1] // 2]).tolist() == [GREY]
 
 

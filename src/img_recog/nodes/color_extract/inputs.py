@@ -7,7 +7,7 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.ros import image_topics
-from img_recog.ros.queues import Newest
+from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
@@ -15,7 +15,7 @@ class RawInput:
     """The newest image of a topic of raw images."""
 
     def __init__(self, topic: str):
-        self._newest, self._images = Newest(), image_msgs.ColorImages()
+        self._newest, self._images = LatestValue(), image_msgs.ColorImages()
         self._subscriber = ImageSubscriber(topic, self._keep)
 
     def _keep(self, msg: Image) -> None:
@@ -43,7 +43,7 @@ class CompressedInput:
     """The newest image of the topic of compressed images beside one of raw images."""
 
     def __init__(self, topic: str):
-        self._newest = Newest()
+        self._newest = LatestValue()
         rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._newest.put,
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
 

@@ -1,4 +1,4 @@
-"""The node color_extract: colours in images to commands for a robot.
+"""The node color_extract: colors in images to commands for a robot.
 
 Subscribes: usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge turns into bgr8), or
 in its place usb_cam/image_raw/compressed (sensor_msgs/CompressedImage).
@@ -8,8 +8,8 @@ none, one or two: linear.x 10 m/s for blue, then -10 m/s for red); while somebod
 color_detection (sensor_msgs/PointCloud: areas and centroids) and color_overlay (sensor_msgs/Image,
 bgr8: the frame with outlines and commands).
 Reads: ~image_transport (raw or compressed: which of the two it subscribes to), ~colors_file (where
-the parameters come from, to be checked), ~colors (names), ~NAME_image_topic for each colour, and
-RecognitionSettings with these colours, which are also served by dynamic_reconfigure:
+the parameters come from, to be checked), ~colors (names), ~NAME_image_topic for each color, and
+RecognitionSettings with these colors, which are also served by dynamic_reconfigure:
 ~set_parameters, ~parameter_descriptions, ~parameter_updates.
 """
 import threading
@@ -34,7 +34,7 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport import rosout
-from img_recog.ros.transport.direct_publisher import PromptPublisher
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import Settings, one_of, setting
 
@@ -69,7 +69,7 @@ class ColorExtract:
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings
         self._warn = ThrottledWarning()
-        self._velocity = PromptPublisher('cmd_vel', Twist)
+        self._velocity = DirectPublisher('cmd_vel', Twist)
         self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
         self._overlay = ImagePublisher('color_overlay')
@@ -102,8 +102,8 @@ class ColorExtract:
             return
         areas_px = self._extractor.measure(image, encoding)
         for number, publisher in enumerate(self._masked):
-            publisher.publish_drawn(msg.header, 'bgr8', image.shape[:2] + (3,),
-                                    partial(self._extractor.masked, number))
+            publisher.publish_drawn(partial(self._extractor.masked, number),
+                                    image.shape[:2] + (3,), 'bgr8', msg.header)
         rosout.info(', '.join('{}={}'.format(name, area_px) for name, area_px
                               in zip(self._settings.color_names, areas_px)))
         commands = self._commander.decide(areas_px, time.monotonic())
@@ -115,10 +115,10 @@ class ColorExtract:
         if self._detection.get_num_connections() > 0:
             centroids = [self._extractor.centroid(number) for number in range(len(areas_px))]
             self._detection.publish(color_detection_msgs.to_msg(
-                header, self._settings.color_names, areas_px, centroids))
+                self._settings.color_names, areas_px, centroids, header))
         if self._overlay.get_num_connections() > 0:
             image = overlay.draw(self._extractor, self._settings.colors, areas_px, commands)
-            self._overlay.publish(header, 'bgr8', image)
+            self._overlay.publish(image, 'bgr8', header)
 
     def _send(self, commands: List[Command]) -> None:
         for command in commands:
@@ -127,8 +127,8 @@ class ColorExtract:
     def _use(self, settings) -> None:
         if settings is not self._settings:
             self._settings = settings
-            self._extractor.use(settings)
-            self._commander.use(settings)
+            self._extractor.configure(settings)
+            self._commander.configure(settings)
 
     def _end(self) -> None:
         self._ended.set()

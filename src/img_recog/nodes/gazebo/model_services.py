@@ -5,7 +5,7 @@ import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 
 from img_recog.conversions import robot_msgs
-from img_recog.ros.queues import Requests
+from img_recog.ros.queues import CallQueue
 from img_recog.simulation.models import WORLD, Models, State
 from img_recog.simulation.settings import SimulationError
 
@@ -27,7 +27,7 @@ class GazeboInterface:
     To be made only where AVAILABLE. `requests` are done by the loop that steps the simulation.
     """
 
-    def __init__(self, models: Models, requests: Requests, time_s):
+    def __init__(self, models: Models, requests: CallQueue, time_s):
         """Advertise; time_s() is the simulated time."""
         self._models, self._requests, self._time_s = models, requests, time_s
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
@@ -48,7 +48,7 @@ class GazeboInterface:
     def _get(self, request) -> 'GetModelStateResponse':
         frame = _frame_of(request.relative_entity_name)
         try:
-            state, time_s = self._requests.do(
+            state, time_s = self._requests.call(
                 lambda: (self._models.state(request.model_name, frame), self._time_s()),
                 _TIMEOUT_S)
         except (SimulationError, LateError) as error:
@@ -61,7 +61,7 @@ class GazeboInterface:
     def _set(self, request) -> 'SetModelStateResponse':
         wanted = request.model_state
         try:
-            self._requests.do(lambda: self._models.set_state(
+            self._requests.call(lambda: self._models.set_state(
                 wanted.model_name, _state_of(wanted), _frame_of(wanted.reference_frame)),
                 _TIMEOUT_S)
         except (SimulationError, LateError) as error:

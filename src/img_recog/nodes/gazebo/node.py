@@ -27,9 +27,9 @@ from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.ros import lifecycle, parameters
-from img_recog.ros.queues import Requests
+from img_recog.ros.queues import CallQueue
 from img_recog.ros.throttle import ThrottledWarning
-from img_recog.ros.transport.direct_publisher import PromptPublisher
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import description, gazebo_tags, loading, meshes, world_file
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer
@@ -40,7 +40,7 @@ from img_recog.simulation.vehicle import Vehicle
 from img_recog.simulation.window import Window
 from img_recog.simulation.world import World
 
-_LOOK_UP_S = 0.1
+_POLL_PERIOD_S = 0.1
 _SERVICE_TIMEOUT_S = 5.0
 
 
@@ -53,9 +53,9 @@ class PybulletSim:
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
         urdf = parameters.robot_description()
         robot = description.parse(urdf, resources.find)
-        stated = gazebo_tags.settings(urdf, physics.step_s)
-        settings = parameters.read_group(RobotSettings, stated)
-        topics = parameters.read(TopicSettings, stated)
+        from_description = gazebo_tags.settings(urdf, physics.step_s)
+        settings = parameters.read_group(RobotSettings, from_description)
+        topics = parameters.read(TopicSettings, from_description)
         parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings,
                                    *map(type, vars(settings).values()))
         file = world_file.read(physics.world, resources.worlds(), resources.find)
@@ -71,7 +71,7 @@ class PybulletSim:
         self._wanted_factor = physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
         self._paused = False
-        self._requests, self._warn = Requests(), ThrottledWarning()
+        self._requests, self._warn = CallQueue(), ThrottledWarning()
         self._advertise()
         self._view = ViewTopic(scene, view)
         self._topics = {vehicle.robot.name: RobotTopics(vehicle, topics)}
@@ -93,7 +93,7 @@ class PybulletSim:
                           'odometry; end one of them', ', '.join(others))
 
     def _advertise(self) -> None:
-        self._clock = PromptPublisher('/clock', Clock, latch=True)
+        self._clock = DirectPublisher('/clock', Clock, latch=True)
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         for name, action in (('pause_physics', self._pause), ('unpause_physics', self._unpause),
                              ('reset_world', self._reset_world),
@@ -110,7 +110,7 @@ class PybulletSim:
     def _handler(self, name: str, action: Callable[[], None]):
         def handle(_):
             try:
-                self._requests.do(action, _SERVICE_TIMEOUT_S)
+                self._requests.call(action, _SERVICE_TIMEOUT_S)
             except LateError:
                 raise rospy.ServiceException(name + ': the simulation does not answer')
             return EmptyResponse()
@@ -120,7 +120,7 @@ class PybulletSim:
         """Simulate until the node is shut down."""
         while not rospy.is_shutdown():
             if self._paused:
-                self._requests.serve(_LOOK_UP_S)
+                self._requests.process(_POLL_PERIOD_S)
                 self._pacer.restart()
                 self._measure(0.0)
             else:
@@ -136,13 +136,13 @@ class PybulletSim:
         """Serve requests until the next piece of time is due; look up at least ten times a second.
         """
         due = time.monotonic() + delay_s
-        self._requests.serve(min(delay_s, _LOOK_UP_S))
+        self._requests.process(min(delay_s, _POLL_PERIOD_S))
         while time.monotonic() < due and not rospy.is_shutdown():
-            self._requests.serve(min(due - time.monotonic(), _LOOK_UP_S))
+            self._requests.process(min(due - time.monotonic(), _POLL_PERIOD_S))
 
     def _advance(self) -> None:
         for topics in self._topics.values():
-            topics.before()
+            topics.apply_command()
         readings = self._simulator.advance(self._clock_steps)
         # the clock first, so that no sensor is ahead of it
         self._publish_clock()
@@ -181,16 +181,16 @@ class PybulletSim:
     def _unpause(self) -> None:
         self._paused = False
 
-    def _forget_commands(self) -> None:
+    def _discard_commands(self) -> None:
         for topics in self._topics.values():
-            topics.forget_command()
+            topics.discard_command()
 
     def _reset_world(self) -> None:
-        self._forget_commands()
+        self._discard_commands()
         self._simulator.reset_world()
 
     def _reset_simulation(self) -> None:
-        self._forget_commands()
+        self._discard_commands()
         self._simulator.reset_simulation()
         # told at once: while the physics is paused no step would do so
         self._publish_clock()

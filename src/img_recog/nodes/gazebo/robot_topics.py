@@ -9,9 +9,9 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
 from img_recog.conversions import robot_msgs, twist_msgs
-from img_recog.ros.queues import Newest
+from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import Throttle, ThrottledWarning
-from img_recog.ros.transport.direct_publisher import PromptPublisher
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.settings import Settings, not_empty, setting
 from img_recog.simulation.motion_state import MotionState
 from img_recog.simulation.vehicle import Reading, Vehicle
@@ -32,7 +32,7 @@ class TopicSettings(Settings):
 class _Output(NamedTuple):
     """Where the readings of a sensor go, and the message for a value and a stamp."""
 
-    publisher: PromptPublisher
+    publisher: DirectPublisher
     to_msg: Callable[[Any, rospy.Time], Any]
 
 
@@ -47,20 +47,20 @@ class RobotTopics:
         self._publishes_tf = odometry.publish_odom_tf
         self._motion_state, self._news = MotionState(), Throttle(_NEWS_PERIOD_S)
         self._warn = ThrottledWarning()
-        self._commands = Newest()
+        self._commands = LatestValue()
         self._transforms = tf2_ros.TransformBroadcaster()
         self._outputs = {
             'odometry': _Output(
-                PromptPublisher(names.odometry_topic, Odometry),
+                DirectPublisher(names.odometry_topic, Odometry),
                 lambda value, stamp: robot_msgs.odometry_to_msg(
                     value, stamp, odometry.odom_frame, base_frame)),
-            'joint_states': _Output(PromptPublisher('joint_states', JointState),
+            'joint_states': _Output(DirectPublisher('joint_states', JointState),
                                     robot_msgs.joint_states_to_msg),
             'imu': _Output(
-                PromptPublisher(names.imu_topic, Imu),
+                DirectPublisher(names.imu_topic, Imu),
                 lambda value, stamp: robot_msgs.imu_to_msg(value, stamp, settings.imu)),
             'scan': _Output(
-                PromptPublisher(names.scan_topic, LaserScan),
+                DirectPublisher(names.scan_topic, LaserScan),
                 lambda value, stamp: robot_msgs.scan_to_msg(value, stamp, settings.scan))}
         rospy.Subscriber(names.command_topic, Twist, self._keep_command, queue_size=10,
                          tcp_nodelay=True)
@@ -72,7 +72,7 @@ class RobotTopics:
         except twist_msgs.TwistError as error:
             self._warn('cmd_vel ignored: %s', error)
 
-    def before(self) -> None:
+    def apply_command(self) -> None:
         """Obey the newest command, and switch off the sensors that nobody listens to."""
         command = self._commands.take()
         if command is not None:
@@ -87,15 +87,15 @@ class RobotTopics:
         msg = output.to_msg(reading.value, robot_msgs.stamp_of(reading.time_s))
         output.publisher.publish(msg)
         if reading.sensor == 'odometry':
-            self._tell_news(reading)
+            self._log_motion_change(reading)
             if self._publishes_tf:
                 self._transforms.sendTransform(robot_msgs.transform_of(msg))
 
-    def forget_command(self) -> None:
+    def discard_command(self) -> None:
         """Drop a command that has come and was not obeyed yet: one from before a reset."""
         self._commands.take()
 
-    def _tell_news(self, reading: Reading) -> None:
+    def _log_motion_change(self, reading: Reading) -> None:
         if self._news.ready():
             news = self._motion_state.update(reading.value)
             if news is not None:

@@ -12,7 +12,7 @@ from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.view import View, ViewImage
 
 _FRAME = 'view'                 # no frame of tf: the camera is none of the robot's
-_LOOK_UP_S = 0.1
+_POLL_PERIOD_S = 0.1
 
 
 class ViewTopic:
@@ -34,7 +34,7 @@ class ViewTopic:
     def _publish(self) -> None:
         while not self._ended.is_set():
             try:
-                image = self._view.next_image(_LOOK_UP_S)
+                image = self._view.next_image(_POLL_PERIOD_S)
             except SimulationError as error:
                 self._ended.set()
                 rospy.logwarn('no more view: %s; the simulation goes on without', error)
@@ -44,7 +44,7 @@ class ViewTopic:
 
     def _publish_image(self, image: ViewImage) -> None:
         header = Header(stamp=robot_msgs.stamp_of(image.time_s), frame_id=_FRAME)
-        self._images.publish(header, 'rgb8', image.pixels)
+        self._images.publish(image.pixels, 'rgb8', header)
 
     def close(self) -> None:
         """End the process that draws."""

@@ -1,4 +1,4 @@
-"""The tool tune_colors: a picture that tells why a colour is seen in an image, or is not.
+"""The tool tune_colors: a picture that tells why a color is seen in an image, or is not.
 
 Given a file it is no node and needs no master; given a topic it is the anonymous node that
 TopicTuning describes.
@@ -16,8 +16,8 @@ import rospy
 
 from img_recog import files
 from img_recog.camera import selection
+from img_recog.camera.image_source import read_image
 from img_recog.camera.source import SourceEnded, SourceError
-from img_recog.camera.still_source import read_image
 from img_recog.errors import UserError
 from img_recog.nodes.tune_colors.node import TopicTuning
 from img_recog.nodes.tune_colors.output import PictureOutput
@@ -29,7 +29,7 @@ _OUTPUT = 'tune_colors.png'
 _TIMEOUT_S = 10.0
 _ANY_RATE_HZ = 30.0
 _LOG_NOTHING = 0
-_ADVICE = 'give a still image, a film or the name of a topic with images'
+_ADVICE = 'give an image, a video or the name of a topic with images'
 
 
 def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -> None:
@@ -43,27 +43,27 @@ def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -
 
 
 def _image_in(path: str, number: int) -> np.ndarray:
-    """Return frame `number` of a film, or a still image, in bgr8; raise SourceError."""
+    """Return frame `number` of a video, or an image, in bgr8; raise SourceError."""
     image = read_image(path)
     if image is not None:
         if number:
-            raise SourceError('{} is a still image and has no frame {}'.format(path, number))
+            raise SourceError('{} is an image and has no frame {}'.format(path, number))
         return image
     # what they say of a file that they cannot play is said once, below
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
     cv2.setLogLevel(_LOG_NOTHING)
     try:
-        film = selection.open_file(path, _ANY_RATE_HZ, loop=False)
+        video = selection.open_file(path, _ANY_RATE_HZ, loop=False)
     except SourceError as error:        # which goes on with advice for a camera node
         raise SourceError('{}; {}'.format(str(error).partition(';')[0], _ADVICE))
     try:
         for _ in range(number):
-            film.read()
-        return cv2.cvtColor(film.read(), cv2.COLOR_RGB2BGR)
+            video.read()
+        return cv2.cvtColor(video.read(), cv2.COLOR_RGB2BGR)
     except SourceEnded as error:
         raise SourceError('there is no frame {}, counted from 0: {}'.format(number, error))
     finally:
-        film.close()
+        video.close()
 
 
 def _tune(options: argparse.Namespace) -> int:
@@ -78,7 +78,7 @@ def _tune(options: argparse.Namespace) -> int:
     if not rosgraph.names.is_legal_name(name) or not name:
         raise SourceError('cannot open {}: no such file; {}'.format(name or "''", _ADVICE))
     if options.frame is not None:
-        raise SourceError('--frame needs a film, and there is no file {}'.format(name))
+        raise SourceError('--frame needs a video, and there is no file {}'.format(name))
     topic = rosgraph.names.script_resolve_name('tune_colors', name)
     kind = image_topics.kind_of(topic)
     return lifecycle.run(rosgraph.names.anonymous_name('tune_colors'),
@@ -92,16 +92,16 @@ def _output_path(path: str) -> str:
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog='tune_colors.py', description='Tell why a colour is seen in an image, or is not: '
+        prog='tune_colors.py', description='Tell why a color is seen in an image, or is not: '
         'write a picture of frame, masks and histograms, and show it where there is a display.')
     parser.add_argument('image_or_topic', metavar='IMAGE_OR_TOPIC',
-                        help='still image, film, or topic with images: its newest one; in a '
+                        help='image, video, or topic with images: its newest one; in a '
                         'window it is followed')
     parser.add_argument('--frame', type=_whole, metavar='N',
-                        help='which frame of a film, counted from 0 (default 0)')
+                        help='which frame of a video, counted from 0 (default 0)')
     colors = parser.add_mutually_exclusive_group()
-    colors.add_argument('--colors', metavar='YAML', help='parameter file with the colours')
-    colors.add_argument('--node', metavar='NAME', help='whose parameters are the colours of a '
+    colors.add_argument('--colors', metavar='YAML', help='parameter file with the colors')
+    colors.add_argument('--node', metavar='NAME', help='whose parameters are the colors of a '
                         'topic (default /color_extract); else they are the article\'s')
     parser.add_argument('--timeout', type=_seconds, default=_TIMEOUT_S, metavar='S',
                         help='how long to wait for an image of a topic (default %(default)g s)')

@@ -16,12 +16,12 @@ from img_recog.nodes.tune_colors.output import PictureOutput
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import image_topics, parameters
-from img_recog.ros.queues import Newest
+from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.settings import ParameterError
 
 _NODE = '/color_extract'
-_WINDOW_PERIOD_S, _FILE_PERIOD_S, _LOOK_S = 0.5, 1.0, 0.05
+_WINDOW_PERIOD_S, _FILE_PERIOD_S, _POLL_PERIOD_S = 0.5, 1.0, 0.05
 _NICENESS = 10
 _BUFFER_BYTES = 1 << 26         # above the size of an image, or rospy falls behind
 
@@ -30,7 +30,7 @@ class TopicTuning:
     """Pictures of the newest image of a topic.
 
     Subscribes: that topic (sensor_msgs/Image or sensor_msgs/CompressedImage). Publishes nothing.
-    Reads: the parameters of the node that recognizes colours (RecognitionSettings).
+    Reads: the parameters of the node that recognizes colors (RecognitionSettings).
     """
 
     def __init__(self, topic: str, kind: type, options: argparse.Namespace,
@@ -39,12 +39,12 @@ class TopicTuning:
 
         topic: a resolved name; kind: Image or CompressedImage.
         options: timeout in s, watch, colors (a path or None) and node (a name or None).
-        Raises ParameterError when the colours cannot be read.
+        Raises ParameterError when the colors cannot be read.
         """
         self._topic, self._options, self._picture = topic, options, picture
         self._decode = (image_msgs if kind is Image else compressed_image_msgs).from_msg
         self._settings = self._read_settings()
-        self._frames = Newest()
+        self._frames = LatestValue()
         self._warn = ThrottledWarning()
         self._subscriber = rospy.Subscriber(topic, kind, self._frames.put, queue_size=1,
                                             buff_size=_BUFFER_BYTES, tcp_nodelay=True)
@@ -68,7 +68,7 @@ class TopicTuning:
         """Return the first image, None when the node is shut down."""
         end_s = time.monotonic() + self._options.timeout
         while not rospy.is_shutdown():
-            msg = self._frames.take(_LOOK_S)
+            msg = self._frames.take(_POLL_PERIOD_S)
             if msg is not None:
                 return self._decode(msg, 'bgr8')
             if time.monotonic() > end_s:
@@ -83,7 +83,7 @@ class TopicTuning:
         due_file = Throttle(_FILE_PERIOD_S if window else 0.0)
         msg = None
         while not rospy.is_shutdown() and (window is None or window.is_open):
-            msg = self._frames.take(_LOOK_S) or msg
+            msg = self._frames.take(_POLL_PERIOD_S) or msg
             if window is not None:
                 window.update()
             if not due.ready():

@@ -36,7 +36,7 @@ class PictureOutput:
         self._show()
 
     def draw(self, image: np.ndarray, settings: RecognitionSettings) -> list:
-        """Draw the picture of a bgr8 image; return the area of each colour in pixels."""
+        """Draw the picture of a bgr8 image; return the area of each color in pixels."""
         self._figure, areas_px = tuning_picture.draw(image, settings)
         self._show()
         return areas_px

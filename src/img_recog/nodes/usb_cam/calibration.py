@@ -16,7 +16,6 @@ from img_recog.conversions import camera_info_msgs
 from img_recog.ros import parameters
 from img_recog.settings import SettingError
 
-
 _URLS = 'file:///PATH, package://PACKAGE/PATH or empty'
 
 

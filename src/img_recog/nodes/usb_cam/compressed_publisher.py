@@ -10,7 +10,7 @@ from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.ros import image_topics, parameters
-from img_recog.ros.queues import Newest
+from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
 
@@ -37,7 +37,7 @@ class CompressedImages:
         name = image_topics.topic_beside(topic)
         settings = parameters.read(CompressionSettings, namespace=name)
         parameters.warn_of_unknown(CompressionSettings, namespace=name)
-        self._images, self._closed = Newest(), threading.Event()
+        self._images, self._closed = LatestValue(), threading.Event()
         self._warn = ThrottledWarning()
         self._publisher = rospy.Publisher(name, CompressedImage, queue_size=1)
         self._parameters = Reconfigurable(settings, lambda _: None, name)

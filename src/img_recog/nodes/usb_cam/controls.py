@@ -8,7 +8,7 @@ import rospy
 from img_recog.camera import controls
 from img_recog.camera.controls import ControlDevice
 from img_recog.camera.settings import ControlSettings
-from img_recog.settings import declared
+from img_recog.settings import setting_fields
 
 
 class CameraControls:
@@ -18,14 +18,14 @@ class CameraControls:
         self._settings, self._intrinsic = settings, intrinsic
         self._path: Optional[str] = None
         self._lock = threading.Lock()
-        self._told = set()
+        self._logged = set()
 
     def device_is(self, path: Optional[str]) -> None:
         """Set the controls of the device at `path`, which was opened; None for no device."""
         with self._lock:
             self._path = path
             if path is None:
-                self._tell_without_effect()
+                self._log_without_effect()
             self._apply(self._intrinsic)
 
     def change(self, settings: ControlSettings) -> None:
@@ -34,8 +34,8 @@ class CameraControls:
             changed = [field.name for field in dataclasses.fields(settings)
                        if getattr(settings, field.name) != getattr(self._settings, field.name)]
             self._settings = settings
-            self._told = {problem for problem in self._told
-                          if not any(name in problem for name in changed)}
+            self._logged = {problem for problem in self._logged
+                            if not any(name in problem for name in changed)}
             self._apply({})
 
     def _apply(self, intrinsic: Mapping[str, int]) -> None:
@@ -52,17 +52,17 @@ class CameraControls:
         finally:
             device.close()
 
-    def _tell_without_effect(self) -> None:
-        given = [field.name for field in declared(ControlSettings)
+    def _log_without_effect(self) -> None:
+        given = [field.name for field in setting_fields(ControlSettings)
                  if getattr(self._settings, field.name) != field.default]
         if given or self._intrinsic:
-            self._tell(rospy.loginfo, 'no device, so these controls have no effect: {}'.format(
+            self._log_once(rospy.loginfo, 'no device, so these controls have no effect: {}'.format(
                 ', '.join(given + sorted(self._intrinsic))))
 
     def _warn(self, problem: str) -> None:
-        self._tell(rospy.logwarn, problem)
+        self._log_once(rospy.logwarn, problem)
 
-    def _tell(self, log: Callable[..., None], line: str) -> None:
-        if line not in self._told:       # not again each time the device comes back
-            self._told.add(line)
+    def _log_once(self, log: Callable[..., None], line: str) -> None:
+        if line not in self._logged:       # not again each time the device comes back
+            self._logged.add(line)
             log('%s', line)

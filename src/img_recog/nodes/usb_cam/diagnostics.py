@@ -23,7 +23,7 @@ class CameraDiagnostics:
         self._device, self._now = device, now
         self._lock = threading.Lock()
         self._source: Optional[FrameSource] = None
-        self._frames = self._skipped = self._left_out = self._losses = 0
+        self._frames = self._skipped = self._dropped = self._losses = 0
         self._lost: Optional[str] = None
         self._active = False
         self._marks = []        # (time, frames until then) of the window
@@ -48,17 +48,17 @@ class CameraDiagnostics:
         with self._lock:
             self._skipped += 1
 
-    def count_left_out(self) -> None:
+    def count_dropped(self) -> None:
         """Take note of a frame that was left out to keep the rate."""
         with self._lock:
-            self._left_out += 1
+            self._dropped += 1
 
     def lost(self, reason: str) -> None:
         """Take note of a device that is gone."""
         with self._lock:
             self._lost, self._losses = reason, self._losses + 1
 
-    def back(self) -> None:
+    def reconnected(self) -> None:
         """Take note of a device that is back."""
         with self._lock:
             self._lost = None
@@ -82,8 +82,8 @@ class CameraDiagnostics:
         with self._lock:
             source, rate_hz = self._source, self._rate_hz()
             expected_hz = source.expected_hz if source else None
-            if source is not None and source.most_hz and expected_hz:
-                expected_hz = min(expected_hz, source.most_hz)
+            if source is not None and source.max_hz and expected_hz:
+                expected_hz = min(expected_hz, source.max_hz)
             status.summary(*self._summary(rate_hz, expected_hz))
             status.add('device', self._device)
             status.add('format', source.description if source else 'not open')
@@ -92,7 +92,7 @@ class CameraDiagnostics:
             status.add('expected rate (Hz)', '{:.2f}'.format(expected_hz) if expected_hz
                        else 'unknown')
             for name, count in (('frames', self._frames), ('failed reads', self._skipped),
-                                ('frames left out', self._left_out),
+                                ('frames left out', self._dropped),
                                 ('losses of the device', self._losses)):
                 status.add(name, str(count))
         return status

@@ -1,4 +1,4 @@
-"""The node usb_cam: frames of a camera, a film, stills, a stream or the synthetic scene.
+"""The node usb_cam: frames of a camera, a video, images, a stream or the synthetic scene.
 
 Publishes, for every frame and with one header: ~image_raw (sensor_msgs/Image, rgb8, or mono8 for
 grey pixel formats of a device), while somebody subscribes ~image_raw/compressed
@@ -49,12 +49,12 @@ class UsbCam(Listener):
     """
 
     def __init__(self):
-        self._settings = selection.settled(parameters.read(CameraSettings))
-        self._name = urls.name_for_log(self._settings.video_device)
+        self._settings = selection.resolve_auto(parameters.read(CameraSettings))
+        self._name = urls.redacted(self._settings.video_device)
         controls = parameters.read(ControlSettings)
         self._controls = CameraControls(
             controls, parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
-        parameters.warn_of_unknown(CameraSettings, ControlSettings, besides=_FOREIGN_PARAMETERS)
+        parameters.warn_of_unknown(CameraSettings, ControlSettings, also_known=_FOREIGN_PARAMETERS)
         if self._settings.io_method != 'mmap':
             rospy.loginfo('io_method %s: OpenCV always maps the memory of a device, as mmap does',
                           self._settings.io_method)
@@ -113,7 +113,7 @@ class UsbCam(Listener):
         age_s = source.age_s if rospy.rostime.is_wallclock() else 0.0
         stamp_ns = self._stamps.stamp_ns(rospy.Time.now().to_nsec(), age_s)
         header = Header(stamp=rospy.Time(nsecs=stamp_ns), frame_id=self._settings.camera_frame_id)
-        self._images.publish(header, source.encoding, image)
+        self._images.publish(image, source.encoding, header)
         self._compressed.publish(image, source.encoding, header)
         self._infos.publish(self._calibration.to_msg(header))
         self._diagnostics.count_frame()
@@ -122,15 +122,15 @@ class UsbCam(Listener):
         self._diagnostics.count_skipped()
         self._warn('frame skipped: %s', reason)
 
-    def left_out(self) -> None:
-        self._diagnostics.count_left_out()
+    def dropped(self) -> None:
+        self._diagnostics.count_dropped()
 
     def lost(self, reason: str) -> None:
         self._diagnostics.lost(reason)
         rospy.logerr('camera lost: %s; waiting for it to come back', reason)
 
-    def back(self) -> None:
-        self._diagnostics.back()
+    def reconnected(self) -> None:
+        self._diagnostics.reconnected()
         rospy.loginfo('camera is back: %s', self._name)
 
     def ended(self, reason: str) -> None:

@@ -5,7 +5,7 @@ import warnings
 import rospy
 
 
-class PromptPublisher:
+class DirectPublisher:
     """Sends in the calling thread; those who do not keep up miss messages, as with a full queue.
 
     With a queue, rospy hands each message to a thread for each subscriber, which takes four times

@@ -28,22 +28,22 @@ class ImagePublisher:
         """Return how many subscribers there are."""
         return self._publisher.get_num_connections()
 
-    def publish(self, header: Header, encoding: str, image: np.ndarray) -> None:
+    def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Publish an image if anyone subscribes.
 
-        encoding: of 8-bit channels, as in sensor_msgs/image_encodings.h.
         image: uint8 of shape (height, width[, channels]).
+        encoding: of 8-bit channels, as in sensor_msgs/image_encodings.h.
         """
         shape = image.shape if image.ndim == 3 else image.shape + (1,)
-        self.publish_drawn(header, encoding, shape,
-                           lambda result: np.copyto(result, image.reshape(shape)))
+        self.publish_drawn(lambda result: np.copyto(result, image.reshape(shape)), shape, encoding,
+                           header)
 
-    def publish_drawn(self, header: Header, encoding: str, shape: tuple,
-                      draw: Callable[[np.ndarray], None]) -> None:
+    def publish_drawn(self, draw: Callable[[np.ndarray], None], shape: tuple, encoding: str,
+                      header: Header) -> None:
         """Publish an image, which is made only if anyone subscribes.
 
-        shape: (height, width, channels). draw: writes the image into an array of that shape,
-        of any content before.
+        draw: writes the image into an array of that shape, of any content before.
+        shape: (height, width, channels).
         """
         topic = self._publisher.impl
         connections = topic.connections

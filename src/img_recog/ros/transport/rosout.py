@@ -13,7 +13,7 @@ from rosgraph_msgs.msg import Log
 from rospy.impl import registration, rosout
 
 from img_recog.ros import parameters
-from img_recog.ros.transport.direct_publisher import PromptPublisher
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 
 _LOGGER = logging.getLogger('rosout')
 _LINES_A_LOOK = 100
@@ -79,8 +79,8 @@ def seldom(should_rollover: Callable) -> Callable:
     return lambda record: next(lines) % _LINES_A_LOOK == 0 and should_rollover(record)
 
 
-def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> PromptPublisher:
-    return PromptPublisher(name, data_class, latch)
+def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> DirectPublisher:
+    return DirectPublisher(name, data_class, latch)
 
 
 class _RosoutHandler(logging.Handler):

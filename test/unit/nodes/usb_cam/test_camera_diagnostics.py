@@ -72,7 +72,7 @@ def test_lost_device_is_an_error_until_it_is_back(diagnostics, clock):
     level, message, values = report(diagnostics)
     assert (level, message) == (DiagnosticStatus.ERROR, 'unplugged')
     assert values['losses of the device'] == '1'
-    diagnostics.back()
+    diagnostics.reconnected()
     assert report(diagnostics)[0] == DiagnosticStatus.OK
 
 
@@ -85,7 +85,7 @@ def test_suspended_is_well_and_says_so(diagnostics, clock):
 def test_bad_and_left_out_frames_are_counted(diagnostics):
     for _ in range(3):
         diagnostics.count_skipped()
-    diagnostics.count_left_out()
+    diagnostics.count_dropped()
     values = report(diagnostics)[2]
     assert (values['failed reads'], values['frames left out']) == ('3', '1')
 

@@ -46,7 +46,7 @@ def random_image(seed, shape=(48, 64, 3)):
 
 
 def publish(publisher, image, encoding='bgr8'):
-    publisher.publish(header(), encoding, image)
+    publisher.publish(image, encoding, header())
 
 
 @pytest.mark.parametrize('shape, encoding', [
@@ -64,14 +64,14 @@ def test_the_bytes_are_those_of_rospy(topic, shape, encoding):
 
 
 def test_nothing_is_drawn_without_subscribers(topic):
-    ImagePublisher('/blue_image').publish_drawn(header(), 'bgr8', (4, 4, 3), lambda _: 1 / 0)
+    ImagePublisher('/blue_image').publish_drawn(lambda _: 1 / 0, (4, 4, 3), 'bgr8', header())
 
 
 def test_an_image_is_drawn_into_the_packet(topic):
     subscriber, image = Subscriber(), random_image(1)
     topic.connections.append(subscriber)
     ImagePublisher('/blue_image').publish_drawn(
-        header(), 'bgr8', image.shape, lambda result: np.copyto(result, image))
+        lambda result: np.copyto(result, image), image.shape, 'bgr8', header())
     assert bytes(subscriber.queue[0]).endswith(image.tobytes())
 
 

@@ -1,4 +1,4 @@
-"""Still images and folders of them, by OpenCV."""
+"""images and folders of them, by OpenCV."""
 import os
 from typing import Optional
 
@@ -15,8 +15,8 @@ EXTENSIONS = ('.bmp', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm', '
 _SCAN = 0xda        # the marker SOS of a JPEG
 
 
-class StillSource(FrameSource):
-    """A still image, repeated."""
+class ImageSource(FrameSource):
+    """A image, repeated."""
 
     def __init__(self, path: str, image: np.ndarray, rate_hz: float):
         """Repeat `image`, rgb8 and of `path`, which it keeps."""
@@ -24,7 +24,7 @@ class StillSource(FrameSource):
         self._image.setflags(write=False)
         self.height, self.width = image.shape[:2]
         self.rate_hz = self.expected_hz = rate_hz
-        self.description = 'still image {}, {}x{}, {:g} Hz'.format(
+        self.description = 'image {}, {}x{}, {:g} Hz'.format(
             path, self.width, self.height, rate_hz)
 
     def read(self) -> np.ndarray:
@@ -32,7 +32,7 @@ class StillSource(FrameSource):
 
 
 class FolderSource(FrameSource):
-    """The still images of a folder by the order of their names, once or in a loop.
+    """The images of a folder by the order of their names, once or in a loop.
 
     All have the size of the first; others are skipped.
     """
@@ -90,14 +90,14 @@ def image_paths(folder: str) -> list:
 def read_image(path: str) -> Optional[np.ndarray]:
     """Return an image file as bgr8, None when OpenCV cannot read it or it is cut off."""
     try:
-        if not cv2.haveImageReader(path) or is_cut(path):
+        if not cv2.haveImageReader(path) or is_truncated(path):
             return None
         return cv2.imread(path, cv2.IMREAD_COLOR)
     except cv2.error:       # its header claims more pixels than OpenCV allows
         return None
 
 
-def is_cut(path: str) -> bool:
+def is_truncated(path: str) -> bool:
     """Return whether a file is a JPEG without its end, which OpenCV would fill up with grey.
 
     Markers as in ITU-T T.81, annex B: segments of a length each, up to the scan. In that no FF D9

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A real street film through the whole system, checked frame by frame."""
+"""A real street video through the whole system, checked frame by frame."""
 import hashlib
 import unittest
 
@@ -23,7 +23,7 @@ def digest(data):
     return hashlib.sha256(data).hexdigest()
 
 
-def read_film(path):
+def read_video(path):
     """Return of each frame: digest of its rgb8 bytes, areas of blue and red, their digests."""
     capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
     good, bgr = capture.read()
@@ -38,12 +38,12 @@ def read_film(path):
     return frames
 
 
-class FilmTest(unittest.TestCase):
-    """Lets the film run through once and a bit, then compares."""
+class VideoTest(unittest.TestCase):
+    """Lets the video run through once and a bit, then compares."""
 
     @classmethod
     def setUpClass(cls):
-        cls.film = read_film(rospy.get_param('~film'))
+        cls.video = read_video(rospy.get_param('~video'))
         # only digests are kept: the frames of a loop would take 130 MB
         cls.raw, cls.blue, cls.red = {}, {}, {}
         for topic, kept in (('/usb_cam/image_raw', cls.raw), ('/blue_image', cls.blue),
@@ -55,7 +55,7 @@ class FilmTest(unittest.TestCase):
         cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
         cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
         cls.odometry = Recorder('/odom', Odometry)
-        wait_for(lambda: len(cls.raw) > FRAMES + 60, 'the film to run through', 120)
+        wait_for(lambda: len(cls.raw) > FRAMES + 60, 'the video to run through', 120)
 
     @staticmethod
     def _keep(msg, kept):
@@ -74,13 +74,13 @@ class FilmTest(unittest.TestCase):
             self.assertEqual('rgb8; png compressed bgr8', self.png[stamp][0])
             self.assertEqual(self.raw[stamp][1], self.png[stamp][1])
 
-    def test_the_film_is_the_one_expected(self):
-        self.assertEqual(FRAMES, len(self.film))
-        _, blue, red, _, _ = zip(*self.film)
+    def test_the_video_is_the_one_expected(self):
+        self.assertEqual(FRAMES, len(self.video))
+        _, blue, red, _, _ = zip(*self.video)
         self.assertEqual((1085, 1734), (max(blue), max(red)))
 
     def test_frames_arrive_in_order_bit_for_bit_and_loop(self):
-        number = {frame[0]: index for index, frame in enumerate(self.film)}
+        number = {frame[0]: index for index, frame in enumerate(self.video)}
         self.assertEqual(FRAMES, len(number), 'frames can be told apart by their bytes')
         seen = [number[entry[1]] for entry in sorted(self.raw.values())]
         steps = {(b - a) % FRAMES for a, b in zip(seen, seen[1:])}
@@ -89,7 +89,7 @@ class FilmTest(unittest.TestCase):
         self.assertGreater(len(set(seen)), 0.9 * FRAMES)
 
     def test_masked_images_frame_by_frame(self):
-        by_digest = {frame[0]: frame for frame in self.film}
+        by_digest = {frame[0]: frame for frame in self.video}
         for kept, column in ((self.blue, 1), (self.red, 2)):
             compared = 0
             for stamp in set(kept) & set(self.raw):
@@ -102,14 +102,14 @@ class FilmTest(unittest.TestCase):
             self.assertGreater(compared, 0.8 * FRAMES)
 
     def _numbers(self):
-        """Return the film's frame number of each log line, found by their sequence of areas."""
+        """Return the video's frame number of each log line, found by their sequence of areas."""
         lines = [tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
                  for msg in list(self.areas.messages)]
-        film = [frame[1:3] for frame in self.film]
+        video = [frame[1:3] for frame in self.video]
         for start in range(FRAMES):
             numbers, position = [], start
             for line in lines:
-                ahead = next((n for n in range(6) if film[(position + n) % FRAMES] == line), None)
+                ahead = next((n for n in range(6) if video[(position + n) % FRAMES] == line), None)
                 if ahead is None:
                     break
                 numbers.append((position + ahead) % FRAMES)
@@ -118,11 +118,11 @@ class FilmTest(unittest.TestCase):
                 return numbers
         return None
 
-    def test_log_has_the_films_areas_frame_by_frame(self):
+    def test_log_has_the_videos_areas_frame_by_frame(self):
         self.assertGreater(len(self.areas.messages), FRAMES)
-        self.assertIsNotNone(self._numbers(), 'the logged areas are not those of the film')
+        self.assertIsNotNone(self._numbers(), 'the logged areas are not those of the video')
 
-    def test_driven_exactly_when_a_colour_is_above_the_limit(self):
+    def test_driven_exactly_when_a_color_is_above_the_limit(self):
         wait_for(lambda: len(self.areas.messages) > FRAMES, 'a log line for each frame')
         lines = [tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
                  for msg in list(self.areas.messages)]
@@ -144,5 +144,5 @@ class FilmTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('film_test')
-    rostest.rosrun('img_recog', 'film', FilmTest)
+    rospy.init_node('video_test')
+    rostest.rosrun('img_recog', 'video', VideoTest)

@@ -1,4 +1,4 @@
-"""Frames of films, by OpenCV's ffmpeg."""
+"""Frames of videos, by OpenCV's ffmpeg."""
 from typing import Callable, Optional
 
 import cv2
@@ -6,17 +6,17 @@ import numpy as np
 
 from img_recog.camera.pixels import converted
 from img_recog.camera.source import FrameSource, SourceEnded, SourceError
-from img_recog.camera.urls import name_for_log
+from img_recog.camera.urls import redacted
 
-NOT_PLAYABLE = ('cannot play {}: neither a film nor an image that OpenCV reads; set video_device '
+NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads; set video_device '
                 'to one, or to synthetic')
-# What the index of a film counts may differ by a few from what its decoder gives.
+# What the index of a video counts may differ by a few from what its decoder gives.
 _MISSING_SHARE = 0.02
 _MISSING_FRAMES = 2
 
 
-class FilmSource(FrameSource):
-    """A film that plays at its own rate, once or in a loop.
+class VideoSource(FrameSource):
+    """A video that plays at its own rate, once or in a loop.
 
     expected_frames: how many its container says that it has, 0 where it does not say.
     """
@@ -27,7 +27,7 @@ class FilmSource(FrameSource):
 
     def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None):
         self._path, self._loop, self._warn = path, loop, warn
-        self.name = name_for_log(path)
+        self.name = redacted(path)
         self._capture = self._open()
         try:
             self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
@@ -44,13 +44,13 @@ class FilmSource(FrameSource):
             self._capture.release()
             raise
         self.height, self.width = self._next.shape[:2]
-        self.description = 'film {}, {}x{}, {:g} Hz, played {}'.format(
+        self.description = 'video {}, {}x{}, {:g} Hz, played {}'.format(
             self.name, self.width, self.height, self.rate_hz, 'in a loop' if loop else 'once')
 
     def read(self) -> np.ndarray:
         frame = self._next
         if frame is None:
-            raise SourceEnded('the film {} is over after {} frames'.format(
+            raise SourceEnded('the video {} is over after {} frames'.format(
                 self.name, self._count))
         self._next = self._following()
         self._count += 1
@@ -78,7 +78,7 @@ class FilmSource(FrameSource):
     def _check_length(self) -> None:
         missing = self._promised - self._count
         if missing > max(_MISSING_FRAMES, _MISSING_SHARE * self._promised):
-            self._warn('the film {} breaks off after {} of {:.0f} frames: {}'.format(
+            self._warn('the video {} breaks off after {} of {:.0f} frames: {}'.format(
                 self.name, self._count, self._promised, self._cut))
         self._promised = 0      # said once
 
