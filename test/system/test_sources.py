@@ -42,30 +42,6 @@ def test_cmake_lists_is_short():
         assert len(file.readlines()) < 60
 
 
-def test_pure_modules_know_no_ros_and_nothing_of_each_other():
-    for folder in ('camera', 'recognition', 'simulation', 'teleoperation'):
-        others = {'camera', 'recognition', 'simulation', 'teleoperation', 'nodes'} - {folder}
-        forbidden = r'import rospy|from rospy|_msgs|' + '|'.join(
-            r'img_recog\.{}'.format(other) for other in others)
-        if folder != 'simulation':
-            forbidden += '|pybullet'
-        path = os.path.join(ROOT, 'src', 'img_recog', folder)
-        for name in filter(lambda name: name.endswith('.py'), os.listdir(path)):
-            with open(os.path.join(path, name)) as file:
-                imports = [line for line in file if re.match(r'\s*(import|from) ', line)]
-            assert [line for line in imports if re.search(forbidden, line)] == [], name
-
-
-def test_hooks_of_a_shutdown_are_not_left_to_rospy():
-    folder = os.path.join(ROOT, 'src', 'img_recog', 'nodes')
-    users = []
-    for name in filter(lambda name: name.endswith('.py'), os.listdir(folder)):
-        with open(os.path.join(folder, name)) as file:
-            if 'rospy.on_shutdown(' in file.read():
-                users.append(name)
-    assert users == ['running.py']      # which says why
-
-
 def test_run_refuses_a_misspelt_launch_argument():
     code, output = run('./run', 'demo', 'camra:=synthetic')
     assert code == 1

@@ -1,5 +1,6 @@
 """The ordinary way: the package among others in a catkin workspace, devel and install space."""
 import os
+import pathlib
 import subprocess
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
@@ -15,6 +16,10 @@ def bash(script, env):
     return done.stdout.decode()
 
 
+def modules(package):
+    return {path.relative_to(package) for path in package.rglob('*.py')}
+
+
 def test_devel_and_install_space_run_the_demo(ros, tmp_path):
     workspace = tmp_path / 'catkin_ws'
     (workspace / 'src').mkdir(parents=True)
@@ -28,6 +33,8 @@ def test_devel_and_install_space_run_the_demo(ros, tmp_path):
     assert sorted(os.listdir(str(workspace / 'install' / 'lib' / 'img_recog'))) == [
         'color_img_recog.py', 'pybullet_sim.py', 'replay.py', 'teleop_key.py', 'tune_colors.py',
         'usb_cam_node.py']
+    installed, = (workspace / 'install' / 'lib').glob('python3*/*-packages/img_recog')
+    assert modules(installed) == modules(pathlib.Path(ROOT, 'src', 'img_recog'))
     for space in ('devel', 'install'):
         setup = '{}source {}/{}/setup.bash; '.format(before, workspace, space)
         found = bash(setup + 'rospack find img_recog', env).strip()

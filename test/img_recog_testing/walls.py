@@ -1,0 +1,118 @@
+"""The walls between the folders of the package, read from its syntax trees."""
+import ast
+import pathlib
+
+PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
+GROUND_FLOOR = ('errors', 'files', 'resources', 'settings')
+# libraries that one folder alone may use
+OWNERS = {'pybullet': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering'}
+ROS_SUFFIXES = ('_msgs', '_srvs')
+ROS_LIBRARIES = ('actionlib', 'catkin', 'cv_bridge', 'diagnostic_updater', 'dynamic_reconfigure',
+                 'genmsg', 'genpy', 'image_transport', 'message_filters', 'tf', 'tf2_ros')
+# parts of img_recog, beside itself, that a part may use
+ALLOWED = {
+    **{folder: ('errors', 'files', 'settings') for folder in PURE},
+    'errors': (), 'files': ('errors',), 'settings': ('errors',), 'resources': ('errors', 'files'),
+    'ros': ('errors', 'settings'),
+    'conversions': PURE + ('errors', 'settings'),
+    'replay': PURE + GROUND_FLOOR + ('conversions',),
+    'nodes': PURE + GROUND_FLOOR + ('conversions', 'ros'),
+}
+WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('conversions', 'replay')
+
+
+def violations(package):
+    """Return a line for each import or name below the folder `package` that breaks a wall."""
+    return [line for path in sorted(pathlib.Path(package).rglob('*.py'))
+            for line in _of_file(path, path.relative_to(package))]
+
+
+def _of_file(path, name):
+    tree = ast.parse(path.read_text(), str(path))
+    for line, module in _imports(tree, name):
+        reason = _reason(name, module)
+        if reason:
+            yield '{}:{}: {}: {}'.format(name, line, module, reason)
+    if name.parts[:2] != ('ros', 'transport'):
+        for line, text in _internals(tree):
+            yield '{}:{}: {}: internals of rospy are for ros/transport alone'.format(
+                name, line, text)
+
+
+def _imports(tree, name):
+    """Yield line and full name of what is imported, wherever in the file, from whatever level."""
+    package = ('img_recog',) + name.parts[:-1]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield node.lineno, alias.name
+        elif isinstance(node, ast.ImportFrom):
+            base = package[:len(package) - node.level + 1] if node.level else ()
+            module = '.'.join(base + ((node.module,) if node.module else ()))
+            for alias in node.names:
+                yield node.lineno, '{}.{}'.format(module, alias.name)
+        elif isinstance(node, ast.Call) and _called(node) == 'import_module':
+            for word in node.args[:1]:
+                if isinstance(word, ast.Constant):
+                    yield node.lineno, word.value
+
+
+def _internals(tree):
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute):
+            parts = _dotted(node)
+            private = parts[0] == 'rospy' and any(part.startswith('_') for part in parts[1:])
+            if node.attr == 'impl' or private:
+                yield node.lineno, '.'.join(parts)
+        elif isinstance(node, ast.ImportFrom) and (node.module or '').split('.')[0] == 'rospy':
+            for alias in node.names:
+                if alias.name.startswith('_') or 'impl' in (node.module + '.' + alias.name):
+                    yield node.lineno, '{}.{}'.format(node.module, alias.name)
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.startswith('rospy.impl'):
+                    yield node.lineno, alias.name
+
+
+def _called(node):
+    return getattr(node.func, 'attr', getattr(node.func, 'id', ''))
+
+
+def _dotted(node):
+    parts = []
+    while isinstance(node, ast.Attribute):
+        parts.append(node.attr)
+        node = node.value
+    parts.append(node.id if isinstance(node, ast.Name) else '')
+    return parts[::-1]
+
+
+def _reason(name, module):
+    """Return why a file may not import a module, None if it may."""
+    part = name.parts[0][:-3] if len(name.parts) == 1 else name.parts[0]
+    library, _, rest = module.partition('.')
+    if library == 'img_recog':
+        return _reason_within(name, part, rest.split('.'))
+    if library in OWNERS and part != OWNERS[library]:
+        return 'only {} may use {}'.format(OWNERS[library], library)
+    if library == 'rospy' and part in WITHOUT_RCLIENT:
+        return '{} runs without a node'.format(part)
+    is_ros = (library.startswith('ros') or library in ROS_LIBRARIES
+              or library.endswith(ROS_SUFFIXES))
+    if is_ros and part in PURE + ('errors', 'files', 'settings'):
+        return '{} knows no ROS'.format(part)
+    return None
+
+
+def _reason_within(name, part, target):
+    if part == '__init__' or target[0] == part == '':
+        return None
+    if target[0] == part:
+        if part == 'nodes' and len(name.parts) > 2 and target[1] not in (
+                name.parts[1], 'color_parameters'):
+            return 'a node does not import another'
+        return None
+    if target[0] not in ALLOWED.get(part, ()):
+        return '{} may use {} of this package'.format(
+            part, ', '.join(sorted(ALLOWED.get(part, ()))) or 'nothing else')
+    return None

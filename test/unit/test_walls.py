@@ -1,0 +1,84 @@
+"""No folder of the package imports what its wall keeps out; planted violations are found."""
+import pathlib
+import shutil
+
+import pytest
+from setuptools import find_packages
+
+from img_recog_testing.walls import violations
+
+SOURCES = pathlib.Path(__file__).resolve().parents[2] / 'src'
+
+
+def test_the_package_keeps_its_walls():
+    assert violations(SOURCES / 'img_recog') == []
+
+
+def test_shutdown_hooks_are_not_left_to_rospy():
+    users = [path.name for path in (SOURCES / 'img_recog').rglob('*.py')
+             if 'rospy.on_shutdown(' in path.read_text()]
+    assert users == ['lifecycle.py']        # its on_shutdown says why
+
+
+@pytest.mark.parametrize('path, line, words', [
+    ('camera/deeper/a.py', 'import rospy', 'camera runs without a node'),
+    ('recognition/deeper/a.py', 'from img_recog.camera import urls', 'recognition may use'),
+    ('simulation/deeper/a.py', 'from img_recog import rendering', 'simulation may use'),
+    ('rendering/a.py', 'from img_recog.simulation.body import Pose', 'rendering may use'),
+    ('rendering/a.py', 'import pybullet', 'only simulation may use pybullet'),
+    ('teleoperation/a.py', 'from geometry_msgs.msg import Twist', 'teleoperation knows no ROS'),
+    ('camera/deeper/a.py', 'def f():\n    import rosgraph', 'camera knows no ROS'),
+    ('camera/a.py', 'import importlib\nimportlib.import_module("genpy")', 'camera knows no ROS'),
+    ('simulation/a.py', 'from std_srvs.srv import Empty', 'simulation knows no ROS'),
+    ('simulation/deeper/a.py', 'from ...ros import queues', 'simulation may use'),
+    ('simulation/a.py', 'import trimesh', 'only rendering may use trimesh'),
+    ('nodes/gazebo/a.py', 'import moderngl', 'only rendering may use moderngl'),
+    ('nodes/gazebo/a.py', 'from img_recog.nodes.usb_cam import node', 'a node does not import'),
+    ('nodes/gazebo/a.py', 'from ..usb_cam.node import UsbCam', 'a node does not import'),
+    ('nodes/usb_cam/deeper/a.py', 'from img_recog.replay import chain', 'nodes may use'),
+    ('nodes/usb_cam/a.py', 'import pybullet as p', 'only simulation may use pybullet'),
+    ('replay/deeper/a.py', 'from rospy import Time', 'replay runs without a node'),
+    ('replay/a.py', 'from img_recog.nodes import color_parameters', 'replay may use'),
+    ('replay/a.py', 'from img_recog.ros.queues import LatestValue', 'replay may use'),
+    ('conversions/a.py', 'import rospy.rostime', 'conversions runs without a node'),
+    ('conversions/a.py', 'from img_recog.ros import throttle', 'conversions may use'),
+    ('ros/deeper/a.py', 'from img_recog.simulation import body', 'ros may use'),
+    ('ros/a.py', 'from img_recog.conversions import image_msgs', 'ros may use'),
+    ('ros/a.py', 'from rospy.impl import tcpros', 'internals of rospy'),
+    ('ros/a.py', 'import rospy.impl.registration', 'internals of rospy'),
+    ('nodes/usb_cam/a.py', 'import rospy\nrospy.rostime._set_rostime(0)', 'internals of rospy'),
+    ('nodes/usb_cam/a.py', 'from rospy.core import _shutdown_lock', 'internals of rospy'),
+    ('nodes/gazebo/deeper/a.py', 'publisher.impl.connections', 'internals of rospy'),
+    ('resources.py', 'import rospy', 'resources runs without a node'),
+    ('files.py', 'import rospkg', 'files knows no ROS'),
+    ('files.py', 'from img_recog.camera import urls', 'files may use'),
+    ('settings.py', 'from img_recog import files', 'settings may use')])
+def test_a_planted_violation_is_found(tmp_path, path, line, words):
+    planted = tmp_path / path
+    planted.parent.mkdir(parents=True, exist_ok=True)
+    planted.write_text(line + '\n')
+    found, = violations(tmp_path)
+    assert found.startswith('{}:'.format(path)) and words in found
+
+
+@pytest.mark.parametrize('path, line', [
+    ('ros/transport/a.py', 'from rospy.impl import tcpros\nx.impl.connections'),
+    ('ros/a.py', 'import rospy\nrospy.core.is_shutdown_requested()'),
+    ('replay/a.py', 'import rosbag, genpy\nfrom img_recog.simulation import body'),
+    ('nodes/gazebo/a.py', 'from img_recog.nodes import color_parameters\nfrom . import view'),
+    ('simulation/deeper/a.py', 'import pybullet\nfrom img_recog.simulation.body import Pose')])
+def test_what_is_allowed_is_not_found(tmp_path, path, line):
+    planted = tmp_path / path
+    planted.parent.mkdir(parents=True)
+    planted.write_text(line + '\n')
+    assert violations(tmp_path) == []
+
+
+def test_every_folder_is_a_package_that_is_installed(tmp_path):
+    folders = {path.parent for path in (SOURCES / 'img_recog').rglob('*.py')}
+    names = {'.'.join(folder.relative_to(SOURCES).parts) for folder in folders}
+    assert set(find_packages(str(SOURCES))) == names
+    # setup.py asks setuptools, so a folder without __init__.py would be left out silently
+    shutil.copytree(str(SOURCES / 'img_recog' / 'ros'), str(tmp_path / 'ros'))
+    (tmp_path / 'ros' / 'transport' / '__init__.py').unlink()
+    assert find_packages(str(tmp_path)) == ['ros']
