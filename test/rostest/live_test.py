@@ -179,7 +179,7 @@ class LiveTest(unittest.TestCase):
     def test_lines_say_where_they_come_from(self):
         self.send(picture())
         msg = next(msg for msg in self.logs.messages if msg.msg.startswith('blue='))
-        self.assertEqual((Log.INFO, 'color_img_recog.py', 'ColorExtract.handle'),
+        self.assertEqual((Log.INFO, 'node.py', 'ColorExtract.handle'),
                          (msg.level, msg.file, msg.function))
         self.assertIn('/cmd_vel', msg.topics)
 
