@@ -137,7 +137,8 @@ COLOR_CASES = {
     'its own input': ('blue_image_topic: /usb_cam/image_raw',
                       "blue_image_topic: got '/usb_cam/image_raw'", 'does not already use'),
     'one topic twice': ('red_image_topic: blue_image',
-                        "/color_extract/red_image_topic: got 'blue_image'", 'does not already use'),
+                        "/color_extract/red_image_topic: got 'blue_image'",
+                        'does not already use'),
     'an empty file': ('', 'colors.yaml: got nothing', 'colors: [blue, red]'),
 }
 
