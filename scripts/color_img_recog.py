@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Recognise colors in images and command the robot."""
+"""Run the node color_extract: command the robot by the colors in images."""
 import signal
 import sys
 
 if __name__ == '__main__':
-    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # Ctrl-C during the imports: no traceback
     from img_recog.nodes.color_extract.node import main
     sys.exit(main())

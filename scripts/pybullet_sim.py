@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Simulate the TurtleBot3 burger in the place of Gazebo."""
+"""Run the node gazebo: simulate the TurtleBot3 burger with PyBullet instead of Gazebo."""
 import signal
 import sys
 
 if __name__ == '__main__':
-    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # Ctrl-C during the imports: no traceback
     from img_recog.nodes.gazebo.node import main
     sys.exit(main())

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Run a video or a bag through recognition and simulation as fast as it goes."""
+"""Run a video or a bag through recognition and simulation, without a ROS master."""
 import signal
 
 if __name__ == '__main__':
-    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # Ctrl-C during the imports: no traceback
     from img_recog.replay.main import leave, main
     leave(main())

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Publish the frames of a camera, a video, an image or the synthetic scene."""
+"""Run the node usb_cam: publish the images of a camera, a video, an image file or a test scene."""
 import signal
 import sys
 
 if __name__ == '__main__':
-    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
+    signal.signal(signal.SIGINT, signal.SIG_DFL)    # Ctrl-C during the imports: no traceback
     from img_recog.nodes.usb_cam.node import main
     sys.exit(main())
