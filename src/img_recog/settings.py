@@ -45,7 +45,7 @@ class Allowed(NamedTuple):
 
 def at_least(low: float) -> Allowed:
     """Accept numbers greater than or equal to `low`."""
-    return Allowed('of at least {:g}'.format(low), lambda value: value >= low, low)
+    return Allowed('at least {:g}'.format(low), lambda value: value >= low, low)
 
 
 def above(low: float) -> Allowed:
@@ -141,7 +141,7 @@ def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
     similar = difflib.get_close_matches(name, sorted(known), 1)
     advice = ('did you mean {}?'.format(similar[0]) if similar else
               'known are {}'.format(', '.join(sorted(known)) or 'none'))
-    return 'parameter {} is not one of this node: {}'.format(full_name or name, advice)
+    return 'parameter {} is unknown to this node: {}'.format(full_name or name, advice)
 
 
 def _number(text: str) -> Any:

@@ -52,8 +52,8 @@ def test_whole_float_becomes_int_for_an_int_field():
 
 
 @pytest.mark.parametrize('name, value, allowed', [
-    ('count', 10 ** 12, 'a whole number of at least 0, within 32 bits'),
-    ('count', 1e12, 'a whole number of at least 0'),
+    ('count', 10 ** 12, 'a whole number at least 0, within 32 bits'),
+    ('count', 1e12, 'a whole number at least 0'),
     ('rate', 10 ** 400, 'a finite number above 0, within 32 bits'),
     ('width', 0, 'a whole number from 1 to 800'),
     ('width', 801, 'a whole number from 1 to 800'),
@@ -61,7 +61,7 @@ def test_whole_float_becomes_int_for_an_int_field():
     ('width', '640', 'a whole number from 1 to 800'),
     ('width', True, 'a whole number from 1 to 800'),
     ('width', None, 'a whole number from 1 to 800'),
-    ('count', -1, 'a whole number of at least 0'),
+    ('count', -1, 'a whole number at least 0'),
     ('rate', 0.0, 'a finite number above 0'),
     ('rate', -0.5, 'a finite number above 0'),
     ('rate', float('nan'), 'a finite number above 0'),

@@ -40,12 +40,12 @@ def test_another_file(tmp_path):
     ('colors: [green]', 'parameter green_hue_min: got nothing'),
     ('5: 6', 'got 5 where the name'),
     ('blue_linear_x: 1' + 400 * '0', 'allowed is a finite number, within 32 bits'),
-    ('min_blob_size: 99999999999', 'allowed is a whole number of at least 0, within 32 bits'),
+    ('min_blob_size: 99999999999', 'allowed is a whole number at least 0, within 32 bits'),
     ('purple_hue_min: 3', 'there is no color purple, the colors are blue, red; add it to '
      'colors: [blue, red, purple]'),
     ('blue_hue_mim: 3', 'did you mean blue_hue_min?'),
     ('red_area_limit: -5', 'parameter red_area_limit: got -5, allowed is a whole number '
-     'of at least 0'),
+     'at least 0'),
     ('blue_value_min: 200\nblue_value_max: 100', 'parameter blue_value_min: got 200, allowed is '
      'at most blue_value_max, which is 100')])
 def test_refused_files(tmp_path, text, words):

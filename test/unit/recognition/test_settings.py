@@ -41,11 +41,11 @@ def test_replacing_a_field_leaves_the_original_unchanged():
      'blue_saturation_min: got 200, allowed is at most blue_saturation_max, which is 150'),
     ({'red_value_max': 149}, 'red_value_min: got 150, allowed is at most red_value_max, which is '
      '149'),
-    ({'blue_area_limit': -1}, 'blue_area_limit: got -1, allowed is a whole number of at least 0'),
+    ({'blue_area_limit': -1}, 'blue_area_limit: got -1, allowed is a whole number at least 0'),
     ({'blue_linear_x': float('nan')}, 'blue_linear_x: got nan, allowed is a finite number'),
     ({'stop_when_lost': -0.1},
-     'stop_when_lost: got -0.1, allowed is a finite number of at least 0'),
-    ({'roi_width': -1}, 'roi_width: got -1, allowed is a whole number of at least 0')])
+     'stop_when_lost: got -0.1, allowed is a finite number at least 0'),
+    ({'roi_width': -1}, 'roi_width: got -1, allowed is a whole number at least 0')])
 def test_refused_values(values, text):
     with pytest.raises(SettingError) as caught:
         with_colors()(**values)

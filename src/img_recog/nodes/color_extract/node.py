@@ -5,9 +5,9 @@ or, if ~image_transport is compressed, to usb_cam/image_raw/compressed
 (sensor_msgs/CompressedImage).
 Publishes for each processed frame: blue_image and red_image (sensor_msgs/Image, bgr8, with the
 header of the frame: the frame with all other pixels black), then cmd_vel (geometry_msgs/Twist,
-one message for each color in view: linear.x 10 m/s for blue, then -10 m/s for red). Only if there
-are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and color_overlay
-(sensor_msgs/Image, bgr8: the frame with outlines and commands).
+one message for each color above its area limit: linear.x 10 m/s for blue, then -10 m/s for red).
+Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
+color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands).
 Reads ~image_transport (raw or compressed), ~colors_file (the file from which the parameters were
 loaded, to check it), ~colors (names), ~NAME_image_topic for each color, and RecognitionSettings
 with these colors. The latter can be changed by dynamic_reconfigure (~set_parameters,
