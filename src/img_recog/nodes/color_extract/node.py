@@ -63,9 +63,9 @@ class ColorExtract:
     """Processes the newest frame; a slow node drops frames."""
 
     def __init__(self):
-        inputs = parameters.read(InputSettings)
-        if inputs.colors_file:
-            parameter_file.read(inputs.colors_file)
+        given = parameters.read(InputSettings)
+        if given.colors_file:
+            parameter_file.read(given.colors_file)
         settings = color_parameters.read()
         topics = color_parameters.read_image_topics(settings, _TOPICS)
         color_parameters.warn_of_unknown(settings, InputSettings)
@@ -81,7 +81,7 @@ class ColorExtract:
         self._frame_lock = threading.Lock()
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = INPUTS[inputs.image_transport](_CAMERA)
+        self._input = INPUTS[given.image_transport](_CAMERA)
 
     def spin(self) -> None:
         """Process frames until the node is shut down."""

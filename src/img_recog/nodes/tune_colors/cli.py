@@ -27,7 +27,7 @@ from img_recog.ros import image_topics, lifecycle
 
 _OUTPUT = 'tune_colors.png'
 _TIMEOUT_S = 10.0
-_RATE_HZ = 30.0         # of no effect: frames are read one by one
+_ANY_RATE_HZ = 30.0     # of no effect: frames are read one by one
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _ADVICE = 'give an image, a video or the name of a topic with images'
 _EXPECTED = 'got {!r}, expected {}'
@@ -57,7 +57,7 @@ def _image_in(path: str, number: int) -> np.ndarray:
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
     cv2.setLogLevel(_LOG_SILENT)
     try:
-        video = selection.open_file(path, _RATE_HZ, loop=False)
+        video = selection.open_file(path, _ANY_RATE_HZ, loop=False)
     except SourceError as error:        # which goes on with advice for a camera node
         raise SourceError('{}; {}'.format(str(error).partition(';')[0], _ADVICE))
     try:
