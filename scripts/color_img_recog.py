@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Recognise colors in images and command the robot."""
+"""Run the node color_extract: command the robot by the colors in images."""
 import signal
 import sys
 

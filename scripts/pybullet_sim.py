@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Simulate the TurtleBot3 burger in the place of Gazebo."""
+"""Run the node gazebo: simulate the TurtleBot3 burger with PyBullet instead of Gazebo."""
 import signal
 import sys
 

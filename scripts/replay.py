@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run a video or a bag through recognition and simulation as fast as it goes."""
+"""Run a video or a bag through recognition and simulation, without a ROS master."""
 import signal
 
 if __name__ == '__main__':

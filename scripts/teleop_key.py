@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drive the robot with the keys of a terminal."""
+"""Run the node turtlebot3_teleop_keyboard: drive the robot by the keys of a terminal."""
 import signal
 import sys
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tell why a color is seen in an image, or is not."""
+"""Show why a color is recognized in an image, or why not."""
 import signal
 import sys
 

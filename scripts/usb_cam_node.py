@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Publish the frames of a camera, a video, an image or the synthetic scene."""
+"""Run the node usb_cam: publish the images of a camera, a video, an image file or a test scene."""
 import signal
 import sys
 

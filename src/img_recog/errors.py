@@ -1,11 +1,12 @@
-"""The exception that every module raises for what a user can fix."""
+"""The exception that every module raises for a problem that the user can fix."""
 
 
 class UserError(Exception):
-    """A failure that a user can fix, in one line.
+    """A problem that the user can fix, described in one line.
 
-    problem: what was got and what was wanted; advice: what to do, empty where the problem says it.
-    A caller that knows better what to do raises the problem again with its own advice.
+    problem: what was got and what was expected.
+    advice: what to do about it; empty if the problem already says so.
+    A caller that can give better advice raises a new error with the same problem.
     """
 
     def __init__(self, problem: str, advice: str = ''):
@@ -16,7 +17,7 @@ class UserError(Exception):
 def one_line(error: object) -> str:
     """Return the text of an error, or of anything else, as one line.
 
-    Of an OSError it is the system's own message, without number and path.
+    For an OSError this is the message of the operating system, without number and path.
     """
     text = getattr(error, 'strerror', None) or str(error)
     return ' '.join(text.split()) or type(error).__name__

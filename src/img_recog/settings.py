@@ -1,4 +1,4 @@
-"""Frozen dataclasses whose fields know which values they allow."""
+"""Base of all settings: frozen dataclasses that check the values of their fields."""
 import dataclasses
 import difflib
 import math
@@ -9,7 +9,11 @@ from img_recog.errors import UserError
 
 
 class SettingError(UserError):
-    """A setting has a value of the wrong type or outside what is allowed."""
+    """A setting has a value of the wrong type or outside its allowed range.
+
+    name: of the setting; value: the rejected value; got: the value as text;
+    allowed: which values are allowed, as text.
+    """
 
     def __init__(self, name: str, value: Any, allowed: str):
         got = 'nothing' if value is None else repr(value)
@@ -25,9 +29,11 @@ class ParameterError(UserError):
 
 
 class Allowed(NamedTuple):
-    """What a setting accepts: words for the error line and the test behind them.
+    """The values that a setting accepts.
 
-    low, high: no number outside of them is accepted; choices: the words that are, where counted.
+    text: describes them in error messages; accepts: returns whether a value is one of them.
+    low, high: lower and upper bound, None for no bound; choices: the accepted strings, if they
+    are a fixed list.
     """
 
     text: str
@@ -38,7 +44,7 @@ class Allowed(NamedTuple):
 
 
 def at_least(low: float) -> Allowed:
-    """Accept numbers from `low` upwards."""
+    """Accept numbers greater than or equal to `low`."""
     return Allowed('at least {:g}'.format(low), lambda value: value >= low, low)
 
 
@@ -54,14 +60,14 @@ def between(low: float, high: float) -> Allowed:
 
 
 def one_of(*choices: str) -> Allowed:
-    """Accept one of the given words."""
+    """Accept one of the given strings."""
     return Allowed('one of ' + ', '.join(choices), lambda value: value in choices,
                    choices=choices)
 
 
 def not_empty() -> Allowed:
-    """Accept any text but the empty one."""
-    return Allowed('a text that is not empty', lambda value: value.strip() != '')
+    """Accept any string that is not empty or blank."""
+    return Allowed('a non-empty string', lambda value: value.strip() != '')
 
 
 def any_value() -> Allowed:
@@ -69,38 +75,40 @@ def any_value() -> Allowed:
     return Allowed('', lambda value: True)
 
 
-_MOST = 0x7fffffff      # parameters are whole numbers of 32 bits
-_KINDS = {int: 'a whole number', float: 'a finite number', bool: 'true or false', str: 'a text'}
+_MAX_INT = 0x7fffffff       # integers on the parameter server have 32 bits
+_TYPE_TEXTS = {int: 'a whole number', float: 'a finite number', bool: 'true or false',
+               str: 'a string'}
 
 
 def setting(default: Any, allowed: Allowed = any_value(), description: str = '') -> Any:
     """Declare a field of a `Settings` class.
 
-    default: the value in force unless it is overridden; its type is the type that is accepted.
+    default: the value if it is not overridden; only values of its type are accepted.
     allowed: which values of that type are accepted.
-    description: one line for those who change the setting while the node runs.
+    description: one line, shown by dynamic_reconfigure.
     """
     return _field(default, type(default), allowed, description)
 
 
-def required(kind: type, allowed: Allowed = any_value(), description: str = '') -> Any:
-    """Declare a field of a `Settings` class that has no default: it has to be given.
+def required(value_type: type, allowed: Allowed = any_value(), description: str = '') -> Any:
+    """Declare a field of a `Settings` class that has no default and must be given.
 
-    kind: the type that is accepted; the others as for `setting`.
+    value_type: the type that is accepted; the other arguments as for `setting`.
     """
-    return _field(None, kind, allowed, description)
+    return _field(None, value_type, allowed, description)
 
 
-def _field(default: Any, kind: type, allowed: Allowed, description: str) -> dataclasses.Field:
+def _field(default: Any, value_type: type, allowed: Allowed,
+           description: str) -> dataclasses.Field:
     return dataclasses.field(default=default, metadata={
-        'kind': kind, 'allowed': allowed, 'description': description})
+        'kind': value_type, 'allowed': allowed, 'description': description})
 
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """Base of all settings: checks every field when an instance is made.
+    """Base class of all settings: checks every field when an instance is created.
 
-    Raises SettingError naming the field, its value and what is allowed.
+    Raises SettingError naming the field, its value and the allowed values.
     """
 
     def __post_init__(self):
@@ -112,29 +120,35 @@ SettingsType = TypeVar('SettingsType', bound=Settings)
 
 
 def setting_fields(settings_class: type) -> Iterator[dataclasses.Field]:
-    """Yield the fields of a `Settings` class that were made by `setting`."""
+    """Yield the fields of a `Settings` class that were declared by `setting` or `required`."""
     return (field for field in dataclasses.fields(settings_class) if 'allowed' in field.metadata)
 
 
 def from_mapping(settings_class: Type[SettingsType], values: Mapping[str, Any]) -> SettingsType:
-    """Return the settings with those of `values` that are theirs in the place of defaults.
+    """Return settings whose defaults are overridden by `values`; ignore values of other names.
 
-    Raises SettingError naming the field, its value and what is allowed.
+    Raises SettingError naming the field, its value and the allowed values.
     """
     return settings_class(**{field.name: values[field.name]
                              for field in setting_fields(settings_class) if field.name in values})
 
 
 def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
-    """Return the line that says that there is no such parameter, and which is meant perhaps."""
-    near = difflib.get_close_matches(name, sorted(known), 1)
-    advice = ('did you mean {}?'.format(near[0]) if near else
+    """Return a message about an unknown parameter that suggests a similar name, if there is one.
+
+    known: the names that exist; full_name: the name to show in place of `name`.
+    """
+    similar = difflib.get_close_matches(name, sorted(known), 1)
+    advice = ('did you mean {}?'.format(similar[0]) if similar else
               'known are {}'.format(', '.join(sorted(known)) or 'none'))
-    return 'parameter {} is not one of this node: {}'.format(full_name or name, advice)
+    return 'parameter {} is unknown to this node: {}'.format(full_name or name, advice)
 
 
 def _number(text: str) -> Any:
-    """Return the float in a text like 1e-3, which YAML 1.1 takes for no number, else the text."""
+    """Return the float in a string like 1e-3, which YAML 1.1 does not read as a number.
+
+    Any other string is returned unchanged.
+    """
     try:
         return float(text)
     except ValueError:
@@ -142,21 +156,22 @@ def _number(text: str) -> Any:
 
 
 def _checked(field: dataclasses.Field, value: Any) -> Any:
-    kind, allowed = field.metadata['kind'], field.metadata['allowed']
-    words = ' '.join(filter(None, (_KINDS[kind], allowed.text)))
-    if kind is str:
-        words = allowed.text or _KINDS[kind]
-    if kind is float and isinstance(value, str):
+    value_type, allowed = field.metadata['kind'], field.metadata['allowed']
+    text = ' '.join(filter(None, (_TYPE_TEXTS[value_type], allowed.text)))
+    if value_type is str:
+        text = allowed.text or _TYPE_TEXTS[value_type]
+    if value_type is float and isinstance(value, str):
         value = _number(value)
-    # bool is a subclass of int, so a plain isinstance would take True for a width of 1
-    if type(value) is int and abs(value) > _MOST:
-        raise SettingError(field.name, value, words + ', of 32 bits')
-    if kind is float and type(value) is int:
+    # compare types: bool is a subclass of int, and True is not a valid width
+    if type(value) is int and abs(value) > _MAX_INT:
+        raise SettingError(field.name, value, text + ', within 32 bits')
+    if value_type is float and type(value) is int:
         value = float(value)
-    if kind is int and type(value) is float and value.is_integer() and abs(value) <= _MOST:
-        value = int(value)      # as roscpp takes it
-    if type(value) is not kind or (kind is float and not math.isfinite(value)):
-        raise SettingError(field.name, value, words)
+    if value_type is int and type(value) is float and value.is_integer() and abs(
+            value) <= _MAX_INT:
+        value = int(value)      # like roscpp
+    if type(value) is not value_type or (value_type is float and not math.isfinite(value)):
+        raise SettingError(field.name, value, text)
     if not allowed.accepts(value):
-        raise SettingError(field.name, value, words)
+        raise SettingError(field.name, value, text)
     return value

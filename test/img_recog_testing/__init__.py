@@ -1,1 +1,1 @@
-"""What the tests share; CMakeLists.txt makes it importable in the devel space."""
+"""Code shared by the tests; CMakeLists.txt makes it importable in the devel space."""

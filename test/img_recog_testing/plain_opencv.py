@@ -1,10 +1,10 @@
-"""Masks as one writes them first, to compare with."""
+"""Masks by cv2.inRange, as a reference."""
 import cv2
 import numpy as np
 
 
 def mask(image, color):
-    """Return where a bgr8 image is of a color whose hue does not go through 0: 255 there."""
+    """Return the mask of a color in a bgr8 image; its range of hues must not wrap around."""
     bounds = color.hue, color.saturation, color.value
     return cv2.inRange(cv2.cvtColor(image, cv2.COLOR_BGR2HSV),
-                       *(np.array([each[end] for each in bounds]) for end in (0, 1)))
+                       *(np.array([low_high[end] for low_high in bounds]) for end in (0, 1)))

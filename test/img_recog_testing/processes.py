@@ -1,4 +1,4 @@
-"""Whole processes under test, each with a master of its own on a free port."""
+"""Programs under test, with a separate ROS master on a free port."""
 import os
 import re
 import signal
@@ -26,24 +26,24 @@ class Process:
             self.output += line.decode(errors='replace')
 
     def wait_output(self, pattern):
-        """Return the match of a regular expression in the output once it is there."""
+        """Wait until a regular expression matches the output; return the match."""
         return wait_for(lambda: re.search(pattern, self.output),
                         lambda: '{!r} in:\n{}'.format(pattern, self.output))
 
     def wait(self):
-        """Return the exit code once the program has ended by itself."""
+        """Wait until the program ends by itself; return its exit code."""
         wait_for(lambda: self._popen.poll() is not None,
                  lambda: 'the end of:\n' + self.output)
         self._reader.join(5)
         return self._popen.returncode
 
     def interrupt(self):
-        """Press Ctrl-C for it and return its exit code."""
+        """Send SIGINT, as Ctrl-C does; wait for the end and return the exit code."""
         self._popen.send_signal(signal.SIGINT)
         return self.wait()
 
     def close(self):
-        """End it, gently if it listens."""
+        """Send SIGINT, and SIGKILL if that does not end the program."""
         if self._popen.poll() is None:
             self._popen.send_signal(signal.SIGINT)
             try:
@@ -53,7 +53,7 @@ class Process:
 
 
 class Ros:
-    """Starts programs that share one master."""
+    """Starts programs that share one ROS master."""
 
     def __init__(self, tmp_path):
         with socket.socket() as probe:
@@ -77,17 +77,17 @@ class Ros:
                           'camera:=synthetic', *arguments)
 
     def run(self, *command):
-        """Run a program to its end and return its output."""
+        """Run a program until it ends; return its output."""
         process = self.start(*command)
         process.wait()
         return process.output
 
     def wait_run(self, pattern, *command):
-        """Repeat a program until a regular expression matches its output; return the match."""
+        """Run a program again and again until a pattern matches its output; return the match."""
         return wait_for(lambda: re.search(pattern, self.run(*command)),
                         lambda: '{!r} from {}'.format(pattern, command))
 
     def close(self):
-        """End what was started, the last first."""
+        """End all programs, in reverse order."""
         for process in reversed(self._processes):
             process.close()

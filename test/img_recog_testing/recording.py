@@ -1,4 +1,4 @@
-"""What the rostests share: collecting messages, and waiting for them."""
+"""Collects the messages of a topic, for the rostests."""
 
 import rospy
 
@@ -6,25 +6,25 @@ from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
 class Recorder:
-    """Collects the messages of a topic; `messages` may be read while it grows."""
+    """Collects the messages of a topic that `accept` returns True for."""
 
     def __init__(self, topic, message_type, accept=lambda msg: True):
         self.messages = []
         self._topic = topic
         self._accept = accept
-        self._subscriber = rospy.Subscriber(topic, message_type, self._take, queue_size=1000,
+        self._subscriber = rospy.Subscriber(topic, message_type, self._store, queue_size=1000,
                                             buff_size=1 << 26, tcp_nodelay=True)
 
-    def _take(self, msg):
+    def _store(self, msg):
         if self._accept(msg):
             self.messages.append(msg)
 
     def close(self):
-        """Collect no more."""
+        """Unsubscribe."""
         self._subscriber.unregister()
 
     def wait(self, count=1, deadline_s=DEADLINE_S):
-        """Return the messages once there are `count` more than now."""
+        """Wait until there are `count` more messages than now; return all."""
         goal = len(self.messages) + count
         wait_for(lambda: len(self.messages) >= goal,
                  '{} messages on {}'.format(count, self._topic), deadline_s)
@@ -32,5 +32,5 @@ class Recorder:
 
 
 def from_node(name):
-    """Return a filter for messages that the node of this name sent."""
+    """Return a filter for messages from the node of this name."""
     return lambda msg: msg._connection_header['callerid'] == name

@@ -1,4 +1,4 @@
-"""Frames and a notebook for the tests of replays."""
+"""Frames and a recorder for the tests of replays."""
 import numpy as np
 import rospy
 from std_msgs.msg import Header
@@ -10,7 +10,7 @@ BLUE, RED, GREY = (255, 0, 0), (128, 0, 255), (90, 90, 90)
 
 
 def image(*colors, width=40):
-    """Draw stripes of 40 x `width` pixels in these colors, bgr8, on grey."""
+    """Return a grey bgr8 image of 200x40 with stripes of width x 40 pixels in these colors."""
     result = np.full((40, 200, 3), GREY, np.uint8)
     for number, color in enumerate(colors):
         result[:, number * width:(number + 1) * width] = color
@@ -23,8 +23,8 @@ def frame(number, stamp_ns, *colors):
     return Frame(number, stamp_ns, header, image(*colors), 'bgr8')
 
 
-class Notebook(Recorder):
-    """Keeps all that it is told."""
+class EventLog(Recorder):
+    """Collects all events."""
 
     def __init__(self):
         self.start_ns, self.frames, self.commands, self.readings = None, [], [], []
@@ -32,8 +32,8 @@ class Notebook(Recorder):
     def start(self, stamp_ns):
         self.start_ns = stamp_ns
 
-    def on_frame(self, seen):
-        self.frames.append(seen)
+    def on_frame(self, result):
+        self.frames.append(result)
 
     def on_command(self, sent):
         self.commands.append((sent.time_ns, sent.command.linear_x, sent.sender))

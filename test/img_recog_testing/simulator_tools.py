@@ -1,4 +1,4 @@
-"""The simulator as a process: what it is given, and what is seen of it."""
+"""Tools for tests of the simulator node: its inputs, its messages and its processes."""
 import json
 import os
 import re
@@ -10,13 +10,13 @@ BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3
 
 
 def burger(addition=''):
-    """Return the text of the burger's URDF with something added at its end."""
+    """Return the URDF of the burger with text added at its end."""
     with open(BURGER) as file:
         return file.read().replace('</robot>', addition + '</robot>')
 
 
 class Echo:
-    """Some numbers of a topic, as `rostopic echo` prints them: a row for each message."""
+    """The numbers in the messages of a topic, by `rostopic echo -p`: a row for each message."""
 
     def __init__(self, ros, topic):
         self._process = ros.start('rostopic', 'echo', '-p', topic)
@@ -29,14 +29,14 @@ class Echo:
         return [[float(word) for word in line.split(',')[1:]] for line in lines]
 
     def wait(self, accept, what):
-        """Return the newest row once `accept` says that it is as wanted."""
+        """Wait until `accept` returns True for the newest row; return it."""
         def newest():
             rows = self.rows
             return rows[-1:] if rows and accept(*rows[-1]) else None
         return wait_for(newest, lambda: '{}; the newest are {}'.format(what, self.rows[-3:]))[0]
 
     def wait_more(self, count):
-        """Return all rows once there are `count` more than now."""
+        """Wait until there are `count` more rows than now; return all."""
         goal = len(self.rows) + count
         wait_for(lambda: len(self.rows) >= goal, lambda: '{} rows'.format(goal))
         return self.rows
@@ -46,7 +46,7 @@ class Echo:
 
 
 def drive(ros, linear):
-    """Send one command."""
+    """Publish a command; return the process that does so."""
     return ros.start('rostopic', 'pub', '/cmd_vel', 'geometry_msgs/Twist',
                      '{{linear: {{x: {}}}}}'.format(linear))
 
@@ -56,7 +56,7 @@ def call(ros, service):
 
 
 def complaints(node):
-    """Return what a simulator found wrong, but for a busy machine."""
+    """Return the warnings and errors of a simulator, except for the one about a busy machine."""
     return [line for line in re.findall(r'\[(?:WARN|ERROR|FATAL)\].*', node.output)
             if 'this machine is too slow' not in line]
 
@@ -71,7 +71,7 @@ def descendants(pid):
             with open('/proc/{}/cmdline'.format(entry)) as file:
                 found[int(entry)] = file.read().replace('\0', ' ')
         except OSError:
-            continue            # it has ended meanwhile
+            continue            # the process has ended
     below = {pid}
     for _ in parents:
         below |= {child for child, parent in parents.items() if parent in below}
@@ -79,7 +79,7 @@ def descendants(pid):
 
 
 def drawing(node):
-    """Return the id of the process that draws for a simulator, or None."""
+    """Return the id of the drawing process of a simulator, or None."""
     return next((pid for pid, line in descendants(node.pid).items() if 'spawn_main' in line), None)
 
 
@@ -90,7 +90,7 @@ def cpu_ticks(pid):
 
 
 def alive(pid):
-    """Return whether a process runs; one that is only waited for does not."""
+    """Return whether a process runs; a zombie does not."""
     try:
         with open('/proc/{}/stat'.format(pid)) as file:
             return file.read().rpartition(')')[2].split()[0] != 'Z'
@@ -122,7 +122,7 @@ rospy.spin()
 
 
 class Images:
-    """What the images of the view hold."""
+    """The contents of the images of the view."""
 
     def __init__(self, ros):
         self._process = ros.start(sys.executable, '-c', IMAGES)
@@ -133,7 +133,7 @@ class Images:
                 if line.startswith('{')]
 
     def wait(self, accept=lambda image: True, count=1):
-        """Return the newest image once `count` more have come and it is as wanted."""
+        """Wait for `count` more images and for one that `accept` returns True for; return it."""
         goal = len(self.all) + count
 
         def newest():
@@ -147,5 +147,5 @@ class Images:
 
 
 def standing(rows):
-    """Return whether 30 rows, of a second, say the same but for a trembling."""
+    """Return whether x differs by less than 1 mm in 30 rows, which are one second."""
     return len(rows) == 30 and max(x for x, *_ in rows) - min(x for x, *_ in rows) < 1e-3

@@ -1,12 +1,12 @@
-"""The geometry of turtlebot3_world, from its numbers alone: circles and hexagons in the plane."""
+"""The geometry of turtlebot3_world as circles and hexagons in the plane."""
 import math
 
 import numpy as np
 
 POSTS = [(x, y) for x in (-1.1, 0, 1.1) for y in (-1.1, 0, 1.1)]
 POST_RADIUS = 0.15
-WALL_APOTHEM = 2.540        # of its inner side
-# a prism reaches through the wall where its corner does: center and corner radius
+WALL_APOTHEM = 2.540        # of the inner side of the wall
+# the prisms whose corners reach through the wall: center and corner radius
 PRISMS = [((3.5, 0), 1.173), *(((x, y), 0.807) for x in (-1.8, 1.8) for y in (-2.7, 2.7))]
 
 
@@ -16,7 +16,10 @@ def _normals():
 
 
 def clearance(point):
-    """Return how far a point inside the wall is from the nearest thing, or less near a corner."""
+    """Return a lower bound of the distance in m from a point inside the wall to any obstacle.
+
+    It is the distance itself, except near the corners of the prisms.
+    """
     distances = [math.dist(point, post) - POST_RADIUS for post in POSTS]
     distances.append(min(WALL_APOTHEM - normal @ point for normal in _normals()))
     distances += [max(normal @ np.subtract(point, center) for normal in _normals())
@@ -25,7 +28,7 @@ def clearance(point):
 
 
 def ranges(origin, angles, range_max):
-    """Return how far it is from a point inside the wall in some directions, +inf where too far."""
+    """Return the ranges in m from a point inside the wall, +inf beyond range_max."""
     found = []
     for angle in angles:
         direction = np.array([math.cos(angle), math.sin(angle)])
@@ -45,7 +48,7 @@ def _ray_to_circle(origin, direction, center, radius):
 
 
 def _ray_to_hexagon(origin, direction, center, corner):
-    """Return the distance from outside, slab by slab."""
+    """Return the distance to a hexagon from outside, by the slab method."""
     enter, leave, apothem = -math.inf, math.inf, corner * math.sqrt(3) / 2
     for normal in _normals()[:3]:
         speed, offset = normal @ direction, normal @ np.subtract(center, origin)

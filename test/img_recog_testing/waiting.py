@@ -1,15 +1,15 @@
-"""Waiting for a condition up to a deadline, for tests that must never sleep and hope."""
+"""Waits for a condition up to a deadline, so that tests need no fixed sleep."""
 import threading
 import time
 
 DEADLINE_S = 90.0           # wall time, generous: the machine may be busy
-_POLL = threading.Event()   # never set; waiting on it is how a poll passes the time
+_POLL = threading.Event()   # never set; waited for between two checks
 
 
 def wait_for(condition, what, deadline_s=DEADLINE_S):
-    """Return the first true value of `condition()`; fail naming `what` after the deadline.
+    """Return the first true value of `condition()`; raise AssertionError after the deadline.
 
-    what: a text, or a function that gives one when it is too late.
+    what: a description of what is waited for, or a function that returns it.
     """
     end = time.monotonic() + deadline_s
     while time.monotonic() < end:
@@ -17,5 +17,5 @@ def wait_for(condition, what, deadline_s=DEADLINE_S):
         if value:
             return value
         _POLL.wait(0.02)
-    raise AssertionError('waited {} s in vain for {}'.format(
+    raise AssertionError('timeout after {} s waiting for {}'.format(
         deadline_s, what() if callable(what) else what))

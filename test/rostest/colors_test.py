@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Frames of the test's own through color_extract, and commands through the simulator."""
+"""Test frames through color_extract, and commands through the simulator."""
 import unittest
 
 import cv2
@@ -19,7 +19,7 @@ RANGES = {'blue': ((50, 100, 100), (150, 255, 255)), 'red': ((150, 100, 150), (1
 
 
 def picture(blue_px=0, red_px=0):
-    """Return a grey bgr8 picture of 320x240 with so many pixels of each color."""
+    """Return a grey bgr8 picture of 320x240 with this number of pixels of each color."""
     image = np.full((240 * 320, 3), 128, np.uint8)
     image[:blue_px] = BLUE
     image[len(image) - red_px:] = RED
@@ -27,7 +27,7 @@ def picture(blue_px=0, red_px=0):
 
 
 def message(image, encoding, padding=0):
-    """Return an Image message made by hand, each row followed by `padding` bytes of 255."""
+    """Return an Image message in which `padding` bytes of 255 follow each row."""
     rows = image.reshape(image.shape[0], -1)
     step = rows.shape[1] + padding
     data = np.full((len(rows), step), 255, np.uint8)
@@ -39,14 +39,14 @@ def message(image, encoding, padding=0):
 
 
 def expected(bgr, color):
-    """Return area and masked image as plain OpenCV gives them."""
+    """Return area and masked image by plain OpenCV."""
     mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV),
                        *(np.array(bound) for bound in RANGES[color]))
     return cv2.countNonZero(mask), cv2.bitwise_and(bgr, bgr, mask=mask)
 
 
 class ColorsTest(unittest.TestCase):
-    """One frame at a time, each waited for."""
+    """Publishes one frame at a time and waits for its result."""
 
     @classmethod
     def setUpClass(cls):
@@ -86,7 +86,7 @@ class ColorsTest(unittest.TestCase):
         return [twist.linear.x for twist in self.twists.messages[before:]][:-1]
 
     def test_commands(self):
-        # the order of these cases matters: none ends in the same +10 as the frame that follows
+        # none of these may end with the command +10, which belongs to the frame that follows
         self.assertEqual([], self._commands_for(message(picture(), 'bgr8')))
         self.assertEqual([], self._commands_for(message(picture(1000, 1000), 'bgr8')))
         self.assertEqual([-10.0], self._commands_for(message(picture(0, 1001), 'bgr8')))
@@ -111,14 +111,14 @@ class ColorsTest(unittest.TestCase):
         cases = [(bgr, 'bgr8', bgr), (bgr[..., ::-1], 'rgb8', bgr), (bgra, 'bgra8', bgr),
                  (bgra[..., [2, 1, 0, 3]], 'rgba8', bgr),
                  (grey, 'mono8', cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR))]
-        for sent, encoding, seen in cases:
+        for sent, encoding, decoded in cases:
             for padding in (0, 13):
-                self._check_images(message(np.ascontiguousarray(sent), encoding, padding), seen)
+                self._check_images(message(np.ascontiguousarray(sent), encoding, padding), decoded)
 
-    def _check_images(self, msg, seen):
+    def _check_images(self, msg, bgr):
         before = {name: len(each.messages) for name, each in self.images.items()}
         self._send(msg)
-        want = {name: expected(seen, name) for name in RANGES}
+        want = {name: expected(bgr, name) for name in RANGES}
         self.assertEqual('blue={}, red={}'.format(want['blue'][0], want['red'][0]),
                          self.areas.messages[-1].msg, msg.encoding)
         for name, recorder in self.images.items():
@@ -158,7 +158,7 @@ class ColorsTest(unittest.TestCase):
         twist.angular.z = float('nan')
         self.drive.publish(twist)
         self._wait_warning('cmd_vel ignored', 'nan')
-        # a good command afterwards is obeyed
+        # a valid command afterwards is executed
         twist = Twist()
         twist.linear.x = 0.2
         self.drive.publish(twist)
@@ -168,7 +168,7 @@ class ColorsTest(unittest.TestCase):
         wait_for(lambda: abs(self.odometry.messages[-1].twist.twist.linear.x) < 0.005,
                  'the robot at rest')
 
-    def test_command_from_before_a_reset_is_forgotten(self):
+    def test_command_from_before_a_reset_is_discarded(self):
         def call(name):
             rospy.wait_for_service(name)
             rospy.ServiceProxy(name, Empty)()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compressed images over real connections: who asks gets them, color_extract reads them."""
+"""Compressed images over real connections: published on demand and read by color_extract."""
 import subprocess
 import unittest
 from unittest import mock
@@ -24,7 +24,7 @@ NODES = ('color_extract', 'from_compressed')
 
 
 def picture(blue_px=0, red_px=0, seed=1):
-    """Return a noisy grey rgb8 picture of 320x240 with so many pixels of each color."""
+    """Return a noisy grey rgb8 picture of 320x240 with this number of pixels of each color."""
     image = np.random.RandomState(seed).randint(110, 150, (240 * 320, 3)).astype(np.uint8)
     image[:blue_px] = BLUE
     image[len(image) - red_px:] = RED
@@ -32,18 +32,18 @@ def picture(blue_px=0, red_px=0, seed=1):
 
 
 def header():
-    """Return a header with a stamp of now."""
+    """Return a header with the current time."""
     return Header(stamp=rospy.Time.now(), frame_id='test_camera')
 
 
 def dynparam(*words):
-    """Call dynamic_reconfigure's tool; return what it prints."""
+    """Run dynamic_reconfigure's dynparam; return its output."""
     return subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', *words], timeout=60,
                           check=True, stdout=subprocess.PIPE).stdout.decode()
 
 
 class CompressedTest(unittest.TestCase):
-    """Each test has topics of its own, but for those of the two nodes that look for colors."""
+    """Each test uses separate topics, except for those of the two color_extract nodes."""
 
     @classmethod
     def setUpClass(cls):
@@ -55,7 +55,7 @@ class CompressedTest(unittest.TestCase):
         return publisher
 
     def _get(self, publisher, recorder, image, encoding='rgb8'):
-        """Publish until a message has come, and return the newest."""
+        """Publish until a message arrives; return the newest message."""
         before = len(recorder.messages)
         wait_for(lambda: publisher.publish(image, encoding, header()) or
                  len(recorder.messages) > before, 'a compressed image')
@@ -92,7 +92,7 @@ class CompressedTest(unittest.TestCase):
             self._get(publisher, recorder, picture())
             self.assertEqual([], [stamp for stamp in done if last <= stamp < again])
 
-    def test_cv_bridge_reads_what_is_sent(self):
+    def test_cv_bridge_reads_the_messages(self):
         publisher = self._publisher('/small/image_raw')
         recorder = Recorder('/small/image_raw/compressed', CompressedImage)
         wait_for(lambda: publisher._publisher.get_num_connections() == 1, 'a subscriber')
@@ -100,7 +100,7 @@ class CompressedTest(unittest.TestCase):
         publisher.publish(picture(500, 700), 'rgb8', sent)
         wait_for(lambda: recorder.messages, 'a compressed image')
         msg, = recorder.messages
-        # png and level 1 by parameters, and the misspelt parameter is named
+        # png and level 1 are set by parameters; the misspelt parameter is reported
         self.assertEqual('rgb8; png compressed bgr8', msg.format)
         self.assertEqual((sent.stamp, sent.frame_id), (msg.header.stamp, msg.header.frame_id))
         read = CvBridge().compressed_imgmsg_to_cv2(msg, 'rgb8')
@@ -121,7 +121,8 @@ class CompressedTest(unittest.TestCase):
                          self._get(publisher, recorder, picture()).format)
         wait_for(lambda: descriptions.messages and updates.messages, 'the latched topics')
         group, = descriptions.messages[0].groups
-        self.assertIn(('format', 'str'), [(each.name, each.type) for each in group.parameters])
+        self.assertIn(('format', 'str'),
+                      [(parameter.name, parameter.type) for parameter in group.parameters])
         dynparam('set', name, 'format', 'png')
         wait_for(lambda: self._get(publisher, recorder, picture()).format ==
                  'rgb8; png compressed bgr8', 'png')
@@ -131,7 +132,7 @@ class CompressedTest(unittest.TestCase):
             dynparam('set', name, parameter, value)
             self._wait_log(Log.ERROR, 'parameter {}/{}: got '.format(name, parameter), value,
                            'allowed is ')
-            wait_for(lambda: len(updates.messages) > before, 'the values in force')
+            wait_for(lambda: len(updates.messages) > before, 'the current values')
             strings = {each.name: each.value for each in updates.messages[-1].strs}
             numbers = {each.name: each.value for each in updates.messages[-1].ints}
             self.assertEqual(('png', 9, 80), (strings['format'], numbers['png_level'],
@@ -143,7 +144,7 @@ class CompressedTest(unittest.TestCase):
         self.assertEqual(50, client.update_configuration({'jpeg_quality': 50})['jpeg_quality'])
         client.close()
 
-    def test_color_extract_sees_the_same_in_png_as_in_raw(self):
+    def test_color_extract_gets_the_same_results_from_png_as_from_raw(self):
         rospy.set_param('/usb_cam/image_raw/compressed/format', 'png')
         raw = rospy.Publisher('/usb_cam/image_raw', Image, queue_size=10)
         compressed = self._publisher('/usb_cam/image_raw')
@@ -180,12 +181,12 @@ class CompressedTest(unittest.TestCase):
                          color + '_image')
                 self.assertEqual(*(each.messages[-1].data for each in pair))
         for node in NODES:
-            # the first is of the last frame before the cases, the first two of which give none
+            # the first Twist is of the last frame before the cases; the first two cases give none
             wait_for(lambda: [twist.linear.x for twist in twists[node].messages[-5:]] ==
                      [-10.0, -10.0, -10.0, 10.0, -10.0], 'the Twists of ' + node)
 
         self._check_undecodable_is_skipped(areas['from_compressed'])
-        send(picture(5000, 0))      # and then the node goes on
+        send(picture(5000, 0))      # the node continues
         self.assertEqual(*(areas[node].messages[-1].msg for node in NODES))
 
     def _check_undecodable_is_skipped(self, areas):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The robot drives forward on blue, backward on red, and stands when neither is seen."""
+"""The robot drives forward on blue, backward on red, and stands if neither is visible."""
 import unittest
 
 import rospy
@@ -11,7 +11,7 @@ from img_recog_testing.recording import Recorder, wait_for
 
 
 class DriveTest(unittest.TestCase):
-    """Watches odometry and log through one whole showing of the cards."""
+    """Checks odometry and log while the synthetic camera shows all cards once."""
 
     @classmethod
     def setUpClass(cls):
@@ -46,7 +46,7 @@ class DriveTest(unittest.TestCase):
             self.assertGreater((end.x - start.x) * direction, 0.5)
             self.assertLess(abs(end.y - start.y), 0.5)
 
-    def test_log_is_color_extracts(self):
+    def test_areas_are_logged_by_color_extract(self):
         self.log.wait()
         self.assertEqual('/color_extract', self.log.messages[-1].name)
         self.assertEqual(Log.INFO, self.log.messages[-1].level)

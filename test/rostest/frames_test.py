@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Headers, encodings and numbers of the demo's messages, and the color images bit for bit."""
+"""Headers, encodings and values of the demo's messages, and the color images bit for bit."""
 import unittest
 
 import cv2
@@ -28,7 +28,7 @@ def stamps(messages):
 
 
 class FramesTest(unittest.TestCase):
-    """Collects all topics at once and looks at what came."""
+    """Collects the messages of all topics and checks them."""
 
     @classmethod
     def setUpClass(cls):
@@ -36,12 +36,12 @@ class FramesTest(unittest.TestCase):
                  '/blue_image': Image, '/red_image': Image, '/odom': Odometry,
                  '/joint_states': JointState, '/imu': Imu, '/scan': LaserScan, '/clock': Clock,
                  '/tf': TFMessage}
-        cls.topics = {name: Recorder(name, kind) for name, kind in types.items()}
+        cls.topics = {name: Recorder(name, message_type) for name, message_type in types.items()}
         cls.idle = Recorder('/cmd_vel', Twist, from_node('/turtlebot3_teleop_keyboard'))
         for name, recorder in cls.topics.items():
             recorder.wait(10 if name == '/scan' else 60)
 
-    def test_image_and_camera_info_share_each_header(self):
+    def test_image_and_camera_info_have_the_same_headers(self):
         images = self.topics['/usb_cam/image_raw'].messages[:50]
         infos = {msg.header.stamp: msg
                  for msg in list(self.topics['/usb_cam/camera_info'].messages)}
@@ -63,7 +63,7 @@ class FramesTest(unittest.TestCase):
             self.assertLess(abs(stamp - clock), 5.0, name)
             self.assertGreater(stamp, 0.0, name)
 
-    def test_color_images_are_plain_opencvs_bit_for_bit(self):
+    def test_color_images_equal_plain_opencv_bit_for_bit(self):
         frames = {msg.header.stamp: msg
                   for msg in list(self.topics['/usb_cam/image_raw'].messages)}
         for topic, (lower, upper) in RANGES.items():
@@ -87,7 +87,7 @@ class FramesTest(unittest.TestCase):
                              [msg.pose.covariance[i] for i in range(0, 36, 7)])
             self.assertEqual(30, msg.pose.covariance.count(0.0))
 
-    def test_tf_has_one_parent_a_frame_and_no_stamp_twice(self):
+    def test_tf_has_one_parent_for_each_frame_and_no_stamp_twice(self):
         transforms = [each for msg in list(self.topics['/tf'].messages) for each in msg.transforms]
         parents = {(each.child_frame_id, each.header.frame_id) for each in transforms}
         self.assertEqual({('base_footprint', 'odom'), ('wheel_left_link', 'base_link'),
@@ -130,7 +130,7 @@ class FramesTest(unittest.TestCase):
 
     def _check_period(self, name, milliseconds, times):
         periods = [(b - a) / (milliseconds * 1e6) for a, b in zip(times, times[1:])]
-        # on a busy machine ROS drops messages, and then there are whole gaps
+        # a busy machine drops messages, so a period may be a multiple
         self.assertEqual([round(period) for period in periods], periods, name)
         self.assertGreater(min(periods), 0, name)
         self.assertGreater(periods.count(1), 0.8 * len(periods), name)

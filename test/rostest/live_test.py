@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Colors that are changed while color_extract runs, and what it tells besides."""
+"""Settings that are changed while color_extract runs, and its additional topics."""
 import subprocess
 import unittest
 
@@ -40,7 +40,7 @@ def message(image):
 
 
 class LiveTest(unittest.TestCase):
-    """One frame at a time, each waited for."""
+    """Publishes one frame at a time and waits for its result."""
 
     @classmethod
     def setUpClass(cls):
@@ -63,12 +63,12 @@ class LiveTest(unittest.TestCase):
 
     @classmethod
     def areas(cls):
-        """Return the lines of areas that were logged."""
+        """Return the logged lines with areas."""
         return [msg.msg for msg in cls.logs.messages if msg.msg.startswith('blue=')]
 
     @classmethod
     def send(cls, image):
-        """Publish a frame and return the line that is logged for it."""
+        """Publish a frame; return the line that is logged for it."""
         before = len(cls.areas())
         msg = message(image)
         cls.camera.publish(msg)
@@ -76,7 +76,7 @@ class LiveTest(unittest.TestCase):
         return cls.areas()[before]
 
     def commands_for(self, *images):
-        """Return (linear.x, angular.z) of what is sent for frames, which end with a red one."""
+        """Return (linear.x, angular.z) of the commands for frames and for a red one after them."""
         before = len(self.twists.messages)
         for image in images:
             self.send(image)
@@ -87,7 +87,7 @@ class LiveTest(unittest.TestCase):
         wait_for(lambda: (-10.0, 0.0) in sent(), 'the command for red')
         return sent()
 
-    def test_a_bound_that_is_set_by_dynparam_holds_from_the_next_frame_on(self):
+    def test_a_bound_set_by_dynparam_applies_from_the_next_frame_on(self):
         self.assertEqual('blue=1600, red=0, yellow=0', self.send(picture(BLUE)))
         for low, area_px in ((BLUE_HUE + 1, 0), (BLUE_HUE, 1600)):
             subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', 'set', NODE,
@@ -102,7 +102,7 @@ class LiveTest(unittest.TestCase):
         self.client.update_configuration({'red_hue_min': 170, 'red_hue_max': 10})
         self.assertEqual('blue=0, red=1600, yellow=0', self.send(card))
 
-    def test_values_that_are_refused_leave_the_old_ones_in_force(self):
+    def test_refused_values_leave_the_old_ones_unchanged(self):
         for values, text in (
                 ({'blue_hue_min': 200}, 'blue_hue_min: got 200'),
                 ({'blue_saturation_min': 200, 'blue_saturation_max': 150},
@@ -117,7 +117,7 @@ class LiveTest(unittest.TestCase):
             self.assertEqual(before, self.client.get_configuration(timeout=30))
             self.assertEqual('blue=1600, red=0, yellow=0', self.send(picture(BLUE)))
 
-    def test_a_third_color_has_its_command_and_its_image(self):
+    def test_a_third_color_has_a_command_and_an_image(self):
         image = picture(YELLOW, BLUE)
         before = len(self.yellow.messages)
         self.assertEqual([(10.0, 0.0), (0.0, 0.5), (-10.0, 0.0)], self.commands_for(image))
@@ -128,7 +128,7 @@ class LiveTest(unittest.TestCase):
         self.assertEqual(cv2.bitwise_and(image, image, mask=mask).tobytes(),
                          self.yellow.messages[before].data)
 
-    def test_detections_tell_areas_and_centroids(self):
+    def test_detections_have_areas_and_centroids(self):
         before = len(self.detections.messages)
         self.send(picture(BLUE, YELLOW))
         wait_for(lambda: len(self.detections.messages) > before, 'a detection')
@@ -159,7 +159,7 @@ class LiveTest(unittest.TestCase):
         self.assertEqual([(10.0, 0.0), (-10.0, 0.0)],
                          self.commands_for(picture(BLUE), picture(BLUE), picture(BLUE)))
 
-    def test_zz_stop_when_the_image_is_stale_and_at_the_end(self):
+    def test_zz_stop_when_the_image_is_stale_and_on_shutdown(self):
         self.send(picture())
         before = len(self.twists.messages)
         self.client.update_configuration({'stop_when_lost': 0.3})
@@ -172,11 +172,11 @@ class LiveTest(unittest.TestCase):
         self.client.update_configuration({'stop_when_lost': 1000.0})
         self.send(picture(BLUE))
         wait_for(lambda: self.twists.messages[-1].linear.x == 10.0, 'the command for blue')
-        # the last of all tests by its name: after it there is no node
+        # the name makes this the last test: it ends the node
         rosnode.kill_nodes([NODE])
         wait_for(lambda: self.twists.messages[-1] == Twist(), 'the stop at the end')
 
-    def test_lines_say_where_they_come_from(self):
+    def test_log_messages_have_file_function_and_topics(self):
         self.send(picture())
         msg = next(msg for msg in self.logs.messages if msg.msg.startswith('blue='))
         self.assertEqual((Log.INFO, 'node.py', 'ColorExtract.handle'),

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The burger in the empty world, driven through ROS: how far, how straight, how it turns."""
+"""The burger in the empty world, driven through ROS: distance, straightness and rotation."""
 import math
 import unittest
 
@@ -33,7 +33,7 @@ def yaw(msg):
 
 
 class MotionTest(unittest.TestCase):
-    """Each test begins at rest at the origin."""
+    """Each test starts with the robot at rest at the origin."""
 
     @classmethod
     def setUpClass(cls):
@@ -48,7 +48,7 @@ class MotionTest(unittest.TestCase):
         self.odometry.wait(3)
 
     def _drive(self, linear, angular, simulated_s):
-        """Send one command, which holds; return the odometry from then on."""
+        """Send one command; return the odometry of the given time after it."""
         first = len(self.odometry.messages)
         start = stamp(self.odometry.messages[-1])
         self.commands.publish(twist(linear, angular))
@@ -56,7 +56,7 @@ class MotionTest(unittest.TestCase):
                  '{} simulated seconds'.format(simulated_s))
         return self.odometry.messages[first:]
 
-    def test_five_metres_straight(self):
+    def test_five_meters_straight(self):
         driven = self._drive(0.22, 0.0, 26.0)
         first = next(msg for msg in driven if msg.twist.twist.linear.x > 0.21)
         last = next(msg for msg in driven if position(msg)[0] > position(first)[0] + 5.0)
@@ -79,7 +79,7 @@ class MotionTest(unittest.TestCase):
                                delta=0.03)
         self.assertLess(np.linalg.norm(position(last) - position(first)), 0.03)
 
-    def test_full_speed_ramps_up_at_one_metre_a_second_squared(self):
+    def test_speed_ramps_up_at_one_meter_per_second_squared(self):
         driven = self._drive(10.0, 0.0, 1.5)
         moving = next(msg for msg in driven if msg.twist.twist.linear.x > 0.005)
         later = next(msg for msg in driven if stamp(msg) > stamp(moving) + 0.4999)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The names in the running demo are those of the article's system."""
+"""The running demo has the names of the article's system."""
 import unittest
 
 import rosgraph
@@ -44,7 +44,7 @@ PARENTS = {'base_footprint': 'odom', 'base_link': 'base_footprint',
 
 
 class NamesTest(unittest.TestCase):
-    """Asks the master, as rosnode, rostopic and rosservice list do."""
+    """Queries the master, like rosnode list, rostopic list and rosservice list."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A driver that knows nothing but the scan goes about in turtlebot3_world and touches nothing."""
+"""A robot that is driven only by its scan moves through turtlebot3_world without collisions."""
 import math
 import unittest
 
@@ -14,12 +14,12 @@ from img_recog_testing import turtlebot3_world
 from img_recog_testing.recording import Recorder, wait_for
 
 SIMULATED_S = 180.0
-# a circle that holds the burger seen from above: its middle is so far behind base_footprint
-MIDDLE, RADIUS = -0.032, 0.112
+# a circle around the burger seen from above: x of its center from base_footprint, and radius, m
+CENTER_X, RADIUS = -0.032, 0.112
 
 
 class Driver:
-    """Goes ahead, bends away from what is near, and turns on the spot before what is in front."""
+    """Drives ahead, steers away from near obstacles, and turns in place before an obstacle."""
 
     def __init__(self):
         self._turn = 0.0
@@ -44,31 +44,31 @@ class Driver:
         self._commands.publish(command)
 
 
-def middle_of(msg):
+def center_of(msg):
     pose = msg.pose.pose
     yaw = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
-    return np.array((pose.position.x + MIDDLE * math.cos(yaw),
-                     pose.position.y + MIDDLE * math.sin(yaw)))
+    return np.array((pose.position.x + CENTER_X * math.cos(yaw),
+                     pose.position.y + CENTER_X * math.sin(yaw)))
 
 
 class PatrolTest(unittest.TestCase):
-    """Watches the true pose beside the driver."""
+    """Checks the true pose while the driver runs."""
 
-    def test_three_minutes_without_touching_anything(self):
+    def test_three_minutes_without_a_collision(self):
         odometry = Recorder('/odom', Odometry)
         odometry.wait()
         start = odometry.messages[0].header.stamp.to_sec()
         Driver()
         wait_for(lambda: odometry.messages[-1].header.stamp.to_sec() > start + SIMULATED_S,
                  'three simulated minutes', deadline_s=280.0)
-        path = np.array([middle_of(msg) for msg in odometry.messages])
+        path = np.array([center_of(msg) for msg in odometry.messages])
         nearest = min(turtlebot3_world.clearance(point) for point in path)
         self.assertGreater(nearest, RADIUS)
         length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
         self.assertGreater(length, 10.0)
-        # it gets about: not a circle on the spot
+        # it does not only drive in a small circle
         self.assertGreater(np.ptp(path, axis=0).min(), 1.0)
-        rospy.loginfo('drove %.1f m, never nearer than %.3f m', length, nearest - RADIUS)
+        rospy.loginfo('drove %.1f m, minimum distance %.3f m', length, nearest - RADIUS)
 
 
 if __name__ == '__main__':

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The services of simulator and camera, called in the running demo."""
+"""The services of the simulator and the camera in the running demo."""
 import os
 import unittest
 
@@ -20,7 +20,7 @@ def call(name):
 
 
 class ServicesTest(unittest.TestCase):
-    """Each test leaves the system running as it found it."""
+    """Each test leaves the system running."""
 
     @classmethod
     def setUpClass(cls):
@@ -28,23 +28,23 @@ class ServicesTest(unittest.TestCase):
         cls.odometry = Recorder('/odom', Odometry)
         cls.joints = Recorder('/joint_states', JointState)
         cls.images = Recorder('/usb_cam/image_raw', Image)
-        cls.flowing = {'/odom': cls.odometry, '/joint_states': cls.joints,
+        cls.sensors = {'/odom': cls.odometry, '/joint_states': cls.joints,
                        '/imu': Recorder('/imu', Imu), '/scan': Recorder('/scan', LaserScan)}
         cls.infos = Recorder('/usb_cam/camera_info', CameraInfo)
         cls.clock.wait()
 
-    def test_pause_holds_the_clock_and_unpause_lets_it_go(self):
+    def test_pause_stops_the_clock_and_unpause_continues_it(self):
         call('/gazebo/pause_physics')
-        self.images.wait(5)         # the clock's last messages have had time to arrive
+        self.images.wait(5)         # gives the last messages of the clock time to arrive
         before = len(self.clock.messages)
-        self.images.wait(10)        # a third of a second goes by on the wall
+        self.images.wait(10)        # a third of a second of wall time
         self.assertEqual(before, len(self.clock.messages))
         paused = self.clock.messages[-1].clock.to_sec()
         call('/gazebo/unpause_physics')
         self.clock.wait(10)
         resumed = self.clock.messages[before].clock.to_sec()
         self.assertAlmostEqual(0.01, resumed - paused, 6)
-        self._flows_within_a_second(self.clock.messages[before].clock)
+        self._check_messages_within_a_second(self.clock.messages[before].clock)
 
     def _at_start(self, msg):
         position = msg.pose.pose.position
@@ -54,49 +54,49 @@ class ServicesTest(unittest.TestCase):
         return self._at_start(msg) and abs(msg.twist.twist.linear.x) < 0.05
 
     def _reset(self, service):
-        """Call it and find the robot at its start at once: later it may pass there by itself."""
+        """Call a service; check at once that the robot is at its start, before it drives away."""
         before = len(self.odometry.messages)
         call(service)
         self.odometry.wait(4)
         self.assertTrue(any(map(self._resting_at_start,
                                 self.odometry.messages[before:before + 5])))
 
-    def _flows_within_a_second(self, since):
-        """Every topic has a message from within a simulated second after `since`."""
-        for topic, recorder in self.flowing.items():
+    def _check_messages_within_a_second(self, since):
+        """Check that each topic has a message stamped within a simulated second after `since`."""
+        for topic, recorder in self.sensors.items():
             wait_for(lambda: any(0 < (msg.header.stamp - since).to_sec() <= 1.0
                                  for msg in recorder.messages[-400:]), topic)
 
     def _wait_moved(self):
         wait_for(lambda: not self._at_start(self.odometry.messages[-1]), 'the robot to leave')
 
-    def test_reset_world_goes_back_and_time_goes_on(self):
+    def test_reset_world_resets_the_robot_and_not_the_time(self):
         self._wait_moved()
         before = self.clock.messages[-1].clock
         self._reset('/gazebo/reset_world')
         self.assertGreater(self.clock.messages[-1].clock, before)
-        self._flows_within_a_second(self.clock.messages[-1].clock)
+        self._check_messages_within_a_second(self.clock.messages[-1].clock)
 
-    def test_reset_simulation_goes_back_and_time_to_zero(self):
+    def test_reset_simulation_resets_the_robot_and_the_time(self):
         self._wait_moved()
         wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 5.0, 'five simulated seconds')
         self._reset('/gazebo/reset_simulation')
         wait_for(lambda: self.clock.messages[-1].clock.to_sec() < 4.0, 'the clock near zero')
-        self._flows_within_a_second(rospy.Time())
+        self._check_messages_within_a_second(rospy.Time())
         self.images.wait(5)
         self.assertLess(self.odometry.messages[-1].header.stamp.to_sec(), 60.0)
 
-    def test_reset_simulation_while_paused_tells_the_time_at_once(self):
+    def test_reset_simulation_while_paused_publishes_the_clock_at_once(self):
         wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 1.0, 'a simulated second')
         call('/gazebo/pause_physics')
         call('/gazebo/reset_simulation')
         wait_for(lambda: self.clock.messages[-1].clock.to_nsec() == 0, 'the clock at zero')
         call('/gazebo/unpause_physics')
-        wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 0.1, 'the clock to go on')
-        self._flows_within_a_second(rospy.Time())
+        wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 0.1, 'the clock to continue')
+        self._check_messages_within_a_second(rospy.Time())
 
     def test_stop_and_start_capture(self):
-        for _ in range(2):      # a second call changes nothing
+        for _ in range(2):      # a second call has no effect
             call('/usb_cam/stop_capture')
         self.clock.wait(30)
         before = len(self.images.messages)

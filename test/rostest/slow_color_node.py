@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""color_extract on a machine that needs 200 ms more for a frame."""
+"""color_extract with an additional delay of 200 ms for each frame."""
 import sys
 import time
 
 from img_recog.nodes.color_extract.node import ColorExtract
 from img_recog.ros import lifecycle
 
-EXTRA_S = 0.2
+DELAY_S = 0.2
 
 
 class SlowColorExtract(ColorExtract):
-    """Handles each frame late."""
+    """Delays each frame."""
 
     def handle(self, msg):
-        time.sleep(EXTRA_S)
+        time.sleep(DELAY_S)
         super().handle(msg)
 
 

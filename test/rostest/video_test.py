@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A real street video through the whole system, checked frame by frame."""
+"""A video of a street through the whole system, checked frame by frame."""
 import hashlib
 import unittest
 
@@ -24,7 +24,7 @@ def digest(data):
 
 
 def read_video(path):
-    """Return of each frame: digest of its rgb8 bytes, areas of blue and red, their digests."""
+    """Return for each frame: digest of its rgb8 bytes, areas of blue and red, their digests."""
     capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
     good, bgr = capture.read()
     while good:
@@ -39,18 +39,18 @@ def read_video(path):
 
 
 class VideoTest(unittest.TestCase):
-    """Lets the video run through once and a bit, then compares."""
+    """Plays the video a little more than once and compares all messages."""
 
     @classmethod
     def setUpClass(cls):
         cls.video = read_video(rospy.get_param('~video'))
-        # only digests are kept: the frames of a loop would take 130 MB
+        # stores only digests: the frames of the video would take 130 MB
         cls.raw, cls.blue, cls.red = {}, {}, {}
-        for topic, kept in (('/usb_cam/image_raw', cls.raw), ('/blue_image', cls.blue),
-                            ('/red_image', cls.red)):
-            rospy.Subscriber(topic, Image, cls._keep, kept, queue_size=100, buff_size=1 << 26)
+        for topic, stored in (('/usb_cam/image_raw', cls.raw), ('/blue_image', cls.blue),
+                              ('/red_image', cls.red)):
+            rospy.Subscriber(topic, Image, cls._store, stored, queue_size=100, buff_size=1 << 26)
         cls.png = {}
-        rospy.Subscriber('/usb_cam/image_raw/compressed', CompressedImage, cls._keep_png,
+        rospy.Subscriber('/usb_cam/image_raw/compressed', CompressedImage, cls._store_png,
                          queue_size=100, buff_size=1 << 26)
         cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
         cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
@@ -58,18 +58,18 @@ class VideoTest(unittest.TestCase):
         wait_for(lambda: len(cls.raw) > FRAMES + 60, 'the video to run through', 120)
 
     @staticmethod
-    def _keep(msg, kept):
-        kept[msg.header.stamp] = (len(kept), digest(msg.data), int(np.count_nonzero(
+    def _store(msg, stored):
+        stored[msg.header.stamp] = (len(stored), digest(msg.data), int(np.count_nonzero(
             np.frombuffer(msg.data, np.uint8).reshape(-1, 3).any(axis=1))), msg.encoding)
 
     @classmethod
-    def _keep_png(cls, msg):
+    def _store_png(cls, msg):
         cls.png[msg.header.stamp] = (msg.format, digest(cv2.cvtColor(
             cv_bridge.CvBridge().compressed_imgmsg_to_cv2(msg), cv2.COLOR_BGR2RGB).tobytes()))
 
-    def test_compressed_as_png_the_frames_are_the_same(self):
+    def test_frames_compressed_as_png_are_the_same(self):
         both = set(self.png) & set(self.raw)
-        self.assertGreater(len(both), 0.5 * FRAMES, 'some may be left out, most are there')
+        self.assertGreater(len(both), 0.5 * FRAMES, 'some frames may be dropped, not most')
         for stamp in both:
             self.assertEqual('rgb8; png compressed bgr8', self.png[stamp][0])
             self.assertEqual(self.raw[stamp][1], self.png[stamp][1])
@@ -81,28 +81,28 @@ class VideoTest(unittest.TestCase):
 
     def test_frames_arrive_in_order_bit_for_bit_and_loop(self):
         number = {frame[0]: index for index, frame in enumerate(self.video)}
-        self.assertEqual(FRAMES, len(number), 'frames can be told apart by their bytes')
+        self.assertEqual(FRAMES, len(number), 'all frames have different bytes')
         seen = [number[entry[1]] for entry in sorted(self.raw.values())]
         steps = {(b - a) % FRAMES for a, b in zip(seen, seen[1:])}
-        self.assertLessEqual(max(steps), 5, 'frames may be missed on a busy machine, not shuffled')
+        self.assertLessEqual(max(steps), 5, 'a busy machine may drop frames but not reorder them')
         self.assertNotIn(0, steps)
         self.assertGreater(len(set(seen)), 0.9 * FRAMES)
 
     def test_masked_images_frame_by_frame(self):
         by_digest = {frame[0]: frame for frame in self.video}
-        for kept, column in ((self.blue, 1), (self.red, 2)):
+        for stored, column in ((self.blue, 1), (self.red, 2)):
             compared = 0
-            for stamp in set(kept) & set(self.raw):
+            for stamp in set(stored) & set(self.raw):
                 frame = by_digest[self.raw[stamp][1]]
-                # black pixels inside a range do not exist: V starts at 100
-                self.assertEqual(frame[column], kept[stamp][2])
-                self.assertEqual(frame[column + 2], kept[stamp][1])
-                self.assertEqual('bgr8', kept[stamp][3])
+                # no pixel inside a range is black: V is at least 100
+                self.assertEqual(frame[column], stored[stamp][2])
+                self.assertEqual(frame[column + 2], stored[stamp][1])
+                self.assertEqual('bgr8', stored[stamp][3])
                 compared += 1
             self.assertGreater(compared, 0.8 * FRAMES)
 
-    def _numbers(self):
-        """Return the video's frame number of each log line, found by their sequence of areas."""
+    def _frame_numbers(self):
+        """Return the frame number of each log line by its areas, None if they do not fit."""
         lines = [tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
                  for msg in list(self.areas.messages)]
         video = [frame[1:3] for frame in self.video]
@@ -120,9 +120,9 @@ class VideoTest(unittest.TestCase):
 
     def test_log_has_the_videos_areas_frame_by_frame(self):
         self.assertGreater(len(self.areas.messages), FRAMES)
-        self.assertIsNotNone(self._numbers(), 'the logged areas are not those of the video')
+        self.assertIsNotNone(self._frame_numbers(), 'the logged areas are not those of the video')
 
-    def test_driven_exactly_when_a_color_is_above_the_limit(self):
+    def test_commands_exactly_when_a_color_is_above_the_limit(self):
         wait_for(lambda: len(self.areas.messages) > FRAMES, 'a log line for each frame')
         lines = [tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
                  for msg in list(self.areas.messages)]
@@ -131,12 +131,12 @@ class VideoTest(unittest.TestCase):
         got = [twist.linear.x for twist in list(self.twists.messages)]
         self.assertIn(10.0, got)
         self.assertIn(-10.0, got)
-        # the recorders joined at different moments: the shorter is a part of the longer
+        # the recorders started at different times: the shorter list is part of the longer
         shorter, longer = sorted((wanted, got), key=len)
         self.assertLess(len(longer) - len(shorter), 8)
         self.assertIn(repr(shorter)[1:-1], repr(longer))
 
-    def test_the_robot_moved_both_ways(self):
+    def test_the_robot_moved_forward_and_backward(self):
         speeds = [msg.twist.twist.linear.x for msg in list(self.odometry.messages)]
         self.assertGreater(max(speeds), 0.02)
         self.assertLess(min(speeds), -0.02)

@@ -133,11 +133,12 @@ COLOR_CASES = {
     'a command': ('red_linear_x: .nan', '/color_extract/red_linear_x: got nan', 'finite'),
     'transport': ('image_transport: theora', "image_transport: got 'theora'", 'raw, compressed'),
     'no topic': ("blue_image_topic: 'a b'", "/color_extract/blue_image_topic: got 'a b'",
-                 'the name of a topic'),
+                 'a valid topic name'),
     'its own input': ('blue_image_topic: /usb_cam/image_raw',
-                      "blue_image_topic: got '/usb_cam/image_raw'", 'no other use'),
+                      "blue_image_topic: got '/usb_cam/image_raw'", 'does not already use'),
     'one topic twice': ('red_image_topic: blue_image',
-                        "/color_extract/red_image_topic: got 'blue_image'", 'no other use'),
+                        "/color_extract/red_image_topic: got 'blue_image'",
+                        'does not already use'),
     'an empty file': ('', 'colors.yaml: got nothing', 'colors: [blue, red]'),
 }
 

@@ -161,7 +161,7 @@ def test_interrupted_it_leaves_nothing_behind(ros, tmp_path):
 
 CASES = {
     'missing': (['no.mp4'], 'cannot replay no.mp4: no such file', 'give a video'),
-    'folder': (['.'], 'cannot replay .: it is no file', 'give a video'),
+    'folder': (['.'], 'cannot replay .: it is not a file', 'give a video'),
     'text': (['text.txt'], 'cannot play text.txt', 'give a video'),
     'empty video': (['empty.mp4'], 'cannot play empty.mp4', 'give a video'),
     'cut video': (['cut.mp4'], 'cannot play cut.mp4', 'give a video'),

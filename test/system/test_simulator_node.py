@@ -60,7 +60,7 @@ CAMERA = ('<gazebo reference="base_link"><sensor type="camera" name="eye">'
 @pytest.mark.parametrize('parameter, addition, named', [
     ('', MESH, 'package://no_such_package/x.stl'),
     ('', CAMERA, 'libgazebo_ros_camera.so'),
-    ('_wheel_seperation:=0.2', '', 'wheel_seperation is not one of this node: did you mean '
+    ('_wheel_seperation:=0.2', '', 'wheel_seperation is unknown to this node: did you mean '
                                    'wheel_separation?')], ids=['mesh', 'camera', 'typo'])
 def test_warns_and_goes_on(simulate, parameter, addition, named):
     node = simulate(*filter(None, [parameter]), urdf=burger(addition))

@@ -67,7 +67,7 @@ def assert_shows(picture, frame):
     assert differs < 0.02, differs
 
 
-def test_a_still_without_a_master(ros, folder):
+def test_an_image_without_a_master(ros, folder):
     blue, red, path = lines(start(ros, folder, 'card.png'))
     assert re.match(BLUE_LINE, blue).groups() == ('76800', 'above')
     assert re.match(RED_LINE, red).groups() == ('0', 'below')
@@ -119,7 +119,7 @@ FILE_CASES = {
     'a text': (('mine.txt',), 'mine.txt: neither a video nor an image', 'name of a topic'),
     'half a video': (('half.mp4',), 'half.mp4: neither a video nor an image', 'name of a topic'),
     'no master': (('/nix/image',), 'no file /nix/image', 'no master'),
-    'frame of a still': (('card.png', '--frame', '1'), 'card.png is a still', 'no frame 1'),
+    'frame of an image': (('card.png', '--frame', '1'), 'card.png is an image', 'no frame 1'),
     'frame of a topic': (('/nix', '--frame', '1'), '--frame needs a video', '/nix'),
     'watch a file': (('card.png', '--watch'), '--watch needs a topic', 'card.png is a file'),
     'no colors': (('card.png', '--colors', 'nix.yaml'), 'nix.yaml', 'No such file'),
@@ -198,7 +198,7 @@ def test_watching_follows_the_parameters(camera, folder):
     camera.master.setParam('/test', '/color_extract', {'blue_hue_max': 112})
     wait_for(lambda: not read(path)[blue].any(), 'a picture by the new bounds')
     camera.master.setParam('/test', '/color_extract', {'blue_hue_max': 1120})
-    watch.wait_output(r'\[WARN\].*the picture stays as it is: .*/color_extract/blue_hue_max')
+    watch.wait_output(r'\[WARN\].*the picture is not updated: .*/color_extract/blue_hue_max')
     camera.master.setParam('/test', '/color_extract', {'blue_hue_max': 150})
     wait_for(lambda: read(path)[blue].any(), 'the blue card again')
     assert watch.interrupt() == 0
@@ -220,12 +220,12 @@ def test_a_topic_without_an_image(shared_ros, folder):
                               '_video_device:=synthetic', '_create_suspended:=true')
     silent.wait_output('camera: suspended')
     line = refusal(start(shared_ros, folder, '/usb_cam/image_raw', '--timeout', '0.5'))
-    assert 'no image came on /usb_cam/image_raw within 0.5 s' in line
+    assert 'no image received on /usb_cam/image_raw within 0.5 s' in line
 
 
 def test_a_display_that_is_not_there(ros, folder):
     *_, path, line = lines(start(ros, folder, 'card.png', DISPLAY=':nix'))
-    assert line.startswith('no window: ') and line.endswith('the picture is in the file')
+    assert line.startswith('no window: ') and line.endswith('the picture is only in the file')
     assert_shows(read(path), card())
     assert len(lines(start(ros, folder, 'card.png', '--no-window', DISPLAY=':nix'))) == 3
 
@@ -234,5 +234,5 @@ def test_without_tkinter(ros, folder, tmp_path):
     (tmp_path / 'tkinter.py').write_text('raise ImportError("not here")\n')
     path = os.pathsep.join([str(tmp_path), os.environ.get('PYTHONPATH', '')])
     *_, line = lines(start(ros, folder, 'card.png', DISPLAY=':0', PYTHONPATH=path))
-    assert line == ('no window: Python has no tkinter here; install python3-tk; the picture is in '
-                    'the file')
+    assert line == ('no window: tkinter is not installed; install python3-tk; the picture is '
+                    'only in the file')

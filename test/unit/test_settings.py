@@ -1,4 +1,4 @@
-"""Settings: what each field accepts, what it refuses, and in which words."""
+"""Settings: the values that each field accepts, and the error messages for others."""
 import dataclasses
 from typing import Any
 
@@ -13,7 +13,7 @@ from img_recog.teleoperation.settings import TeleopSettings
 
 @dataclasses.dataclass(frozen=True)
 class Sample(Settings):
-    """One field of each kind."""
+    """One field of each type."""
 
     width: int = setting(640, between(1, 800))
     count: int = setting(0, at_least(0))
@@ -25,7 +25,7 @@ class Sample(Settings):
     unchecked: Any = None
 
 
-def test_a_number_may_come_as_text_in_a_notation_that_yaml_does_not_know():
+def test_a_number_may_be_a_string_that_yaml_does_not_read_as_a_number():
     assert Sample(rate='1e-1').rate == 0.1
 
 
@@ -37,24 +37,24 @@ def test_allowed_value_is_kept(name, value):
     assert kept == value and type(kept) is type(value)
 
 
-def test_defaults_are_in_force_without_arguments():
+def test_defaults_without_arguments():
     assert dataclasses.astuple(Sample()) == (640, 0, 30.0, True, 'slow', 'sample', '', None)
 
 
-def test_whole_number_becomes_float_where_a_float_is_wanted():
+def test_int_becomes_float_for_a_float_field():
     rate = Sample(rate=25).rate
     assert rate == 25.0 and type(rate) is float
 
 
-def test_whole_float_becomes_a_whole_number_where_one_is_wanted():
+def test_whole_float_becomes_int_for_an_int_field():
     width = Sample(width=320.0).width
     assert width == 320 and type(width) is int
 
 
 @pytest.mark.parametrize('name, value, allowed', [
-    ('count', 10 ** 12, 'a whole number at least 0, of 32 bits'),
+    ('count', 10 ** 12, 'a whole number at least 0, within 32 bits'),
     ('count', 1e12, 'a whole number at least 0'),
-    ('rate', 10 ** 400, 'a finite number above 0, of 32 bits'),
+    ('rate', 10 ** 400, 'a finite number above 0, within 32 bits'),
     ('width', 0, 'a whole number from 1 to 800'),
     ('width', 801, 'a whole number from 1 to 800'),
     ('width', 640.5, 'a whole number from 1 to 800'),
@@ -74,11 +74,11 @@ def test_whole_float_becomes_a_whole_number_where_one_is_wanted():
     ('enabled', 'true', 'true or false'),
     ('mode', 'medium', 'one of slow, fast'),
     ('mode', 'slo', 'one of slow, fast'),
-    ('name', '', 'a text that is not empty'),
-    ('name', ' \n', 'a text that is not empty'),
-    ('note', 5, 'a text'),
-    ('note', b'bytes', 'a text')])
-def test_refusal_names_field_value_and_what_is_allowed(name, value, allowed):
+    ('name', '', 'a non-empty string'),
+    ('name', ' \n', 'a non-empty string'),
+    ('note', 5, 'a string'),
+    ('note', b'bytes', 'a string')])
+def test_error_names_field_value_and_allowed_values(name, value, allowed):
     with pytest.raises(SettingError) as refused:
         Sample(**{name: value})
     got = 'nothing' if value is None else repr(value)
@@ -158,6 +158,6 @@ def test_teleop_defaults_are_those_of_the_burger():
 
 @pytest.mark.parametrize('name', ['linear_step', 'angular_step', 'max_linear_velocity',
                                   'max_angular_velocity'])
-def test_teleop_refuses_what_is_not_above_zero(name):
+def test_teleop_refuses_values_that_are_not_positive(name):
     with pytest.raises(SettingError, match='^{}: got 0.0, '.format(name)):
         TeleopSettings(**{name: 0})

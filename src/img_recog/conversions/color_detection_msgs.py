@@ -1,8 +1,8 @@
-"""Areas and centroids of colors as sensor_msgs/PointCloud, and back.
+"""Converts areas and centroids of colors to sensor_msgs/PointCloud and back.
 
-Point i is the centroid of color i in pixels (x right, y down, z 0; NaN, NaN, 0 where the color
-has no pixel). Channel i has the name of color i; its values are 0 but at i, where it is the area
-in pixels. So every channel has a value for each point, as the message wants, and names its color.
+Point i is the centroid of color i in pixels (x right, y down, z 0); it is (NaN, NaN, 0) if the
+color has no pixels. Channel i has the name of color i. Its values are 0, except for value i: the
+area in pixels. So each channel has one value for each point, as the message requires.
 """
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
@@ -14,15 +14,15 @@ from std_msgs.msg import Header
 from img_recog.errors import UserError
 
 Centroid = Optional[Tuple[float, float]]
-_NOWHERE = (math.nan, math.nan)
+_NO_CENTROID = (math.nan, math.nan)
 
 
 class ColorDetectionError(UserError):
-    """A PointCloud holds no colors."""
+    """A PointCloud does not have the format of this module."""
 
 
 class ColorDetection(NamedTuple):
-    """Name, area in pixels and centroid (x, y) in pixels, or None, of each color."""
+    """Name, area in pixels and centroid of each color: (x, y) in pixels, None without pixels."""
 
     names: List[str]
     areas_px: List[int]
@@ -31,11 +31,11 @@ class ColorDetection(NamedTuple):
 
 def to_msg(names: Sequence[str], areas_px: Sequence[int], centroids: Sequence[Centroid],
            header: Header) -> PointCloud:
-    """Return the message for the colors of one image; names, areas and centroids in one order.
+    """Return the message for the colors of one image; all sequences have the same order.
 
-    header: the image's. The message has float32: areas above 2**24 pixels are rounded.
+    header: of the image. Values are float32: areas above 2**24 pixels are rounded.
     """
-    points = [Point32(*(centroid or _NOWHERE), 0.0) for centroid in centroids]
+    points = [Point32(*(centroid or _NO_CENTROID), 0.0) for centroid in centroids]
     channels = [ChannelFloat32(name, [0.0] * len(names)) for name in names]
     for number, area_px in enumerate(areas_px):
         channels[number].values[number] = float(area_px)
@@ -45,14 +45,15 @@ def to_msg(names: Sequence[str], areas_px: Sequence[int], centroids: Sequence[Ce
 def from_msg(msg: PointCloud) -> ColorDetection:
     """Return the colors in a message.
 
-    Raises ColorDetectionError when it has not a channel a point with a value a point.
+    Raises ColorDetectionError if there is not one channel for each point, with one value for each
+    point.
     """
     count = len(msg.points)
     lengths = [len(channel.values) for channel in msg.channels]
     if lengths != [count] * count:
         raise ColorDetectionError(
-            'PointCloud with {} points and channels of {} values, wants a channel for each point, '
-            'with a value for each point'.format(count, lengths))
+            'PointCloud has {} points and channels with {} values, expected a channel for each '
+            'point, with a value for each point'.format(count, lengths))
     return ColorDetection(
         [channel.name for channel in msg.channels],
         [int(channel.values[number]) for number, channel in enumerate(msg.channels)],

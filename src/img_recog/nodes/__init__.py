@@ -1,1 +1,1 @@
-"""The ROS nodes, a folder each; nothing here is shared by two of them but color_parameters."""
+"""The ROS nodes, one folder each; the only module that two of them share is color_parameters."""

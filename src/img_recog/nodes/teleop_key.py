@@ -1,7 +1,7 @@
-"""The node turtlebot3_teleop_keyboard: keys of a terminal to commands for a robot.
+"""The node turtlebot3_teleop_keyboard: drives the robot by the keys of a terminal.
 
-Publishes: cmd_vel (geometry_msgs/Twist, 10 Hz, always; zeros when idle and once at the end).
-Subscribes to nothing. Reads: ~linear_step, ~angular_step, ~max_linear_velocity,
+Publishes cmd_vel (geometry_msgs/Twist) at 10 Hz, zeros while no key was pressed, and a last zero
+on shutdown. Subscribes to nothing. Reads ~linear_step, ~angular_step, ~max_linear_velocity,
 ~max_angular_velocity (TeleopSettings).
 """
 import threading
@@ -19,34 +19,34 @@ from img_recog.teleoperation.settings import TeleopSettings
 _PERIOD_S = 0.1
 _FLUSH_S = 0.1
 _HELP = ('w/x: faster forward/backward, a/d: faster to the left/right, s or space: stop, '
-         'Ctrl-C: end')
+         'Ctrl-C: quit')
+_NO_TERMINAL = ('no terminal to read keys from: publishing zeros; to drive the robot, run '
+                'teleop_key.py in a separate terminal')
 
 
 class TeleopKey:
-    """Sends the command of a velocity profile at 10 Hz of wall time."""
+    """Publishes the command of a velocity profile at 10 Hz of wall time."""
 
     def __init__(self):
         settings = parameters.read(TeleopSettings)
         parameters.warn_of_unknown(TeleopSettings)
         self._profile = VelocityProfile(settings)
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
-        self._sending = threading.Lock()
-        self._stopped = False
+        self._publish_lock = threading.Lock()
+        self._is_stopped = False
         lifecycle.on_shutdown(self._stop_robot)
 
     def spin(self) -> None:
-        """Read keys and send commands until the node is shut down."""
+        """Read keys and publish commands until the node is shut down."""
         with Keyboard() as keyboard:
-            rospy.loginfo(_HELP if keyboard.present else
-                          'no terminal to read keys from: sending zeros; run teleop_key.py in a '
-                          'terminal of its own to drive')
+            rospy.loginfo(_HELP if keyboard.present else _NO_TERMINAL)
             deadline = time.monotonic()
             while not rospy.is_shutdown():
-                self._send(*self._profile.tick())
+                self._publish(*self._profile.tick())
                 deadline = max(deadline + _PERIOD_S, time.monotonic())
-                self._take_keys(keyboard, deadline)
+                self._handle_keys(keyboard, deadline)
 
-    def _take_keys(self, keyboard: Keyboard, deadline: float) -> None:
+    def _handle_keys(self, keyboard: Keyboard, deadline: float) -> None:
         remaining = deadline - time.monotonic()
         while remaining > 0 and not rospy.is_shutdown():
             key = keyboard.key(remaining)
@@ -55,16 +55,16 @@ class TeleopKey:
                               self._profile.target_linear, self._profile.target_angular)
             remaining = deadline - time.monotonic()
 
-    def _send(self, linear: float, angular: float) -> None:
-        with self._sending:
-            if not self._stopped:
+    def _publish(self, linear: float, angular: float) -> None:
+        with self._publish_lock:
+            if not self._is_stopped:
                 self._velocity.publish(twist_msgs.to_msg(linear, angular))
 
     def _stop_robot(self) -> None:
-        with self._sending:
-            self._stopped = True        # spin goes on until all shutdown hooks have run
+        with self._publish_lock:
+            self._is_stopped = True      # spin continues until all shutdown hooks have run
             self._velocity.publish(twist_msgs.to_msg(0.0))
-        # the publisher sends from a thread of its own, which the shutdown would cut off
+        # the publisher sends in a separate thread; let it finish before the shutdown goes on
         time.sleep(_FLUSH_S)
 
 

@@ -1,1 +1,1 @@
-"""Color ranges to areas and masked images, areas to commands; knows no ROS."""
+"""Color recognition: images to areas to commands. Independent of ROS."""

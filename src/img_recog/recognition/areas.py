@@ -1,4 +1,4 @@
-"""Color ranges to areas, masks and masked images."""
+"""Areas, masks, masked images and centroids of colors."""
 from typing import Dict, List, Optional, Tuple
 
 import cv2
@@ -14,88 +14,99 @@ ENCODINGS = tuple(_TO_HSV)
 
 
 class ColorExtractor:
-    """Measures colors in images, in memory that is kept from image to image.
+    """Measures the colors of images, in buffers that are reused for the next image.
 
-    What it returns is of the image measured last, and is overwritten by the next; nothing of that
-    image may change before. The ranges are independent: a pixel may belong to several.
+    All results are those of the last measured image. They are overwritten by the next call of
+    `measure`, and the image must not be changed before it. The ranges are independent: a pixel
+    may belong to several colors.
     """
 
     def __init__(self, settings: RecognitionSettings):
         self._buffers: Dict[object, np.ndarray] = {}
-        self._image: Optional[np.ndarray] = None
+        self._image = np.zeros((0, 0, 3), np.uint8)
         self._encoding = 'bgr8'
         self._bgr: Optional[np.ndarray] = None
         self._region = (slice(0), slice(0))
-        self._areas: List[int] = []
+        self._areas_px: List[int] = []
         self._masks: List[np.ndarray] = []
-        self._made: Optional[Masks] = None
+        self._computed_masks: Optional[Masks] = None
         self.configure(settings)
 
     def configure(self, settings: RecognitionSettings) -> None:
-        """Measure by these settings from the next image on."""
-        self._settings, self._made = settings, None
+        """Use other settings from the next image on."""
+        self._settings, self._computed_masks = settings, None
 
     def measure(self, image: np.ndarray, encoding: str = 'bgr8') -> List[int]:
-        """Return the number of pixels of each color, in the order of the settings.
+        """Return the area of each color in pixels, in the order of the settings.
 
-        image: uint8 of shape (height, width, 3 or 4), whose rows may be apart in memory.
+        image: uint8 of shape (height, width, 3 or 4); its rows need not be contiguous.
         encoding: one of ENCODINGS, the order of its channels.
         """
         self._image, self._encoding, self._bgr = image, encoding, None
-        self._region = self._settings.region(image.shape[:2])
+        height, width = image.shape[:2]
+        self._region = self._settings.region((height, width))
         part = image[self._region]
-        if self._made is None or self._made.shape != part.shape[:2]:
-            self._made = Masks(part.shape[:2], self._settings.colors)
-        self._made.make(part, _TO_HSV[encoding])
-        self._masks, self._areas = self._made.masks, self._made.areas_px
+        height, width = part.shape[:2]
+        masks = self._computed_masks
+        if masks is None or masks.shape != (height, width):
+            masks = self._computed_masks = Masks((height, width), self._settings.colors)
+        masks.compute(part, _TO_HSV[encoding])
+        self._masks, self._areas_px = masks.masks, masks.areas_px
         if self._settings.min_blob_size > 1 and part.size:
             self._drop_small_blobs()
-            self._areas = [cv2.countNonZero(mask) for mask in self._masks]
-        return list(self._areas)
+            self._areas_px = [cv2.countNonZero(mask) for mask in self._masks]
+        return list(self._areas_px)
 
     def mask(self, number: int) -> np.ndarray:
-        """Return where color `number` is: uint8 of shape (height, width), 255 inside, else 0."""
-        whole = self._buffer('whole mask', self._image.shape[:2])
-        whole[:] = 0
-        whole[self._region] = self._masks[number]
-        return whole
+        """Return the mask of a color: uint8 of shape (height, width), 255 inside, else 0."""
+        mask = self._buffer('mask', self._image.shape[:2])
+        mask[:] = 0
+        mask[self._region] = self._masks[number]
+        return mask
 
     def masked(self, number: int, result: Optional[np.ndarray] = None) -> np.ndarray:
-        """Return the image in bgr8, uint8 of shape (height, width, 3), black but for a color.
+        """Return the image with all other pixels black: bgr8, uint8 of shape (height, width, 3).
 
-        result: where to write it, if not into kept memory.
+        number: of the color whose pixels are kept.
+        result: the array to write to; None for a reused buffer.
         """
         image = self.bgr()
         if result is None:
             result = self._buffer(('masked', number), image.shape)
         result[:] = 0
-        if self._areas[number]:
+        if self._areas_px[number]:
             cv2.copyTo(image[self._region], self._masks[number], result[self._region])
         return result
 
     def bgr(self) -> np.ndarray:
         """Return the image in bgr8, uint8 of shape (height, width, 3)."""
         if self._bgr is None:
-            conversion, self._bgr = _TO_BGR.get(self._encoding), self._image
-            if conversion is not None:
-                self._bgr = self._buffer('bgr', self._image.shape[:2] + (3,))
-                if self._image.size:
-                    cv2.cvtColor(self._image, conversion, dst=self._bgr)
+            self._bgr = self._converted_to_bgr()
         return self._bgr
 
     def centroid(self, number: int) -> Optional[Tuple[float, float]]:
-        """Return the mean x and y of a color's pixels, None if there are none.
+        """Return the mean x and y of the pixels of a color, None if there are none.
 
-        In pixels of the whole image: 0, 0 is the center of the upper left one.
+        In pixels of the whole image: (0, 0) is the center of its upper left pixel.
         """
-        area = self._areas[number]
-        if area == 0:
+        area_px = self._areas_px[number]
+        if area_px == 0:
             return None
-        # most of a mask is empty, as a rule
+        # most of a mask is usually empty
         x, y, width, height = cv2.boundingRect(self._masks[number])
         moments = cv2.moments(self._masks[number][y:y + height, x:x + width], binaryImage=True)
         rows, columns = self._region
-        return columns.start + x + moments['m10'] / area, rows.start + y + moments['m01'] / area
+        return (columns.start + x + moments['m10'] / area_px,
+                rows.start + y + moments['m01'] / area_px)
+
+    def _converted_to_bgr(self) -> np.ndarray:
+        conversion = _TO_BGR.get(self._encoding)
+        if conversion is None:
+            return self._image
+        bgr = self._buffer('bgr', self._image.shape[:2] + (3,))
+        if self._image.size:        # OpenCV rejects an image without pixels
+            cv2.cvtColor(self._image, conversion, dst=bgr)
+        return bgr
 
     def _drop_small_blobs(self) -> None:
         for mask in self._masks:
@@ -104,8 +115,8 @@ class ColorExtractor:
             large[0] = False        # the background
             np.take(np.where(large, 255, 0).astype(np.uint8), labels, out=mask)
 
-    def _buffer(self, key: object, shape: tuple) -> np.ndarray:
-        """Return kept memory of a shape, whatever it holds."""
+    def _buffer(self, key: object, shape: Tuple[int, ...]) -> np.ndarray:
+        """Return the buffer of this name and shape; its contents are undefined."""
         buffer = self._buffers.get(key)
         if buffer is None or buffer.shape != shape:
             buffer = self._buffers[key] = np.empty(shape, np.uint8)

@@ -1,137 +1,151 @@
-"""Color ranges to masks, by few operations on few pixels."""
+"""Binary masks of color ranges, computed with few operations on few pixels."""
 import functools
-from typing import Callable, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
 from img_recog.recognition.settings import Color
 
-_TOPS = (180, 255, 255)         # no H, S or V is above
-# so many pixels at a time: what a strip of a large image needs then stays in the cache
+_MAX_HSV = (180, 255, 255)      # no H, S or V is larger
+# pixels that are processed at a time, so that the intermediate arrays stay in the CPU cache
 _STRIP_PX = 1 << 17
-# a look that spares less than a quarter costs more than it spares, and is left out for a while
-_WORTH, _FRAMES_WITHOUT = 0.75, 15
-# the arrays of a strip: its HSV image, four planes, then results of tests, then masks
+# a search that saves less than a quarter of the pixels costs more than it saves, so the next
+# frames are processed without one
+_MAX_BOX_SHARE, _FRAMES_WITHOUT_SEARCH = 0.75, 15
+# indices of the arrays of a strip: its HSV image, four planes, then results of tests, then masks
 _HSV, _PLANES, _RESULTS = 0, 1, 5
 
 _Box = Tuple[slice, slice]      # rows and columns
-_Call = Callable[[Sequence[np.ndarray]], object]
+_Operation = Callable[[Sequence[np.ndarray]], object]
 
 
 class Masks:
-    """Makes the masks of images of one shape, in memory that is kept.
+    """Computes the masks of images of one shape, in reused buffers.
 
-    masks: for each color, uint8 of the shape of the images, 255 inside, else 0.
-    areas_px: for each color, how many pixels are inside.
+    masks: for each color, uint8 of the shape of the images, 255 inside the range, else 0.
+    areas_px: for each color, the number of pixels inside the range.
 
-    A range is a test of each plane of the HSV image and the conjunction of these, which takes
-    less than cv2.inRange on three channels, and equal tests of two colors are one. The
-    conversion to HSV takes most of the time, and is made only where it is needed: what has the
-    saturation of a color has channels that differ, and that is seen in a third of the time.
+    A mask is the conjunction of one test for each plane of the HSV image. This takes less time
+    than cv2.inRange on three channels, and a test that two colors share runs once. The conversion
+    to HSV takes most of the time, so only the pixels that need it are converted: a pixel with the
+    saturation of a color has different values in its channels, and finding those pixels takes a
+    third of the time of the conversion.
     """
 
     def __init__(self, shape: Tuple[int, int], colors: Sequence[Color]):
         self.shape = shape
         self.masks = [np.zeros(shape, np.uint8) for _ in colors]
         self.areas_px = [0] * len(colors)
-        program = _Program(colors)
-        line = _line_below(frozenset((color.saturation, color.value) for color in colors))
+        plan = MaskPlan(colors)
+        bound = _chroma_bound(frozenset((color.saturation, color.value) for color in colors))
         height, width = shape
         rows = max(1, min(height, _STRIP_PX // max(1, width)))
         scratch = [np.empty((rows, width, 3), np.uint8)]
-        scratch += [np.empty((rows, width), np.uint8) for _ in range(program.first_mask - 1)]
+        scratch += [np.empty((rows, width), np.uint8) for _ in range(plan.first_mask - 1)]
         self._strips = []
         for top in range(0, height if width else 0, rows):
             strip = slice(top, min(height, top + rows))
-            arrays = [each[:strip.stop - top] for each in scratch]
-            self._strips.append((strip, _Strip(
-                arrays + [mask[strip] for mask in self.masks], program, line)))
+            arrays = [array[:strip.stop - top] for array in scratch]
+            self._strips.append((strip, _MaskStrip(
+                arrays + [mask[strip] for mask in self.masks], plan, bound)))
 
-    def make(self, image: np.ndarray, conversion: int) -> None:
-        """Make the masks of an image; conversion: that of cv2.cvtColor to HSV."""
-        areas_px = [strip.make(image[rows], conversion) for rows, strip in self._strips]
-        self.areas_px = [sum(each) for each in zip(*areas_px)] or [0] * len(self.masks)
+    def compute(self, image: np.ndarray, conversion: int) -> None:
+        """Compute the masks of an image.
+
+        image: uint8 of shape (height, width, 3 or 4).
+        conversion: the code for cv2.cvtColor that converts it to HSV.
+        """
+        strip_areas_px = [strip.compute(image[rows], conversion) for rows, strip in self._strips]
+        self.areas_px = [sum(areas) for areas in zip(*strip_areas_px)] or [0] * len(self.masks)
 
 
-class _Strip:
+class _MaskStrip:
     """Some rows of the masks."""
 
-    def __init__(self, arrays: List[np.ndarray], program: '_Program', line: Optional['_Line']):
-        self._arrays, self._program, self._line = arrays, program, line
-        self._whole = tuple(slice(0, length) for length in arrays[_HSV].shape[:2])
-        self._masks = arrays[program.first_mask:]
-        self._nothing = [0] * len(self._masks)
-        self._box: Optional[_Box] = None        # outside, the masks are empty
-        self._parts: List[np.ndarray] = []
-        self._frames_without = 0
+    def __init__(self, arrays: List[np.ndarray], plan: 'MaskPlan',
+                 bound: Optional['ChromaBound']):
+        self._arrays, self._plan, self._bound = arrays, plan, bound
+        height, width = arrays[_HSV].shape[:2]
+        self._whole = slice(0, height), slice(0, width)
+        self._masks = arrays[plan.first_mask:]
+        self._no_areas_px = [0] * len(self._masks)
+        self._box: Optional[_Box] = None        # outside it, the masks are zero
+        self._boxed_arrays: List[np.ndarray] = []
+        self._frames_without_search = 0
 
-    def make(self, image: np.ndarray, conversion: int) -> List[int]:
-        """Make the masks of these rows of an image; return the areas."""
-        box = self._look(image)
+    def compute(self, image: np.ndarray, conversion: int) -> List[int]:
+        """Compute the masks of these rows of an image; return the areas."""
+        box = self._candidate_box(image)
         if box != self._box:
             if self._box is not None:
                 for mask in self._masks:
                     mask[self._box] = 0
             self._box = box
-            self._parts = [] if box is None else [array[box] for array in self._arrays]
+            self._boxed_arrays = [] if box is None else [array[box] for array in self._arrays]
         if box is None:
-            return self._nothing
-        cv2.cvtColor(image[box], conversion, self._parts[_HSV])
-        for call in self._program.calls:
-            call(self._parts)
-        return [cv2.countNonZero(part) for part in self._parts[self._program.first_mask:]]
+            return self._no_areas_px
+        cv2.cvtColor(image[box], conversion, self._boxed_arrays[_HSV])
+        for operation in self._plan.operations:
+            operation(self._boxed_arrays)
+        return [cv2.countNonZero(mask) for mask in self._boxed_arrays[self._plan.first_mask:]]
 
-    def _look(self, image: np.ndarray) -> Optional[_Box]:
-        """Return what holds all pixels that can be of a color, None if none can."""
-        if self._line is None or self._frames_without:
-            self._frames_without = max(0, self._frames_without - 1)
+    def _candidate_box(self, image: np.ndarray) -> Optional[_Box]:
+        """Return a box around all pixels that can be inside a range, None if there are none."""
+        if self._bound is None or self._frames_without_search:
+            self._frames_without_search = max(0, self._frames_without_search - 1)
             return self._whole
         planes = self._arrays[_PLANES:_PLANES + image.shape[2]]
-        most = self._arrays[_RESULTS]
+        largest = self._arrays[_RESULTS]
         cv2.split(image, planes)
         first, second, third = planes[:3]
-        cv2.max(first, second, most)
-        cv2.max(most, third, most)
+        cv2.max(first, second, largest)
+        cv2.max(largest, third, largest)
         cv2.min(first, second, first)
         cv2.min(first, third, first)
-        cv2.addWeighted(most, 1 - self._line.slope, first, -1, 1 - self._line.offset, first)
+        # nonzero where chroma = largest - smallest channel is on or above the bound
+        cv2.addWeighted(largest, 1 - self._bound.slope, first, -1, 1 - self._bound.offset, first)
         left, top, width, height = cv2.boundingRect(first)
-        if width * height > _WORTH * first.size:
-            self._frames_without = _FRAMES_WITHOUT
+        if width * height > _MAX_BOX_SHARE * first.size:
+            self._frames_without_search = _FRAMES_WITHOUT_SEARCH
         return (slice(top, top + height), slice(left, left + width)) if width else None
 
 
-class _Program:
-    """The calls that make masks of an HSV image, for the arrays of a strip.
+class MaskPlan:
+    """The operations that compute masks from an HSV image, on the arrays of a strip.
 
-    They are found out once: between calls that take some microseconds, Python's own work counts.
+    operations: to be called in order; first_mask: index of the first mask in the arrays.
+
+    The plan is made once: beside operations of a few microseconds, the overhead of Python counts.
     """
 
     def __init__(self, colors: Sequence[Color]):
-        self.calls: List[_Call] = [
+        self.operations: List[_Operation] = [
             lambda arrays: cv2.split(arrays[_HSV], arrays[_PLANES:_PLANES + 3])]
-        known, conjunctions = {}, []
+        results: Dict[Tuple[int, int, int], int] = {}       # of each test: index of its array
+        results_of_colors = []
         for color in colors:
-            tests = []
+            color_results = []
             for channel, (low, high) in enumerate((color.hue, color.saturation, color.value)):
-                if low > 0 or high < _TOPS[channel]:
-                    key = channel, low, high
-                    if key not in known:
-                        known[key] = _RESULTS + len(known)
-                        self.calls += _test(_PLANES + channel, low, high, _TOPS[channel],
-                                            known[key])
-                    tests.append(known[key])
-            conjunctions.append(tests)
-        self.first_mask = _RESULTS + max(1, len(known))
-        for number, tests in enumerate(conjunctions):
-            self.calls += _conjunction(tests, self.first_mask + number)
+                if low > 0 or high < _MAX_HSV[channel]:
+                    test = channel, low, high
+                    if test not in results:
+                        results[test] = _RESULTS + len(results)
+                        self.operations += _test_operations(
+                            _PLANES + channel, low, high, _MAX_HSV[channel], results[test])
+                    color_results.append(results[test])
+            results_of_colors.append(color_results)
+        self.first_mask = _RESULTS + max(1, len(results))
+        for number, color_results in enumerate(results_of_colors):
+            self.operations += _conjunction_operations(color_results, self.first_mask + number)
 
 
-def _test(plane: int, low: int, high: int, top: int, result: int) -> List[_Call]:
-    """Return the calls that write where a plane is from low to high, both included.
+def _test_operations(plane: int, low: int, high: int, max_value: int,
+                     result: int) -> List[_Operation]:
+    """Return the operations that test whether a plane is from low to high, both included.
 
-    If low > high, it is where the plane is not between them. top: no value is above.
+    If low > high, the test is whether the plane is outside of the values between them.
+    max_value: the largest value that the plane can have.
     """
     if low > high:
         return [lambda arrays: cv2.inRange(arrays[plane], high + 1, low - 1, arrays[result]),
@@ -139,38 +153,43 @@ def _test(plane: int, low: int, high: int, top: int, result: int) -> List[_Call]
     if low <= 0:
         return [lambda arrays: cv2.threshold(arrays[plane], high, 255, cv2.THRESH_BINARY_INV,
                                              arrays[result])]
-    if high >= top:
+    if high >= max_value:
         return [lambda arrays: cv2.threshold(arrays[plane], low - 1, 255, cv2.THRESH_BINARY,
                                              arrays[result])]
     return [lambda arrays: cv2.inRange(arrays[plane], low, high, arrays[result])]
 
 
-def _conjunction(tests: Sequence[int], result: int) -> List[_Call]:
-    """Return the calls that write where all tests hold."""
-    if not tests:
+def _conjunction_operations(inputs: Sequence[int], result: int) -> List[_Operation]:
+    """Return the operations that compute where the results of all tests are nonzero."""
+    if not inputs:
         return [lambda arrays: arrays[result].fill(255)]
-    if len(tests) == 1:
-        return [lambda arrays: np.copyto(arrays[result], arrays[tests[0]])]
-    calls = [lambda arrays: cv2.bitwise_and(arrays[tests[0]], arrays[tests[1]], arrays[result])]
-    for test in tests[2:]:
-        calls.append(lambda arrays, test=test: cv2.bitwise_and(arrays[result], arrays[test],
-                                                               arrays[result]))
-    return calls
+    if len(inputs) == 1:
+        return [lambda arrays: np.copyto(arrays[result], arrays[inputs[0]])]
+    return [_and_operation(inputs[0], inputs[1], result),
+            *(_and_operation(result, test, result) for test in inputs[2:])]
 
 
-class _Line(NamedTuple):
-    """Chroma, the difference of the largest and the smallest channel, by value, the largest."""
+def _and_operation(first: int, second: int, result: int) -> _Operation:
+    return lambda arrays: cv2.bitwise_and(arrays[first], arrays[second], arrays[result])
+
+
+class ChromaBound(NamedTuple):
+    """A line in the plane of value and chroma: chroma = slope * value + offset.
+
+    value: the largest channel of a pixel; chroma: the largest channel minus the smallest.
+    """
 
     slope: float
     offset: float
 
 
 @functools.lru_cache(maxsize=16)
-def _line_below(ranges: FrozenSet[Tuple[Tuple[int, int], Tuple[int, int]]]) -> Optional[_Line]:
-    """Return a line that no pixel of the ranges of S and V is below, None if few others are.
+def _chroma_bound(
+        ranges: FrozenSet[Tuple[Tuple[int, int], Tuple[int, int]]]) -> Optional[ChromaBound]:
+    """Return a bound that no pixel in the ranges of S and V is below.
 
-    Of these lines, it is the one that has the fewest pixels above it in an image of which
-    1 / (1 + chroma) are of a chroma: most of what there is to see is nearly grey.
+    It is the one with the fewest pixels above it in a typical image, in which 1 / (1 + chroma) of
+    the pixels have a chroma: most pixels are nearly grey. None if too few pixels are below it.
     """
     value, chroma = np.mgrid[:256, :256]
     exists = chroma <= value
@@ -181,20 +200,20 @@ def _line_below(ranges: FrozenSet[Tuple[Tuple[int, int], Tuple[int, int]]]) -> O
     inside &= exists
     share = exists / (1 + chroma)
     if not inside.any():
-        return _Line(0, 256)
-    lines = {}
+        return ChromaBound(0, 256)
+    bounds = {}
     for slope in np.linspace(0, 1, 17):
-        above = chroma - slope * value
-        offset = above[inside].min()
-        lines[share[above >= offset].sum()] = _Line(slope, offset)
-    fewest = min(lines)
-    return lines[fewest] if fewest < _WORTH * share.sum() else None
+        height = chroma - slope * value
+        offset = height[inside].min()
+        bounds[share[height >= offset].sum()] = ChromaBound(slope, offset)
+    smallest_share = min(bounds)
+    return bounds[smallest_share] if smallest_share < _MAX_BOX_SHARE * share.sum() else None
 
 
 @functools.lru_cache(maxsize=None)
 def _saturations() -> np.ndarray:
     """Return OpenCV's S by value and chroma, uint8 of shape (256, 256)."""
     value, chroma = np.mgrid[:256, :256]
-    least = (value - chroma).clip(0)
-    pixels = np.stack([value, least, least], axis=-1).astype(np.uint8)
+    smallest = (value - chroma).clip(0)
+    pixels = np.stack([value, smallest, smallest], axis=-1).astype(np.uint8)
     return cv2.cvtColor(pixels, cv2.COLOR_RGB2HSV)[..., 1]

@@ -1,18 +1,20 @@
-"""Which colors are looked for, and what is done when one is seen."""
+"""Settings of the color recognition: the colors to look for and their commands."""
 import dataclasses
+import functools
 import re
 from dataclasses import dataclass
-from typing import Any, ClassVar, Iterable, Mapping, NamedTuple, Optional, Tuple, Type
+from typing import Any, ClassVar, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Type
 
-from img_recog.settings import (SettingError, Settings, any_value, at_least, between, required,
-                                setting)
+from img_recog.settings import (Allowed, SettingError, Settings, any_value, at_least, between,
+                                required, setting)
 
 
 class Color(NamedTuple):
-    """A range in HSV on OpenCV's 8-bit scale (H 0-180, S and V 0-255), and what it commands.
+    """A color range in HSV on OpenCV's 8-bit scale (H 0-180, S and V 0-255) and its command.
 
-    hue, saturation, value: lowest and highest, both inside; a hue from 170 to 10 goes through 0.
-    area_limit_px: the command is given while more pixels than these are inside.
+    hue, saturation, value: lowest and highest value, both included; a hue range from 170 to 10
+    wraps around through 0.
+    area_limit_px: the command is published if more pixels than this are inside the range.
     linear_x in m/s, angular_z in rad/s: the command.
     """
 
@@ -32,52 +34,54 @@ class Color(NamedTuple):
         return (low + span // 2) % _HUES
 
 
-_HUES = 180        # after so many, they begin again
+_HUES = 180        # hues wrap around here
 _HUE, _LEVEL = between(0, 180), between(0, 255)
-# of each color: type, what is allowed, description
-_PARTS = {
-    'hue_min': (int, _HUE, 'lowest hue; above hue_max, the range goes through 0'),
+# parameters of each color: type, allowed values, description
+_PARTS: Dict[str, Tuple[type, Allowed, str]] = {
+    'hue_min': (int, _HUE, 'lowest hue; if above hue_max, the range wraps around through 0'),
     'hue_max': (int, _HUE, 'highest hue'),
     'saturation_min': (int, _LEVEL, 'lowest saturation'),
     'saturation_max': (int, _LEVEL, 'highest saturation'),
     'value_min': (int, _LEVEL, 'lowest value'),
     'value_max': (int, _LEVEL, 'highest value'),
-    'area_limit': (int, at_least(0), 'the command is given above so many pixels'),
+    'area_limit': (int, at_least(0), 'the command is published above this number of pixels'),
     'linear_x': (float, any_value(), 'command, m/s'),
     'angular_z': (float, any_value(), 'command, rad/s'),
 }
-# what holds for a color that says no more than its hue: it stops the robot
-_DEFAULTS = {'saturation_min': 100, 'saturation_max': 255, 'value_min': 100, 'value_max': 255,
-             'area_limit': 1000, 'linear_x': 0.0, 'angular_z': 0.0}
+# defaults of any other color: its command stops the robot
+_DEFAULTS: Mapping[str, Any] = {
+    'saturation_min': 100, 'saturation_max': 255, 'value_min': 100, 'value_max': 255,
+    'area_limit': 1000, 'linear_x': 0.0, 'angular_z': 0.0}
 # the article's numbers
-_KNOWN: Mapping[str, Mapping[str, Any]] = {
+_ARTICLE_COLORS: Mapping[str, Mapping[str, Any]] = {
     'blue': {'hue_min': 50, 'hue_max': 150, 'linear_x': 10.0},
     'red': {'hue_min': 150, 'hue_max': 180, 'value_min': 150, 'linear_x': -10.0},
 }
-DEFAULT_COLORS = tuple(_KNOWN)          # in the order in which it looks and commands
+DEFAULT_COLORS = tuple(_ARTICLE_COLORS)      # in the order of their commands
 _NAME = re.compile('[a-zA-Z][a-zA-Z0-9_]*')
 
 
 @dataclass(frozen=True)
 class RecognitionSettings(Settings):
-    """What holds for all colors; `with_colors` makes the subclass that has those of each.
+    """Settings that apply to all colors; `with_colors` adds those of each color.
 
-    colors: a Color for each, in the order in which they are looked for and command.
-    roi_*: the region of interest in pixels (sensor_msgs/RegionOfInterest); what is outside is of
-    no color. A width or height of 0 is all that there is.
+    roi_*: the region of interest in pixels (sensor_msgs/RegionOfInterest); pixels outside of it
+    are not counted. A width or height of 0 means up to the edge of the image.
     """
 
     publish_on_change: bool = setting(
         False, description='publish commands only when they differ from those of the last frame')
     stop_when_lost: float = setting(
-        0.0, at_least(0), 'after so many seconds without a color or an image, and at the end, '
-        'publish a zero Twist; 0 is never')
+        0.0, at_least(0), 'publish a zero Twist after this many seconds without a color or an '
+        'image, and on shutdown; 0: never')
     min_blob_size: int = setting(
-        0, at_least(0), 'connected pixels that are fewer than these do not count')
+        0, at_least(0), 'ignore groups of fewer connected pixels than this')
     roi_x_offset: int = setting(0, at_least(0), 'left edge of the region of interest, pixels')
     roi_y_offset: int = setting(0, at_least(0), 'upper edge of the region of interest, pixels')
-    roi_width: int = setting(0, at_least(0), 'width of the region of interest, 0 is all')
-    roi_height: int = setting(0, at_least(0), 'height of the region of interest, 0 is all')
+    roi_width: int = setting(
+        0, at_least(0), 'width of the region of interest, pixels; 0: up to the right edge')
+    roi_height: int = setting(
+        0, at_least(0), 'height of the region of interest, pixels; 0: up to the lower edge')
 
     color_names: ClassVar[Tuple[str, ...]] = ()
 
@@ -90,10 +94,13 @@ class RecognitionSettings(Settings):
                     raise SettingError(low, getattr(self, low), 'at most {}, which is {}'.format(
                         high, getattr(self, high)))
 
-        object.__setattr__(self, 'colors', tuple(map(self._color, self.color_names)))
+    @functools.cached_property
+    def colors(self) -> Tuple[Color, ...]:
+        """The colors, in the order of their commands."""
+        return tuple(map(self._color, self.color_names))
 
     def region(self, shape: Tuple[int, int]) -> Tuple[slice, slice]:
-        """Return rows and columns of the region of interest, what of it is in the image.
+        """Return the rows and columns of the image that are in the region of interest.
 
         shape: height and width of the image in pixels.
         """
@@ -101,27 +108,28 @@ class RecognitionSettings(Settings):
                 _cut(self.roi_x_offset, self.roi_width, shape[1]))
 
     def _color(self, name: str) -> Color:
-        part = {key: getattr(self, '{}_{}'.format(name, key)) for key in _PARTS}
-        return Color(name, (part['hue_min'], part['hue_max']),
-                     (part['saturation_min'], part['saturation_max']),
-                     (part['value_min'], part['value_max']),
-                     part['area_limit'], part['linear_x'], part['angular_z'])
+        values = {part: getattr(self, '{}_{}'.format(name, part)) for part in _PARTS}
+        return Color(name, (values['hue_min'], values['hue_max']),
+                     (values['saturation_min'], values['saturation_max']),
+                     (values['value_min'], values['value_max']),
+                     values['area_limit'], values['linear_x'], values['angular_z'])
 
 
 def with_colors(names: Iterable[str] = DEFAULT_COLORS) -> Type[RecognitionSettings]:
-    """Return the settings that have hue_min, ..., angular_z of each color: blue_hue_min, ...
+    """Return a settings class with the fields of each color: blue_hue_min ... blue_angular_z.
 
-    Blue and red have the article's numbers as defaults; any other color must be given its
-    hue_min and hue_max.
+    Blue and red have the article's values as defaults; for any other color, hue_min and hue_max
+    are required.
     """
-    fields = [('{}_{}'.format(name, part), *_field(name, part))
-              for name in names for part in _PARTS]
+    fields: List[Tuple[str, type, Any]] = [
+        ('{}_{}'.format(name, part), _PARTS[part][0], _field(name, part))
+        for name in names for part in _PARTS]
     return dataclasses.make_dataclass('ColorSettings', fields, bases=(RecognitionSettings,),
                                       frozen=True, namespace={'color_names': tuple(names)})
 
 
 def color_in(parameter: str) -> Optional[str]:
-    """Return the name of the color that a parameter is of by its own name, None if of none."""
+    """Return the name of the color that a parameter is named after, None if there is none."""
     for part in (*_PARTS, 'image_topic'):
         if parameter.endswith('_' + part):
             return parameter[:-len(part) - 1]
@@ -129,9 +137,9 @@ def color_in(parameter: str) -> Optional[str]:
 
 
 def color_names(value: Any) -> Tuple[str, ...]:
-    """Return the names in the parameter `colors`.
+    """Return the value of the parameter `colors` as a tuple.
 
-    Raises SettingError when it is anything but a list of different names.
+    Raises SettingError if it is not a list of different names.
     """
     if (isinstance(value, (list, tuple)) and value
             and all(isinstance(name, str) and _NAME.fullmatch(name) for name in value)
@@ -146,10 +154,11 @@ def _cut(offset: int, length: int, whole: int) -> slice:
     return slice(start, min(start + length, whole) if length else whole)
 
 
-def _field(name: str, part: str) -> tuple:
-    kind, allowed, description = _PARTS[part]
+def _field(name: str, part: str) -> Any:
+    value_type, allowed, description = _PARTS[part]
     description = '{}: {}'.format(name, description)
-    default = {**_DEFAULTS, **_KNOWN.get(name, {})}.get(part)
+    defaults: Dict[str, Any] = {**_DEFAULTS, **_ARTICLE_COLORS.get(name, {})}
+    default = defaults.get(part)
     if default is None:
-        return kind, required(kind, allowed, description)
-    return kind, setting(default, allowed, description)
+        return required(value_type, allowed, description)
+    return setting(default, allowed, description)

@@ -1,4 +1,4 @@
-"""A picture that tells why a color is seen in an image, or is not."""
+"""A picture that shows why a color is recognized in an image, or why not."""
 from typing import List, Tuple
 
 import cv2
@@ -10,10 +10,10 @@ from matplotlib.patches import Rectangle
 
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import Color, RecognitionSettings
-from img_recog.recognition.tuning_numbers import (HUES, LEVELS, ColorNumbers, Histogram,
-                                                  frame_numbers, spans)
+from img_recog.recognition.tuning_statistics import (HUES, LEVELS, ColorStatistics, Histogram,
+                                                     frame_statistics, spans)
 
-DPI, _LEAST_DPI = 100, 20
+DPI, _MIN_DPI = 100, 20
 # inches
 _WIDTH, _MARGIN, _RIGHT = 12.0, 0.3, 11.75
 _FRAME_TOP, _FRAME_WIDTH, _FRAME_HEIGHT = 0.45, 4.4, 3.3
@@ -24,50 +24,50 @@ _FOOT_HEIGHT = 0.35
 
 _GREY, _ABOVE, _BELOW = '0.78', '#1a7f37', '#b42318'
 _SMALL, _NORMAL, _LARGE = 8, 9, 12      # points
-_NAME_LENGTH = 12                       # so many letters stand beside the ranges
-_SHOWN_PX = 1000                        # more would not be seen
-# colored bars that are a 25th of the grey ones can be seen beside them
-_GREY_ABOVE = 25
-_FOOT = ('Grey: all pixels (above), those of the hue (in the rows). Colored: those of them that '
-         'the other bounds let pass. What is shaded is in bounds.')
+_MAX_LENGTH = 12                        # characters of the names beside the hue ranges
+_MAX_IMAGE_PX = 1000                    # larger images are scaled down before they are drawn
+# the scale of the counts ends at 25 times the highest colored bar, so that it stays visible
+_MAX_GREY_RATIO = 25
+_FOOT = ('Grey: all pixels (top plot), pixels with a hue within bounds (other plots). Colored: '
+         'those of them that are also within the other bounds. Shaded: within bounds.')
 
 
 def draw(image: np.ndarray, settings: RecognitionSettings) -> Tuple[Figure, List[int]]:
     """Return the picture of an image and the area of each color in pixels.
 
     image: bgr8, uint8 of shape (height, width, 3).
-    Above: the frame with the region of interest, and the hues with the range of each color.
-    Below a row a color: what is left of the frame, as the node publishes it, the area and its
-    limit, and the saturation and value of the pixels of its hue with their bounds.
+    At the top: the frame with the region of interest, and the hues with the range of each color.
+    Below, one row for each color: the masked image, as the node publishes it, the area and its
+    limit, and the saturation and value of the pixels whose hue is within bounds.
     """
     extractor = ColorExtractor(settings)
     areas_px = extractor.measure(image)
-    numbers = frame_numbers(extractor, areas_px, settings)
+    statistics = frame_statistics(extractor, areas_px, settings)
     ranges_height = _RANGE_HEIGHT * len(settings.colors)
     top_height = _FRAME_TOP + max(_FRAME_HEIGHT, ranges_height + _HUE_HEIGHT + 0.6) + 0.35
     sheet = _Sheet(top_height + _ROW_HEIGHT * len(settings.colors) + _FOOT_HEIGHT)
     _draw_frame(sheet, image, settings)
-    _draw_hues(sheet, numbers.hue, settings)
+    _draw_hues(sheet, statistics.hue, settings)
     for number, color in enumerate(settings.colors):
-        _draw_color(sheet, top_height + number * _ROW_HEIGHT, color, numbers.colors[number],
+        _draw_color(sheet, top_height + number * _ROW_HEIGHT, color, statistics.colors[number],
                     extractor.masked(number))
     sheet.text(_MARGIN, sheet.height - 0.12, _FOOT, _SMALL, color='0.35')
     return sheet.figure, areas_px
 
 
 def pixels(figure: Figure, width: int, height: int) -> np.ndarray:
-    """Return a picture as large as fits into width x height pixels, uint8 rgb8.
+    """Return the largest rendering that fits into width x height pixels, uint8 rgb8.
 
-    It is 240 pixels wide at least: smaller letters cannot be drawn.
+    It is at least 240 pixels wide: smaller text cannot be drawn.
     """
-    across, down = figure.get_size_inches()
-    figure.set_dpi(max(_LEAST_DPI, min(width / across, height / down)))
+    width_in, height_in = figure.get_size_inches()
+    figure.set_dpi(max(_MIN_DPI, min(width / width_in, height / height_in)))
     figure.canvas.draw()
     return np.asarray(figure.canvas.buffer_rgba())[..., :3]
 
 
 def verdict(color: Color, area_px: int) -> str:
-    """Return the area of a color beside its limit: 'blue: 56463 px, above the limit of ...'."""
+    """Return the area of a color and its limit: 'blue: 56463 px, above the limit of 1000 px'."""
     side = ('above' if area_px > color.area_limit_px else
             'below' if area_px < color.area_limit_px else 'not above')
     return '{}: {} px, {} the limit of {} px'.format(color.name, area_px, side,
@@ -80,18 +80,18 @@ def bounds(color: Color) -> str:
         *color.hue, *color.saturation, *color.value)
 
 
-def reason(numbers: ColorNumbers) -> str:
-    """Return how many pixels each bound by itself keeps from being counted."""
-    hue_px, saturation_px, value_px = numbers.missed_px
-    most = '' if numbers.missed_hue is None else ' (most at {})'.format(numbers.missed_hue)
-    dropped_px = numbers.in_bounds_px - numbers.area_px
+def reason(statistics: ColorStatistics) -> str:
+    """Return, for each bound, how many pixels are not counted because of this bound alone."""
+    hue_px, saturation_px, value_px = statistics.missed_px
+    hint = '' if statistics.missed_hue is None else ' (most at {})'.format(statistics.missed_hue)
+    dropped_px = statistics.in_bounds_px - statistics.area_px
     blobs = '; in too small blobs: {} px'.format(dropped_px) if dropped_px else ''
     return ('out of bounds only by hue: {} px{}, only by saturation: {} px, only by value: {} px'
-            .format(hue_px, most, saturation_px, value_px) + blobs)
+            .format(hue_px, hint, saturation_px, value_px) + blobs)
 
 
 class _Sheet:
-    """A figure whose parts are placed in inches from its upper left corner."""
+    """A figure whose axes and texts are placed in inches from its upper left corner."""
 
     def __init__(self, height: float):
         self.height = height
@@ -120,14 +120,14 @@ def _draw_frame(sheet: _Sheet, image: np.ndarray, settings: RecognitionSettings)
         for style in ({'color': 'black', 'linewidth': 3}, {'color': 'white', 'linestyle': '--'}):
             axes.add_patch(Rectangle((left - 0.5, top - 0.5), max(0, right - left),
                                      max(0, bottom - top), fill=False, **style))
-        axes.set_xlabel('counted is what is within the dashed lines', fontsize=_NORMAL)
+        axes.set_xlabel('only pixels inside the dashed lines are counted', fontsize=_NORMAL)
 
 
 def _draw_hues(sheet: _Sheet, hue: Histogram, settings: RecognitionSettings) -> None:
     width, top = _RIGHT - _HUE_LEFT, _FRAME_TOP + _RANGE_HEIGHT * len(settings.colors)
     sheet.text(_HUE_LEFT, _FRAME_TOP - 0.12, 'hue', _LARGE, fontweight='bold')
-    sheet.text(_HUE_LEFT + 0.5, _FRAME_TOP - 0.12, 'colored: pixels whose saturation and value '
-               'a color allows; grey: all', _NORMAL)
+    sheet.text(_HUE_LEFT + 0.5, _FRAME_TOP - 0.12, 'colored: saturation and value within the '
+               'bounds of a color; grey: all', _NORMAL)
     ranges = sheet.axes(_HUE_LEFT, _FRAME_TOP, width, top - _FRAME_TOP - 0.05)
     plot = sheet.axes(_HUE_LEFT, top, width, _HUE_HEIGHT)
     strip = sheet.axes(_HUE_LEFT, top + _HUE_HEIGHT, width, _STRIP_HEIGHT)
@@ -151,17 +151,17 @@ def _draw_hues(sheet: _Sheet, hue: Histogram, settings: RecognitionSettings) -> 
         axes.set_xticks(range(0, HUES, 10) if axes is strip else [])
 
 
-def _draw_color(sheet: _Sheet, top: float, color: Color, numbers: ColorNumbers,
+def _draw_color(sheet: _Sheet, top: float, color: Color, statistics: ColorStatistics,
                 masked: np.ndarray) -> None:
-    is_above = numbers.area_px > color.area_limit_px
+    is_above = statistics.area_px > color.area_limit_px
     sheet.figure.add_artist(_line_across(sheet, top))
-    sheet.text(_MARGIN, top + 0.27, verdict(color, numbers.area_px), _LARGE, fontweight='bold',
+    sheet.text(_MARGIN, top + 0.27, verdict(color, statistics.area_px), _LARGE, fontweight='bold',
                color=_ABOVE if is_above else _BELOW)
-    sheet.text(_MARGIN, top + 0.49, reason(numbers), _NORMAL)
+    sheet.text(_MARGIN, top + 0.49, reason(statistics), _NORMAL)
     _show(sheet.axes(_MARGIN, top + _ROW_TOP, _MASKED_WIDTH, _PLOT_HEIGHT + 0.35), masked)
-    parts = (('saturation', color.saturation, numbers.saturation),
-             ('value', color.value, numbers.value))
-    for left, (name, (low, high), counts) in zip(_PLOT_LEFTS, parts):
+    planes = (('saturation', color.saturation, statistics.saturation),
+              ('value', color.value, statistics.value))
+    for left, (name, (low, high), counts) in zip(_PLOT_LEFTS, planes):
         axes = sheet.axes(left, top + _ROW_TOP, _PLOT_WIDTH, _PLOT_HEIGHT)
         _shade(axes, low, high, color)
         _fill(axes, counts.all_px, _GREY)
@@ -172,7 +172,7 @@ def _draw_color(sheet: _Sheet, top: float, color: Color, numbers: ColorNumbers,
                       transform=axes.transAxes)
         axes.set_xlim(-3, LEVELS + 2)
         axes.set_xticks(range(0, LEVELS, 50))
-        axes.set_xlabel('{} of the pixels of hue {}-{}; {}-{} is in bounds'.format(
+        axes.set_xlabel('{} of pixels with hue {}-{}; bounds: {}-{}'.format(
             name, *color.hue, low, high), fontsize=_SMALL)
 
 
@@ -183,9 +183,9 @@ def _line_across(sheet: _Sheet, top: float) -> Rectangle:
 
 
 def _show(axes, image: np.ndarray) -> None:
-    """Show a bgr8 image as large as fits at the left of the axes, in its own coordinates."""
+    """Show a bgr8 image at the upper left of the axes, in pixel coordinates, as large as fits."""
     height, width = image.shape[:2]
-    scale = min(1.0, _SHOWN_PX / max(height, width))
+    scale = min(1.0, _MAX_IMAGE_PX / max(height, width))
     if scale < 1:
         image = cv2.resize(image, (max(1, round(width * scale)), max(1, round(height * scale))),
                            interpolation=cv2.INTER_AREA)
@@ -203,13 +203,13 @@ def _shade(axes, low: int, high: int, color: Color) -> None:
 
 
 def _fill(axes, counts: np.ndarray, color) -> None:
-    # a zero at either end, or the first and the last bar would have half their width
+    # with a zero at both ends; without it, the first and the last bar have half the width
     axes.fill_between(range(-1, len(counts) + 1), np.pad(counts, 1), step='mid', color=color,
                       linewidth=0, zorder=2)
 
 
 def _bars(axes, counts: np.ndarray) -> None:
-    """Draw a bar for each hue, in its color; as one collection in a tenth of bar's time."""
+    """Draw a bar for each hue, in its color; one collection takes a tenth of the time of bar()."""
     hues = np.flatnonzero(counts)
     corners = [((hue - 0.5, 0), (hue - 0.5, counts[hue]), (hue + 0.5, counts[hue]),
                 (hue + 0.5, 0)) for hue in hues]
@@ -218,11 +218,13 @@ def _bars(axes, counts: np.ndarray) -> None:
 
 
 def _scale_counts(axes, counts: Histogram, limit_px: int) -> None:
-    """Scale by square roots: few pixels are seen beside many; and not so small that one is much.
+    """Set a square root scale, so that small counts are visible beside large ones.
 
-    The grey bars may be cut off.
+    Its upper end is not below the area limit, so that a few pixels do not look like many. The
+    grey bars may be cut off.
     """
-    top = max(1, min(counts.all_px.max(), max(_GREY_ABOVE * counts.passing_px.max(), limit_px)))
+    visible_px = max(_MAX_GREY_RATIO * counts.passing_px.max(), limit_px)
+    top = max(1, min(counts.all_px.max(), visible_px))
     axes.set_yscale('function', functions=(lambda y: np.sqrt(np.maximum(y, 0)), np.square))
     axes.set_ylim(0, 1.1 * top)
     power = 10 ** int(np.log10(top))
@@ -236,11 +238,11 @@ def _typical_rgb(color: Color) -> np.ndarray:
 
 
 def _hue_rgb(hues: np.ndarray) -> np.ndarray:
-    """Return fully saturated colors of hues (0-180), float of shape (number, 3), 0 to 1."""
+    """Return the saturated RGB colors of hues (0-180), float of shape (hues, 3), 0 to 1."""
     hsv = np.full((1, len(hues), 3), 225, np.uint8)
     hsv[0, :, 0], hsv[0, :, 1] = hues % (HUES - 1), 255
     return cv2.cvtColor(hsv, cv2.COLOR_HSV2RGB)[0] / 255
 
 
 def _short(name: str) -> str:
-    return name if len(name) <= _NAME_LENGTH else name[:_NAME_LENGTH - 2] + '..'
+    return name if len(name) <= _MAX_LENGTH else name[:_MAX_LENGTH - 2] + '..'

@@ -1,6 +1,6 @@
-"""The frames of a bag, by the stamps of their messages."""
+"""Reads the frames of a bag."""
 import struct
-from typing import Any, Callable, Dict, Iterator, NamedTuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 import genpy
 import numpy as np
@@ -10,16 +10,16 @@ from std_msgs.msg import Header
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 from img_recog.replay.chain import SECOND_NS, Frame
-from img_recog.replay.inputs import DEFAULT_TOPICS
+from img_recog.replay.inputs import DEFAULT_TOPICS, WANTED
 
-_LONGEST_GAP_S = 3600
-_KINDS = {kind._type: kind for kind in (Image, CompressedImage)}
-_DAMAGED = 'the bag {} is damaged: {}; try rosbag reindex, or record it anew'
-# what rosbag and genpy let through from a damaged file
-_DAMAGE = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,
-           RuntimeError, ValueError, KeyError, AttributeError, TypeError)
+_MAX_GAP_S = 3600           # between two stamps
+_MESSAGE_TYPES = {message_type._type: message_type for message_type in (Image, CompressedImage)}
+_RECORD_ADVICE = 'record one with images: rosbag record ' + DEFAULT_TOPICS[0]
+# raised by rosbag and genpy when they read a damaged file
+_DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,
+                  RuntimeError, ValueError, KeyError, AttributeError, TypeError)
 
 
 class Decoded(NamedTuple):
@@ -30,52 +30,55 @@ class Decoded(NamedTuple):
 
 
 class BagFrames:
-    """The images on one topic of a bag.
+    """The images on one topic of a bag, at the times of their stamps.
 
-    expected, period_ns, warnings: as those of VideoFrames; the period is the mean one, known at
-    the end.
+    expected, period_ns, warnings: as in VideoFrames. The period is the mean of all periods; it and
+    the warnings are known after the last frame.
     """
 
     def __init__(self, path: str, topic: str = ''):
         """Open a bag.
 
-        topic: of the images, without it one of DEFAULT_TOPICS, or the only one that there is.
-        Raises UserError when it is no bag that can be read, or has no such images.
+        topic: topic of the images; if empty, one of DEFAULT_TOPICS or the only topic with images.
+        Raises UserError if the file cannot be read as a bag or has no such images.
         """
         self._path = path
-        self._bag = _opened(path)
+        self._bag = _open(path)
         try:
-            kinds = self._image_topics()
-            self.topic = _chosen(path, kinds, topic)
+            types = self._image_topics()
+            self.topic = _choose_topic(path, types, topic)
         except UserError:
             self._bag.close()
             raise
         self._decode: Callable[[Any], Decoded] = (
-            _decoded if kinds[self.topic] == Image._type else _decompressed)
+            _decode_raw if types[self.topic] == Image._type else _decode_compressed)
         self.expected = self._bag.get_message_count(self.topic)
         self.period_ns = 0
-        self.warnings = []
+        self.warnings: List[str] = []
 
     def _image_topics(self) -> Dict[str, str]:
-        """Return the topics whose messages are images as they are defined here, with the type."""
+        """Return the message types of the topics whose messages are images as defined here."""
         try:
             types, topics = self._bag.get_type_and_topic_info()
-        except _DAMAGE as error:
-            raise UserError(_DAMAGED.format(self._path, _line(error)))
+        except _DAMAGE_ERRORS as error:
+            raise _damaged(self._path, error)
         return {name: topic.msg_type for name, topic in sorted(topics.items())
-                if topic.msg_type in _KINDS
-                and types[topic.msg_type] == _KINDS[topic.msg_type]._md5sum}
+                if topic.msg_type in _MESSAGE_TYPES
+                and types[topic.msg_type] == _MESSAGE_TYPES[topic.msg_type]._md5sum}
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield the images that can be used, in the order of the recording.
+        """Yield the usable images, in the order of the recording.
 
-        Raises UserError when the bag is damaged, its stamps go back or leap, or none can be used.
+        Raises UserError if the bag is damaged, its stamps jump, or no image is usable.
         """
-        numbers, skipped, first_ns, last_ns = 0, [], None, None
+        used, skipped = 0, []
+        first_ns = last_ns = 0
         for number, (msg, stamp_ns) in enumerate(self._messages()):
-            if last_ns is not None:
+            if number == 0:
+                first_ns = stamp_ns
+            else:
                 self._check_stamp(number, last_ns, stamp_ns)
-            first_ns, last_ns = stamp_ns if first_ns is None else first_ns, stamp_ns
+            last_ns = stamp_ns
             try:
                 decoded = self._decode(msg)
             except ImageError as error:
@@ -83,30 +86,29 @@ class BagFrames:
                 continue
             header = Header(msg.header.seq, msg.header.stamp, msg.header.frame_id)
             yield Frame(number, stamp_ns, header, *decoded)
-            numbers += 1
-        self._conclude(numbers, skipped)
-        self.period_ns = round((last_ns - first_ns) / max(1, numbers + len(skipped) - 1))
+            used += 1
+        self._report_skipped(used, skipped)
+        self.period_ns = round((last_ns - first_ns) / max(1, used + len(skipped) - 1))
 
-    def _messages(self):
-        """Yield each message with the time in ns of its header, or of its record without one."""
+    def _messages(self) -> Iterator[Tuple[Any, int]]:
+        """Yield each message and its stamp in ns, or its time of recording if the stamp is 0."""
         try:
             for _, msg, recorded in self._bag.read_messages(self.topic):
                 yield msg, (msg.header.stamp or recorded).to_nsec()
-        except _DAMAGE as error:
-            raise UserError(_DAMAGED.format(self._path, _line(error)))
+        except _DAMAGE_ERRORS as error:
+            raise _damaged(self._path, error)
         finally:
             self._bag.close()
 
-    def _check_stamp(self, number: int, before_ns: int, stamp_ns: int) -> None:
-        gap_s = (stamp_ns - before_ns) / SECOND_NS
-        if not 0 <= gap_s <= _LONGEST_GAP_S:
+    def _check_stamp(self, number: int, last_ns: int, stamp_ns: int) -> None:
+        gap_s = (stamp_ns - last_ns) / SECOND_NS
+        if not 0 <= gap_s <= _MAX_GAP_S:
             raise UserError(
-                'the stamps of {} in {} {} by {:g} s at message {}; cut out a part that is in one '
-                'piece: rosbag filter'.format(self.topic, self._path,
-                                              'go back' if gap_s < 0 else 'leap', abs(gap_s),
-                                              number))
+                'the stamps of {} in {} jump {} by {:g} s at message {}'.format(
+                    self.topic, self._path, 'back' if gap_s < 0 else 'ahead', abs(gap_s), number),
+                'extract a part without jumps by rosbag filter')
 
-    def _conclude(self, used: int, skipped: list) -> None:
+    def _report_skipped(self, used: int, skipped: List[str]) -> None:
         if not used:
             raise UserError('no image on {} in {} can be used; {}'.format(
                 self.topic, self._path, skipped[0] if skipped else 'there is no message'))
@@ -115,44 +117,48 @@ class BagFrames:
                 len(skipped), used + len(skipped), self.topic, skipped[0]))
 
 
-def _opened(path: str) -> rosbag.Bag:
+def _open(path: str) -> rosbag.Bag:
     try:
         return rosbag.Bag(path)
     except rosbag.ROSBagUnindexedException:
-        raise UserError('the bag {0} has no index, as when its recording was cut off; make one: '
-                        'rosbag reindex {0}'.format(path))
-    except _DAMAGE as error:
-        raise UserError('cannot read {} as a bag: {}; give a video that OpenCV plays, or a bag '
-                        'with images'.format(path, _line(error)))
+        raise UserError('the bag {} has no index; its recording was probably interrupted'.format(
+            path), 'create the index: rosbag reindex {}'.format(path))
+    except _DAMAGE_ERRORS as error:
+        raise UserError('cannot read {} as a bag: {}'.format(path, one_line(error)), WANTED)
 
 
-def _chosen(path: str, kinds: Dict[str, str], topic: str) -> str:
-    """Return the topic that is wanted; UserError, with those that there are, without one."""
-    have = 'image topics in it: {}'.format(', '.join(kinds) or 'none')
+def _damaged(path: str, error: Exception) -> UserError:
+    return UserError('the bag {} is damaged: {}'.format(path, one_line(error)),
+                     'try rosbag reindex, or record it again')
+
+
+def _choose_topic(path: str, types: Dict[str, str], topic: str) -> str:
+    """Return the topic of the images.
+
+    types: the message type of each topic with images; topic: given by the user, or empty.
+    Raises UserError, with the topics in the bag, if there is no such topic or more than one.
+    """
+    available = 'image topics in it: {}'.format(', '.join(types) or 'none')
     if topic:
         full_name = '/' + topic.lstrip('/')
-        if topic in kinds or full_name in kinds:
-            return topic if topic in kinds else full_name
-        raise UserError('the bag {} has no images on {} ({}); set --topic to one that it has'
-                        .format(path, topic, have))
-    usual = [name for name in DEFAULT_TOPICS if name in kinds]
-    if usual or len(kinds) == 1:
-        return (usual or list(kinds))[0]
-    if not kinds:
-        raise UserError('the bag {} has no messages of sensor_msgs/Image or CompressedImage; '
-                        'record one with images: rosbag record {}'.format(path, DEFAULT_TOPICS[0]))
-    raise UserError('the bag {} has images on several topics, none of them {} ({}); choose one '
-                    'with --topic'.format(path, DEFAULT_TOPICS[0], have))
+        if topic in types or full_name in types:
+            return topic if topic in types else full_name
+        raise UserError('the bag {} has no images on {} ({})'.format(path, topic, available),
+                        'set --topic to one of them')
+    defaults = [name for name in DEFAULT_TOPICS if name in types]
+    if defaults or len(types) == 1:
+        return (defaults or list(types))[0]
+    if not types:
+        raise UserError('the bag {} has no messages of type sensor_msgs/Image or '
+                        'sensor_msgs/CompressedImage'.format(path), _RECORD_ADVICE)
+    raise UserError('the bag {} has images on several topics, but not on {} ({})'.format(
+        path, DEFAULT_TOPICS[0], available), 'choose one of them with --topic')
 
 
-def _decoded(msg: Any) -> Decoded:
-    # memory of its own for each: frames are read ahead
+def _decode_raw(msg: Any) -> Decoded:
+    # a new ColorImages for each: frames are read ahead and must not share a buffer
     return Decoded(*image_msgs.ColorImages().from_msg(msg))
 
 
-def _decompressed(msg: Any) -> Decoded:
+def _decode_compressed(msg: Any) -> Decoded:
     return Decoded(compressed_image_msgs.from_msg(msg, 'bgr8'), 'bgr8')
-
-
-def _line(error: Exception) -> str:
-    return ' '.join(str(error).split()) or type(error).__name__

@@ -1,9 +1,8 @@
-"""Frames to areas to commands to a simulated robot, in simulated time and without a master.
+"""Runs frames through recognition, commands and simulated robot, in simulated time.
 
-Time is counted in nanoseconds from the first frame, so that nothing adds up; what happens at a
-time happens at the step of the physics that is nearest to it.
+Times are integers in nanoseconds from the first frame, so that rounding errors do not accumulate.
+An event takes effect at the physics step nearest to its time.
 """
-import math
 from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
@@ -17,15 +16,16 @@ from img_recog.simulation.vehicle import Reading
 
 SECOND_NS = 10 ** 9
 RECOGNITION, TELEOP = 'recognition', 'teleop'
-_TELEOP_NS = SECOND_NS // 10    # the idle teleop sends zeros at 10 Hz
-_LOOK_UP_NS = SECOND_NS // 10   # so long the recognition waits for a frame at a time
+_TELEOP_PERIOD_NS = SECOND_NS // 10     # the idle teleop publishes zeros at 10 Hz
+_POLL_PERIOD_NS = SECOND_NS // 10       # of color_extract, while it waits for a frame
+_NEVER_NS = 1 << 63
 
 
 class Frame(NamedTuple):
-    """An image and when it was taken.
+    """An image and its stamp.
 
-    number: from 0; stamp_ns: on the clock of whoever took it; header: std_msgs/Header that goes
-    with it; image: uint8 of shape (height, width, 3 or 4), of one of areas.ENCODINGS.
+    number: counted from 0; stamp_ns: on the clock of the recording; header: a std_msgs/Header;
+    image: uint8 of shape (height, width, 3 or 4); encoding: one of areas.ENCODINGS.
     """
 
     number: int
@@ -44,10 +44,10 @@ class FrameMeasurement(NamedTuple):
 
 
 class FrameResult(NamedTuple):
-    """What came of a frame.
+    """The result of a frame.
 
-    areas_px, centroids (x, y in pixels, or None): of each color; commands: those given for it;
-    motion: of the robot's root link when the frame came.
+    time_ns: simulated time of the frame; areas_px, centroids (x, y in pixels, or None): of each
+    color; commands: published for the frame; motion: of the robot's root link at time_ns.
     """
 
     frame: Frame
@@ -59,7 +59,7 @@ class FrameResult(NamedTuple):
 
 
 class CommandSent(NamedTuple):
-    """A command for the robot; sender: RECOGNITION or TELEOP."""
+    """A command published for the robot; sender: RECOGNITION or TELEOP."""
 
     time_ns: int
     command: Command
@@ -67,23 +67,23 @@ class CommandSent(NamedTuple):
 
 
 class Recorder:
-    """Is told all that happens, in the order of time; notes nothing."""
+    """Base class of recorders: is notified of all events in the order of time and ignores them."""
 
     def start(self, stamp_ns: int) -> None:
-        """Note the stamp of the first frame, which is time 0."""
+        """Handle the start; stamp_ns: stamp of the first frame, whose time is 0."""
 
-    def on_frame(self, seen: FrameResult) -> None:
-        """Note a frame; its commands come next, by `sent`."""
+    def on_frame(self, result: FrameResult) -> None:
+        """Handle a frame; `on_command` follows for each of its commands."""
 
     def on_command(self, sent: CommandSent) -> None:
-        """Note a command."""
+        """Handle a command."""
 
     def on_reading(self, reading: Reading) -> None:
-        """Note what a sensor of the robot saw."""
+        """Handle the reading of a sensor of the robot."""
 
 
-def measured(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator[FrameMeasurement]:
-    """Yield the frames measured; nothing of the chain is needed for it, so it may go ahead."""
+def measure(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator[FrameMeasurement]:
+    """Measure frames; independent of the chain, so it may run ahead of it."""
     extractor, colors = ColorExtractor(settings), range(len(settings.colors))
     for frame in frames:
         areas_px = extractor.measure(frame.image, frame.encoding)
@@ -91,68 +91,68 @@ def measured(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator
 
 
 class Chain:
-    """Runs measured frames through the decisions of the recognition and the simulation."""
+    """Decides on the commands of measured frames and drives a simulated robot by them."""
 
     def __init__(self, simulator: Simulator, settings: RecognitionSettings, teleop: bool,
                  recorders: Sequence[Recorder]):
         """Drive the first vehicle of `simulator`, which must not have been advanced yet.
 
-        teleop: whether zeros are sent at 10 Hz, as the idle teleop does; at the time of a frame
-        they are sent just before its commands.
+        teleop: whether to send zeros at 10 Hz, like the idle teleop; at the time of a frame they
+        are sent just before its commands.
         """
         self._simulator, self._vehicle = simulator, simulator.vehicles[0]
         self._step_ns = round(simulator.world.step_s * SECOND_NS)
         self._steps = 0
         self._recorders = recorders
         self._commander = Commander(settings, 0.0)
-        self._teleop_ns = 0 if teleop else math.inf
-        self._look_up_ns = _LOOK_UP_NS
+        self._next_teleop_ns = 0 if teleop else _NEVER_NS
+        self._next_poll_ns = _POLL_PERIOD_NS
 
     def run(self, frames: Iterable[FrameMeasurement]) -> int:
-        """Run all frames, and return the time of the last in ns, 0 without any."""
+        """Run all frames; return the time of the last one in ns, 0 if there are none."""
         time_ns, start_ns = 0, None
-        for found in frames:
-            frame = found.frame
+        for measurement in frames:
+            frame = measurement.frame
             if start_ns is None:
                 start_ns = frame.stamp_ns
                 for recorder in self._recorders:
                     recorder.start(start_ns)
             time_ns = frame.stamp_ns - start_ns
             self.simulate_until(time_ns)
-            self._process_frame(found, time_ns)
+            self._process_frame(measurement, time_ns)
         return time_ns
 
     def simulate_until(self, until_ns: int) -> None:
-        """Simulate until a time, with what is sent while no frame comes."""
+        """Simulate until a time, with the commands that are sent while no frame arrives."""
         while True:
-            # at the time itself a frame has come, and nobody waits any longer
-            waiting = self._look_up_ns if self._look_up_ns < until_ns else math.inf
-            due_ns = min(self._teleop_ns, waiting)
+            # at until_ns itself a frame arrives, so the recognition no longer waits for one
+            poll_ns = self._next_poll_ns if self._next_poll_ns < until_ns else _NEVER_NS
+            due_ns = min(self._next_teleop_ns, poll_ns)
             if due_ns > until_ns:
                 break
             self._advance(due_ns)
-            if due_ns == self._teleop_ns:
-                self._teleop_ns += _TELEOP_NS
+            if due_ns == self._next_teleop_ns:
+                self._next_teleop_ns += _TELEOP_PERIOD_NS
                 self._send(due_ns, [STOP], TELEOP)
             else:
-                self._look_up_ns += _LOOK_UP_NS
+                self._next_poll_ns += _POLL_PERIOD_NS
                 self._send(due_ns, self._commander.wait(due_ns / SECOND_NS), RECOGNITION)
         self._advance(until_ns)
 
     def end(self, time_ns: int) -> None:
-        """Let the time of the last frame pass and the recognition end."""
+        """Simulate until the end of the last frame and shut the recognition down."""
         self.simulate_until(time_ns - 1)
         self._advance(time_ns)
         self._send(time_ns, self._commander.end(), RECOGNITION)
 
-    def _process_frame(self, found: FrameMeasurement, time_ns: int) -> None:
-        commands = self._commander.decide(found.areas_px, time_ns / SECOND_NS)
-        seen = FrameResult(found.frame, time_ns, found.areas_px, found.centroids, commands,
-                           self._vehicle.robot.motion())
+    def _process_frame(self, measurement: FrameMeasurement, time_ns: int) -> None:
+        commands = self._commander.decide(measurement.areas_px, time_ns / SECOND_NS)
+        result = FrameResult(measurement.frame, time_ns, measurement.areas_px,
+                             measurement.centroids, commands, self._vehicle.robot.motion())
         for recorder in self._recorders:
-            recorder.on_frame(seen)
+            recorder.on_frame(result)
         self._send(time_ns, commands, RECOGNITION)
-        self._look_up_ns = time_ns + _LOOK_UP_NS
+        self._next_poll_ns = time_ns + _POLL_PERIOD_NS
 
     def _send(self, time_ns: int, commands: Iterable[Command], sender: str) -> None:
         for command in commands:

@@ -1,6 +1,6 @@
-"""A replay in one picture: areas, commands and speed over time, and the path in the world."""
+"""The picture of a replay: areas, commands and velocity over time, and the path in the world."""
 import colorsys
-from typing import IO, Any, ContextManager, Dict, List, Sequence
+from typing import IO, Any, ContextManager, Dict, List, Sequence, Tuple
 
 import matplotlib
 import numpy as np
@@ -15,74 +15,74 @@ from img_recog.replay.plot_data import AREAS, SPEED, TIME, TURN, YAW, PlotData, 
 _SIZE_IN, _DPI = (14.0, 9.0), 100
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
 _START, _LAST, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
-_LEAST_ROOM_M = 0.02            # around the path, close up
-_IN_A_ROW = 4                   # so many names are above the axes, beside the title
+_MIN_MARGIN_M = 0.02            # around the path in the close-up
+_LEGEND_COLUMNS = 4             # legends with more entries do not fit beside the title
 
 
-class Picture:
-    """A figure and its axes, which are made before there is something to draw."""
+class ReplayFigure:
+    """A figure and its axes, which are created before there is data to draw."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         with _style():
             self._figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
             FigureCanvasAgg(self._figure)
-            # placed by hand: to find a layout takes as long as to draw it
+            # fixed positions: computing a layout takes as long as drawing
             grid = self._figure.add_gridspec(4, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
                                              hspace=0.32)
             self._over_time = [self._figure.add_subplot(grid[row]) for row in range(4)]
             self._map = self._figure.add_axes((0.67, 0.43, 0.31, 0.49))
             self._close_up = self._figure.add_axes((0.67, 0.07, 0.31, 0.27))
 
-    def draw(self, file: IO[bytes], title: str, numbers: PlotData) -> None:
-        """Write the picture as PNG; once, for what is drawn stays."""
+    def draw(self, file: IO[bytes], title: str, data: PlotData) -> None:
+        """Draw the data and write the figure as PNG; to be called only once."""
         with _style():
             self._figure.suptitle(title, x=0.06, y=0.98, ha='left')
             areas, commands, speed, position = self._over_time
-            _draw_areas(areas, numbers.rows, numbers.colors)
-            _draw_commands(commands, numbers.recognition, numbers.teleop)
-            _draw_speed(speed, numbers.rows)
-            _draw_position(position, numbers.rows)
+            _draw_areas(areas, data.rows, data.colors)
+            _draw_commands(commands, data.recognition, data.teleop)
+            _draw_speed(speed, data.rows)
+            _draw_position(position, data.rows)
             for axes in self._over_time:
-                axes.set_xlim(0, max(numbers.end_s, 1e-3))
+                axes.set_xlim(0, max(data.end_s, 1e-3))
                 axes.tick_params(labelbottom=axes is position)
             position.set_xlabel('simulated time (s)')
-            _draw_map(self._map, numbers.rows, numbers.outlines)
-            _draw_close_up(self._close_up, numbers.rows, numbers.outlines)
+            _draw_map(self._map, data.rows, data.outlines)
+            _draw_close_up(self._close_up, data.rows, data.outlines)
             self._figure.savefig(file, format='png')
 
 
 def _style() -> ContextManager[Any]:
-    # not as the user's own matplotlibrc has it
+    # independent of the user's matplotlibrc
     return matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 10.0})
 
 
 def _draw_areas(axes: Axes, rows: np.ndarray, colors: Sequence[Color]) -> None:
     limits: Dict[int, List[str]] = {}
     for number, color in enumerate(colors):
-        axes.plot(rows[:, TIME], rows[:, AREAS + number], color=_shown(color),
+        axes.plot(rows[:, TIME], rows[:, AREAS + number], color=_line_color(color),
                   label=color.name)
         limits.setdefault(color.area_limit_px, []).append(color.name)
     for limit_px, names in limits.items():
         axes.axhline(limit_px, color=_FAINT, linestyle='--', linewidth=1,
                      label='limit of {}: {} px'.format(', '.join(names), limit_px))
-    room = 1.4 if len(axes.lines) > _IN_A_ROW else 1.0      # for the names
-    axes.set_ylim(0, room * axes.get_ylim()[1])
+    scale = 1.4 if len(axes.lines) > _LEGEND_COLUMNS else 1.0     # leaves space for the legend
+    axes.set_ylim(0, scale * axes.get_ylim()[1])
     _set_title(axes, 'Area of each color')
     axes.set_ylabel('area (px)')
     _finish(axes)
 
 
-def _draw_commands(axes: Axes, found: np.ndarray, teleop: np.ndarray) -> None:
+def _draw_commands(axes: Axes, recognition: np.ndarray, teleop: np.ndarray) -> None:
     if len(teleop):
         axes.plot(teleop[:, 0], teleop[:, 1], linestyle='', marker='|', markersize=6,
                   color=_FAINT, label='idle teleop')
-    axes.plot(found[:, 0], found[:, 1], linestyle='', marker='o', markersize=4,
+    axes.plot(recognition[:, 0], recognition[:, 1], linestyle='', marker='o', markersize=4,
               color=_LINEAR, label='linear.x')
-    if found[:, 2].any():
-        axes.plot(found[:, 0], found[:, 2], linestyle='', marker='^', markersize=4,
+    if recognition[:, 2].any():
+        axes.plot(recognition[:, 0], recognition[:, 2], linestyle='', marker='^', markersize=4,
                   color=_ANGULAR, label='angular.z')
     _set_title(axes, 'Commands on /cmd_vel')
-    axes.set_ylabel('command (m/s, rad/s)' if found[:, 2].any() else 'command (m/s)')
+    axes.set_ylabel('command (m/s, rad/s)' if recognition[:, 2].any() else 'command (m/s)')
     axes.margins(y=0.15)
     _finish(axes)
 
@@ -104,23 +104,23 @@ def _draw_position(axes: Axes, rows: np.ndarray) -> None:
     _set_title(axes, 'Way from the start')
 
 
-def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str, labels: tuple,
-                least: float) -> None:
-    """Draw angles with a scale of their own, to the right of what there is in meters.
+def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str,
+                labels: Tuple[str, str], min_range: float) -> None:
+    """Draw angles with a separate scale, to the right of the scale in meters.
 
     name: of the line; labels: of the left and right scale.
-    least: the scale on the left goes at least so far: the noise of a robot that stands is not to
-    fill the picture.
+    min_range: the left scale goes at least this far, so that the noise of a standing robot does
+    not fill the plot.
     """
     right = axes.twinx()
     right.plot(times, angles, color=_ANGULAR, linewidth=1, label=name)
     axes.set_zorder(right.get_zorder() + 1)
-    axes.patch.set_visible(False)       # else it hides what is below
-    for each, label, color, least_here in ((axes, labels[0], _LINEAR, least),
-                                           (right, labels[1], _ANGULAR, 10 * least)):
-        each.set_ylabel(label, color=color)
-        largest = max(np.abs(line.get_ydata()).max() for line in each.lines)
-        each.set_ylim(*np.array((-1.15, 1.15)) * max(least_here, largest))
+    axes.patch.set_visible(False)       # it would hide the other axes
+    for side, label, color, min_value in ((axes, labels[0], _LINEAR, min_range),
+                                          (right, labels[1], _ANGULAR, 10 * min_range)):
+        side.set_ylabel(label, color=color)
+        max_value = max(np.abs(line.get_ydata()).max() for line in side.lines)
+        side.set_ylim(*np.array((-1.15, 1.15)) * max(min_value, max_value))
     _finish(axes, axes.lines + right.lines)
 
 
@@ -134,7 +134,7 @@ def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray])
     _draw_path(axes, rows, outlines)
     low, high = rows[:, X:YAW].min(axis=0), rows[:, X:YAW].max(axis=0)
     middle, half = (low + high) / 2, (high - low).max() / 2
-    half += max(_LEAST_ROOM_M, 0.2 * half)
+    half += max(_MIN_MARGIN_M, 0.2 * half)
     axes.set_xlim(middle[0] - half, middle[0] + half)
     axes.set_ylim(middle[1] - half, middle[1] + half)
     axes.ticklabel_format(useOffset=False)
@@ -148,8 +148,8 @@ def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> 
         axes.add_patch(Polygon(outline, facecolor=_WALL, edgecolor=_WALL, linewidth=0.5))
     x, y, yaw = rows[:, X], rows[:, Y], rows[:, YAW]
     axes.plot(x, y, color=_DARK, linewidth=1.2)
-    where = 'last frame: {:.3f} m, {:.3f} m'.format(x[-1], y[-1])
-    for row, color, size, name in ((0, _START, 14, 'start'), (-1, _LAST, 8, where)):
+    position = 'last frame: {:.3f} m, {:.3f} m'.format(x[-1], y[-1])
+    for row, color, size, name in ((0, _START, 14, 'start'), (-1, _LAST, 8, position)):
         axes.plot(x[row], y[row], linestyle='', color=color, markersize=size,
                   marker=(3, 0, np.degrees(yaw[row]) - 90), label=name)
     axes.set_xlabel('x (m)')
@@ -158,22 +158,22 @@ def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> 
 
 
 def _set_title(axes: Axes, title: str) -> None:
-    # to find a free height for it takes a quarter of the time of all
+    # fixed y: finding a free height takes a quarter of the whole time
     axes.set_title(title, loc='left', y=1.0)
 
 
 def _finish(axes: Axes, lines: Sequence = ()) -> None:
     axes.grid(True, linewidth=0.3)
     shown = list(lines) or axes.lines
-    if len(shown) > _IN_A_ROW:
-        axes.legend(handles=shown, loc='upper right', ncol=_IN_A_ROW, fontsize=8)
+    if len(shown) > _LEGEND_COLUMNS:
+        axes.legend(handles=shown, loc='upper right', ncol=_LEGEND_COLUMNS, fontsize=8)
     else:
-        axes.legend(handles=shown, loc='lower right', bbox_to_anchor=(1, 1), ncol=_IN_A_ROW,
+        axes.legend(handles=shown, loc='lower right', bbox_to_anchor=(1, 1), ncol=_LEGEND_COLUMNS,
                     frameon=False, fontsize=9, borderaxespad=0.1)
 
 
-def _shown(color: Color) -> tuple:
-    """Return the middle of a range of hues as red, green, blue from 0 to 1."""
+def _line_color(color: Color) -> Tuple[float, float, float]:
+    """Return the middle of a range of hues as RGB from 0 to 1."""
     low, high = color.hue
     middle = (low + (high if high >= low else high + 180)) / 2 % 180
     return colorsys.hsv_to_rgb(middle / 180, 0.85, 0.8)

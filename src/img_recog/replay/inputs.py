@@ -1,7 +1,7 @@
-"""What is replayed: which kind of file it is, and the frames of a video."""
+"""The input of a replay: its file type, the frames of a video, and reading frames ahead."""
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
-from typing import Iterable, Iterator, TypeVar
+from typing import Iterable, Iterator, List, Optional, Tuple, TypeVar
 
 import genpy
 from std_msgs.msg import Header
@@ -16,41 +16,41 @@ from img_recog.replay.chain import SECOND_NS, Frame
 WANTED = 'give a video that OpenCV plays, or a bag with images'
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
 _MAGIC = b'#ROSBAG'
-_END = object()
 Item = TypeVar('Item')
 
 
 def is_bag(path: str) -> bool:
-    """Return whether a file is a bag, by its first bytes or, if it has none of use, its name."""
+    """Return whether a file is a bag, by its first bytes or by its name."""
     with open(path, 'rb') as file:
         return file.read(len(_MAGIC)) == _MAGIC or path.endswith('.bag')
 
 
 class VideoFrames:
-    """Plays a video once: frame k is at k / rate.
+    """The frames of a video; the stamp of frame k is k / frame rate.
 
-    expected: how many frames there may be, 0 where nobody knows; period_ns: between two frames;
-    warnings: what to tell the user once all frames have been given out.
+    expected: the expected number of frames, 0 if unknown; period_ns: time between two frames;
+    warnings: messages for the user, complete after the last frame.
     """
 
     def __init__(self, path: str):
-        """Open a video; UserError when it cannot be played."""
-        self._path, self._broken = path, []
+        """Open a video; raise UserError if it cannot be played."""
+        self._path = path
+        self._truncated: List[str] = []
         try:
-            source = open_file(path, 1.0, loop=False, warn=self._broken.append)
+            source = open_file(path, 1.0, loop=False, warn=self._truncated.append)
         except SourceError as error:
             # what the camera would have one set is no matter here
             raise UserError('{}; {}'.format(str(error).partition('; set ')[0], WANTED))
         if not isinstance(source, VideoSource):
             source.close()
-            raise UserError('{} is an image; {}'.format(path, WANTED))
+            raise UserError('{} is an image'.format(path), WANTED)
         self._source = source
         self.expected = source.expected_frames
         self.period_ns = round(SECOND_NS / source.rate_hz)
-        self.warnings = []
+        self.warnings: List[str] = []
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield all frames; UserError at the end of a video that breaks off."""
+        """Yield all frames; raise UserError at the end if the video is truncated."""
         number, frame_id = 0, CameraSettings().camera_frame_id
         try:
             while True:
@@ -63,23 +63,29 @@ class VideoFrames:
             pass
         finally:
             self._source.close()
-        if self._broken:
-            raise UserError('{}; get it whole, or make a video of what there is: ffmpeg -i {} '
-                            'whole.mkv'.format(self._broken[0], self._path))
+        if self._truncated:
+            raise UserError(self._truncated[0], 'get a complete copy, or convert the readable '
+                            'part: ffmpeg -i {} readable.mkv'.format(self._path))
 
 
 def prefetch(items: Iterable[Item], depth: int) -> Iterator[Item]:
-    """Yield the same items in the same order, with up to `depth` of them made ahead in a thread.
+    """Yield the same items in the same order, of which a thread makes up to `depth` ahead.
 
-    An exception that is raised while an item is made is raised in its place.
+    An exception raised by `items` is raised at the same place.
     """
     iterator = iter(items)
     with ThreadPoolExecutor(1) as pool:
-        making = deque(pool.submit(next, iterator, _END)
-                       for _ in range(depth))
+        pending = deque(pool.submit(_next_or_none, iterator) for _ in range(depth))
         while True:
-            item = making.popleft().result()
-            if item is _END:
+            boxed = pending.popleft().result()
+            if boxed is None:
                 return
-            making.append(pool.submit(next, iterator, _END))
-            yield item
+            pending.append(pool.submit(_next_or_none, iterator))
+            yield boxed[0]
+
+
+def _next_or_none(iterator: Iterator[Item]) -> Optional[Tuple[Item]]:
+    """Return the next item in a tuple, None after the last."""
+    for item in iterator:
+        return (item,)
+    return None

@@ -1,4 +1,4 @@
-"""From the arguments of the program replay to its files and its last line."""
+"""Runs the program replay: from its arguments to its files and its summary."""
 import argparse
 import io
 import logging
@@ -6,16 +6,16 @@ import os
 import signal
 import sys
 import time
-from typing import TYPE_CHECKING, Iterable, Union
+from typing import TYPE_CHECKING, Iterable, Sequence, Union
 
 import cv2
 from tqdm import tqdm
 
 from img_recog import files
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.replay import cli, inputs, scenario
-from img_recog.replay.chain import SECOND_NS, Chain, measured
+from img_recog.replay.chain import SECOND_NS, Chain, FrameMeasurement, measure
 from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
 from img_recog.replay.painter import Painter
 from img_recog.replay.plot_recorder import PlotRecorder
@@ -28,23 +28,23 @@ if TYPE_CHECKING:
     from img_recog.replay.bags import BagFrames
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
-_PREFETCHED = 8                      # frames
-_FATAL, _QUIET = 1, -8          # OpenCV's and ffmpeg's names for these
+_PREFETCHED_FRAMES = 8
+_LOG_FATAL, _FFMPEG_QUIET = 1, -8       # LOG_LEVEL_FATAL of OpenCV, AV_LOG_QUIET of ffmpeg
 _log = logging.getLogger('replay.py')
 Frames = Union[VideoFrames, 'BagFrames']
 
 
 def main(painter: Painter, begin_s: float) -> int:
-    """Do what the program's arguments say; return its exit code.
+    """Run the program; return its exit code.
 
-    begin_s: when the program began, by time.perf_counter.
+    begin_s: start time of the program, by time.perf_counter.
     """
     logging.basicConfig(format='replay.py: %(levelname)s: %(message)s')
-    logging.addLevelName(logging.WARNING, 'warning')        # as argparse has its error
+    logging.addLevelName(logging.WARNING, 'warning')        # like the errors of argparse
     logging.addLevelName(logging.ERROR, 'error')
-    # what they have to say is in the one line of ours
-    cv2.setLogLevel(_FATAL)
-    os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_QUIET))
+    # errors of OpenCV and ffmpeg are reported in one line by this program
+    cv2.setLogLevel(_LOG_FATAL)
+    os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_FFMPEG_QUIET))
     interrupts = Interrupts()
     # roslaunch adds __name:=... and __log:=...
     arguments = [word for word in sys.argv[1:]
@@ -53,10 +53,10 @@ def main(painter: Painter, begin_s: float) -> int:
         sys.stdout.write(replay(cli.parse(arguments), painter, begin_s, interrupts)
                          + '\n')
     except UserError as error:
-        _log.error('%s', ' '.join(str(error).split()))
+        _log.error('%s', one_line(error))
         return 1
     except OSError as error:
-        _log.error('%s: %s', error.filename or 'cannot write', error.strerror or error)
+        _log.error('%s: %s', error.filename or 'cannot write', one_line(error))
         return 1
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
@@ -65,18 +65,18 @@ def main(painter: Painter, begin_s: float) -> int:
 
 def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
            interrupts: Interrupts) -> str:
-    """Do what the options say, and return what is to be said at the end.
+    """Run the replay given by the options; return its summary.
 
-    begin_s: when the program began, by time.perf_counter.
-    interrupts: how a signal ends this.
-    Raises UserError when it cannot be done; no file is written then.
+    begin_s: start time of the program, by time.perf_counter.
+    interrupts: handles the signals that end the program.
+    Raises UserError if it is not possible; no file is written then.
     """
-    frames = _frames(os.path.expanduser(options.input), options.topic)
-    settings = _recognition(options.colors)
+    frames = _open_input(os.path.expanduser(options.input), options.topic)
+    settings = _recognition_settings(options.colors)
     paths = files.output_paths(os.path.expanduser(options.input),
                                os.path.expanduser(options.output), _EXTENSIONS)
-    simulator = scenario.build(cli.world_of(options.world), os.path.expanduser(options.urdf),
-                               cli.spawn_of(options))
+    simulator = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
+                               cli.spawn_settings(options))
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file):
@@ -85,16 +85,16 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
         table = TableRecorder(text, settings.color_names)
         start_s = time.perf_counter()
-        with interrupts.held():     # tqdm's destructor wants what its constructor makes
-            progress = tqdm(prefetch(measured(frames, settings), _PREFETCHED), unit=' frames',
-                            total=frames.expected or None, disable=None)
+        with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
+            progress = tqdm(prefetch(measure(frames, settings), _PREFETCHED_FRAMES),
+                            unit=' frames', total=frames.expected or None, disable=None)
         with progress:
             end_ns = _run(Chain(simulator, settings, options.teleop, [bag, table, plot]),
                           progress, frames.period_ns)
         loop_s = time.perf_counter() - start_s
         painter.begin('Replay of {}, {} frames, in the world {}'.format(
             os.path.basename(options.input), plot.frames, os.path.basename(options.world)),
-                      plot.numbers(end_ns / SECOND_NS, footprints(simulator.world)))
+                      plot.data(end_ns / SECOND_NS, footprints(simulator.world)))
         bag.close()
         text.flush()
         png_file.write(painter.finish())
@@ -104,37 +104,36 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.motion(), paths)
 
 
-def _run(chain: Chain, measured_frames: Iterable, period_ns: int) -> int:
+def _run(chain: Chain, measurements: Iterable[FrameMeasurement], period_ns: int) -> int:
     """Run the chain; return the time at its end."""
-    end_ns = chain.run(measured_frames) + period_ns
+    end_ns = chain.run(measurements) + period_ns
     chain.end(end_ns)
     return end_ns
 
 
 def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, motion: Motion,
-             paths) -> str:
+             paths: Sequence[str]) -> str:
     return ('{} frames, {:.3f} s simulated in {:.2f} s, {:.1f} times real time ({:.2f} s with '
             'world and plot); the robot ends at x {:.3f} m, y {:.3f} m, yaw {:.3f} rad; wrote {}'
             .format(frames, simulated_s, loop_s, simulated_s / loop_s, whole_s,
-                    *motion.position[:2], motion.yaw, ', '.join(paths)))
+                    motion.position[0], motion.position[1], motion.yaw, ', '.join(paths)))
 
 
-def _frames(path: str, topic: str) -> Frames:
+def _open_input(path: str, topic: str) -> Frames:
     if not os.path.isfile(path):
-        raise UserError('cannot replay {}: {}; {}'.format(
-            path, 'it is no file' if os.path.exists(path) else 'no such file',
-            inputs.WANTED))
+        raise UserError('cannot replay {}: {}'.format(
+            path, 'it is not a file' if os.path.exists(path) else 'no such file'), inputs.WANTED)
     if is_bag(path):
-        # what only bags need takes a while to load
+        # imported here because loading rosbag takes time
         from img_recog.replay.bags import BagFrames
         return BagFrames(path, topic)
     if topic:
-        raise UserError('cannot replay {}: --topic is for a bag, and this is none'.format(path))
+        raise UserError('cannot replay {}: --topic is for a bag, and it is not a bag'.format(path))
     return VideoFrames(path)
 
 
-def _recognition(path: str) -> RecognitionSettings:
+def _recognition_settings(path: str) -> RecognitionSettings:
     if not path:
         return with_colors()()
-    from img_recog.recognition import parameter_file  # takes a while to load
+    from img_recog.recognition import parameter_file  # loading YAML takes time
     return parameter_file.read(os.path.expanduser(path))

@@ -1,7 +1,7 @@
 """The program replay: a video or a bag through recognition and simulation, without a master.
 
-Runs as fast as it goes, and writes what happened as a bag, a table and a picture. The same input
-gives the same files to the byte.
+Runs as fast as possible and writes the result as a bag, a table and a picture. The same input
+always gives the same files, byte for byte.
 """
 import gc
 import os
@@ -14,10 +14,10 @@ from img_recog.replay.painter import Painter
 def main() -> int:
     """Run the program; return its exit code."""
     begin_s = time.perf_counter()
-    # numpy's threads have nothing to do for matrices this small
+    # the matrices are too small for the threads of numpy to help
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     with Painter() as painter:
-        # takes a while, in which the painter loads what it needs; nothing of it becomes garbage
+        # meanwhile the painter loads its own modules; imported modules never become garbage
         gc.disable()
         from img_recog.replay import job
         gc.freeze()

@@ -1,71 +1,77 @@
-"""A process that draws the picture of a replay."""
+"""Draws the picture of a replay in a separate process."""
 import gc
 import io
 import multiprocessing
 import signal
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import TYPE_CHECKING
 
 from img_recog.errors import UserError
 
+if TYPE_CHECKING:       # it imports numpy, and the process must start before that
+    from img_recog.replay.plot_data import PlotData
+
 
 class Painter:
-    """Loads matplotlib and prepares a picture while others are at work, and then draws it.
+    """A process that loads matplotlib while the replay runs, and then draws the picture.
 
-    It is a process because threads would take turns with the rest of the program. Start it before
-    there are threads and files: it is a fork. To leave the `with` ends it, whatever it is at.
+    A thread would compete with the replay for the interpreter lock. The process is a fork: start
+    it before there are threads and open files. At the end of the `with` it is killed.
 
-    number: of the process.
+    pid: id of the process.
     """
 
     def __init__(self):
-        # the one that needs no program to be loaded again
+        # fork: the other start methods load the program again
         context = multiprocessing.get_context('fork')
-        self._ours, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(self._ours, theirs), daemon=True)
+        self._connection, child_connection = context.Pipe()
+        self._process = context.Process(
+            target=_serve, args=(self._connection, child_connection), daemon=True)
         self._process.start()
-        self.number = self._process.pid
-        theirs.close()
+        self.pid = self._process.pid
+        child_connection.close()
 
     def __enter__(self) -> 'Painter':
         return self
 
     def __exit__(self, *_) -> None:
-        self._ours.close()
+        self._connection.close()
         self._process.kill()
         self._process.join()
 
-    def begin(self, title: str, numbers: Any) -> None:
-        """Let it draw; numbers: PlotData."""
+    def begin(self, title: str, data: 'PlotData') -> None:
+        """Start to draw."""
         try:
-            self._ours.send((title, numbers))
+            self._connection.send((title, data))
         except OSError:
-            pass        # it has ended, as `finish` finds
+            pass        # the process has ended; `finish` raises the error
 
     def finish(self) -> bytes:
-        """Return the picture as PNG, once it is there; UserError when there will be none."""
+        """Return the picture as PNG when it is done; raise UserError if the process has ended."""
         try:
-            return self._ours.recv_bytes()
+            return self._connection.recv_bytes()
         except (EOFError, OSError):
             self._process.join()
-            raise UserError('the picture cannot be drawn: its process ended with exit code {}; '
-                            'was it killed for want of memory?'.format(self._process.exitcode))
+            problem = 'the picture cannot be drawn: its process ended with exit code {}'
+            raise UserError(
+                problem.format(self._process.exitcode),
+                'check whether it was killed because memory ran out')
 
 
-def _serve(parents: Connection, ours: Connection) -> None:
-    # the program that started this one ends it, or is gone
-    parents.close()
-    for number in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)
-    gc.disable()        # it lives so short that there is nothing to gain
-    from img_recog.replay.figure import Picture
-    picture, file = Picture(), io.BytesIO()
+def _serve(parent_connection: Connection, connection: Connection) -> None:
+    parent_connection.close()
+    # this process is ended by its parent, or when the parent is gone
+    for signum in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(signum, signal.SIG_IGN)
+    gc.disable()        # the process is too short-lived for it to help
+    from img_recog.replay.figure import ReplayFigure
+    figure, file = ReplayFigure(), io.BytesIO()
     try:
-        title, numbers = ours.recv()
+        title, data = connection.recv()
     except EOFError:
         return
-    picture.draw(file, title, numbers)
+    figure.draw(file, title, data)
     try:
-        ours.send_bytes(file.getbuffer())
+        connection.send_bytes(file.getbuffer())
     except OSError:
-        pass            # nobody waits for it any more
+        pass            # the parent no longer waits for it

@@ -1,4 +1,4 @@
-"""What is kept of a replay for its picture."""
+"""Records the data for the picture of a replay."""
 from typing import Dict, List, Sequence
 
 import numpy as np
@@ -10,9 +10,9 @@ from img_recog.replay.plot_data import PlotData
 
 
 class PlotRecorder(Recorder):
-    """Keeps what is drawn at the end: some numbers a frame.
+    """Collects the data that is drawn at the end of a replay.
 
-    frames: how many have been seen.
+    frames: number of frames so far.
     """
 
     def __init__(self, colors: Sequence[Color]):
@@ -24,16 +24,18 @@ class PlotRecorder(Recorder):
     def frames(self) -> int:
         return len(self._rows)
 
-    def on_frame(self, seen: FrameResult) -> None:
-        motion = seen.motion
-        self._rows.append((seen.time_ns / SECOND_NS, motion.position[0], motion.position[1],
-                           motion.yaw, motion.linear[0], motion.angular[2], *seen.areas_px))
+    def on_frame(self, result: FrameResult) -> None:
+        motion = result.motion
+        self._rows.append((result.time_ns / SECOND_NS, motion.position[0], motion.position[1],
+                           motion.yaw, motion.linear[0], motion.angular[2], *result.areas_px))
 
     def on_command(self, sent: CommandSent) -> None:
         self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command))
 
-    def numbers(self, end_s: float, outlines: Sequence[np.ndarray]) -> PlotData:
-        """Return what has been kept; end_s, outlines: as PlotData has them."""
-        return PlotData(self._colors, np.array(self._rows),
-                        *(np.array(self._sent[sender]).reshape(-1, 3)
-                          for sender in (RECOGNITION, TELEOP)), end_s, outlines)
+    def data(self, end_s: float, outlines: Sequence[np.ndarray]) -> PlotData:
+        """Return the collected data; end_s, outlines: as in PlotData."""
+        return PlotData(self._colors, np.array(self._rows), self._commands(RECOGNITION),
+                        self._commands(TELEOP), end_s, outlines)
+
+    def _commands(self, sender: str) -> np.ndarray:
+        return np.array(self._sent[sender]).reshape(-1, 3)

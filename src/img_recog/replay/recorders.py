@@ -1,4 +1,4 @@
-"""What a replay leaves behind as data: a bag and a table."""
+"""Records a replay as a bag and as a table."""
 import csv
 import io
 import os
@@ -16,14 +16,14 @@ from img_recog.simulation.vehicle import Reading
 _BUFFER_BYTES = 1 << 18
 
 
-class _Appended(io.BufferedRandom):
-    """A file that is at its end, and goes there and knows where that is for nothing.
+class _AppendedFile(io.BufferedRandom):
+    """A file whose `seek` to the end and `tell` there need no system call.
 
-    rosbag asks it so before each message. An ordinary file then writes out its buffer, and asks
+    rosbag calls both before each message, for which an ordinary file flushes its buffer and calls
     the kernel.
     """
 
-    _end: Optional[int] = None      # where the file is, if that is its end
+    _end: Optional[int] = None      # position of the file if it is at its end
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         to_end = (offset, whence) == (0, os.SEEK_END)
@@ -36,7 +36,7 @@ class _Appended(io.BufferedRandom):
     def tell(self) -> int:
         return super().tell() if self._end is None else self._end
 
-    def write(self, data: bytes) -> int:
+    def write(self, data) -> int:
         count = super().write(data)
         if self._end is not None:
             self._end += count
@@ -44,27 +44,28 @@ class _Appended(io.BufferedRandom):
 
 
 class BagRecorder(Recorder):
-    """Writes /cmd_vel, /color_detection, /joint_states, /odom and /tf.
+    """Writes /cmd_vel, /color_detection, /joint_states, /odom and /tf to a bag.
 
-    Stamps are those of the frames, and for the rest simulated time from the first frame on.
+    Detections have the stamps of the frames; other stamps are the stamp of the first frame plus
+    simulated time.
     """
 
     def __init__(self, file: io.RawIOBase, names: Sequence[str], odometry: OdometrySettings,
                  base_frame: str):
-        """Write to an open file, empty and without a buffer.
+        """Write to an open file, which is empty and unbuffered.
 
-        names: of the colors. base_frame: child_frame_id of the odometry.
+        names: of the colors; base_frame: child_frame_id of the odometry.
         """
-        self._bag = rosbag.Bag(_Appended(file, _BUFFER_BYTES), 'w')
+        self._bag = rosbag.Bag(_AppendedFile(file, _BUFFER_BYTES), 'w')
         self._names, self._odometry, self._base_frame = names, odometry, base_frame
         self._start_ns = 0
 
     def start(self, stamp_ns: int) -> None:
         self._start_ns = stamp_ns
 
-    def on_frame(self, seen: FrameResult) -> None:
+    def on_frame(self, result: FrameResult) -> None:
         self._write('/color_detection', color_detection_msgs.to_msg(
-            self._names, seen.areas_px, seen.centroids, seen.frame.header), seen.time_ns)
+            self._names, result.areas_px, result.centroids, result.frame.header), result.time_ns)
 
     def on_command(self, sent: CommandSent) -> None:
         self._write('/cmd_vel', twist_msgs.to_msg(*sent.command), sent.time_ns)
@@ -87,15 +88,15 @@ class BagRecorder(Recorder):
         self._bag.close()
 
     def _write(self, topic: str, msg, time_ns: int) -> None:
-        # rosbag's tools in C++ leave out what was recorded at time 0
+        # the C++ tools of rosbag skip messages that were recorded at time 0
         self._bag.write(topic, msg, _time(max(1, self._start_ns + time_ns)))
 
 
 class TableRecorder(Recorder):
-    """Writes CSV: a header line, then a row for each frame.
+    """Writes a CSV table: a header line, then a row for each frame.
 
-    Several commands for a frame are in one field, a space between. Pose in the world and
-    velocities in the robot's root link are those when the frame came.
+    Several commands of a frame are in one field, separated by spaces. The pose in the world frame
+    and the velocities of the robot's root link are those at the time of the frame.
     """
 
     def __init__(self, file: IO[str], names: Sequence[str]):
@@ -106,13 +107,13 @@ class TableRecorder(Recorder):
             'commands_linear_x_m_per_s', 'commands_angular_z_rad_per_s', 'x_m', 'y_m', 'yaw_rad',
             'linear_x_m_per_s', 'angular_z_rad_per_s'])
 
-    def on_frame(self, seen: FrameResult) -> None:
-        motion = seen.motion
+    def on_frame(self, result: FrameResult) -> None:
+        motion = result.motion
         self._rows.writerow([
-            _seconds(seen.time_ns), seen.frame.number, _seconds(seen.frame.stamp_ns),
-            *seen.areas_px,
-            ' '.join(str(command.linear_x) for command in seen.commands),
-            ' '.join(str(command.angular_z) for command in seen.commands),
+            _seconds(result.time_ns), result.frame.number, _seconds(result.frame.stamp_ns),
+            *result.areas_px,
+            ' '.join(str(command.linear_x) for command in result.commands),
+            ' '.join(str(command.angular_z) for command in result.commands),
             *map(_number, (motion.position[0], motion.position[1], motion.yaw,
                            motion.linear[0], motion.angular[2]))])
 
@@ -126,4 +127,4 @@ def _seconds(time_ns: int) -> str:
 
 
 def _number(value: float) -> str:
-    return '{:.6f}'.format(round(value, 6) + 0.0)       # no minus before a zero
+    return '{:.6f}'.format(round(value, 6) + 0.0)       # + 0.0 turns -0.0 into 0.0

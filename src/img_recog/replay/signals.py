@@ -1,4 +1,4 @@
-"""Signals that end a program by an exception."""
+"""Ends a program by an exception when it receives a signal."""
 import contextlib
 import signal
 import sys
@@ -6,35 +6,35 @@ from typing import Iterator, Optional
 
 
 class Interrupts:
-    """Has SIGINT raise KeyboardInterrupt, and SIGTERM and SIGHUP SystemExit of 128 and the number.
+    """Makes SIGINT raise KeyboardInterrupt, and SIGTERM and SIGHUP SystemExit(128 + signum).
 
-    So unfinished files are removed on the way out. One that is ignored, as nohup has it, stays so;
-    SIGINT ends a program that a shell has in the background as well.
+    So unfinished files are removed before the program ends. SIGTERM and SIGHUP stay ignored if
+    they are, as under nohup. SIGINT also ends a program in the background of a shell.
     """
 
-    def __init__(self):
-        self._is_held = False
-        self._came: Optional[int] = None
-        signal.signal(signal.SIGINT, self._leave)
-        for number in (signal.SIGTERM, signal.SIGHUP):
-            if signal.getsignal(number) != signal.SIG_IGN:
-                signal.signal(number, self._leave)
+    def __init__(self) -> None:
+        self._is_deferred = False
+        self._pending: Optional[int] = None
+        signal.signal(signal.SIGINT, self._end)
+        for signum in (signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(signum) != signal.SIG_IGN:
+                signal.signal(signum, self._end)
 
     @contextlib.contextmanager
-    def held(self) -> Iterator[None]:
-        """Leave only at the end of this: what it makes must not be left half made."""
-        self._is_held = True
+    def deferred(self) -> Iterator[None]:
+        """Handle signals only at the end of the `with`, whose work must not be interrupted."""
+        self._is_deferred = True
         try:
             yield
         finally:
-            self._is_held = False
-        if self._came is not None:
-            self._leave(self._came, None)
+            self._is_deferred = False
+        if self._pending is not None:
+            self._end(self._pending, None)
 
-    def _leave(self, number: int, _) -> None:
-        if self._is_held:
-            self._came = number
-        elif number == signal.SIGINT:
+    def _end(self, signum: int, _) -> None:
+        if self._is_deferred:
+            self._pending = signum
+        elif signum == signal.SIGINT:
             raise KeyboardInterrupt
         else:
-            sys.exit(128 + number)
+            sys.exit(128 + signum)

@@ -1,1 +1,1 @@
-"""Keys to target velocities, and the terminal that they come from; knows no ROS."""
+"""Keyboard teleoperation: keys of a terminal to velocity commands. Independent of ROS."""

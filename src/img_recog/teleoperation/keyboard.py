@@ -1,4 +1,4 @@
-"""Single key presses from a terminal."""
+"""Reads single keys from a terminal."""
 import contextlib
 import os
 import select
@@ -10,11 +10,11 @@ from typing import Optional
 
 
 class Keyboard:
-    """Reads keys without Enter while it is used as a context.
+    """Reads keys without waiting for Enter; to be used in a `with` statement.
 
-    present: whether there are keys to read. There are if standard input is the terminal in whose
-    foreground this process runs: a process in the background, or one that roslaunch has put into
-    a session of its own, would steal the keys of the shell. Without them, `key` merely waits.
+    present: whether keys can be read, which needs standard input to be a terminal and this process
+    to be in its foreground. A process in the background, or one that roslaunch started in a
+    separate session, would take the keys away from the shell. If False, `key` only waits.
     """
 
     def __init__(self, stream=None):
@@ -30,25 +30,25 @@ class Keyboard:
 
     def __exit__(self, *_):
         if self._saved is not None:
-            # a terminal that is gone has no settings left to restore
+            # the terminal may have been closed
             with contextlib.suppress(termios.error):
                 termios.tcsetattr(self._stream, termios.TCSADRAIN, self._saved)
             self._saved = None
 
     def key(self, timeout_s: float) -> Optional[str]:
-        """Return the next key pressed within `timeout_s`, else None."""
+        """Return the next key, None if none is pressed within `timeout_s`."""
         if not self.present:
             time.sleep(timeout_s)
             return None
         readable, _, _ = select.select([self._stream], [], [], timeout_s)
         if not readable:
             return None
-        # from the descriptor: sys.stdin would buffer keys where select cannot see them
+        # not by sys.stdin.read: it buffers keys, which select then does not report
         try:
             pressed = os.read(self._stream.fileno(), 1)
         except OSError:
             pressed = b''
-        self.present = bool(pressed)        # no byte, or an error: the terminal is gone
+        self.present = bool(pressed)        # no byte or an error: it is closed
         return pressed.decode('ascii', 'replace') or None
 
 

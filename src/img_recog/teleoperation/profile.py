@@ -1,4 +1,4 @@
-"""Key presses to target velocities, and target velocities to a smooth command."""
+"""Converts keys to target velocities, and target velocities to smooth commands."""
 from typing import Tuple
 
 from img_recog.teleoperation.settings import TeleopSettings
@@ -8,7 +8,10 @@ STOP = ('s', ' ')
 
 
 class VelocityProfile:
-    """The state behind the keys: what is asked for and what is sent."""
+    """The target velocity, which keys change, and the sent velocity, which approaches it.
+
+    target_linear in m/s, target_angular in rad/s.
+    """
 
     def __init__(self, settings: TeleopSettings = TeleopSettings()):
         self._settings = settings
@@ -16,7 +19,7 @@ class VelocityProfile:
         self._sent_linear = self._sent_angular = 0.0
 
     def press(self, key: str) -> bool:
-        """Take one key; return whether it is one that means something.
+        """Handle one key; return whether it is one of the keys below.
 
         w, x: faster forward, backward; a, d: faster to the left, right; s, space: stop at once.
         """
@@ -36,7 +39,7 @@ class VelocityProfile:
         return True
 
     def tick(self) -> Tuple[float, float]:
-        """Return the command to send now: linear.x in m/s, angular.z in rad/s."""
+        """Advance by one tick; return the command to send: linear.x in m/s, angular.z in rad/s."""
         self._sent_linear = _towards(self._sent_linear, self.target_linear,
                                      self._settings.linear_step / 2)
         self._sent_angular = _towards(self._sent_angular, self.target_angular,
@@ -45,7 +48,7 @@ class VelocityProfile:
 
 
 def _stepped(value: float, step: float, limit: float) -> float:
-    # rounded to what a person counts in: ten presses of 0.01 are 0.1
+    # rounded, so that ten steps of 0.01 give exactly 0.1
     return max(-limit, min(limit, round(value + step, 9)))
 
 

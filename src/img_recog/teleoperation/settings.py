@@ -1,4 +1,4 @@
-"""Steps and limits of keyboard driving, those of turtlebot3_teleop for the burger."""
+"""Settings of the keyboard teleoperation; the defaults are those of turtlebot3_teleop."""
 from dataclasses import dataclass
 
 from img_recog.settings import Settings, above, setting
@@ -6,8 +6,10 @@ from img_recog.settings import Settings, above, setting
 
 @dataclass(frozen=True)
 class TeleopSettings(Settings):
-    """m/s and rad/s: a key press moves the target by a step, a tick moves the sent value by half.
+    """Steps and limits of the velocities, in m/s and rad/s.
 
+    linear_step, angular_step: how much one key changes the target velocity; each tick changes the
+    sent velocity by at most half of it.
     max_linear_velocity, max_angular_velocity: of the real burger (TurtleBot3 e-manual).
     """
 

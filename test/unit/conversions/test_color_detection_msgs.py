@@ -1,4 +1,4 @@
-"""Areas and centroids of colors go into a PointCloud and come out the same."""
+"""Areas and centroids of colors: round trip through PointCloud, format, and refused clouds."""
 import io
 import math
 
@@ -15,7 +15,7 @@ HEADER = Header(7, rospy.Time(12, 345), 'head_camera')
 
 
 def sent(msg):
-    """Return the message after a way over the wire."""
+    """Return the message after serialization and deserialization."""
     buffer = io.BytesIO()
     msg.serialize(buffer)
     return PointCloud().deserialize(buffer.getvalue())
@@ -45,5 +45,5 @@ def test_format():
     PointCloud(channels=[ChannelFloat32('blue', [])]),
     PointCloud(points=[Point32()], channels=[ChannelFloat32('intensity', [1.0, 2.0])])])
 def test_another_cloud_is_refused(msg):
-    with pytest.raises(ColorDetectionError, match='wants a channel for each point'):
+    with pytest.raises(ColorDetectionError, match='expected a channel for each point'):
         color_detection_msgs.from_msg(msg)

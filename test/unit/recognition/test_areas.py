@@ -1,4 +1,4 @@
-"""Color areas against plain OpenCV and numpy, with the article's ranges and others."""
+"""Compares color areas with plain OpenCV and numpy, for the article's ranges and others."""
 import cv2
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from img_recog.recognition.areas import ENCODINGS, ColorExtractor
 from img_recog.recognition.settings import with_colors
 from img_recog_testing import plain_opencv
 
-# bgr8 pixels at both sides of each bound of the article, with the HSV that OpenCV gives them
+# bgr8 pixels on both sides of each bound of the article, with their HSV by OpenCV
 BOUNDS = [
     # bgr, hsv, in blue, in red
     ((0, 200, 64), (50, 255, 200), True, False),
@@ -37,7 +37,7 @@ def random_image(seed, shape=(48, 64, 3)):
 
 
 def in_range(image, color):
-    """Return by numpy alone where a bgr8 image is of a color."""
+    """Return, by numpy alone, which pixels of a bgr8 image are inside the range of a color."""
     hue, saturation, value = np.moveaxis(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), 2, 0)
     low, high = color.hue
     inside = ((hue >= low) & (hue <= high)) if low <= high else ((hue >= low) | (hue <= high))
@@ -111,7 +111,7 @@ def test_a_range_of_everything():
 
 
 @pytest.mark.parametrize('encoding', ENCODINGS)
-def test_every_order_of_channels_gives_the_same(encoding):
+def test_every_encoding_gives_the_same_result(encoding):
     image = random_image(4)
     given = np.dstack([image, random_image(5)[..., 0]]) if 'a' in encoding else image
     if encoding.startswith('rgb'):
@@ -123,7 +123,7 @@ def test_every_order_of_channels_gives_the_same(encoding):
         assert np.array_equal(found.masked(number), plain.masked(number))
 
 
-def test_rows_that_are_apart_and_memory_that_cannot_be_written():
+def test_rows_that_are_not_contiguous_and_read_only_memory():
     image = random_image(6, (48, 80, 3))
     image.setflags(write=False)
     found, plain = extractor(), extractor()
@@ -153,7 +153,7 @@ def test_bounds_of_the_articles_ranges(bgr, hsv, in_blue, in_red):
 
 
 @pytest.mark.parametrize('channel', [0, 1, 2])
-def test_bounds_are_included_at_both_ends_of_each_channel(channel):
+def test_bounds_of_each_channel_are_included(channel):
     image, hsv = np.full((2, 3, 3), (191, 60, 200), np.uint8), np.array([152, 178, 200])
     assert np.array_equal(cv2.cvtColor(image, cv2.COLOR_BGR2HSV)[0, 0], hsv)
 
@@ -179,7 +179,7 @@ def test_black_grey_and_white_have_no_color(value):
     assert found.centroid(0) is None and found.centroid(1) is None
 
 
-def test_whole_frame_of_a_color():
+def test_frame_filled_with_a_color():
     image = np.full((48, 64, 3), (215, 70, 25), np.uint8)
     found = extractor()
     assert found.measure(image) == [48 * 64, 0]
@@ -187,7 +187,7 @@ def test_whole_frame_of_a_color():
     assert found.centroid(0) == (31.5, 23.5)
 
 
-def test_input_is_left_alone_and_results_share_no_memory_with_it():
+def test_input_is_unchanged_and_shares_no_memory_with_results():
     image = random_image(7)
     before, found = image.copy(), extractor()
     found.measure(image)
@@ -207,7 +207,7 @@ def test_an_image_without_pixels(shape, encoding):
     assert found.centroid(0) is None
 
 
-def test_nothing_of_an_earlier_image_is_left():
+def test_results_do_not_depend_on_earlier_images():
     found = extractor()
     for seed, shape in enumerate([(48, 64, 3), (20, 64, 3), (600, 1000, 3), (48, 64, 3), (1, 1, 3),
                                   (48, 30, 3)]):
@@ -224,15 +224,15 @@ def test_nothing_is_allocated_in_the_steady_state():
     image, found = random_image(8), extractor()
     found.measure(image, 'rgb8')
     addresses = {number: found.masked(number).ctypes.data for number in (0, 1)}
-    kept = dict(found._buffers)
+    buffers = dict(found._buffers)
     for _ in range(3):
         found.measure(image, 'rgb8')
         assert {number: found.masked(number).ctypes.data for number in (0, 1)} == addresses
-    assert all(found._buffers[key] is buffer for key, buffer in kept.items())
-    assert len(found._buffers) == len(kept)
+    assert all(found._buffers[key] is buffer for key, buffer in buffers.items())
+    assert len(found._buffers) == len(buffers)
 
 
-def test_other_settings_hold_from_the_next_image_on():
+def test_other_settings_apply_from_the_next_image_on():
     image, found = random_image(9), extractor()
     before = found.measure(image)
     found.configure(with_colors()(blue_hue_min=100))
@@ -261,7 +261,7 @@ def test_a_region_of_interest():
 @pytest.mark.parametrize('roi, size', [
     ({'roi_x_offset': 60}, 4 * 48), ({'roi_y_offset': 40, 'roi_height': 1000}, 8 * 64),
     ({'roi_x_offset': 64}, 0), ({'roi_x_offset': 1000, 'roi_y_offset': 1000}, 0)])
-def test_a_region_that_is_partly_or_wholly_outside(roi, size):
+def test_a_region_partly_or_completely_outside_of_the_image(roi, size):
     found = extractor(**roi)
     assert found.measure(np.full((48, 64, 3), (215, 70, 25), np.uint8)) == [size, 0]
     assert (found.masked(0).any(axis=2).sum(), found.masked(1).any()) == (size, False)
@@ -270,9 +270,10 @@ def test_a_region_that_is_partly_or_wholly_outside(roi, size):
 
 def test_small_blobs_do_not_count():
     image = np.zeros((48, 64, 3), np.uint8)
-    image[2:5, 2:5] = image[20:30, 20:40] = image[30, 40] = (215, 70, 25)   # one at a corner
-    for least, area_px in ((0, 210), (1, 210), (9, 210), (10, 201), (201, 201), (202, 0)):
-        found = extractor(min_blob_size=least)
+    # the last pixel touches a blob only at its corner
+    image[2:5, 2:5] = image[20:30, 20:40] = image[30, 40] = (215, 70, 25)
+    for blob_px, area_px in ((0, 210), (1, 210), (9, 210), (10, 201), (201, 201), (202, 0)):
+        found = extractor(min_blob_size=blob_px)
         assert found.measure(image) == [area_px, 0]
         assert (found.mask(0) == 255).sum() == area_px
         assert found.masked(0).any(axis=2).sum() == area_px
@@ -286,7 +287,7 @@ def test_centroids_are_the_mean_of_the_pixels():
         assert found.centroid(number) == pytest.approx((columns.mean(), rows.mean()), abs=1e-9)
 
 
-def test_areas_stand_in_the_order_of_the_colors():
+def test_areas_are_in_the_order_of_the_colors():
     image = random_image(12)
     blue, red = extractor().measure(image)
     assert blue != red

@@ -1,4 +1,4 @@
-"""Areas to commands, with the article's rules and others."""
+"""Commands for areas, by the article's rules and by other settings."""
 import pytest
 
 from img_recog.recognition.commands import STOP, Command, Commander, commands
@@ -32,7 +32,7 @@ def test_order_limits_and_commands_are_those_of_the_settings():
     assert commands([5, 1000, 0], other) == []
 
 
-def test_by_default_every_frame_commands_anew_and_nothing_ever_stops():
+def test_by_default_every_frame_has_its_commands_and_there_is_no_stop():
     commander = Commander(settings(), 0.0)
     assert [commander.decide(areas, 0.0) for areas in (BLUE, BLUE, NONE, BOTH, BOTH, RED)] == [
         [FORWARD], [FORWARD], [], [FORWARD, BACKWARD], [FORWARD, BACKWARD], [BACKWARD]]
@@ -63,7 +63,7 @@ def test_stop_once_when_the_image_is_stale():
         [], [], [STOP], [], []]
 
 
-def test_stop_when_no_color_was_ever_seen_and_at_the_end():
+def test_stop_when_no_color_was_ever_seen_and_on_shutdown():
     commander = Commander(settings(stop_when_lost=0.5), 10.0)
     assert [commander.wait(now) for now in (10.4, 10.5, 10.6)] == [[], [STOP], []]
     assert commander.end() == [STOP]
@@ -77,7 +77,7 @@ def test_the_same_command_after_a_stop_is_a_change():
     assert commander.decide(BLUE, 0.9) == [FORWARD]
 
 
-def test_other_settings_hold_at_once():
+def test_other_settings_apply_at_once():
     commander = Commander(settings(), 0.0)
     assert commander.wait(100.0) == []
     commander.configure(settings(stop_when_lost=1.0, blue_linear_x=0.1))

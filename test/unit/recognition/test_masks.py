@@ -1,9 +1,9 @@
-"""Where the masks of colors look for them: everywhere that one can be."""
+"""Masks equal plain OpenCV, although only a part of the image is converted to HSV."""
 import cv2
 import numpy as np
 import pytest
 
-from img_recog.recognition import masks
+from img_recog.recognition import masks as masks_module
 from img_recog.recognition.masks import Masks
 from img_recog.recognition.settings import with_colors
 from img_recog_testing import plain_opencv
@@ -17,28 +17,28 @@ def colors(**values):
         'any_' + name: value for name, value in values.items()}).colors
 
 
-def assert_equal_to_plain_opencv(made, image, given):
-    made.make(image, cv2.COLOR_BGR2HSV)
+def assert_equal_to_plain_opencv(masks, image, given):
+    masks.compute(image, cv2.COLOR_BGR2HSV)
     expected = [plain_opencv.mask(image, color) for color in given]
-    assert made.areas_px == [cv2.countNonZero(mask) for mask in expected]
-    for mask, plain in zip(made.masks, expected):
+    assert masks.areas_px == [cv2.countNonZero(mask) for mask in expected]
+    for mask, plain in zip(masks.masks, expected):
         assert np.array_equal(mask, plain)
 
 
 def grey_room(seed, shape):
-    """Return a bgr8 image of grey noise that is nearly without color."""
+    """Return a bgr8 image of noise that is nearly grey."""
     random = np.random.RandomState(seed)
     grey = random.randint(0, 256, shape + (1,))
     return np.clip(grey + random.randint(-3, 4, shape + (3,)), 0, 255).astype(np.uint8)
 
 
-def test_every_color_there_is():
-    made = Masks((256, 256), ARTICLE)
+def test_every_bgr_color():
+    masks = Masks((256, 256), ARTICLE)
     image = np.empty((256, 256, 3), np.uint8)
     image[..., 0], image[..., 1] = np.mgrid[:256, :256]
     for red in range(256):
         image[..., 2] = red
-        assert_equal_to_plain_opencv(made, image, ARTICLE)
+        assert_equal_to_plain_opencv(masks, image, ARTICLE)
 
 
 @pytest.mark.parametrize('given', [
@@ -47,26 +47,26 @@ def test_every_color_there_is():
     colors(saturation_min=30, saturation_max=40, value_min=0, value_max=90),
     colors(saturation_min=200, saturation_max=200, value_min=51, value_max=52)])
 def test_each_pixel_is_found_alone(monkeypatch, given):
-    """Of each value, those pixels of a color that are nearest to grey."""
-    value, least = np.mgrid[:256, :256]
-    pairs = np.stack([value, least], axis=-1)[least <= value]
+    """The image has, for each value, the pixels of a color that are nearest to grey."""
+    value, smallest = np.mgrid[:256, :256]
+    pairs = np.stack([value, smallest], axis=-1)[smallest <= value]
     nearest = []
     for middle in (pairs[:, 0], pairs[:, 1], pairs.mean(axis=1)):
         for order in ([0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]):
             pixels = np.column_stack([pairs, middle])[:, order].astype(np.uint8)
             inside = np.any([plain_opencv.mask(pixels[:, np.newaxis], color)
                              for color in given], axis=0).ravel()
-            # pairs are in order: the last of a value is the nearest
+            # pairs are sorted: the last one of a value is the nearest to grey
             _, last = np.unique(pairs[inside][::-1, 0], return_index=True)
             nearest.append(pixels[inside][::-1][last])
     image = np.concatenate(nearest)[:, np.newaxis]
-    monkeypatch.setattr(masks, '_STRIP_PX', 1)
-    made = Masks(image.shape[:2], given)
-    assert_equal_to_plain_opencv(made, image, given)
-    assert made.areas_px[0] > 0
+    monkeypatch.setattr(masks_module, '_STRIP_PX', 1)
+    masks = Masks(image.shape[:2], given)
+    assert_equal_to_plain_opencv(masks, image, given)
+    assert masks.areas_px[0] > 0
 
 
-def test_a_range_that_no_pixel_is_in():
+def test_a_range_without_any_pixel():
     given = colors(saturation_min=200, saturation_max=200, value_min=7, value_max=7)
     image = np.random.RandomState(0).randint(0, 9, (48, 64, 3), np.uint8)
     assert_equal_to_plain_opencv(Masks((48, 64), given), image, given)
@@ -74,7 +74,7 @@ def test_a_range_that_no_pixel_is_in():
 
 @pytest.mark.parametrize('shape', [(480, 640), (1080, 1920), (47, 31), (3, 200000)])
 def test_colors_that_move_through_a_grey_room(shape):
-    made = Masks(shape, ARTICLE)
+    masks = Masks(shape, ARTICLE)
     height, width = shape
     places = [(0, 0, 1, 1), (height - 1, width - 1, 1, 1), (0, width // 2, height, 1),
               (height // 2, 0, 1, width), (height // 3, width // 3, height // 3, width // 3),
@@ -83,53 +83,53 @@ def test_colors_that_move_through_a_grey_room(shape):
     for number, (top, left, rows, columns) in enumerate(places):
         image = grey_room(number, shape)
         image[top:top + rows, left:left + columns] = BLUE if number % 2 else RED
-        assert_equal_to_plain_opencv(made, image, ARTICLE)
+        assert_equal_to_plain_opencv(masks, image, ARTICLE)
 
 
-def test_a_picture_full_of_color_that_becomes_empty():
-    made = Masks((48, 64), ARTICLE)
+def test_an_image_full_of_color_followed_by_empty_ones():
+    masks = Masks((48, 64), ARTICLE)
     for _ in range(3):
         for number in range(20):
             assert_equal_to_plain_opencv(
-                made, np.random.RandomState(number).randint(0, 256, (48, 64, 3), np.uint8),
+                masks, np.random.RandomState(number).randint(0, 256, (48, 64, 3), np.uint8),
                 ARTICLE)
         for _ in range(20):
-            assert_equal_to_plain_opencv(made, np.full((48, 64, 3), 128, np.uint8), ARTICLE)
+            assert_equal_to_plain_opencv(masks, np.full((48, 64, 3), 128, np.uint8), ARTICLE)
 
 
-def test_a_fourth_channel_means_nothing():
+def test_a_fourth_channel_is_ignored():
     image = grey_room(1, (48, 64))
     image[10:20, 10:30] = BLUE
     for alpha in (0, 128, 255):
-        made = Masks((48, 64), ARTICLE)
-        made.make(np.dstack([image, np.full((48, 64), alpha, np.uint8)]), cv2.COLOR_BGR2HSV)
-        assert made.areas_px == [200, 0]
+        masks = Masks((48, 64), ARTICLE)
+        masks.compute(np.dstack([image, np.full((48, 64), alpha, np.uint8)]), cv2.COLOR_BGR2HSV)
+        assert masks.areas_px == [200, 0]
 
 
-def test_only_what_can_be_of_a_color_is_converted(monkeypatch):
+def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
     converted, cvt_color = [], cv2.cvtColor
 
     def recorded(image, *arguments):
         converted.append(image.shape[:2])
         return cvt_color(image, *arguments)
-    made = Masks((480, 640), ARTICLE)
+    masks = Masks((480, 640), ARTICLE)
     image = np.full((480, 640, 3), 128, np.uint8)
     image[100:110, 300:330] = BLUE
     monkeypatch.setattr(cv2, 'cvtColor', recorded)
-    made.make(image, cv2.COLOR_BGR2HSV)
+    masks.compute(image, cv2.COLOR_BGR2HSV)
     assert converted == [(10, 30)]
-    assert made.areas_px == [300, 0]
+    assert masks.areas_px == [300, 0]
     converted.clear()
     image[:] = BLUE
     for _ in range(3):
-        made.make(image, cv2.COLOR_BGR2HSV)
+        masks.compute(image, cv2.COLOR_BGR2HSV)
     assert sum(height * width for height, width in converted) == 3 * 480 * 640
     image[:, 30:] = 128
     for _ in range(100):
         converted.clear()
-        made.make(image, cv2.COLOR_BGR2HSV)
-        assert made.areas_px == [480 * 30, 0]
+        masks.compute(image, cv2.COLOR_BGR2HSV)
+        assert masks.areas_px == [480 * 30, 0]
         if sum(height * width for height, width in converted) == 480 * 30:
             break
     else:
-        pytest.fail('it never looks again')
+        pytest.fail('the search is never repeated')

@@ -1,4 +1,4 @@
-"""The colors in a file, and what is refused of one."""
+"""Reading a parameter file, and the files that are refused."""
 import os
 
 import pytest
@@ -16,7 +16,7 @@ def written(tmp_path, text):
     return str(path)
 
 
-def test_the_file_of_the_demo_says_what_holds_without_it():
+def test_the_file_of_the_demo_has_the_defaults():
     settings = parameter_file.read(CONFIG)
     assert settings.color_names == ('blue', 'red')
     assert settings.colors == with_colors()().colors
@@ -33,22 +33,22 @@ def test_another_file(tmp_path):
 
 
 @pytest.mark.parametrize('text, words', [
-    ('', 'got nothing, wants lines like colors: [blue, red]'),
+    ('', 'got nothing, expected lines like colors: [blue, red]'),
     ('# a comment\n', 'got nothing'), ('- blue\n', 'got list'), ('blue', 'got str'),
     ('a: [', 'while parsing'), ('colors: []', 'parameter colors: got []'),
     ('colors:', 'parameter colors: got nothing'),
     ('colors: [green]', 'parameter green_hue_min: got nothing'),
-    ('5: 6', 'got 5 in the place of the name'),
-    ('blue_linear_x: 1' + 400 * '0', 'allowed is a finite number, of 32 bits'),
-    ('min_blob_size: 99999999999', 'allowed is a whole number at least 0, of 32 bits'),
+    ('5: 6', 'got 5 where the name'),
+    ('blue_linear_x: 1' + 400 * '0', 'allowed is a finite number, within 32 bits'),
+    ('min_blob_size: 99999999999', 'allowed is a whole number at least 0, within 32 bits'),
     ('purple_hue_min: 3', 'there is no color purple, the colors are blue, red; add it to '
      'colors: [blue, red, purple]'),
     ('blue_hue_mim: 3', 'did you mean blue_hue_min?'),
-    ('red_area_limit: -5', 'parameter red_area_limit: got -5, allowed is a whole number at '
-     'least 0'),
+    ('red_area_limit: -5', 'parameter red_area_limit: got -5, allowed is a whole number '
+     'at least 0'),
     ('blue_value_min: 200\nblue_value_max: 100', 'parameter blue_value_min: got 200, allowed is '
      'at most blue_value_max, which is 100')])
-def test_what_is_refused(tmp_path, text, words):
+def test_refused_files(tmp_path, text, words):
     path = written(tmp_path, text)
     with pytest.raises(ParameterError) as caught:
         parameter_file.read(path)

@@ -1,4 +1,4 @@
-"""What the settings of the recognition are, and what they refuse."""
+"""Settings of the recognition: defaults, colors, and refused values."""
 import dataclasses
 
 import pytest
@@ -26,7 +26,7 @@ def test_more_colors():
         Color('blue', (50, 150), (100, 255), (100, 255), 7, 10.0, 0.0))
 
 
-def test_settings_are_replaced_as_a_whole():
+def test_replacing_a_field_leaves_the_original_unchanged():
     settings = with_colors()()
     assert dataclasses.replace(settings, red_hue_max=10).colors[1].hue == (150, 10)
     assert settings.colors[1].hue == (150, 180)
@@ -43,15 +43,16 @@ def test_settings_are_replaced_as_a_whole():
      '149'),
     ({'blue_area_limit': -1}, 'blue_area_limit: got -1, allowed is a whole number at least 0'),
     ({'blue_linear_x': float('nan')}, 'blue_linear_x: got nan, allowed is a finite number'),
-    ({'stop_when_lost': -0.1}, 'stop_when_lost: got -0.1, allowed is a finite number at least 0'),
+    ({'stop_when_lost': -0.1},
+     'stop_when_lost: got -0.1, allowed is a finite number at least 0'),
     ({'roi_width': -1}, 'roi_width: got -1, allowed is a whole number at least 0')])
-def test_what_is_refused(values, text):
+def test_refused_values(values, text):
     with pytest.raises(SettingError) as caught:
         with_colors()(**values)
     assert str(caught.value) == text
 
 
-def test_a_new_color_needs_its_hues():
+def test_hues_of_a_new_color_are_required():
     with pytest.raises(SettingError) as caught:
         with_colors(['blue', 'green'])(green_hue_min=40)
     assert str(caught.value) == (
@@ -61,11 +62,11 @@ def test_a_new_color_needs_its_hues():
 @pytest.mark.parametrize('value', [
     [], None, '', 'blue', {}, ['blue', 'blue'], ['blue', 3], ['dark blue'], ['/blue'], [''],
     ['_blue'], ['1st'], [['blue']]])
-def test_names_that_are_refused(value):
+def test_refused_names(value):
     with pytest.raises(SettingError) as caught:
         color_names(value)
     assert caught.value.name == 'colors' and caught.value.value == value
 
 
-def test_names():
+def test_accepted_names():
     assert color_names(['red', 'light_blue2']) == ('red', 'light_blue2')

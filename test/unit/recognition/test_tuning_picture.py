@@ -1,4 +1,4 @@
-"""The tuning picture and its numbers, against plain numpy and pixel by pixel."""
+"""Compares the statistics of the tuning picture with plain numpy, and checks its pixels."""
 import colorsys
 
 import cv2
@@ -8,7 +8,7 @@ import pytest
 from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
-from img_recog.recognition.tuning_numbers import frame_numbers, spans, within
+from img_recog.recognition.tuning_statistics import frame_statistics, spans, within
 
 ARTICLE = with_colors()()
 FIVE = with_colors(['blue', 'red', 'green', 'yellow', 'all_of_the_red'])(
@@ -18,7 +18,7 @@ FIVE = with_colors(['blue', 'red', 'green', 'yellow', 'all_of_the_red'])(
 
 def measured(image, settings):
     extractor = ColorExtractor(settings)
-    return frame_numbers(extractor, extractor.measure(image), settings)
+    return frame_statistics(extractor, extractor.measure(image), settings)
 
 
 def noise(seed=0, shape=(40, 60, 3)):
@@ -31,12 +31,12 @@ def one_color(hue, saturation=200, value=200, size=(4, 5)):
 
 
 @pytest.mark.parametrize('settings', [ARTICLE, FIVE], ids=['article', 'five'])
-def test_numbers_are_those_of_plain_numpy(settings):
+def test_statistics_equal_plain_numpy(settings):
     image = noise()
-    numbers = measured(image, settings)
+    statistics = measured(image, settings)
     hues, saturations, values = np.moveaxis(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), 2, 0)
     seen = np.zeros(hues.shape, bool)
-    for color, got in zip(settings.colors, numbers.colors):
+    for color, got in zip(settings.colors, statistics.colors):
         allowed = set()
         for low, high in spans(color.hue):
             allowed |= set(range(low, high + 1))
@@ -53,8 +53,8 @@ def test_numbers_are_those_of_plain_numpy(settings):
             edges = np.arange(257)
             assert (counts.all_px == np.histogram(plane[hue], edges)[0]).all()
             assert (counts.passing_px == np.histogram(plane[hue & other], edges)[0]).all()
-    assert (numbers.hue.all_px == np.histogram(hues, np.arange(182))[0]).all()
-    assert (numbers.hue.passing_px == np.histogram(hues[seen], np.arange(182))[0]).all()
+    assert (statistics.hue.all_px == np.histogram(hues, np.arange(182))[0]).all()
+    assert (statistics.hue.passing_px == np.histogram(hues[seen], np.arange(182))[0]).all()
 
 
 def test_colored_bars_in_bounds_are_the_area():
@@ -64,7 +64,7 @@ def test_colored_bars_in_bounds_are_the_area():
             assert counts.passing_px[low:high + 1].sum() == got.area_px
 
 
-def test_a_red_of_the_other_end_of_the_hues_is_told():
+def test_red_at_the_other_end_of_the_hues_is_reported():
     red = measured(one_color(5), ARTICLE).colors[1]
     assert (red.area_px, red.missed_px, red.missed_hue) == (0, (20, 0, 0), 5)
     assert 'only by hue: 20 px (most at 5)' in tuning_picture.reason(red)
@@ -76,12 +76,12 @@ def test_a_red_of_the_other_end_of_the_hues_is_told():
     (60, 200, 'only by hue: 0 px, only by saturation: 20 px, only by value: 0 px'),
     (200, 120, 'only by hue: 0 px, only by saturation: 0 px, only by value: 20 px'),
     (60, 120, 'only by hue: 0 px, only by saturation: 0 px, only by value: 0 px')])
-def test_what_is_dull_or_dark_is_told(saturation, value, text):
+def test_dull_or_dark_pixels_are_reported(saturation, value, text):
     red = measured(one_color(170, saturation, value), ARTICLE).colors[1]
     assert text in tuning_picture.reason(red)
 
 
-def test_small_blobs_are_told():
+def test_small_blobs_are_reported():
     settings = with_colors()(min_blob_size=21)
     blue = measured(one_color(110), settings).colors[0]
     assert (blue.area_px, blue.in_bounds_px) == (0, 20)
@@ -92,11 +92,11 @@ def test_small_blobs_are_told():
     ({}, 2400), ({'roi_x_offset': 50, 'roi_y_offset': 30}, 100),
     ({'roi_width': 7, 'roi_height': 3}, 21), ({'roi_x_offset': 55, 'roi_width': 100}, 200),
     ({'roi_x_offset': 60}, 0), ({'roi_y_offset': 1000, 'roi_height': 1}, 0)])
-def test_what_is_outside_of_the_region_counts_nowhere(roi, expected_px):
+def test_pixels_outside_of_the_region_are_not_counted(roi, expected_px):
     settings = with_colors()(**roi)
     image = one_color(110, size=(40, 60))
-    numbers = measured(image, settings)
-    assert numbers.hue.all_px.sum() == numbers.colors[0].area_px == expected_px
+    statistics = measured(image, settings)
+    assert statistics.hue.all_px.sum() == statistics.colors[0].area_px == expected_px
     assert image[settings.region(image.shape[:2])].size == 3 * expected_px
     figure, areas_px = tuning_picture.draw(image, settings)
     assert areas_px == [expected_px, 0]
@@ -111,7 +111,7 @@ def test_hues_through_zero():
 
 
 @pytest.mark.parametrize('limit, side', [(19, 'above'), (20, 'not above'), (21, 'below')])
-def test_the_area_stands_beside_its_limit(limit, side):
+def test_the_verdict_has_area_and_limit(limit, side):
     settings = with_colors(['blue'])(blue_area_limit=limit)
     assert tuning_picture.verdict(settings.colors[0], 20) == (
         'blue: 20 px, {} the limit of {} px'.format(side, limit))
@@ -125,7 +125,7 @@ def rendered(figure):
 
 
 def axes_image(figure, number, picture):
-    """Return what is drawn within some axes of the figure, less a margin for their frame."""
+    """Return the pixels inside the axes of the figure, without a margin for their frame."""
     box = figure.axes[number].get_window_extent()
     height = picture.shape[0]
     return picture[height - int(box.y1) + 3:height - int(box.y0) - 3,
@@ -164,7 +164,7 @@ def test_images_of_any_size(shape, settings):
     assert len(areas_px) == len(settings.colors)
 
 
-def test_a_picture_fits_where_it_is_to_be_shown():
+def test_a_picture_fits_into_the_given_size():
     figure, _ = tuning_picture.draw(np.full((48, 64, 3), 120, np.uint8), ARTICLE)
     height, width = tuning_picture.pixels(figure, 600, 2000).shape[:2]
     assert width == 600 and height < 600

@@ -1,49 +1,49 @@
-"""Frames to commands to a robot, in simulated time: when what is sent, and where it drives."""
+"""The chain of a replay: when commands are sent in simulated time, and where the robot drives."""
 import pytest
 
 from img_recog.recognition.settings import with_colors
-from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, measured
+from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, measure
 from img_recog_testing import robots
-from img_recog_testing.replaying import BLUE, RED, Notebook, frame
+from img_recog_testing.replaying import BLUE, RED, EventLog, frame
 
 MS = 10 ** 6
 PERIOD = 40 * MS
 
 
 def replayed(frames, teleop=False, period_ns=PERIOD, **settings):
-    """Run frames through a chain in the empty world; return notebook and simulator."""
-    notebook, simulator = Notebook(), robots.simulator()
+    """Run frames through a chain in the empty world; return the log and the simulator."""
+    log, simulator = EventLog(), robots.simulator()
     recognition = with_colors()(**settings)
-    chain = Chain(simulator, recognition, teleop, [notebook])
-    chain.end(chain.run(measured(frames, recognition)) + period_ns)
-    return notebook, simulator
+    chain = Chain(simulator, recognition, teleop, [log])
+    chain.end(chain.run(measure(frames, recognition)) + period_ns)
+    return log, simulator
 
 
-def video(*seen, start_ns=0, period_ns=PERIOD):
+def video(*color_lists, start_ns=0, period_ns=PERIOD):
     return [frame(number, start_ns + number * period_ns, *colors)
-            for number, colors in enumerate(seen)]
+            for number, colors in enumerate(color_lists)]
 
 
 def test_areas_centroids_and_commands_of_each_frame():
-    notebook, _ = replayed(video((), (BLUE,), (BLUE, RED), ()))
-    assert [seen.areas_px for seen in notebook.frames] == [[0, 0], [1600, 0], [1600, 1600], [0, 0]]
-    assert notebook.frames[2].centroids == [(19.5, 19.5), (59.5, 19.5)]
-    assert notebook.frames[3].centroids == [None, None]
-    assert [[command.linear_x for command in seen.commands] for seen in notebook.frames] == [
+    log, _ = replayed(video((), (BLUE,), (BLUE, RED), ()))
+    assert [result.areas_px for result in log.frames] == [[0, 0], [1600, 0], [1600, 1600], [0, 0]]
+    assert log.frames[2].centroids == [(19.5, 19.5), (59.5, 19.5)]
+    assert log.frames[3].centroids == [None, None]
+    assert [[command.linear_x for command in result.commands] for result in log.frames] == [
         [], [10.0], [10.0, -10.0], []]
-    assert notebook.commands == [(40 * MS, 10.0, RECOGNITION), (80 * MS, 10.0, RECOGNITION),
-                                 (80 * MS, -10.0, RECOGNITION)]
+    assert log.commands == [(40 * MS, 10.0, RECOGNITION), (80 * MS, 10.0, RECOGNITION),
+                            (80 * MS, -10.0, RECOGNITION)]
 
 
 def test_the_idle_teleop_sends_zeros_at_10_hz_before_the_frame_of_the_same_time():
-    notebook, simulator = replayed(video((BLUE,), (), (), (), (), (BLUE,)), teleop=True)
-    assert notebook.commands == [(0, 0.0, TELEOP), (0, 10.0, RECOGNITION), (100 * MS, 0.0, TELEOP),
-                                 (200 * MS, 0.0, TELEOP), (200 * MS, 10.0, RECOGNITION)]
+    log, simulator = replayed(video((BLUE,), (), (), (), (), (BLUE,)), teleop=True)
+    assert log.commands == [(0, 0.0, TELEOP), (0, 10.0, RECOGNITION), (100 * MS, 0.0, TELEOP),
+                            (200 * MS, 0.0, TELEOP), (200 * MS, 10.0, RECOGNITION)]
     assert simulator.time_s == pytest.approx(0.24)
 
 
 def test_the_robot_drives_as_the_simulator_does_with_the_same_commands():
-    notebook, simulator = replayed(video((), (BLUE,), (), (RED,), ()))
+    log, simulator = replayed(video((), (BLUE,), (), (RED,), ()))
     same = robots.simulator()
     vehicle = same.vehicles[0]
     same.advance(40)
@@ -54,7 +54,7 @@ def test_the_robot_drives_as_the_simulator_does_with_the_same_commands():
     assert simulator.time_s == same.time_s
     for got, wanted in zip(simulator.vehicles[0].robot.motion(), vehicle.robot.motion()):
         assert tuple(got) == tuple(wanted)
-    assert notebook.frames[3].motion.position[0] > notebook.frames[0].motion.position[0]
+    assert log.frames[3].motion.position[0] > log.frames[0].motion.position[0]
 
 
 def test_without_the_teleop_a_command_holds():
@@ -63,37 +63,37 @@ def test_without_the_teleop_a_command_holds():
             < long.vehicles[0].robot.motion().position[0])
 
 
-def test_time_is_counted_from_the_first_stamp():
+def test_time_starts_at_the_first_stamp():
     start_ns = 1600000000 * 10 ** 9 + 123
-    notebook, simulator = replayed(video((), (BLUE,), start_ns=start_ns), teleop=True)
-    assert notebook.start_ns == start_ns
-    assert [seen.time_ns for seen in notebook.frames] == [0, PERIOD]
-    assert notebook.commands == [(0, 0.0, TELEOP), (PERIOD, 10.0, RECOGNITION)]
+    log, simulator = replayed(video((), (BLUE,), start_ns=start_ns), teleop=True)
+    assert log.start_ns == start_ns
+    assert [result.time_ns for result in log.frames] == [0, PERIOD]
+    assert log.commands == [(0, 0.0, TELEOP), (PERIOD, 10.0, RECOGNITION)]
     assert simulator.time_s == pytest.approx(0.08)
 
 
-def test_a_frame_between_two_steps_is_at_the_nearest_and_nothing_adds_up():
+def test_a_frame_takes_effect_at_the_nearest_step_without_accumulated_error():
     period_ns = round(10 ** 9 / 29.97)
-    notebook, simulator = replayed(video(*[()] * 300, period_ns=period_ns), period_ns=period_ns)
+    log, simulator = replayed(video(*[()] * 300, period_ns=period_ns), period_ns=period_ns)
     assert simulator.time_s == pytest.approx(round(300 * period_ns / MS) / 1000)
-    assert notebook.frames[299].time_ns == 299 * period_ns
+    assert log.frames[299].time_ns == 299 * period_ns
 
 
-def test_lost_colors_stop_the_robot_when_the_settings_say_so():
+def test_lost_colors_stop_the_robot_if_stop_when_lost_is_set():
     frames = video((BLUE,), *[()] * 10)
-    notebook, _ = replayed(frames, stop_when_lost=0.2)
-    assert notebook.commands == [
+    log, _ = replayed(frames, stop_when_lost=0.2)
+    assert log.commands == [
         (0, 10.0, RECOGNITION), (200 * MS, 0.0, RECOGNITION),
-        (440 * MS, 0.0, RECOGNITION)]       # and at the end
+        (440 * MS, 0.0, RECOGNITION)]       # on shutdown
 
 
-def test_lost_images_too_within_a_tenth_of_a_second():
+def test_lost_images_stop_it_within_a_tenth_of_a_second():
     frames = [frame(0, 0, BLUE), frame(1, 1000 * MS)]
-    notebook, _ = replayed(frames, stop_when_lost=0.25)
-    assert notebook.commands[:2] == [(0, 10.0, RECOGNITION), (300 * MS, 0.0, RECOGNITION)]
+    log, _ = replayed(frames, stop_when_lost=0.25)
+    assert log.commands[:2] == [(0, 10.0, RECOGNITION), (300 * MS, 0.0, RECOGNITION)]
 
 
-def test_the_sensors_are_read_at_their_own_times():
-    notebook, _ = replayed(video(*[()] * 25))
-    times = [reading.time_s for reading in notebook.readings if reading.sensor == 'odometry']
+def test_sensors_are_read_at_their_periods():
+    log, _ = replayed(video(*[()] * 25))
+    times = [reading.time_s for reading in log.readings if reading.sensor == 'odometry']
     assert times == pytest.approx([0.033 * number for number in range(1, 31)])

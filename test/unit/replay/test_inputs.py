@@ -1,4 +1,4 @@
-"""Frames of videos and bags: their stamps, and what is said of files that have none."""
+"""Frames of videos and bags: images, stamps, and the errors for unusable files."""
 import os
 
 import cv2
@@ -31,7 +31,7 @@ def compressed(number, stamp, *colors):
 
 @pytest.fixture
 def make_bag(tmp_path):
-    """A function that writes (topic, message, time of recording) into a bag."""
+    """A function that writes (topic, message, time of recording) to a bag; it returns the path."""
     def make(*entries, name='some.bag', **options):
         path = str(tmp_path / name)
         with rosbag.Bag(path, 'w', **options) as bag:
@@ -61,7 +61,7 @@ def test_video(make_video):
     assert number == 5
 
 
-def test_video_that_breaks_off_is_refused_at_its_end(make_video):
+def test_truncated_video_is_refused_at_its_end(make_video):
     path = make_video(frames=60)
     with open(path, 'r+b') as file:
         file.truncate(os.path.getsize(path) // 2)
@@ -69,14 +69,14 @@ def test_video_that_breaks_off_is_refused_at_its_end(make_video):
     assert path + ' breaks off after' in line and 'ffmpeg -i ' + path in line
 
 
-def test_what_is_no_video(tmp_path):
+def test_files_that_are_not_videos(tmp_path):
     for name, content in (('text.mp4', b'hello'), ('empty.mp4', b''), ('noise.mp4', bytes(999))):
         path = tmp_path / name
         path.write_bytes(content)
         line = refusal(VideoFrames, str(path))
         assert str(path) in line and line.endswith('give a video that OpenCV plays, or a bag with '
                                                    'images'), line
-    path = str(tmp_path / 'still.png')
+    path = str(tmp_path / 'image.png')
     assert cv2.imwrite(path, image())
     assert refusal(VideoFrames, path).startswith(path + ' is an image; give')
 
@@ -119,17 +119,17 @@ def test_bag_choice_of_topic(make_bag):
 def test_bag_without_images(make_bag):
     path = make_bag((RAW, String('no image'), 1))
     line = refusal(BagFrames, path)
-    assert path in line and 'no messages of sensor_msgs/Image' in line
+    assert path in line and 'no messages of type sensor_msgs/Image' in line
     assert 'rosbag record /usb_cam/image_raw' in line
     assert 'image topics in it: none' in refusal(BagFrames, path, RAW)
 
 
-def test_bag_whose_image_is_of_another_definition_has_no_images(make_bag):
+def test_bag_whose_image_type_has_another_definition_has_no_images(make_bag):
     other = type('Other', (String,), {'_type': Image._type})
-    assert 'no messages of' in refusal(BagFrames, make_bag((RAW, other('x'), 1)))
+    assert 'no messages of type' in refusal(BagFrames, make_bag((RAW, other('x'), 1)))
 
 
-def test_bag_images_that_cannot_be_used_are_left_out_and_told(make_bag):
+def test_unusable_images_of_a_bag_are_skipped_and_reported(make_bag):
     bad = Image(header=Header(0, rospy.Time(2), 'eye'), height=9, width=9, encoding='bgr8', step=1)
     frames = BagFrames(make_bag((RAW, raw(0, 1), 1), (RAW, bad, 2), (RAW, raw(0, 3, RED), 3)))
     assert [frame.number for frame in frames] == [0, 2]
@@ -143,14 +143,15 @@ def test_bag_images_that_cannot_be_used_are_left_out_and_told(make_bag):
     assert 'no image that OpenCV can read' in line
 
 
-@pytest.mark.parametrize('second, said', [(4.5, 'go back by 0.5 s'), (9999, 'leap by 9994 s')])
-def test_bag_whose_stamps_are_in_no_order(make_bag, second, said):
+@pytest.mark.parametrize('second, said', [
+    (4.5, 'jump back by 0.5 s'), (9999, 'jump ahead by 9994 s')])
+def test_bag_whose_stamps_jump(make_bag, second, said):
     path = make_bag((RAW, raw(0, 5), 1), (RAW, raw(0, second), 2))
     line = refusal(list, BagFrames(path))
     assert said + ' at message 1' in line and path in line and 'rosbag filter' in line
 
 
-def test_bag_that_was_cut_off(make_bag):
+def test_truncated_bag(make_bag):
     path = make_bag(*((RAW, raw(0, number + 1), 1) for number in range(60)))
     with open(path, 'r+b') as file:
         file.truncate(os.path.getsize(path) - 5000)
@@ -160,7 +161,7 @@ def test_bag_that_was_cut_off(make_bag):
 
 @pytest.mark.parametrize('content', [b'', b'hello', b'#ROSBAG V2.0\n', b'#ROSBAG V9.9\nxxxx',
                                      b'#ROSBAG V2.0\n' + bytes(500)])
-def test_what_is_no_bag(tmp_path, content):
+def test_files_that_are_not_bags(tmp_path, content):
     path = tmp_path / 'some.bag'
     path.write_bytes(content)
     assert is_bag(str(path))
@@ -168,7 +169,7 @@ def test_what_is_no_bag(tmp_path, content):
 
 
 @pytest.mark.parametrize('seed', range(20))
-def test_damaged_bag_is_refused_in_one_line_or_read(make_bag, seed):
+def test_damaged_bag_is_read_or_refused_in_one_line(make_bag, seed):
     path = make_bag(*((RAW, raw(0, number + 1), 1) for number in range(40)), compression='bz2')
     random = np.random.RandomState(seed)
     with open(path, 'r+b') as file:

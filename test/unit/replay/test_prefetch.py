@@ -1,4 +1,4 @@
-"""Items that a thread makes ahead come in order, none is lost, and errors come in their place."""
+"""prefetch: order and number of the items, how many are made ahead, and errors."""
 import threading
 
 import pytest
@@ -12,7 +12,7 @@ def test_the_same_items_in_the_same_order(count):
     assert list(prefetch(range(count), 4)) == list(range(count))
 
 
-def test_made_ahead_in_another_thread_but_not_further_than_asked():
+def test_items_are_made_ahead_in_another_thread_but_not_more_than_depth():
     made, threads = [], set()
 
     def items():
@@ -31,7 +31,7 @@ def test_made_ahead_in_another_thread_but_not_further_than_asked():
     assert len(threads) == 1 and threading.current_thread() not in threads
 
 
-def test_what_is_raised_comes_after_the_items_before_it():
+def test_an_exception_is_raised_after_the_items_before_it():
     def items():
         yield 1
         yield 2

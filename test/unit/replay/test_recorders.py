@@ -1,4 +1,4 @@
-"""The bag, the table and the picture of a replay: what is in them, and to the byte the same."""
+"""The bag, the table and the picture of a replay: contents, and the same bytes every time."""
 import csv
 import io
 import math
@@ -11,15 +11,15 @@ import rosbag
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
-from img_recog.replay.chain import Chain, CommandSent, measured
-from img_recog.replay.figure import Picture
+from img_recog.replay.chain import Chain, CommandSent, measure
+from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder
 from img_recog.simulation.body import Motion
 from img_recog.simulation.footprints import footprints
 from img_recog.simulation.settings import OdometrySettings
 from img_recog_testing import robots
-from img_recog_testing.replaying import BLUE, RED, Notebook, frame
+from img_recog_testing.replaying import BLUE, RED, EventLog, frame
 
 START_NS = 1600000000 * 10 ** 9 + 123
 PERIOD_NS = 40 * 10 ** 6
@@ -27,7 +27,7 @@ PICTURE = [(), (BLUE,), (BLUE, RED), ()] * 3
 
 
 class BagFile(io.BytesIO):
-    """A bag in memory, which is still there when it is closed."""
+    """A bag in memory, whose bytes are kept when it is closed."""
 
     mode = 'w+b'        # rosbag asks
 
@@ -36,21 +36,21 @@ class BagFile(io.BytesIO):
 
 
 def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
-    """Return bag, table and picture as bytes, and a notebook."""
-    settings, notebook = with_colors()(), Notebook()
+    """Return bag, table and picture as bytes, and a log."""
+    settings, log = with_colors()(), EventLog()
     bag_file, csv_file, png_file = BagFile(), io.StringIO(), io.BytesIO()
     bag = BagRecorder(bag_file, settings.color_names, OdometrySettings(**odometry), 'base')
     plot = PlotRecorder(settings.colors)
     simulator = robots.simulator(world, -2.0, -0.5)
     chain = Chain(simulator, settings, True,
-                  [notebook, bag, TableRecorder(csv_file, settings.color_names), plot])
+                  [log, bag, TableRecorder(csv_file, settings.color_names), plot])
     frames = (frame(number, start_ns + number * PERIOD_NS, *colors)
               for number, colors in enumerate(seen))
-    chain.end(PERIOD_NS + chain.run(measured(frames, settings)))
+    chain.end(PERIOD_NS + chain.run(measure(frames, settings)))
     bag.close()
-    Picture().draw(png_file, 'a test', plot.numbers(len(seen) * 0.04,
-                                                    footprints(simulator.world)))
-    return bag_file.value, csv_file.getvalue(), png_file.getvalue(), notebook
+    ReplayFigure().draw(png_file, 'a test', plot.data(len(seen) * 0.04,
+                                                      footprints(simulator.world)))
+    return bag_file.value, csv_file.getvalue(), png_file.getvalue(), log
 
 
 def messages(data):
@@ -68,37 +68,37 @@ def test_the_same_input_gives_the_same_bytes():
 
 
 def test_bag():
-    data, _, _, notebook = replayed(START_NS)
+    data, _, _, log = replayed(START_NS)
     found = messages(data)
     assert sorted(found) == ['/cmd_vel', '/color_detection', '/joint_states', '/odom', '/tf']
     assert [(stamp - START_NS, *twist_msgs.from_msg(msg)) for stamp, msg in found['/cmd_vel']] == [
-        (time_ns, linear_x, 0.0) for time_ns, linear_x, _ in notebook.commands]
-    assert len(found['/color_detection']) == len(notebook.frames) == len(PICTURE)
-    for (stamp, msg), seen in zip(found['/color_detection'], notebook.frames):
+        (time_ns, linear_x, 0.0) for time_ns, linear_x, _ in log.commands]
+    assert len(found['/color_detection']) == len(log.frames) == len(PICTURE)
+    for (stamp, msg), seen in zip(found['/color_detection'], log.frames):
         assert stamp == seen.frame.stamp_ns == msg.header.stamp.to_nsec()
         assert msg.header.frame_id == 'head_camera'
         assert color_detection_msgs.from_msg(msg) == (['blue', 'red'], seen.areas_px,
                                                       seen.centroids)
-    motions = [reading for reading in notebook.readings if reading.sensor == 'odometry']
+    motions = [reading for reading in log.readings if reading.sensor == 'odometry']
     assert len(motions) == len(found['/odom']) == len(found['/tf']) == 14
     for (stamp, msg), (_, tf), reading in zip(found['/odom'], found['/tf'], motions):
         assert stamp == msg.header.stamp.to_nsec() == START_NS + round(reading.time_s * 1e9)
         assert (msg.header.frame_id, msg.child_frame_id) == ('odom', 'base')
         for got, wanted in zip(robot_msgs.odometry_from_msg(msg), reading.value):
             assert tuple(got) == tuple(wanted)
-        # rosbag makes a class of its own for each topic
+        # rosbag makes a separate class for each topic
         assert str(tf.transforms[0].header) == str(msg.header)
         assert str(tf.transforms[0].transform.rotation) == str(msg.pose.pose.orientation)
     assert found['/joint_states'][0][1].name == ['wheel_left_joint', 'wheel_right_joint']
 
 
-def test_bag_has_no_message_at_time_zero_which_is_none():
+def test_bag_has_no_message_at_time_zero():
     found = messages(replayed()[0])
     assert min(stamp for entries in found.values() for stamp, _ in entries) == 1
     assert found['/color_detection'][0][1].header.stamp.to_nsec() == 0
 
 
-def test_bag_of_several_chunks_is_whole():
+def test_bag_of_several_chunks_is_complete():
     file = BagFile()
     bag = BagRecorder(file, ['blue'], OdometrySettings(), 'base')
     bag.start(START_NS)
@@ -115,7 +115,7 @@ def test_bag_without_tf_when_the_robot_says_so():
 
 
 def test_table():
-    _, text, _, notebook = replayed(START_NS)
+    _, text, _, log = replayed(START_NS)
     assert text.splitlines()[0] == (
         'time_s,frame,stamp_s,blue_px,red_px,commands_linear_x_m_per_s,'
         'commands_angular_z_rad_per_s,x_m,y_m,yaw_rad,linear_x_m_per_s,angular_z_rad_per_s')
@@ -124,7 +124,7 @@ def test_table():
     assert rows[1]['time_s'] == '0.040000000' and rows[1]['stamp_s'] == '1600000000.040000123'
     assert [row['commands_linear_x_m_per_s'] for row in rows[:4]] == ['', '10.0', '10.0 -10.0', '']
     assert rows[2]['commands_angular_z_rad_per_s'] == '0.0 0.0'
-    for number, (row, seen) in enumerate(zip(rows, notebook.frames)):
+    for number, (row, seen) in enumerate(zip(rows, log.frames)):
         assert int(row['frame']) == number
         assert [int(row['blue_px']), int(row['red_px'])] == seen.areas_px
         assert float(row['x_m']) == pytest.approx(seen.motion.position[0], abs=5e-7)

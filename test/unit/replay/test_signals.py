@@ -1,4 +1,4 @@
-"""Signals that this process sends to itself."""
+"""Interrupts: signals that this process sends to itself."""
 import os
 import signal
 
@@ -6,60 +6,60 @@ import pytest
 
 from img_recog.replay.signals import Interrupts
 
-NUMBERS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
 
 @pytest.fixture(autouse=True)
 def handlers_as_before():
-    before = {number: signal.getsignal(number) for number in NUMBERS}
+    before = {signum: signal.getsignal(signum) for signum in SIGNALS}
     yield
-    for number, handler in before.items():
-        signal.signal(number, handler)
+    for signum, handler in before.items():
+        signal.signal(signum, handler)
 
 
-def send(number):
-    """Return when the handler has run, which it does between two instructions of Python."""
-    signal.raise_signal(number)
+def send(signum):
+    """Send a signal to this process; return when its handler has run."""
+    signal.raise_signal(signum)
 
 
-@pytest.mark.parametrize('number', NUMBERS)
-def test_a_signal_is_an_exception(number):
+@pytest.mark.parametrize('signum', SIGNALS)
+def test_a_signal_is_an_exception(signum):
     Interrupts()
     with pytest.raises((KeyboardInterrupt, SystemExit)) as caught:
-        send(number)
-    if number == signal.SIGINT:
+        send(signum)
+    if signum == signal.SIGINT:
         assert caught.type is KeyboardInterrupt
     else:
-        assert caught.value.code == 128 + number
+        assert caught.value.code == 128 + signum
 
 
-@pytest.mark.parametrize('number', NUMBERS)
-def test_while_it_is_held_it_comes_at_the_end(number):
+@pytest.mark.parametrize('signum', SIGNALS)
+def test_a_deferred_signal_is_raised_at_the_end(signum):
     interrupts, steps = Interrupts(), []
     with pytest.raises((KeyboardInterrupt, SystemExit)):
-        with interrupts.held():
-            send(number)
-            steps.append('held')
-        steps.append('after it')
-    assert steps == ['held']
+        with interrupts.deferred():
+            send(signum)
+            steps.append('deferred')
+        steps.append('afterwards')
+    assert steps == ['deferred']
     with pytest.raises((KeyboardInterrupt, SystemExit)):
-        send(number)
+        send(signum)
 
 
-def test_held_for_nothing():
-    with Interrupts().held():
+def test_deferred_without_a_signal():
+    with Interrupts().deferred():
         pass
 
 
-def test_an_error_in_what_is_held_comes_first():
+def test_an_error_while_deferred_is_raised_first():
     interrupts = Interrupts()
     with pytest.raises(ValueError):
-        with interrupts.held():
+        with interrupts.deferred():
             send(signal.SIGINT)
             raise ValueError
 
 
-def test_what_is_ignored_stays_ignored():
+def test_an_ignored_signal_stays_ignored():
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     Interrupts()
     os.kill(os.getpid(), signal.SIGHUP)

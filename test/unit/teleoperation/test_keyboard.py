@@ -1,4 +1,4 @@
-"""Keys from a terminal, tried in a child process that has a terminal of its own."""
+"""Keys from a terminal, tested in a child process with a pseudo-terminal."""
 import contextlib
 import io
 import os
@@ -10,7 +10,7 @@ import pytest
 
 from img_recog.teleoperation.keyboard import Keyboard
 
-# s until a hanging child is ended, and until it gives up waiting for a key
+# s: after the first a hanging child is ended, after the second it stops waiting for a key
 DEADLINE_S, KEY_S = 30, 20
 
 
@@ -53,14 +53,14 @@ def _run_child(body, sending):
 
 @contextlib.contextmanager
 def pseudo_terminal():
-    """A terminal that is not the controlling one: its other end and a stream on it."""
+    """Yield both ends of a terminal that is not the controlling one: a descriptor and a stream."""
     master, slave = pty.openpty()
     with open(slave, 'rb', buffering=0) as stream:
         yield master, stream
     os.close(master)
 
 
-def test_keys_come_one_by_one_without_enter():
+def test_keys_are_read_one_by_one_without_enter():
     def body(stream, report):
         with Keyboard(stream) as keyboard:
             report(keyboard.present)
@@ -121,7 +121,7 @@ def test_terminal_is_restored_when_an_exception_is_raised(exception):
         assert [next_report() for _ in range(2)] == ['False', "('inside', True)"]
 
 
-def test_terminal_that_goes_away_leaves_no_keys_and_no_error():
+def test_closed_terminal_has_no_keys_and_raises_no_error():
     def body(stream, report):
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
         with Keyboard(stream) as keyboard:
@@ -151,7 +151,7 @@ def test_process_in_the_background_has_no_keys():
         assert [next_report() for _ in range(2)] == ['True', '(False, True)']
 
 
-def test_terminal_that_is_not_the_controlling_one_has_no_keys_and_is_left_alone():
+def test_terminal_that_is_not_the_controlling_one_has_no_keys_and_is_unchanged():
     with pseudo_terminal() as (master, stream):
         assert stream.isatty()
         before = termios.tcgetattr(stream)
@@ -163,7 +163,7 @@ def test_terminal_that_is_not_the_controlling_one_has_no_keys_and_is_left_alone(
         assert stream.read(1) == b'w'
 
 
-def test_what_is_no_terminal_has_no_keys(tmp_path):
+def test_a_file_has_no_keys(tmp_path):
     (tmp_path / 'keys').write_text('wwww')
     with open(str(tmp_path / 'keys')) as stream, Keyboard(stream) as keyboard:
         assert keyboard.present is False
@@ -172,7 +172,7 @@ def test_what_is_no_terminal_has_no_keys(tmp_path):
 
 
 @pytest.mark.parametrize('stdin', [None, io.StringIO('w'), object()])
-def test_standard_input_that_is_no_file_has_no_keys(monkeypatch, stdin):
+def test_standard_input_that_is_not_a_file_has_no_keys(monkeypatch, stdin):
     monkeypatch.setattr('sys.stdin', stdin)
     with Keyboard() as keyboard:
         assert keyboard.present is False

@@ -1,4 +1,4 @@
-"""Keys to targets, and targets to what is sent."""
+"""Target velocities by keys, and sent velocities by targets."""
 import pytest
 
 from img_recog.teleoperation.profile import VelocityProfile
@@ -45,20 +45,20 @@ def test_targets_end_at_the_limits_of_the_burger(key, linear, angular):
     assert sent == (linear, angular)
 
 
-def test_sent_value_walks_to_the_target_by_half_a_step_a_tick():
+def test_sent_value_approaches_the_target_by_half_a_step_per_tick():
     profile = pressed('wwaa')
     assert [profile.tick() for _ in range(5)] == [
         (0.005, 0.05), (0.01, 0.1), (0.015, 0.15), (0.02, 0.2), (0.02, 0.2)]
 
 
-def test_sent_value_walks_down_through_zero():
+def test_sent_value_decreases_through_zero():
     profile = pressed('w')
     profile.tick(), profile.tick()
     pressed('xx', profile)
     assert [profile.tick()[0] for _ in range(5)] == [0.005, 0.0, -0.005, -0.01, -0.01]
 
 
-def test_sent_value_does_not_overshoot_a_limit_that_is_no_multiple_of_the_step():
+def test_sent_value_does_not_overshoot_a_limit_that_is_not_a_multiple_of_the_step():
     profile = VelocityProfile(TeleopSettings(linear_step=0.04, max_linear_velocity=0.05))
     pressed('ww', profile)
     assert profile.target_linear == 0.05
@@ -92,6 +92,6 @@ def test_steps_are_those_of_the_settings():
     assert profile.tick() == (0.01, 0.25)
 
 
-def test_targets_of_one_profile_are_not_those_of_another():
+def test_profiles_are_independent():
     pressed('wa')
     assert targets(VelocityProfile()) == (0.0, 0.0)

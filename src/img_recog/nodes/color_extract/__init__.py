@@ -1,1 +1,1 @@
-"""The node color_extract."""
+"""The node color_extract: commands the robot by the colors in images."""

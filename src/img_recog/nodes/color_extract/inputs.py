@@ -1,4 +1,4 @@
-"""How images come in: raw or compressed, and of them the newest."""
+"""Image inputs: the newest message of a topic with raw or compressed images."""
 from typing import Optional, Tuple
 
 import numpy as np
@@ -12,55 +12,58 @@ from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
 class RawInput:
-    """The newest image of a topic of raw images."""
+    """Subscribes to raw images and keeps the newest."""
 
     def __init__(self, topic: str):
-        self._newest, self._images = LatestValue(), image_msgs.ColorImages()
-        self._subscriber = ImageSubscriber(topic, self._keep)
+        self._latest, self._images = LatestValue(), image_msgs.ColorImages()
+        self._subscriber = ImageSubscriber(topic, self._store)
 
-    def _keep(self, msg: Image) -> None:
-        replaced = self._newest.put(msg)
+    def _store(self, msg: Image) -> None:
+        replaced = self._latest.put(msg)
         if replaced is not None:
             self._subscriber.release(replaced)
 
     def take(self, timeout_s: float) -> Optional[Image]:
-        """Return the newest message, None when there is none in time."""
-        return self._newest.take(timeout_s)
+        """Return the newest message, None if there is none within the timeout."""
+        return self._latest.take(timeout_s)
 
     def decode(self, msg: Image) -> Tuple[np.ndarray, str]:
-        """Return the image and its encoding, as ColorImages does: until `done`.
+        """Return the image and its encoding, one of areas.ENCODINGS; it is valid until `done`.
 
         Raises ImageError naming the size, encoding and reason.
         """
         return self._images.from_msg(msg)
 
     def done(self, msg: Image) -> None:
-        """Give the memory of a message back."""
+        """Release the buffer of a message, so that it can be reused."""
         self._subscriber.release(msg)
 
 
 class CompressedInput:
-    """The newest image of the topic of compressed images beside one of raw images."""
+    """Subscribes to compressed images and keeps the newest.
+
+    topic: of the raw images; the compressed ones are on topic/compressed.
+    """
 
     def __init__(self, topic: str):
-        self._newest = LatestValue()
-        rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._newest.put,
+        self._latest = LatestValue()
+        rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._latest.put,
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
 
     def take(self, timeout_s: float) -> Optional[CompressedImage]:
-        """Return the newest message, None when there is none in time."""
-        return self._newest.take(timeout_s)
+        """Return the newest message, None if there is none within the timeout."""
+        return self._latest.take(timeout_s)
 
     def decode(self, msg: CompressedImage) -> Tuple[np.ndarray, str]:
-        """Return the image, bgr8, and its encoding.
+        """Return the image in bgr8, and its encoding.
 
         Raises ImageError naming format, size and reason.
         """
         return compressed_image_msgs.from_msg(msg), 'bgr8'
 
     def done(self, msg: CompressedImage) -> None:
-        """Nothing is kept."""
+        """Do nothing: the message has no reused buffer."""
 
 
-# by the name that image_transport gives them
+# by the name of the transport in image_transport
 INPUTS = {'raw': RawInput, 'compressed': CompressedInput}

@@ -1,27 +1,29 @@
-"""The node color_extract: colors in images to commands for a robot.
+"""The node color_extract: commands the robot by the colors in images.
 
-Subscribes: usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge turns into bgr8), or
-in its place usb_cam/image_raw/compressed (sensor_msgs/CompressedImage).
-Publishes, for every frame that it handles: blue_image, red_image (sensor_msgs/Image, bgr8, with
-the frame's header: the frame with everything else black), then cmd_vel (geometry_msgs/Twist,
-none, one or two: linear.x 10 m/s for blue, then -10 m/s for red); while somebody subscribes,
-color_detection (sensor_msgs/PointCloud: areas and centroids) and color_overlay (sensor_msgs/Image,
-bgr8: the frame with outlines and commands).
-Reads: ~image_transport (raw or compressed: which of the two it subscribes to), ~colors_file (where
-the parameters come from, to be checked), ~colors (names), ~NAME_image_topic for each color, and
-RecognitionSettings with these colors, which are also served by dynamic_reconfigure:
-~set_parameters, ~parameter_descriptions, ~parameter_updates.
+Subscribes to usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge converts to bgr8)
+or, if ~image_transport is compressed, to usb_cam/image_raw/compressed
+(sensor_msgs/CompressedImage).
+Publishes for each processed frame: blue_image and red_image (sensor_msgs/Image, bgr8, with the
+header of the frame: the frame with all other pixels black), then cmd_vel (geometry_msgs/Twist,
+one message for each color above its area limit: linear.x 10 m/s for blue, then -10 m/s for red).
+Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
+color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands).
+Reads ~image_transport (raw or compressed), ~colors_file (the file from which the parameters were
+loaded, to check it), ~colors (names), ~NAME_image_topic for each color, and RecognitionSettings
+with these colors. The latter can be changed by dynamic_reconfigure (~set_parameters,
+~parameter_descriptions, ~parameter_updates).
 """
 import threading
 import time
 from dataclasses import dataclass
 from functools import partial
-from typing import List, Sequence
+from typing import List, Sequence, Union
 
 import cv2
 import rospy
 from geometry_msgs.msg import Twist
-from sensor_msgs.msg import PointCloud
+from sensor_msgs.msg import CompressedImage, Image, PointCloud
+from std_msgs.msg import Header
 
 from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
@@ -30,6 +32,7 @@ from img_recog.nodes.color_extract.inputs import INPUTS
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
+from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
@@ -40,15 +43,16 @@ from img_recog.settings import Settings, one_of, setting
 
 _CAMERA = 'usb_cam/image_raw'
 _TOPICS = (_CAMERA, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')
-_IDLE_S = 0.1           # how often what does not hang on frames is looked after
+_POLL_PERIOD_S = 0.1    # without frames: how often settings, stop and shutdown are checked
 
 
 @dataclass(frozen=True)
 class InputSettings(Settings):
-    """How images come in, by the name that image_transport gives it, and a file to check.
+    """Parameters of the node itself.
 
-    colors_file: where a launch file has loaded the parameters from. An empty file loads nothing,
-    and roslaunch does not say so.
+    image_transport: name of the transport of the images, as in image_transport.
+    colors_file: the file from which a launch file has loaded the parameters. It is checked because
+    roslaunch silently loads nothing from an empty file.
     """
 
     image_transport: str = setting('raw', one_of(*INPUTS))
@@ -56,7 +60,7 @@ class InputSettings(Settings):
 
 
 class ColorExtract:
-    """Handles the newest frame; frames that arrive meanwhile replace each other."""
+    """Processes the newest frame; a slow node drops frames."""
 
     def __init__(self):
         given = parameters.read(InputSettings)
@@ -73,28 +77,28 @@ class ColorExtract:
         self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
         self._overlay = ImagePublisher('color_overlay')
-        self._ended = threading.Event()
-        self._handling = threading.Lock()
-        lifecycle.on_shutdown(self._end)
+        self._is_shutdown = threading.Event()
+        self._frame_lock = threading.Lock()
+        lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
         self._input = INPUTS[given.image_transport](_CAMERA)
 
     def spin(self) -> None:
-        """Handle frames until the node is shut down."""
-        while not self._ended.is_set():
-            msg = self._input.take(_IDLE_S)
-            with self._handling:
-                if self._ended.is_set():
+        """Process frames until the node is shut down."""
+        while not self._is_shutdown.is_set():
+            msg = self._input.take(_POLL_PERIOD_S)
+            with self._frame_lock:
+                if self._is_shutdown.is_set():
                     return
-                self._use(self._reconfigurable.settings)
+                self._configure(self._reconfigurable.settings)
                 if msg is None:
-                    self._send(self._commander.wait(time.monotonic()))
+                    self._publish_commands(self._commander.wait(time.monotonic()))
                 else:
                     self.handle(msg)
                     self._input.done(msg)
 
-    def handle(self, msg) -> None:
-        """Recognize, publish and command."""
+    def handle(self, msg: Union[Image, CompressedImage]) -> None:
+        """Recognize the colors in a frame and publish the results."""
         try:
             image, encoding = self._input.decode(msg)
         except ImageError as error:
@@ -107,11 +111,12 @@ class ColorExtract:
         rosout.info(', '.join('{}={}'.format(name, area_px) for name, area_px
                               in zip(self._settings.color_names, areas_px)))
         commands = self._commander.decide(areas_px, time.monotonic())
-        self._send(commands)
-        self._describe(msg.header, areas_px, commands)
+        self._publish_commands(commands)
+        self._publish_details(msg.header, areas_px, commands)
 
-    def _describe(self, header, areas_px: Sequence[int], commands: Sequence[Command]) -> None:
-        """Publish what others may want to know, after the command, which is in a hurry."""
+    def _publish_details(self, header: Header, areas_px: Sequence[int],
+                         commands: Sequence[Command]) -> None:
+        """Publish areas, centroids and overlay; after the commands, so as not to delay them."""
         if self._detection.get_num_connections() > 0:
             centroids = [self._extractor.centroid(number) for number in range(len(areas_px))]
             self._detection.publish(color_detection_msgs.to_msg(
@@ -120,24 +125,24 @@ class ColorExtract:
             image = overlay.draw(self._extractor, self._settings.colors, areas_px, commands)
             self._overlay.publish(image, 'bgr8', header)
 
-    def _send(self, commands: List[Command]) -> None:
+    def _publish_commands(self, commands: List[Command]) -> None:
         for command in commands:
             self._velocity.publish(twist_msgs.to_msg(*command))
 
-    def _use(self, settings) -> None:
+    def _configure(self, settings: RecognitionSettings) -> None:
         if settings is not self._settings:
             self._settings = settings
             self._extractor.configure(settings)
             self._commander.configure(settings)
 
-    def _end(self) -> None:
-        self._ended.set()
-        with self._handling:        # nothing is sent after this
-            self._send(self._commander.end())
+    def _shutdown(self) -> None:
+        self._is_shutdown.set()
+        with self._frame_lock:      # nothing is published after this
+            self._publish_commands(self._commander.end())
 
 
 def main() -> int:
     """Run the node; return its exit code."""
-    # OpenCV's threads wait for work in a busy loop, which costs more than they help with
+    # the threads of OpenCV wait in a busy loop, which costs more CPU time than they save
     cv2.setNumThreads(1)
     return lifecycle.run('color_extract', lambda: ColorExtract().spin())

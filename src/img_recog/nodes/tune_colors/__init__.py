@@ -1,1 +1,1 @@
-"""The tool tune_colors."""
+"""The tool tune_colors: shows why a color is recognized in an image, or why not."""

@@ -1,7 +1,7 @@
-"""The tool tune_colors: a picture that tells why a color is seen in an image, or is not.
+"""The command line of tune_colors: a picture that shows why a color is recognized, or why not.
 
-Given a file it is no node and needs no master; given a topic it is the anonymous node that
-TopicTuning describes.
+For a file it is not a node and needs no master; for a topic it is an anonymous node, see
+TuneColorsNode.
 """
 import argparse
 import math
@@ -18,8 +18,8 @@ from img_recog import files
 from img_recog.camera import selection
 from img_recog.camera.image_source import read_image
 from img_recog.camera.source import SourceEnded, SourceError
-from img_recog.errors import UserError
-from img_recog.nodes.tune_colors.node import TopicTuning
+from img_recog.errors import UserError, one_line
+from img_recog.nodes.tune_colors.node import TuneColorsNode
 from img_recog.nodes.tune_colors.output import PictureOutput
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import with_colors
@@ -27,14 +27,15 @@ from img_recog.ros import image_topics, lifecycle
 
 _OUTPUT = 'tune_colors.png'
 _TIMEOUT_S = 10.0
-_ANY_RATE_HZ = 30.0
-_LOG_NOTHING = 0
+_ANY_RATE_HZ = 30.0     # of no effect: frames are read one by one
+_LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _ADVICE = 'give an image, a video or the name of a topic with images'
+_EXPECTED = 'got {!r}, expected {}'
 
 
 def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -> None:
     if options.watch:
-        raise SourceError('--watch needs a topic, and {} is a file'.format(path))
+        raise UserError('--watch needs a topic, but {} is a file'.format(path))
     settings = (parameter_file.read(files.find_user_path(options.colors)) if options.colors
                 else with_colors()())
     picture.begin(_image_in(path, options.frame or 0), settings)
@@ -43,15 +44,18 @@ def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -
 
 
 def _image_in(path: str, number: int) -> np.ndarray:
-    """Return frame `number` of a video, or an image, in bgr8; raise SourceError."""
+    """Return an image file, or frame `number` of a video file, in bgr8.
+
+    Raises UserError if the file cannot be read or has no such frame.
+    """
     image = read_image(path)
     if image is not None:
         if number:
-            raise SourceError('{} is an image and has no frame {}'.format(path, number))
+            raise UserError('{} is an image and has no frame {}'.format(path, number))
         return image
-    # what they say of a file that they cannot play is said once, below
+    # the error below is enough: no messages of OpenCV and ffmpeg about the same file
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
-    cv2.setLogLevel(_LOG_NOTHING)
+    cv2.setLogLevel(_LOG_SILENT)
     try:
         video = selection.open_file(path, _ANY_RATE_HZ, loop=False)
     except SourceError as error:        # which goes on with advice for a camera node
@@ -61,7 +65,7 @@ def _image_in(path: str, number: int) -> np.ndarray:
             video.read()
         return cv2.cvtColor(video.read(), cv2.COLOR_RGB2BGR)
     except SourceEnded as error:
-        raise SourceError('there is no frame {}, counted from 0: {}'.format(number, error))
+        raise UserError('there is no frame {}, counted from 0: {}'.format(number, error))
     finally:
         video.close()
 
@@ -74,15 +78,15 @@ def _tune(options: argparse.Namespace) -> int:
         _tune_file(path, options, picture)
         return 0
     if os.path.exists(path):
-        raise SourceError('cannot use {}: neither a file nor a topic; {}'.format(name, _ADVICE))
+        raise UserError('cannot use {}: it is neither a file nor a topic'.format(name), _ADVICE)
     if not rosgraph.names.is_legal_name(name) or not name:
-        raise SourceError('cannot open {}: no such file; {}'.format(name or "''", _ADVICE))
+        raise UserError('cannot open {}: no such file'.format(name or "''"), _ADVICE)
     if options.frame is not None:
-        raise SourceError('--frame needs a video, and there is no file {}'.format(name))
+        raise UserError('--frame needs a video, but there is no file {}'.format(name))
     topic = rosgraph.names.script_resolve_name('tune_colors', name)
-    kind = image_topics.kind_of(topic)
+    message_type = image_topics.kind_of(topic)
     return lifecycle.run(rosgraph.names.anonymous_name('tune_colors'),
-                         lambda: TopicTuning(topic, kind, options, picture).spin())
+                         lambda: TuneColorsNode(topic, message_type, options, picture).spin())
 
 
 def _output_path(path: str) -> str:
@@ -92,30 +96,33 @@ def _output_path(path: str) -> str:
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog='tune_colors.py', description='Tell why a color is seen in an image, or is not: '
-        'write a picture of frame, masks and histograms, and show it where there is a display.')
+        prog='tune_colors.py', description='Show why a color is recognized in an image, or why '
+        'not: write a picture with the frame, masks and histograms, and show it in a window if '
+        'there is a display.')
     parser.add_argument('image_or_topic', metavar='IMAGE_OR_TOPIC',
-                        help='image, video, or topic with images: its newest one; in a '
-                        'window it is followed')
-    parser.add_argument('--frame', type=_whole, metavar='N',
-                        help='which frame of a video, counted from 0 (default 0)')
+                        help='an image file, a video file, or a topic with images (a window '
+                        'shows its newest image)')
+    parser.add_argument('--frame', type=_frame_number, metavar='N',
+                        help='frame of a video, counted from 0 (default: 0)')
     colors = parser.add_mutually_exclusive_group()
     colors.add_argument('--colors', metavar='YAML', help='parameter file with the colors')
-    colors.add_argument('--node', metavar='NAME', help='whose parameters are the colors of a '
-                        'topic (default /color_extract); else they are the article\'s')
+    colors.add_argument('--node', metavar='NAME', help='for a topic: the node whose '
+                        'parameters define the colors (default: /color_extract; without '
+                        'parameters, the article\'s colors)')
     parser.add_argument('--timeout', type=_seconds, default=_TIMEOUT_S, metavar='S',
-                        help='how long to wait for an image of a topic (default %(default)g s)')
+                        help='how long to wait for an image on a topic (default: %(default)g s)')
     parser.add_argument('--output', type=_png, default=_OUTPUT, metavar='PATH.png',
-                        help='where to write the picture (default %(default)s)')
+                        help='where to write the picture (default: %(default)s)')
     parser.add_argument('--watch', action='store_true',
-                        help='write it anew each second, until Ctrl-C')
-    parser.add_argument('--no-window', action='store_true', help='only write it')
+                        help='for a topic: write the picture every second until Ctrl-C')
+    parser.add_argument('--no-window', action='store_true',
+                        help='only write the picture, do not show it')
     return parser.parse_args(arguments)
 
 
-def _whole(text: str) -> int:
+def _frame_number(text: str) -> int:
     if not text.isdecimal():
-        raise argparse.ArgumentTypeError('got {!r}, wants a whole number from 0'.format(text))
+        raise argparse.ArgumentTypeError(_EXPECTED.format(text, 'a whole number of at least 0'))
     return int(text)
 
 
@@ -125,13 +132,13 @@ def _seconds(text: str) -> float:
     except ValueError:
         value = math.nan
     if not value > 0:
-        raise argparse.ArgumentTypeError('got {!r}, wants a number of seconds'.format(text))
+        raise argparse.ArgumentTypeError(_EXPECTED.format(text, 'a number of seconds above 0'))
     return value
 
 
 def _png(text: str) -> str:
     if not text.lower().endswith('.png'):
-        raise argparse.ArgumentTypeError('got {!r}, wants a path that ends in .png'.format(text))
+        raise argparse.ArgumentTypeError(_EXPECTED.format(text, 'a path that ends in .png'))
     return text
 
 
@@ -141,5 +148,5 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     try:
         return _tune(options)
     except UserError as error:
-        sys.stderr.write('tune_colors.py: {}\n'.format(' '.join(str(error).split())))
+        sys.stderr.write('tune_colors.py: {}\n'.format(one_line(error)))
         return 1
