@@ -9,7 +9,7 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
 from std_msgs.msg import Header
 
-from img_recog.camera import calibration
+from img_recog.camera import calibration, calibration_file
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.conversions import camera_info_msgs
@@ -42,7 +42,7 @@ class CameraCalibration:
         """Advertise the service."""
         rospy.Service('~set_camera_info', SetCameraInfo, self._set_camera_info)
 
-    def images_are(self, width: int, height: int) -> None:
+    def set_image_size(self, width: int, height: int) -> None:
         """Fit the calibration to images of this size, in pixels."""
         if self._size == (width, height):
             return
@@ -71,7 +71,7 @@ class CameraCalibration:
                 raise calibration.CalibrationError(
                     'the calibration is for {}x{}, the images are {}x{}'.format(
                         given.width, given.height, *size))
-            calibration.save(self._path, given)
+            calibration_file.save(self._path, given)
         except calibration.CalibrationError as error:
             rospy.logerr('set_camera_info: %s', error)
             return SetCameraInfoResponse(success=False, status_message=str(error))
@@ -108,7 +108,7 @@ def path_of_url(url: str, camera_name: str) -> str:
 
 def _load(path: str, camera_name: str) -> Optional[Calibration]:
     try:
-        loaded = calibration.load(path)
+        loaded = calibration_file.load(path)
     except FileNotFoundError:
         rospy.loginfo('camera is not calibrated: no %s', path)
         return None

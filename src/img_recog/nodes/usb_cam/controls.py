@@ -20,7 +20,7 @@ class CameraControls:
         self._lock = threading.Lock()
         self._logged = set()
 
-    def device_is(self, path: Optional[str]) -> None:
+    def set_device(self, path: Optional[str]) -> None:
         """Set the controls of the device at `path`, which was opened; None for no device."""
         with self._lock:
             self._path = path

@@ -97,14 +97,14 @@ class UsbCam(Listener):
 
     def _open(self) -> FrameSource:
         source = selection.open_source(self._settings, files.user_folders(), rospy.logwarn)
-        self._controls.device_is(getattr(source, 'path', None))
+        self._controls.set_device(getattr(source, 'path', None))
         return source
 
     def opened(self, source: FrameSource) -> None:
         log = rospy.logwarn if source.differs else rospy.loginfo
         log('camera: %s', source.description)
         self._opened_once = True
-        self._calibration.images_are(source.width, source.height)
+        self._calibration.set_image_size(source.width, source.height)
         self._diagnostics.opened(source)
         self._settled.set()
 

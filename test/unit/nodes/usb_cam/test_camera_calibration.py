@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfoRequest
 from std_msgs.msg import Header
 
-from img_recog.camera import calibration
+from img_recog.camera import calibration_file
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.nodes.usb_cam import calibration as camera_calibration
@@ -64,7 +64,7 @@ def saved(tmp_path, **fields):
                   distortion=GIVEN['D'], camera_matrix=GIVEN['K'], rectification=GIVEN['R'],
                   projection=GIVEN['P'])
     values.update(fields)
-    calibration.save(path, Calibration(**values))
+    calibration_file.save(path, Calibration(**values))
     return path
 
 
@@ -75,7 +75,7 @@ def answer(made, **fields):
 def test_calibration_of_the_file_is_published(make, ros, tmp_path):
     saved(tmp_path)
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     assert list(made.to_msg(Header()).K) == GIVEN['K']
     assert ros.lines == []
 
@@ -83,7 +83,7 @@ def test_calibration_of_the_file_is_published(make, ros, tmp_path):
 def test_broken_calibration_is_one_error_and_none_is_published(make, ros, tmp_path):
     path = saved(tmp_path, camera_matrix=[float('nan')] * 9)
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     assert not any(made.to_msg(Header()).K) and not made.to_msg(Header()).distortion_model
     assert ros.lines == [('err', 'calibration {} has no usable entry camera_matrix (wants finite '
                                  'numbers, has nan); publishing no calibration'.format(path))]
@@ -92,7 +92,7 @@ def test_broken_calibration_is_one_error_and_none_is_published(make, ros, tmp_pa
 def test_calibration_of_another_camera_is_used_with_one_warning(make, ros, tmp_path):
     saved(tmp_path, camera_name='narrow_stereo')
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     assert list(made.to_msg(Header()).K) == GIVEN['K']
     assert ros.levels() == ['warn']
     assert "is of a camera 'narrow_stereo', camera_name is head_camera" in ros.lines[0][1]
@@ -122,7 +122,7 @@ def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fiel
     with open(path) as file:
         before = file.read()
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     response = answer(made, **fields)
     assert not response.success and words in response.status_message
     assert ros.levels() == ['err']
@@ -133,7 +133,7 @@ def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fiel
 
 def test_good_calibration_is_written_and_in_force(make, tmp_path):
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     response = answer(made)
     assert (response.success, response.status_message) == (
         True, str(tmp_path / 'calibration.yaml'))
@@ -148,7 +148,7 @@ def test_size_that_is_not_known_yet_is_told_to_be_unchecked(make, tmp_path):
     assert response.success
     assert response.status_message.endswith(
         'its size 640x480 could not be checked: the camera has not been open yet')
-    made.images_are(320, 240)
+    made.set_image_size(320, 240)
     assert made.to_msg(Header()).K[0] == 250.0
 
 

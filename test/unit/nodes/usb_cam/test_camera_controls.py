@@ -21,18 +21,18 @@ def lines(monkeypatch):
 def test_controls_that_were_given_are_told_to_be_without_effect_once(lines):
     controls = CameraControls(ControlSettings(brightness=5, autoexposure=False), {'zoom': 3})
     for _ in range(2):
-        controls.device_is(None)
+        controls.set_device(None)
     assert lines == [
         ('info', 'no device, so these controls have no effect: brightness, autoexposure, zoom')]
 
 
 def test_controls_at_their_defaults_are_not_told(lines):
     controls = CameraControls(ControlSettings(), {})
-    controls.device_is(None)
+    controls.set_device(None)
     assert lines == []
 
 
 def test_controls_of_a_device_are_not_told(lines, tmp_path):
     controls = CameraControls(ControlSettings(brightness=5), {})
-    controls.device_is(str(tmp_path / 'gone'))
+    controls.set_device(str(tmp_path / 'gone'))
     assert [level for level, _ in lines] == ['warn']
