@@ -304,7 +304,7 @@ def running():
     """A capture in a thread of its own, its listener, and the switch that blocks its source."""
     blocking, listener = threading.Event(), Counter()
     capture = Capture(lambda: RealFile(blocking), listener)
-    capture.begin()
+    capture.start_thread()
     yield capture, listener, blocking
     blocking.clear()
     capture.shut_down()
@@ -343,8 +343,8 @@ def test_blocked_source_is_told_and_goes_on(running):
 
 
 def test_owner_is_not_held_up_by_a_source_that_blocks(running, monkeypatch):
-    monkeypatch.setattr('img_recog.camera.capture._STOPPING_S', 0.05)
-    monkeypatch.setattr('img_recog.camera.capture._SHUT_DOWN_S', 0.05)
+    monkeypatch.setattr('img_recog.camera.capture._STOP_TIMEOUT_S', 0.05)
+    monkeypatch.setattr('img_recog.camera.capture._JOIN_TIMEOUT_S', 0.05)
     capture, listener, blocking = running
     capture.start()
     wait_for(lambda: listener.frames > 0, 'a frame')

@@ -86,7 +86,7 @@ def test_missing_control_is_named(name, value):
     device = FakeDevice(0x00980903)
     problems = apply(device, ControlSettings(**{name: value}), {})
     assert problems[0] == (
-        'the camera has no control {}; v4l2-ctl --list-ctrls shows what it has'.format(name))
+        'the camera has no control {}; v4l2-ctl --list-ctrls lists its controls'.format(name))
     assert device.done == []
 
 

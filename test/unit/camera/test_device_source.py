@@ -119,7 +119,7 @@ def test_close_releases_the_device(open_device):
 
 
 @pytest.mark.parametrize('error, words', [
-    (PermissionError(13, 'Permission denied'), 'Permission denied; add yourself to the group '),
+    (PermissionError(13, 'Permission denied'), 'Permission denied; add your user to the '),
     (OSError(16, 'Device or resource busy'), 'Device or resource busy (have ')])
 def test_device_that_cannot_be_opened_says_why(open_device, monkeypatch, error, words):
     def refuse(*_):
@@ -159,7 +159,7 @@ def test_frame_in_one_row_gets_its_shape(open_device, monkeypatch):
 def test_frame_of_another_size_is_skipped(open_device, monkeypatch):
     monkeypatch.setattr(FakeCapture, 'frames', [BGR[:40]])
     source, _ = open_device()
-    with pytest.raises(FrameSkipped, match=r'shape \(40, 64, 3\) in place of 64x48'):
+    with pytest.raises(FrameSkipped, match=r'shape \(40, 64, 3\) instead of 64x48'):
         source.read()
 
 

@@ -87,8 +87,7 @@ def test_truncated_still_image(tmp_path):
 def test_truncated_jpeg(tmp_path, capfd, kept):
     path, data = tmp_path / 'still.jpg', cv2.imencode('.jpg', smooth_image(0))[1]
     path.write_bytes(data.tobytes()[:int(kept * len(data)) if isinstance(kept, float) else kept])
-    assert refusal(path) == 'cannot read {}: the picture is cut off, its end is missing'.format(
-        path)
+    assert refusal(path) == 'cannot read {}: the image is truncated'.format(path)
     assert capfd.readouterr().err == ''
 
 

@@ -142,7 +142,7 @@ def test_folder_without_loop_ends(tmp_path):
     save_image(tmp_path / 'b.png', 1)
     source = opened(tmp_path, loop=False)
     assert shows(source, 0) and shows(source, 1)
-    with pytest.raises(SourceEnded, match='^the folder .* is over after 2 images$'):
+    with pytest.raises(SourceEnded, match='^the folder .* has ended after 2 images$'):
         source.read()
 
 
@@ -179,7 +179,7 @@ def test_video_without_loop_ends_after_its_last_frame(make_video):
         source.read()
     with pytest.raises(SourceEnded) as ended:
         source.read()
-    assert str(ended.value) == 'the video {} is over after 6 frames'.format(path)
+    assert str(ended.value) == 'the video {} has ended after 6 frames'.format(path)
     source.close()
 
 

@@ -93,8 +93,8 @@ def test_damaged_frames_that_come_in_time_do_not_end_it(clock):
 
 def test_stream_that_ends_after_its_first_frame_is_told_to_be_a_picture_perhaps(clock):
     assert results(stream(clock, True, *[False] * 4))[1] == (
-        'rtsp://camera/live gives no more frames: ended or silent after the first; a stream is '
-        'wanted, not a picture')
+        'rtsp://camera/live gives no more frames: ended or silent after the first; give a '
+        'stream, not an image')
 
 
 def test_damaged_frames_for_as_long_end_it_too(clock):
@@ -103,7 +103,7 @@ def test_damaged_frames_for_as_long_end_it_too(clock):
 
 def test_stream_without_a_first_frame_is_refused_and_closed(clock):
     capture = FakeCapture(clock, [False] * 4)
-    with pytest.raises(SourceError, match='^cannot open x: no frame comes'):
+    with pytest.raises(SourceError, match='^cannot open x: no frame arrives'):
         StreamSource('x', capture, now=clock)
     assert capture.released
 
@@ -178,8 +178,8 @@ def test_video_that_is_cut_short_by_its_server_says_so(clock):
     source.read()
     with pytest.raises(SourceEnded):
         source.read()
-    assert warnings == ['the video http://h/f.mp4?... breaks off after 1 of 4 frames: truncated or '
-                        'damaged, or its server hung up']
+    assert warnings == ['the video http://h/f.mp4?... breaks off after 1 of 4 frames: truncated '
+                        'or damaged, or its server closed the connection']
 
 
 def test_video_whose_server_is_gone_at_the_seam_is_not_called_replaced(clock, monkeypatch):

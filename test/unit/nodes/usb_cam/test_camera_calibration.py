@@ -39,7 +39,7 @@ class FakeRos:
 
 @pytest.fixture
 def ros(monkeypatch):
-    """A FakeRos in place of rospy."""
+    """A FakeRos instead of rospy."""
     fake = FakeRos()
     monkeypatch.setattr(camera_calibration, 'rospy', fake)
     return fake
@@ -95,7 +95,7 @@ def test_calibration_of_another_camera_is_used_with_one_warning(make, ros, tmp_p
     made.set_image_size(640, 480)
     assert list(made.to_msg(Header()).K) == GIVEN['K']
     assert ros.levels() == ['warn']
-    assert "is of a camera 'narrow_stereo', camera_name is head_camera" in ros.lines[0][1]
+    assert "is for camera 'narrow_stereo', but camera_name is head_camera" in ros.lines[0][1]
 
 
 @pytest.mark.parametrize('url, words', [
@@ -147,7 +147,7 @@ def test_size_that_is_not_known_yet_is_told_to_be_unchecked(make, tmp_path):
     response = answer(made)
     assert response.success
     assert response.status_message.endswith(
-        'its size 640x480 could not be checked: the camera has not been open yet')
+        'its size 640x480 could not be checked: the camera has not been opened yet')
     made.set_image_size(320, 240)
     assert made.to_msg(Header()).K[0] == 250.0
 

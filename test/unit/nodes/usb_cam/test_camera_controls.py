@@ -23,7 +23,7 @@ def test_controls_that_were_given_are_told_to_be_without_effect_once(lines):
     for _ in range(2):
         controls.set_device(None)
     assert lines == [
-        ('info', 'no device, so these controls have no effect: brightness, autoexposure, zoom')]
+        ('info', 'not a device: these controls have no effect: brightness, autoexposure, zoom')]
 
 
 def test_controls_at_their_defaults_are_not_told(lines):

@@ -56,12 +56,12 @@ def test_rate_is_measured_against_the_expected_one(diagnostics, clock):
     assert values == {
         'device': '/dev/video5', 'format': 'synthetic scene, 64x48, 10 Hz',
         'frame rate (Hz)': '10.00', 'expected rate (Hz)': '10.00', 'frames': '50',
-        'failed reads': '0', 'frames left out': '0', 'losses of the device': '0'}
+        'failed reads': '0', 'frames dropped': '0', 'losses of the device': '0'}
 
 
 def test_rate_that_is_too_low_is_a_warning(diagnostics, clock):
     run(diagnostics, clock, 3, 10)
-    assert run(diagnostics, clock, 5, 6)[:2] == (DiagnosticStatus.WARN, '6.0 Hz in place of 10 Hz')
+    assert run(diagnostics, clock, 5, 6)[:2] == (DiagnosticStatus.WARN, '6.0 Hz instead of 10 Hz')
     assert run(diagnostics, clock, 5, 0)[:2] == (DiagnosticStatus.WARN, 'no frames')
     assert run(diagnostics, clock, 5, 10)[:2] == (DiagnosticStatus.OK, '10.0 Hz')
 
@@ -87,7 +87,7 @@ def test_bad_and_left_out_frames_are_counted(diagnostics):
         diagnostics.count_skipped()
     diagnostics.count_dropped()
     values = report(diagnostics)[2]
-    assert (values['failed reads'], values['frames left out']) == ('3', '1')
+    assert (values['failed reads'], values['frames dropped']) == ('3', '1')
 
 
 def test_published_once_a_second_and_named_by_the_device(diagnostics, clock):
