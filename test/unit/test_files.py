@@ -38,7 +38,7 @@ def test_names_that_are_refused(folder, output, named):
     assert str(refused.value).startswith(named)
 
 
-def test_files_replace_what_was_there_once_all_are_written(folder):
+def test_files_are_replaced_when_all_are_written(folder):
     (folder / 'a').write_text('old')
     with files.atomic_write(('a', 'b')) as outputs:
         for file in outputs:
@@ -50,7 +50,7 @@ def test_files_replace_what_was_there_once_all_are_written(folder):
 
 @pytest.mark.parametrize('error', [
     UserError('wrong'), KeyboardInterrupt(), SystemExit(), OSError()])
-def test_when_something_goes_wrong_all_is_as_before(folder, error):
+def test_failure_leaves_the_old_files(folder, error):
     (folder / 'a').write_text('old')
     with pytest.raises(type(error)):
         with files.atomic_write(('a', 'b')) as outputs:
@@ -61,7 +61,7 @@ def test_when_something_goes_wrong_all_is_as_before(folder, error):
 
 
 @pytest.mark.parametrize('last', [1, 2])
-def test_a_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
+def test_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
     opened = []
 
     def interrupted(*arguments):
@@ -72,19 +72,19 @@ def test_a_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
     monkeypatch.setattr(files, 'open', interrupted, raising=False)
     with pytest.raises(KeyboardInterrupt):
         with files.atomic_write(('a', 'b')):
-            raise AssertionError('must not come so far')
+            raise AssertionError('must not be reached')
     assert len(opened) == last and os.listdir('.') == []
 
 
-def test_what_cannot_be_written_is_named(folder):
+def test_file_that_cannot_be_written_is_named(folder):
     with pytest.raises(UserError, match='cannot write no/b: no such file or directory; set '):
         with files.atomic_write(('a', 'no/b')):
-            raise AssertionError('must not come so far')
+            raise AssertionError('must not be reached')
     assert os.listdir('.') == []
 
 
 @pytest.mark.parametrize('make, named', [(os.mkdir, 'folder'), (os.mkfifo, 'device or pipe')])
-def test_what_is_no_file_stays(make, named):
+def test_special_file_stays(make, named):
     make('taken')
     mode = os.stat('taken').st_mode
     os.symlink('taken', 'link')
@@ -92,14 +92,14 @@ def test_what_is_no_file_stays(make, named):
         with pytest.raises(UserError, match='cannot write {}: it is a {}; set '.format(
                 name, named)):
             with files.atomic_write(('a', name)):
-                raise AssertionError('must not come so far')
+                raise AssertionError('must not be reached')
     assert sorted(os.listdir('.')) == ['link', 'taken'] and os.stat('taken').st_mode == mode
 
 
 def test_refusal_has_problem_advice_and_the_error_of_the_system(folder):
     with pytest.raises(UserError) as refused:
         with files.atomic_write(('no/b',), advice='try c'):
-            raise AssertionError('must not come so far')
+            raise AssertionError('must not be reached')
     assert (refused.value.problem, refused.value.advice) == (
         'cannot write no/b: no such file or directory', 'try c')
     assert isinstance(refused.value.__cause__, FileNotFoundError)
@@ -122,7 +122,7 @@ def test_threads_that_write_the_same_file_do_not_disturb_each_other(folder):
     assert (folder / 'a').read_text() == 'outer' and os.listdir('.') == ['a']
 
 
-def test_links_are_written_through(folder):
+def test_symlink_stays_and_its_target_is_written(folder):
     (folder / 'there').mkdir()
     os.symlink('there/file', 'link')
     with files.atomic_write(('link',)) as (file,):

@@ -18,7 +18,7 @@ def test_calibration_that_cannot_rectify_is_refused(broken, words):
 @pytest.mark.parametrize('model, count', [
     ('plumb_bob', 5), ('plumb_bob', 4), ('rational_polynomial', 8), ('rational_polynomial', 12),
     ('rational_polynomial', 14), ('equidistant', 4)])
-def test_models_have_the_coefficients_that_opencv_knows(model, count):
+def test_models_have_the_coefficients_that_opencv_accepts(model, count):
     calibration.check(dataclasses.replace(
         KNOWN, distortion_model=model, distortion=(0.1,) * count))
 
@@ -37,7 +37,7 @@ def test_scaled_to_its_own_size_is_itself():
     assert calibration.scaled(KNOWN, 640, 480) is KNOWN
 
 
-def test_scaled_to_a_size_that_a_camera_rounds():
+def test_scaled_to_a_rounded_size():
     wide = Calibration('wide', 1920, 1080, 'plumb_bob', (0.0,) * 5, KNOWN.camera_matrix,
                        KNOWN.rectification, KNOWN.projection)
     assert calibration.scaled(wide, 854, 480).width == 854

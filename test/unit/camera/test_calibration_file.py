@@ -1,4 +1,4 @@
-"""Calibration files: round trip, what is read, and refusals that name file and entry."""
+"""Calibration files: round trip, files of other programs, and errors that name file and entry."""
 import dataclasses
 import os
 import re
@@ -11,7 +11,7 @@ from img_recog.camera.calibration import Calibration, CalibrationError
 from img_recog.errors import UserError
 from img_recog_testing.calibrations import BROKEN, KNOWN, OTHER
 
-# as camera_calibration_parsers writes it, by yaml-cpp: numbers such as 1e-05 have no point
+# as written by camera_calibration_parsers with yaml-cpp: numbers such as 1e-05 have no point
 FOREIGN = """\
 image_width: 640
 image_height: 480
@@ -33,7 +33,7 @@ def path(tmp_path):
 
 
 def refused_load(path, content):
-    """The error line that loading `content` ends with."""
+    """Return the error line of loading a file with this content."""
     with open(path, 'wb') as file:
         file.write(content if isinstance(content, bytes) else content.encode())
     with pytest.raises(CalibrationError) as refused:
@@ -44,7 +44,7 @@ def refused_load(path, content):
 
 
 def with_entry(key, value):
-    """FOREIGN with one entry replaced."""
+    """Return FOREIGN with one entry replaced."""
     return yaml.safe_dump(dict(yaml.safe_load(FOREIGN), **{key: value}))
 
 
@@ -55,7 +55,7 @@ def test_round_trip_is_exact(path, known):
 
 
 @pytest.mark.parametrize('name', ['', 'yes', '12', 'a: b', 'カメラ'])
-def test_round_trip_of_names_that_yaml_could_take_for_something_else(path, name):
+def test_round_trip_of_names_that_yaml_could_read_as_another_type(path, name):
     named = Calibration(name, *[getattr(KNOWN, field) for field in (
         'width', 'height', 'distortion_model', 'distortion', 'camera_matrix', 'rectification',
         'projection')])
@@ -73,7 +73,7 @@ def test_file_of_another_program_is_read(path):
     assert type(loaded.camera_matrix[0]) is float
 
 
-def test_missing_file_is_told_apart(path):
+def test_missing_file_is_a_separate_error(path):
     with pytest.raises(FileNotFoundError):
         calibration_file.load(path)
 
@@ -81,7 +81,7 @@ def test_missing_file_is_told_apart(path):
 @pytest.mark.parametrize('content', [
     'a: [1, 2', 'a: b: c', '\tx: 1', b'\x00\x01\x02', b'\x89PNG\r\n\x1a\n\xff\xfe', b'\xff' * 99,
     FOREIGN.replace('narrow', '2020-13-45')])
-def test_file_that_is_no_yaml(path, content):
+def test_file_that_is_not_yaml(path, content):
     assert refused_load(path, content).startswith('cannot read calibration ' + path + ': ')
 
 
@@ -90,7 +90,7 @@ def test_yaml_without_entries(path, content):
     assert 'has no camera_matrix and other entries; write one with ' in refused_load(path, content)
 
 
-def test_folder_in_place_of_a_file(tmp_path):
+def test_folder_instead_of_a_file(tmp_path):
     with pytest.raises(CalibrationError) as refused:
         calibration_file.load(str(tmp_path))
     assert str(refused.value).startswith('cannot read calibration {}: '.format(tmp_path))
@@ -136,7 +136,7 @@ def test_calibration_that_cannot_rectify_is_refused(path, broken, words):
 
 
 @pytest.mark.parametrize('value', [True, None, [500], 'a'])
-def test_what_is_no_number_is_named(path, value):
+def test_value_that_is_not_a_number_is_named(path, value):
     data = [value, 0, 320, 0, 500, 240, 0, 0, 1]
     message = refused_load(path, with_entry('camera_matrix', {'rows': 3, 'cols': 3, 'data': data}))
     assert message.endswith('entry camera_matrix (wants numbers, has {!r})'.format(value))
@@ -148,14 +148,14 @@ def test_what_is_no_number_is_named(path, value):
     ('camera_matrix', ('x', None), "rows: 3, cols: 3, has 'x', None"),
     ('projection_matrix', (4, 3), 'rows: 3, cols: 4, has 4, 3'),
     ('distortion_coefficients', (1, 7), 'rows x cols numbers, has 5 for 1 x 7')])
-def test_shape_that_does_not_fit_the_numbers_is_named(path, key, shape, wanted):
+def test_shape_that_does_not_match_the_data_is_named(path, key, shape, wanted):
     data = yaml.safe_load(FOREIGN)[key]['data']
     message = refused_load(path, with_entry(
         key, {'rows': shape[0], 'cols': shape[1], 'data': data}))
     assert message.endswith('entry {} (wants {})'.format(key, wanted))
 
 
-def test_upright_vector_of_coefficients_and_missing_shapes_are_taken(path):
+def test_column_vector_of_coefficients_and_missing_shapes_are_accepted(path):
     content = yaml.safe_load(FOREIGN)
     content['distortion_coefficients'].update(rows=5, cols=1)
     del content['camera_matrix']['rows'], content['camera_matrix']['cols']
@@ -172,7 +172,7 @@ def test_missing_or_empty_camera_name_is_an_empty_one(path):
 
 
 def bomb(key):
-    """A few lines that stand for a list of millions, as the entry `key`."""
+    """Return a few lines of YAML that expand to a list of millions, as the entry `key`."""
     lines = ['a0: &a0 [{}]'.format(', '.join(['xxxxxxxx'] * 9))]
     lines += ['a{}: &a{} [{}]'.format(n, n, ', '.join(['*a{}'.format(n - 1)] * 9))
               for n in range(1, 8)]
@@ -193,16 +193,16 @@ LONG = {
 
 
 @pytest.mark.parametrize('name', LONG)
-def test_line_of_an_error_is_short_whatever_the_file_holds(path, name):
+def test_error_line_is_short_for_any_content(path, name):
     assert len(refused_load(path, LONG[name])) - len(path) < 400
 
 
-def test_file_that_is_too_long_for_a_calibration_is_not_read(path):
+def test_file_that_is_too_large_is_refused(path):
     assert refused_load(path, FOREIGN + '#' * (1 << 20)) == (
         'cannot read calibration {}: larger than 1048576 bytes'.format(path))
 
 
-def test_pipe_is_refused_and_not_waited_for(path):
+def test_pipe_is_refused_without_waiting(path):
     os.mkfifo(path)
     with pytest.raises(CalibrationError, match='^cannot read calibration .*: not a regular file$'):
         calibration_file.load(path)

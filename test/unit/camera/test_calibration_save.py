@@ -1,4 +1,4 @@
-"""Saving calibrations: the format, whole or not at all, and what is never written over."""
+"""Saving calibrations: the format, atomic writes, and paths that are never replaced."""
 import os
 import stat
 
@@ -74,18 +74,18 @@ def test_unwritable_folder_leaves_the_old_file(path):
     assert calibration_file.load(path) == KNOWN
 
 
-def special(kind, path):
-    if kind == 'pipe':
+def make_special(file_type, path):
+    if file_type == 'pipe':
         os.mkfifo(path)
-    elif kind == 'device':
+    elif file_type == 'device':
         os.symlink('/dev/null', path)
     else:
         os.mkdir(path)
 
 
-@pytest.mark.parametrize('kind', ['pipe', 'device', 'folder'])
-def test_what_is_not_a_file_is_not_replaced(path, kind, monkeypatch):
-    special(kind, path)
+@pytest.mark.parametrize('file_type', ['pipe', 'device', 'folder'])
+def test_special_file_is_not_replaced(path, file_type, monkeypatch):
+    make_special(file_type, path)
     # if the check is gone, the device node of this machine must not be replaced
     monkeypatch.setattr('img_recog.camera.calibration_file.os.replace', pytest.fail)
     with pytest.raises(CalibrationError,
@@ -95,7 +95,7 @@ def test_what_is_not_a_file_is_not_replaced(path, kind, monkeypatch):
 
 
 @pytest.mark.parametrize('exists', [True, False])
-def test_link_stays_and_the_file_it_stands_for_is_written(tmp_path, path, exists):
+def test_symlink_stays_and_its_target_is_written(tmp_path, path, exists):
     target = str(tmp_path / 'kept' / 'real.yaml')
     os.symlink(os.path.join('kept', 'real.yaml'), path)
     if exists:

@@ -1,4 +1,4 @@
-"""The calibration that the camera node publishes and takes, with the log and parameters faked."""
+"""The calibration that the node publishes and stores, with a fake log and fake parameters."""
 import os
 from types import SimpleNamespace
 
@@ -23,7 +23,7 @@ GIVEN = {
 
 
 class FakeRos:
-    """Keeps what is logged."""
+    """Records the lines of the log."""
 
     def __init__(self):
         self.lines = []
@@ -49,7 +49,7 @@ def ros(monkeypatch):
 def make(ros, tmp_path, monkeypatch):
     """A function that makes the calibration of a camera; its file is calibration.yaml."""
     def made(url='file://{}/calibration.yaml'.format(tmp_path), **settings):
-        # only get_param is faked, so that the error line is the one of every parameter
+        # only get_param is faked, so the error line is the same as for all parameters
         monkeypatch.setattr(parameters, 'rospy', SimpleNamespace(
             get_param=lambda *_: {'camera_info_url': url},
             resolve_name=lambda name: name.replace('~', '/usb_cam/')))
@@ -80,7 +80,7 @@ def test_calibration_of_the_file_is_published(make, ros, tmp_path):
     assert ros.lines == []
 
 
-def test_broken_calibration_is_one_error_and_none_is_published(make, ros, tmp_path):
+def test_broken_calibration_is_one_error_and_is_not_published(make, ros, tmp_path):
     path = saved(tmp_path, camera_matrix=[float('nan')] * 9)
     made = make()
     made.set_image_size(640, 480)
@@ -101,7 +101,7 @@ def test_calibration_of_another_camera_is_used_with_one_warning(make, ros, tmp_p
 @pytest.mark.parametrize('url, words', [
     ('http://x', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
     ('package://no_such_package/x', 'there is no package no_such_package')])
-def test_url_that_is_refused_names_the_parameter_with_its_namespace(make, url, words):
+def test_refused_url_names_the_parameter_with_its_namespace(make, url, words):
     with pytest.raises(ParameterError) as refused:
         make(url)
     assert str(refused.value).startswith('parameter /usb_cam/camera_info_url: got {!r}, '.format(
@@ -131,7 +131,7 @@ def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fiel
     assert list(made.to_msg(Header()).K) == GIVEN['K']
 
 
-def test_good_calibration_is_written_and_in_force(make, tmp_path):
+def test_good_calibration_is_written_and_published(make, tmp_path):
     made = make()
     made.set_image_size(640, 480)
     response = answer(made)
@@ -140,7 +140,7 @@ def test_good_calibration_is_written_and_in_force(make, tmp_path):
     assert list(made.to_msg(Header()).K) == GIVEN['K']
 
 
-def test_size_that_is_not_known_yet_is_told_to_be_unchecked(make, tmp_path):
+def test_size_that_is_not_known_yet_is_reported_as_unchecked(make, tmp_path):
     made = make()
     assert not answer(made, width=0, height=0).success
     assert not os.path.exists(str(tmp_path / 'calibration.yaml'))
