@@ -1,24 +1,25 @@
-"""Files: where a path that a user types leads, and files that are written whole or not at all."""
+"""Files: how a path that a user types is resolved, and files that are written atomically."""
 import contextlib
 import os
-from typing import Callable, Iterator, Optional, Sequence, Tuple
+import threading
+from typing import BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 
-# from the URI of a file to its path, None when there is no such file
+# Maps the URI of a file to its path, or to None when there is no such file.
 FindFile = Callable[[str], Optional[str]]
 
 
 def user_folders() -> Tuple[str, ...]:
-    """Return the folders in which a relative path that a user typed is looked for.
+    """Return the folders in which a relative path that a user typed is searched for.
 
-    roslaunch starts nodes in ROS_HOME; PWD still names the folder in which the user ran it.
+    roslaunch starts nodes in ROS_HOME; PWD is still the folder in which the user started it.
     """
     return os.environ.get('PWD', ''), os.getcwd()
 
 
 def find_user_path(path: str, except_names: Sequence[str] = ()) -> str:
-    """Return the first existing file that a relative path may mean, else the path as given.
+    """Return the first existing file that a relative path can mean, or else the path as given.
 
     except_names: names that are not paths, even where a file has the same name.
     """
@@ -29,7 +30,7 @@ def find_user_path(path: str, except_names: Sequence[str] = ()) -> str:
 
 
 def find_in(folder: str) -> FindFile:
-    """Return a function that finds file:// URIs, absolute paths, and paths relative to `folder`.
+    """Return a function that finds file:// URIs, absolute paths and paths relative to `folder`.
     """
     def find(uri: str) -> Optional[str]:
         if '://' in uri and not uri.startswith('file://'):
@@ -40,42 +41,46 @@ def find_in(folder: str) -> FindFile:
 
 
 def output_paths(source: str, output: str, extensions: Sequence[str]) -> Tuple[str, ...]:
-    """Return the paths of the files that are made from the file `source`.
+    """Return the paths of the output files for the input file `source`, one for each extension.
 
-    output: a folder, the beginning of the paths, or empty for the current folder.
-    Raises UserError when there is no such folder, or a path is that of the source itself.
+    output: a folder, the common prefix of the paths, or empty for the current folder.
+    Raises UserError when there is no such folder, or when a path is that of `source`.
     """
     stem = os.path.splitext(os.path.basename(source))[0] + '.replay'
     prefix = os.path.join(output, stem) if os.path.isdir(output or '.') else output
     if prefix.endswith(os.sep):
-        raise UserError('cannot write to {}: no such folder; make it, or set --output to '
-                        'another'.format(output))
+        raise UserError('cannot write to {}: no such folder'.format(output),
+                        'make it, or set --output to another')
     paths = tuple(prefix + extension for extension in extensions)
     for path in paths:
         if os.path.exists(path) and os.path.samefile(path, source):
-            raise UserError('cannot write {}: that is what is replayed; set --output to another'
-                            .format(path))
+            raise UserError('cannot write {}: that is what is replayed'.format(path),
+                            'set --output to another')
     return paths
 
 
 @contextlib.contextmanager
 def atomic_write(paths: Sequence[str],
                  advice: str = 'set --output to a folder or the beginning of a path where files '
-                 'can be written') -> Iterator[list]:
-    """Give binary files to write to, which take the place of `paths` if all goes well.
+                 'can be written') -> Iterator[List[BinaryIO]]:
+    """Yield a binary file for each path; replace the files at `paths` when the block succeeds.
 
-    If anything goes wrong, what was there before stays; links stay, and devices are never
-    replaced. Raises UserError naming the path that cannot be written, with the advice.
+    When anything fails, the old files stay. Symlinks stay and their targets are replaced; folders,
+    devices and pipes are never replaced.
+    Raises UserError naming the path that cannot be written, with `advice`; its cause is the
+    OSError of the system, if there was one. An error that is raised in the block is passed on.
     """
     for path in paths:
         if os.path.exists(path) and not os.path.isfile(path):
-            raise UserError('cannot write {}: it is a {}; {}'.format(
-                path, 'folder' if os.path.isdir(path) else 'device or pipe', advice))
+            raise UserError('cannot write {}: it is a {}'.format(
+                path, 'folder' if os.path.isdir(path) else 'device or pipe'), advice)
     targets = [os.path.realpath(path) for path in paths]
+    # threads may write the same file: two calls of a service of rospy do
+    suffix = '{}.{}'.format(os.getpid(), threading.get_ident())
     parts = [os.path.join(os.path.dirname(target), '.{}.{}'.format(os.path.basename(target),
-                                                                   os.getpid()))
+                                                                   suffix))
              for target in targets]
-    files = []
+    files: List[BinaryIO] = []
     try:
         for path, part in zip(paths, parts):
             with _refusal(path, advice):
@@ -89,7 +94,7 @@ def atomic_write(paths: Sequence[str],
         for file in files:
             with contextlib.suppress(OSError):
                 file.close()
-        for part in parts:      # one more than in `files`, if a signal came in between
+        for part in parts:      # one more than `files` if a signal arrived between open and append
             with contextlib.suppress(OSError):
                 os.remove(part)
 
@@ -99,5 +104,5 @@ def _refusal(path: str, advice: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise UserError('cannot write {}: {}; {}'.format(
-            path, (error.strerror or str(error)).lower(), advice))
+        raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()),
+                        advice) from error

@@ -36,7 +36,7 @@ def test_folder_without_loop_ends_well_with_one_line(roscore, tmp_path):
         assert cv2.imwrite(str(tmp_path / '{}.png'.format(number)), np.zeros((8, 8, 3), np.uint8))
     camera = start(roscore, '_video_device:={}'.format(tmp_path), '_loop:=false')
     assert camera.wait() == 0, camera.output
-    assert len(re.findall(r'\[INFO\].*the folder .* is over after 3 images', camera.output)) == 1
+    assert len(re.findall(r'\[INFO\].*the folder .* has ended after 3 images', camera.output)) == 1
     assert not re.search(r'WARN|ERROR|FATAL', camera.output), camera.output
 
 

@@ -1,5 +1,6 @@
-"""Paths that users type, and output files that are there whole or not at all."""
+"""Paths that users type, and output files that are written whole or not at all."""
 import os
+import threading
 
 import pytest
 
@@ -11,7 +12,7 @@ EXTENSIONS = ('.bag', '.csv')
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Stand in an empty folder."""
+    """Make an empty folder the current one."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -37,7 +38,7 @@ def test_names_that_are_refused(folder, output, named):
     assert str(refused.value).startswith(named)
 
 
-def test_files_replace_what_was_there_once_all_are_written(folder):
+def test_files_are_replaced_when_all_are_written(folder):
     (folder / 'a').write_text('old')
     with files.atomic_write(('a', 'b')) as outputs:
         for file in outputs:
@@ -47,10 +48,11 @@ def test_files_replace_what_was_there_once_all_are_written(folder):
     assert (folder / 'a').read_text() == (folder / 'b').read_text() == 'new'
 
 
-@pytest.mark.parametrize('error', [UserError, KeyboardInterrupt, SystemExit, OSError])
-def test_when_something_goes_wrong_all_is_as_before(folder, error):
+@pytest.mark.parametrize('error', [
+    UserError('wrong'), KeyboardInterrupt(), SystemExit(), OSError()])
+def test_failure_leaves_the_old_files(folder, error):
     (folder / 'a').write_text('old')
-    with pytest.raises(error):
+    with pytest.raises(type(error)):
         with files.atomic_write(('a', 'b')) as outputs:
             outputs[0].write(b'new')
             outputs[1].close()
@@ -59,7 +61,7 @@ def test_when_something_goes_wrong_all_is_as_before(folder, error):
 
 
 @pytest.mark.parametrize('last', [1, 2])
-def test_a_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
+def test_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
     opened = []
 
     def interrupted(*arguments):
@@ -70,19 +72,19 @@ def test_a_signal_right_after_a_file_is_opened(folder, monkeypatch, last):
     monkeypatch.setattr(files, 'open', interrupted, raising=False)
     with pytest.raises(KeyboardInterrupt):
         with files.atomic_write(('a', 'b')):
-            raise AssertionError('must not come so far')
+            raise AssertionError('must not be reached')
     assert len(opened) == last and os.listdir('.') == []
 
 
-def test_what_cannot_be_written_is_named(folder):
+def test_file_that_cannot_be_written_is_named(folder):
     with pytest.raises(UserError, match='cannot write no/b: no such file or directory; set '):
         with files.atomic_write(('a', 'no/b')):
-            raise AssertionError('must not come so far')
+            raise AssertionError('must not be reached')
     assert os.listdir('.') == []
 
 
 @pytest.mark.parametrize('make, named', [(os.mkdir, 'folder'), (os.mkfifo, 'device or pipe')])
-def test_what_is_no_file_stays(make, named):
+def test_special_file_stays(make, named):
     make('taken')
     mode = os.stat('taken').st_mode
     os.symlink('taken', 'link')
@@ -90,11 +92,37 @@ def test_what_is_no_file_stays(make, named):
         with pytest.raises(UserError, match='cannot write {}: it is a {}; set '.format(
                 name, named)):
             with files.atomic_write(('a', name)):
-                raise AssertionError('must not come so far')
+                raise AssertionError('must not be reached')
     assert sorted(os.listdir('.')) == ['link', 'taken'] and os.stat('taken').st_mode == mode
 
 
-def test_links_are_written_through(folder):
+def test_refusal_has_problem_advice_and_the_error_of_the_system(folder):
+    with pytest.raises(UserError) as refused:
+        with files.atomic_write(('no/b',), advice='try c'):
+            raise AssertionError('must not be reached')
+    assert (refused.value.problem, refused.value.advice) == (
+        'cannot write no/b: no such file or directory', 'try c')
+    assert isinstance(refused.value.__cause__, FileNotFoundError)
+
+
+def test_threads_that_write_the_same_file_do_not_disturb_each_other(folder):
+    written = []
+
+    def write():
+        with files.atomic_write(('a',)) as (file,):
+            file.write(b'inner')
+        written.append(True)
+
+    with files.atomic_write(('a',)) as (outer,):
+        outer.write(b'outer')
+        thread = threading.Thread(target=write)
+        thread.start()
+        thread.join()
+        assert written and (folder / 'a').read_text() == 'inner'
+    assert (folder / 'a').read_text() == 'outer' and os.listdir('.') == ['a']
+
+
+def test_symlink_stays_and_its_target_is_written(folder):
     (folder / 'there').mkdir()
     os.symlink('there/file', 'link')
     with files.atomic_write(('link',)) as (file,):
@@ -103,7 +131,7 @@ def test_links_are_written_through(folder):
     assert os.listdir('there') == ['file']
 
 
-def test_relative_paths_are_looked_for_where_the_user_stands(monkeypatch, tmp_path):
+def test_relative_paths_are_searched_for_in_the_folder_of_the_user(monkeypatch, tmp_path):
     (tmp_path / 'my.urdf').write_text('')
     (tmp_path / 'empty').write_text('')
     monkeypatch.setenv('PWD', str(tmp_path))

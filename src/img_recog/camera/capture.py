@@ -1,4 +1,4 @@
-"""A thread that captures from a source, notices when it falls silent, and waits for its return."""
+"""A thread that reads frames from a source, detects a stall, and reopens a lost source."""
 import threading
 import time
 from typing import Callable, Optional
@@ -9,15 +9,14 @@ from img_recog.camera.pacing import Pacer, Throttle
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceEnded, SourceError
 
 FIRST_RETRY_S, LAST_RETRY_S = 0.5, 5.0
-# how long the owner waits for a source that blocks
-_STOPPING_S, _SHUT_DOWN_S = 1.5, 1.0
+_STOP_TIMEOUT_S, _JOIN_TIMEOUT_S = 1.5, 1.0     # a read may block for longer
 
 
 class Listener:
-    """What a capture tells: in its own thread, but `lost` also in that of who calls `check`."""
+    """Callbacks of a capture, in its thread; `lost` also in the thread that calls `check`."""
 
     def opened(self, source: FrameSource) -> None:
-        """A source is open and about to give frames; also one that has come back."""
+        """A source is open; also called when a lost source is back."""
 
     def frame(self, source: FrameSource, image: np.ndarray) -> None:
         """A frame was captured, `source.age_s` ago."""
@@ -26,10 +25,10 @@ class Listener:
         """A frame could not be used."""
 
     def dropped(self) -> None:
-        """A frame was left out, since the source gives more than its `max_hz`."""
+        """A frame was dropped because the source exceeds its `max_hz`."""
 
     def lost(self, reason: str) -> None:
-        """A source gives no more frames, and its return is waited for; told once."""
+        """A source gives no more frames and will be reopened; called once for each loss."""
 
     def reconnected(self) -> None:
         """A lost source gives frames again."""
@@ -38,28 +37,27 @@ class Listener:
         """A source has given all its frames; the capture is stopped."""
 
     def failed(self, error: Exception, opening: bool) -> None:
-        """A source cannot be used and is not waited for; the capture is stopped.
+        """A source failed and will not be reopened; the capture is stopped.
 
-        opening: it could not be opened; else it gave frames before.
+        opening: whether it failed to open, or else while it was read.
         """
 
 
 class Capture:
-    """Captures in a thread of its own while it is wanted, and tells a listener what comes.
+    """Reads frames in a thread between `start` and `stop`, and passes them to a listener.
 
-    A source that says of itself that it reconnects, and that was open once, is waited for
-    whenever it is gone: it is closed, and opened again with a pause that grows from half a second
-    to five.
+    A source that has `reconnects` set, and that was open before, is reopened whenever it is lost:
+    it is closed first, and retried with a delay that grows from 0.5 s to 5 s.
     """
 
     def __init__(self, open_source: Callable[[], FrameSource], listener: Listener,
                  now: Callable[[], float] = time.monotonic,
                  wait: Optional[Callable[[float], bool]] = None):
-        """Capture nothing yet.
+        """Create a capture that is stopped.
 
-        open_source: opens the source anew each time; raises SourceError when it cannot.
-        now: seconds of a steady clock.
-        wait: sleeps for some seconds, or less; returns whether the capture shall stop.
+        open_source: opens the source, each time anew; raises SourceError when it fails.
+        now: returns the seconds of a steady clock.
+        wait: sleeps for at most the given seconds; returns whether the capture has to stop.
         """
         self._open_source, self._listener, self._now = open_source, listener, now
         self._wanted, self._stopping, self._closed = (threading.Event() for _ in range(3))
@@ -67,73 +65,73 @@ class Capture:
         self._closed.set()
         self._wait = wait or self._stopping.wait
         self._lock = threading.Lock()
-        self._ended = self._known = self._lost = False
+        self._shut_down = self._reconnects = self._lost = False
         self._reading: Optional[FrameSource] = None
         self._reading_since = 0.0
         self._thread: Optional[threading.Thread] = None
 
     @property
     def wanted(self) -> bool:
-        """Whether it captures, or waits for the return of a source."""
+        """Whether it is started: reading frames, or waiting for a lost source."""
         return self._wanted.is_set()
 
     @property
     def is_lost(self) -> bool:
-        """Whether the source is gone and waited for."""
+        """Whether the source is lost and will be reopened."""
         return self._lost
 
-    def begin(self) -> None:
-        """Start the thread."""
+    def start_thread(self) -> None:
+        """Start the thread; it reads nothing before `start`."""
         self._thread = threading.Thread(target=self.run, name='capture', daemon=True)
         self._thread.start()
 
     def start(self) -> None:
-        """Open the source and capture; harmless when repeated."""
+        """Open the source and read frames; no effect when it is started already."""
         with self._lock:
-            if not self._ended:
+            if not self._shut_down:
                 self._stopping.clear()
                 self._wanted.set()
 
     def stop(self) -> bool:
-        """Stop capturing and close the source; harmless when repeated.
+        """Stop reading and close the source; no effect when it is stopped already.
 
-        Returns whether the source is closed: after one and a half seconds it returns all the
-        same, and a source that blocks is closed as soon as it does no more.
+        Returns whether the source is closed: it waits for at most 1.5 s, and a source that blocks
+        is closed as soon as its read returns.
         """
         self._request_stop()
-        return self._closed.wait(_STOPPING_S)
+        return self._closed.wait(_STOP_TIMEOUT_S)
 
     def shut_down(self) -> bool:
-        """Stop for good; return whether the thread has ended, after 1 s at the latest."""
+        """Stop for good; return whether the thread has ended, after at most 1 s."""
         with self._lock:
-            self._ended = True
+            self._shut_down = True
             self._stopping.set()
             self._wanted.set()      # wakes the thread
         if self._thread is None:
             return True
-        self._thread.join(_SHUT_DOWN_S)
+        self._thread.join(_JOIN_TIMEOUT_S)
         return not self._thread.is_alive()
 
     def check(self) -> None:
-        """Notice a source that is silent; to be called by the owner several times a second."""
+        """Detect a stalled source; the owner has to call this several times a second."""
         with self._lock:
             source, since = self._reading, self._reading_since
         if source is None or source.stall_timeout_s is None:
             return
         silent_s = self._now() - since
         if silent_s > source.stall_timeout_s:
-            self._lose('{} has given no frame for {:.1f} s'.format(source.name, silent_s))
+            self._set_lost('{} has given no frame for {:.1f} s'.format(source.name, silent_s))
 
     def run(self) -> None:
-        """Capture until shut down: what the thread does."""
+        """Read frames until `shut_down` is called: the body of the thread."""
         while True:
             self._wanted.wait()
-            if self._ended:
+            if self._shut_down:
                 return
             self._closed.clear()
             try:
                 self._capture()
-            except Exception as error:      # whatever it is, the owner has to know
+            except Exception as error:      # whatever it is, the listener has to know
                 self._request_stop()
                 self._listener.failed(error, opening=False)
             finally:
@@ -141,7 +139,7 @@ class Capture:
 
     def _request_stop(self) -> None:
         with self._lock:
-            if not self._ended:
+            if not self._shut_down:
                 self._wanted.clear()
             self._stopping.set()
 
@@ -151,21 +149,21 @@ class Capture:
             try:
                 source = self._open_source()
             except SourceError as error:
-                if not self._known:
+                if not self._reconnects:
                     self._request_stop()
                     self._listener.failed(error, opening=True)
                     return
-                self._lose(str(error))
+                self._set_lost(str(error))
             else:
-                self._known = source.reconnects
-                if self._play(source):
+                self._reconnects = source.reconnects
+                if self._read_all(source):
                     retry_s = FIRST_RETRY_S
             if self._pause(retry_s):
                 return
             retry_s = min(2.0 * retry_s, LAST_RETRY_S)
 
-    def _play(self, source: FrameSource) -> bool:
-        """Pass on frames until there are no more; return whether there was any."""
+    def _read_all(self, source: FrameSource) -> bool:
+        """Pass on frames until the source ends or fails; return whether there was any frame."""
         any_frame = False
         try:
             if not self._lost:
@@ -182,24 +180,24 @@ class Capture:
                     break
                 if image is not None:
                     any_frame = True
-                    self._find_again(source)
+                    self._clear_lost(source)
                     self._listener.frame(source, image)
         except SourceEnded as end:
             self._request_stop()
             self._listener.ended(str(end))
         except SourceError as error:
             if source.reconnects:
-                self._lose(str(error))
+                self._set_lost(str(error))
             else:
                 self._request_stop()
                 self._listener.failed(error, opening=False)
         finally:
-            # before it is opened again: a device that comes back while it is held gets a new name
+            # before it is reopened: a device that returns while it is still open gets a new name
             source.close()
         return any_frame
 
     def _read(self, source: FrameSource) -> Optional[np.ndarray]:
-        """Return the next frame, None for one that cannot be used."""
+        """Return the next frame, or None when it cannot be used."""
         with self._lock:
             self._reading, self._reading_since = source, self._now()
         try:
@@ -215,16 +213,16 @@ class Capture:
         """Wait; return whether to stop."""
         return self._stopping.is_set() or (seconds > 0.0 and self._wait(seconds))
 
-    def _lose(self, reason: str) -> None:
+    def _set_lost(self, reason: str) -> None:
         with self._lock:
-            news = not self._lost and not self._stopping.is_set()
-            self._lost = self._lost or news
-        if news:
+            newly_lost = not self._lost and not self._stopping.is_set()
+            self._lost = self._lost or newly_lost
+        if newly_lost:
             self._listener.lost(reason)
 
-    def _find_again(self, source: FrameSource) -> None:
+    def _clear_lost(self, source: FrameSource) -> None:
         with self._lock:
-            lost, self._lost = self._lost, False
-        if lost:
+            was_lost, self._lost = self._lost, False
+        if was_lost:
             self._listener.opened(source)
             self._listener.reconnected()

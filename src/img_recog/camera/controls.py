@@ -1,9 +1,10 @@
-"""V4L2 controls of a device: brightness, exposure, focus and whatever else it has.
+"""V4L2 controls of a device: brightness, exposure, focus and all others that it has.
 
 Ids, structures and names are those of linux/v4l2-controls.h and linux/videodev2.h. Controls are
-set by id, since the kernel has renamed some of them over the years.
+set by id because the kernel has renamed some of them.
 """
 import difflib
+import errno
 import fcntl
 import os
 import re
@@ -20,7 +21,7 @@ FOCUS_ABSOLUTE, FOCUS_AUTO = 0x009a090a, 0x009a090c
 
 EXPOSURE_MANUAL, EXPOSURE_APERTURE_PRIORITY = 1, 3      # enum v4l2_exposure_auto_type
 
-# what v4l2-ctl prints with older and newer kernels
+# the names that v4l2-ctl prints with older and newer kernels
 KNOWN_NAMES = {
     'auto_exposure': EXPOSURE_AUTO,
     'brightness': BRIGHTNESS,
@@ -43,12 +44,12 @@ _QUERYCTRL, _CONTROL = struct.Struct('=II32siiiiI8x'), struct.Struct('=Ii')
 _NEXT_CTRL = 0x80000000
 _FLAG_DISABLED, _FLAG_READ_ONLY = 0x0001, 0x0004
 _TYPE_BUTTON, _TYPE_CTRL_CLASS, _TYPE_BITMASK = 4, 6, 8
-# integer, boolean, menu, button, bitmask, integer menu; the others need another ioctl
+# integer, boolean, menu, button, bitmask, integer menu; other types need another ioctl
 _SETTABLE_TYPES = (1, 2, 3, 4, 8, 9)
 
 
-def _iowr(number: int, size: int) -> int:
-    return 3 << 30 | size << 16 | ord('V') << 8 | number       # linux/ioctl.h
+def _iowr(command: int, size: int) -> int:
+    return 3 << 30 | size << 16 | ord('V') << 8 | command      # linux/ioctl.h
 
 
 _VIDIOC_QUERYCTRL = _iowr(36, _QUERYCTRL.size)
@@ -57,7 +58,7 @@ _VIDIOC_S_CTRL = _iowr(28, _CONTROL.size)
 
 
 class Control(NamedTuple):
-    """What a device says of one of its controls."""
+    """One control of a device, as the driver describes it."""
 
     id: int
     name: str
@@ -69,54 +70,61 @@ class Control(NamedTuple):
 
 
 class ControlDevice:
-    """The controls of an open V4L2 device, by a file descriptor of its own.
+    """The controls of a V4L2 device, by a separate file descriptor.
 
-    Every method raises OSError as the driver reports it.
+    All methods raise OSError as the driver reports it.
     """
 
     def __init__(self, path: str):
-        self._descriptor = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+        self._descriptor: Optional[int] = os.open(path, os.O_RDWR | os.O_NONBLOCK)
 
     def controls(self) -> List[Control]:
         """Return all controls of the device, in the order of their ids."""
-        found, number = [], 0
+        found: List[Control] = []
+        control_id = 0
         while True:
             try:
-                answer = fcntl.ioctl(self._descriptor, _VIDIOC_QUERYCTRL,
-                                     _QUERYCTRL.pack(number | _NEXT_CTRL, 0, b'', *[0] * 5))
-            except OSError:         # EINVAL after the last one, ENOTTY where there are none
+                answer = self._ioctl(_VIDIOC_QUERYCTRL, _QUERYCTRL.pack(
+                    control_id | _NEXT_CTRL, 0, b'', *[0] * 5))
+            except OSError:         # EINVAL after the last control, ENOTTY without controls
                 return found
-            number, kind, name, low, high, step, default, flags = _QUERYCTRL.unpack(answer)
-            if kind == _TYPE_BITMASK:
+            (control_id, control_type, name, low, high, step, default,
+             flags) = _QUERYCTRL.unpack(answer)
+            if control_type == _TYPE_BITMASK:
                 low, high = 0, high & 0xffffffff
-            elif kind == _TYPE_BUTTON:
-                low, high = 0, 1        # it is pressed by any value
-            if kind != _TYPE_CTRL_CLASS and not flags & _FLAG_DISABLED:
-                settable = kind in _SETTABLE_TYPES and not flags & _FLAG_READ_ONLY
-                found.append(Control(number, variable_name(name), low, high, step, default,
+            elif control_type == _TYPE_BUTTON:
+                low, high = 0, 1        # any value presses it
+            if control_type != _TYPE_CTRL_CLASS and not flags & _FLAG_DISABLED:
+                settable = (control_type in _SETTABLE_TYPES
+                            and not flags & _FLAG_READ_ONLY)
+                found.append(Control(control_id, variable_name(name), low, high, step, default,
                                      settable))
 
-    def get(self, number: int) -> int:
+    def get(self, control_id: int) -> int:
         """Return the value of the control with this id."""
-        answer = fcntl.ioctl(self._descriptor, _VIDIOC_G_CTRL, _CONTROL.pack(number, 0))
+        answer = self._ioctl(_VIDIOC_G_CTRL, _CONTROL.pack(control_id, 0))
         return _CONTROL.unpack(answer)[1]
 
-    def set(self, number: int, value: int) -> None:
+    def set(self, control_id: int, value: int) -> None:
         """Set the control with this id."""
-        fcntl.ioctl(self._descriptor, _VIDIOC_S_CTRL,
-                    struct.pack('=II', number, value & 0xffffffff))
+        self._ioctl(_VIDIOC_S_CTRL, struct.pack('=II', control_id, value & 0xffffffff))
+
+    def _ioctl(self, request: int, argument: bytes) -> bytes:
+        if self._descriptor is None:
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+        return fcntl.ioctl(self._descriptor, request, argument)
 
     def close(self) -> None:
-        """Give back the file descriptor; harmless when repeated."""
+        """Close the file descriptor; no effect when it is closed already."""
         descriptor, self._descriptor = self._descriptor, None
         if descriptor is not None:
             os.close(descriptor)
 
 
 def variable_name(name: bytes) -> str:
-    """Return a control's name as v4l2-ctl prints it: 'White Balance, Auto' is white_balance_auto.
+    """Return a control's name as v4l2-ctl prints it: white_balance_auto for 'White Balance, Auto'.
 
-    name: as the driver gives it, ended by a zero byte.
+    name: from the driver, terminated by a zero byte.
     """
     text = name.split(b'\0')[0].decode('latin-1')
     return re.sub('[^0-9a-z]+', '_', text.lower()).strip('_')
@@ -124,24 +132,25 @@ def variable_name(name: bytes) -> str:
 
 def apply(device: ControlDevice, settings: ControlSettings,
           intrinsic: Mapping[str, int]) -> List[str]:
-    """Set controls as usb_cam does: the automatics first, manual values where these are off.
+    """Set controls like usb_cam: automatic modes first, then manual values where they are off.
 
     intrinsic: values of any controls by name, set last.
-    Returns one line for each control that could not be set as wanted. What nobody asked for, as
-    autofocus off on a camera that has none, is not among them.
+    Returns one line for each control that could not be set. A default that the camera has no
+    control for, such as autofocus off on a camera without autofocus, is not a problem.
     """
     setter = _Setter(device)
-    for name, number in (('brightness', BRIGHTNESS), ('contrast', CONTRAST),
-                         ('saturation', SATURATION), ('sharpness', SHARPNESS), ('gain', GAIN)):
-        setter.set_given(name, number, getattr(settings, name))
+    for name, control_id in (('brightness', BRIGHTNESS), ('contrast', CONTRAST),
+                             ('saturation', SATURATION), ('sharpness', SHARPNESS),
+                             ('gain', GAIN)):
+        setter.set_given(name, control_id, getattr(settings, name))
     setter.set_automatic('auto_white_balance', AUTO_WHITE_BALANCE,
-                         settings.auto_white_balance, usual=True)
+                         settings.auto_white_balance, default=True)
     if not settings.auto_white_balance:
         setter.set_given('white_balance', WHITE_BALANCE_TEMPERATURE, settings.white_balance)
     setter.set_exposure(settings.autoexposure)
     if not settings.autoexposure:
         setter.set_given('exposure', EXPOSURE_ABSOLUTE, settings.exposure)
-    setter.set_automatic('autofocus', FOCUS_AUTO, settings.autofocus, usual=False)
+    setter.set_automatic('autofocus', FOCUS_AUTO, settings.autofocus, default=False)
     if not settings.autofocus:
         setter.set_given('focus', FOCUS_ABSOLUTE, settings.focus)
     for name, value in intrinsic.items():
@@ -150,7 +159,7 @@ def apply(device: ControlDevice, settings: ControlSettings,
 
 
 class _Setter:
-    """Sets controls of one device and collects what went wrong."""
+    """Sets controls of one device and collects the problems."""
 
     def __init__(self, device: ControlDevice):
         self._device = device
@@ -159,20 +168,20 @@ class _Setter:
         self._by_name: Dict[str, Control] = {each.name: each for each in controls}
         self.problems: List[str] = []
 
-    def set_given(self, name: str, number: int, value: int) -> None:
+    def set_given(self, name: str, control_id: int, value: int) -> None:
         if value >= 0:
-            self._set(name, self._by_id.get(number), value)
+            self._set(name, self._by_id.get(control_id), value)
 
-    def set_automatic(self, name: str, number: int, wanted: bool, usual: bool) -> None:
-        if number in self._by_id or wanted != usual:
-            self._set(name, self._by_id.get(number), int(wanted))
+    def set_automatic(self, name: str, control_id: int, wanted: bool, default: bool) -> None:
+        if control_id in self._by_id or wanted != default:
+            self._set(name, self._by_id.get(control_id), int(wanted))
 
     def set_exposure(self, automatic: bool) -> None:
         control = self._by_id.get(EXPOSURE_AUTO)
         if not automatic:
             self._set('autoexposure', control, EXPOSURE_MANUAL)
         elif control is not None and self._get(control) == EXPOSURE_MANUAL:
-            # usb_cam never turns it on again; cameras know mode 3, 0, or both
+            # usb_cam never turns it on again; cameras have mode 3, mode 0, or both
             wanted = EXPOSURE_APERTURE_PRIORITY if control.maximum >= 3 else 0
             self._set('autoexposure', control, wanted)
 
@@ -188,10 +197,10 @@ class _Setter:
 
     def _set(self, name: str, control: Optional[Control], value: int) -> None:
         if control is None:
-            near = difflib.get_close_matches(name, self._by_name, 1)
+            similar = difflib.get_close_matches(name, self._by_name, 1)
             self.problems.append('the camera has no control {}; {}'.format(
-                name, 'did you mean {}?'.format(near[0]) if near else
-                'v4l2-ctl --list-ctrls shows what it has'))
+                name, 'did you mean {}?'.format(similar[0]) if similar else
+                'v4l2-ctl --list-ctrls lists its controls'))
         elif not control.settable:
             self.problems.append('control {}: it cannot be set'.format(name))
         elif not control.minimum <= value <= control.maximum:

@@ -1,25 +1,26 @@
-"""images and folders of them, by OpenCV."""
+"""Images and folders of images, read by OpenCV."""
 import os
-from typing import Optional
+from typing import List, Optional
 
 import cv2
 import numpy as np
 
-from img_recog.camera.pixels import converted
+from img_recog.camera.pixels import convert
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceEnded, SourceError
+from img_recog.errors import one_line
 
-# Only these are looked at in a folder: others may be anything, and block whoever opens them.
+# Only these are opened in a folder: another file may be a pipe, which blocks on open.
 EXTENSIONS = ('.bmp', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm', '.tif', '.tiff',
               '.webp')
 
-_SCAN = 0xda        # the marker SOS of a JPEG
+_START_OF_SCAN = 0xda       # a marker of JPEG
 
 
 class ImageSource(FrameSource):
-    """A image, repeated."""
+    """An image that is repeated."""
 
     def __init__(self, path: str, image: np.ndarray, rate_hz: float):
-        """Repeat `image`, rgb8 and of `path`, which it keeps."""
+        """Repeat `image`, rgb8, which was read from `path` and becomes read-only."""
         self.name, self._image = path, image
         self._image.setflags(write=False)
         self.height, self.width = image.shape[:2]
@@ -32,9 +33,9 @@ class ImageSource(FrameSource):
 
 
 class FolderSource(FrameSource):
-    """The images of a folder by the order of their names, once or in a loop.
+    """The images of a folder in the order of their names, once or in a loop.
 
-    All have the size of the first; others are skipped.
+    Images that do not have the size of the first one are skipped.
     """
 
     def __init__(self, path: str, rate_hz: float, loop: bool = True):
@@ -43,52 +44,52 @@ class FolderSource(FrameSource):
         first = next(filter(lambda image: image is not None, map(read_image, self._paths)), None)
         if first is None:
             raise SourceError(
-                'cannot open {}: neither a device nor a file, nor a folder with images; set '
-                'video_device to one, or to synthetic'.format(path))
+                'cannot open {}: neither a device nor a file, nor a folder with images'.format(
+                    path), 'set video_device to one, or to synthetic')
         self.height, self.width = first.shape[:2]
         self.rate_hz = self.expected_hz = rate_hz
-        self._number = self._good = 0
+        self._next_index = self._good_count = 0
         self.description = 'folder {} of {} images, {}x{}, {:g} Hz, played {}'.format(
             path, len(self._paths), self.width, self.height, rate_hz,
             'in a loop' if loop else 'once')
 
     def read(self) -> np.ndarray:
-        if self._number == len(self._paths):
+        if self._next_index == len(self._paths):
             if not self._loop:
-                raise SourceEnded('the folder {} is over after {} images'.format(
-                    self.name, self._good))
-            if self._good == 0:
+                raise SourceEnded('the folder {} has ended after {} images'.format(
+                    self.name, self._good_count))
+            if self._good_count == 0:
                 raise SourceError('{} can no longer be read: emptied or replaced while it played'
                                   .format(self.name))
-            self._number = self._good = 0
-        path = self._paths[self._number]
-        self._number += 1
+            self._next_index = self._good_count = 0
+        path = self._paths[self._next_index]
+        self._next_index += 1
         image = read_image(path)
         if image is None:
             raise FrameSkipped('cannot read the image {}'.format(path))
         if image.shape[:2] != (self.height, self.width):
             raise FrameSkipped('image {} is {}x{} in a folder of {}x{}'.format(
                 path, image.shape[1], image.shape[0], self.width, self.height))
-        self._good += 1
-        return converted(image, self.encoding)
+        self._good_count += 1
+        return convert(image, self.encoding)
 
 
-def image_paths(folder: str) -> list:
-    """Return the images in a folder by the order of their names.
+def image_paths(folder: str) -> List[str]:
+    """Return the paths of the images in a folder, in the order of their names.
 
     Raises SourceError when the folder cannot be read.
     """
     try:
         names = sorted(os.listdir(folder))
     except OSError as error:
-        raise SourceError('cannot read {}: {}'.format(folder, error.strerror.lower()))
+        raise SourceError('cannot read {}: {}'.format(folder, one_line(error).lower()))
     paths = (os.path.join(folder, name) for name in names
              if name.lower().endswith(EXTENSIONS) and not name.startswith('.'))
     return [path for path in paths if os.path.isfile(path)]
 
 
 def read_image(path: str) -> Optional[np.ndarray]:
-    """Return an image file as bgr8, None when OpenCV cannot read it or it is cut off."""
+    """Return an image file as bgr8, or None when OpenCV cannot read it or it is truncated."""
     try:
         if not cv2.haveImageReader(path) or is_truncated(path):
             return None
@@ -98,10 +99,10 @@ def read_image(path: str) -> Optional[np.ndarray]:
 
 
 def is_truncated(path: str) -> bool:
-    """Return whether a file is a JPEG without its end, which OpenCV would fill up with grey.
+    """Return whether a file is a JPEG without its end, where OpenCV would fill in grey.
 
-    Markers as in ITU-T T.81, annex B: segments of a length each, up to the scan. In that no FF D9
-    stands but the end; before it may be those of a thumbnail.
+    The markers are those of ITU-T T.81, annex B: segments with a length, up to the scan. Within
+    the scan FF D9 can only be the end of the image; before it there may be that of a thumbnail.
     """
     with open(path, 'rb') as file:
         if file.read(3) != b'\xff\xd8\xff':
@@ -115,7 +116,7 @@ def is_truncated(path: str) -> bool:
                 return True
             length = int.from_bytes(file.read(2), 'big')
             if marker[0] != 0xff or length < 2:
-                return False        # damaged in another way, which OpenCV is to judge
+                return False        # damaged in another way: left to OpenCV
             file.seek(length - 2, os.SEEK_CUR)
-            if marker[1] == _SCAN:
+            if marker[1] == _START_OF_SCAN:
                 return b'\xff\xd9' not in file.read()

@@ -1,62 +1,63 @@
-"""Evenly spaced deadlines for sources that have no clock of their own."""
+"""Even pacing of sources without a clock, and a limit for the rate of a camera."""
 import time
-from typing import Callable
+from typing import Callable, Optional
 
 
 class Pacer:
-    """Tells how long to wait before each frame of a stream of `rate_hz`.
+    """Computes how long to wait before each frame of a stream of `rate_hz`.
 
-    Deadlines are multiples of the period from the first frame on, so that errors do not add up.
-    A deadline missed by more than a period is dropped, not caught up with in a burst.
+    Deadlines are multiples of the period, counted from the first frame, so errors do not add up.
+    Deadlines that are missed by more than a period are dropped: there is no burst of frames.
     """
 
     def __init__(self, rate_hz: float, now: Callable[[], float] = time.monotonic):
         self._period_s = 1.0 / rate_hz
         self._now = now
-        self._deadline = None
+        self._deadline_s: Optional[float] = None
 
     def delay_s(self) -> float:
-        """Return the seconds until the next frame is due, 0 if it is due, and move on to it."""
-        now = self._now()
-        if self._deadline is None:
-            self._deadline = now
-        late_s = now - self._deadline
+        """Return the seconds until the next frame is due, 0 if it is late; advance to it."""
+        now_s = self._now()
+        deadline_s = now_s if self._deadline_s is None else self._deadline_s
+        late_s = now_s - deadline_s
         if late_s > self._period_s:
-            self._deadline += (late_s // self._period_s) * self._period_s
-        delay_s = max(0.0, self._deadline - now)
-        self._deadline += self._period_s
+            deadline_s += (late_s // self._period_s) * self._period_s
+        delay_s = max(0.0, deadline_s - now_s)
+        self._deadline_s = deadline_s + self._period_s
         return delay_s
 
 
 class Throttle:
-    """Leaves out frames of a camera that gives more than `rate_hz`, evenly.
+    """Drops frames of a camera that gives more than `rate_hz`, evenly.
 
-    A camera within a twentieth of the rate is let through whole: two clocks never agree, and a
-    frame would be missing now and then.
+    A camera that exceeds the rate by less than 5 % keeps all its frames: two clocks never agree,
+    and otherwise a frame would be dropped now and then.
     """
 
     _TOLERANCE = 0.05
-    _SMOOTHING = 0.1        # share of the newest interval in their mean
+    _SMOOTHING = 0.1        # weight of the newest interval in their moving average
 
     def __init__(self, rate_hz: float):
         self._period_s = 1.0 / rate_hz
-        self._last_s = self._interval_s = self._due_s = None
+        self._last_s: Optional[float] = None
+        self._interval_s: Optional[float] = None
+        self._due_s = 0.0
 
     def accepts(self, captured_s: float) -> bool:
-        """Return whether to keep the frame captured at this time, of any steady clock."""
+        """Return whether to keep the frame captured at this time, by any steady clock."""
         if self._last_s is None:
             self._last_s, self._due_s = captured_s, captured_s + self._period_s
             return True
         interval_s, self._last_s = max(0.0, captured_s - self._last_s), captured_s
         if self._interval_s is None:
             self._interval_s = interval_s
-        # a pause says nothing about the rate
+        # a pause is not the period of the camera
         interval_s = min(interval_s, 4.0 * self._period_s)
         self._interval_s += self._SMOOTHING * (interval_s - self._interval_s)
         if self._interval_s > (1.0 - self._TOLERANCE) * self._period_s:
             self._due_s = captured_s + self._period_s
             return True
-        # the frame next to the due time, before it or after
+        # keep the frame that is closest to the due time, before or after it
         if captured_s < self._due_s - 0.5 * self._interval_s:
             return False
         self._due_s += self._period_s

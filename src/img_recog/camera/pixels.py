@@ -1,10 +1,10 @@
-"""From OpenCV's images to the encodings that are published."""
+"""Conversion of OpenCV's images to the encodings that are published."""
 import cv2
 import numpy as np
 
 
-def converted(image: np.ndarray, encoding: str) -> np.ndarray:
-    """Return OpenCV's bgr8 or grey `image` in the encoding that is published.
+def convert(image: np.ndarray, encoding: str) -> np.ndarray:
+    """Return an image from OpenCV, bgr8 or mono8, in the encoding to publish.
 
     encoding: `rgb8` or `mono8`.
     """

@@ -1,4 +1,4 @@
-"""From the text of `video_device` to the frame source that it names."""
+"""Opens the frame source that `video_device` names."""
 import dataclasses
 import os
 import stat
@@ -6,20 +6,20 @@ from typing import Callable, Sequence
 
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import FolderSource, ImageSource, is_truncated, read_image
-from img_recog.camera.pixels import converted
+from img_recog.camera.pixels import convert
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.url_source import open_url
-from img_recog.camera.video_source import NOT_PLAYABLE, VideoSource
+from img_recog.camera.video_source import VideoSource, not_playable
 
 DEFAULT_DEVICE = '/dev/video0'
 
 
 def resolve_auto(settings: CameraSettings) -> CameraSettings:
-    """Return the settings with `auto` replaced by what it stands for now.
+    """Return the settings with `auto` replaced by the default device, or by the synthetic scene.
 
-    Once for a node: a camera that is unplugged is not to be replaced by the synthetic scene.
+    A node calls this once: a camera that is unplugged later must not become the synthetic scene.
     """
     if settings.video_device != 'auto':
         return settings
@@ -29,11 +29,11 @@ def resolve_auto(settings: CameraSettings) -> CameraSettings:
 
 def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
                 warn: Callable[[str], None] = lambda _: None) -> FrameSource:
-    """Open what `settings.video_device` names.
+    """Open the source that `settings.video_device` names.
 
-    folders: where a relative path is looked for, in this order.
-    warn: told in one line what is wrong with a source that can be used all the same.
-    Raises SourceError naming the path, what there is instead and what to set.
+    folders: where a relative path is searched for, in this order.
+    warn: called with one line for each defect of a source that can still be used.
+    Raises SourceError naming the path, what exists instead and what to set.
     """
     settings = resolve_auto(settings)
     name = settings.video_device
@@ -49,8 +49,8 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
         return FolderSource(path, settings.framerate, settings.loop)
     if stat.S_ISCHR(mode):
         return DeviceSource(dataclasses.replace(settings, video_device=path))
-    raise SourceError('cannot open {}: neither a device nor a file; set video_device to one, '
-                      'or to synthetic'.format(path))
+    raise SourceError('cannot open {}: neither a device nor a file'.format(path),
+                      'set video_device to one, or to synthetic')
 
 
 def open_file(path: str, rate_hz: float, loop: bool = True,
@@ -63,12 +63,11 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
         raise SourceError('cannot read {}: permission denied'.format(path))
     image = read_image(path)
     if image is not None:
-        return ImageSource(path, converted(image, 'rgb8'), rate_hz)
+        return ImageSource(path, convert(image, 'rgb8'), rate_hz)
     if is_truncated(path):
-        raise SourceError('cannot read {}: the picture is cut off, its end is missing'.format(
-            path))
+        raise SourceError('cannot read {}: the image is truncated'.format(path))
     if _is_text(path):
-        raise SourceError(NOT_PLAYABLE.format(path))
+        raise not_playable(path)
     return VideoSource(path, loop, warn)
 
 
@@ -77,13 +76,13 @@ def _find(name: str, folders: Sequence[str]) -> str:
     for path in candidates:
         if os.path.exists(path):
             return os.path.abspath(path)
-    raise SourceError('cannot open {}: no such file or device (have {}); set video_device to a '
-                      'device, a video, an image, synthetic or auto'
-                      .format(candidates[0], list_devices()))
+    raise SourceError(
+        'cannot open {}: no such file or device (have {})'.format(candidates[0], list_devices()),
+        'set video_device to a device, a video, an image, synthetic or auto')
 
 
 def _is_text(path: str) -> bool:
-    # ffmpeg plays a text file as a video of its letters
+    # ffmpeg plays a text file as a video of its characters
     with open(path, 'rb') as file:
         start = file.read(4096)
     return bool(start) and all(byte >= 32 or byte in b'\t\n\f\r\x1b' for byte in start)

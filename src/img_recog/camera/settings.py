@@ -1,12 +1,11 @@
-"""What the camera can be told, with usb_cam's names and defaults."""
+"""Settings of the camera, with the names and defaults of usb_cam."""
 from dataclasses import dataclass
 from typing import Any, Mapping
 
 from img_recog.settings import (SettingError, Settings, at_least, between, not_empty, one_of,
                                 setting)
 
-# usb_cam 0.3.7's names for pixel formats, all of them, and the V4L2 FOURCC each stands for
-# (linux/videodev2.h)
+# All pixel formats of usb_cam 0.3.7, and the V4L2 FOURCC of each (linux/videodev2.h)
 FOURCC = {
     'grey': 'GREY',
     'mjpeg': 'MJPG',
@@ -23,14 +22,15 @@ class CameraSettings(Settings):
     """Parameters of a frame source.
 
     video_device: a V4L2 device, the path of a video, image or folder of images, the URL of a
-        stream, video or image (rtsp://, http://), `synthetic`, or `auto` (the first device
-        where there is one, else the synthetic scene).
-    image_width, image_height: pixels asked of a device and drawn by the synthetic scene; other
-        sources keep their own size.
-    framerate: Hz asked of a device, and the most that is taken of one that gives more; kept by
-        the synthetic scene and images; a video plays at its own rate, a stream as it comes.
-    loop: whether videos and folders start again at their end; else the node ends there.
-    create_suspended: whether the camera stays closed until ~start_capture.
+        stream, video or image (rtsp://, http://), `synthetic`, or `auto` (/dev/video0 if it
+        exists, or else the synthetic scene).
+    image_width, image_height: size requested from a device and drawn by the synthetic scene, in
+        pixels; other sources keep their own size.
+    framerate: rate requested from a device, in Hz, and the limit for one that gives more; the
+        rate of the synthetic scene and of images. A video plays at its own rate, a stream as its
+        frames arrive.
+    loop: whether videos and folders start again at their end, or else the node ends.
+    create_suspended: whether the camera stays closed until ~start_capture is called.
     """
 
     video_device: str = setting('/dev/video0', not_empty())
@@ -48,40 +48,40 @@ class CameraSettings(Settings):
 
 @dataclass(frozen=True)
 class ControlSettings(Settings):
-    """V4L2 controls of a device, in its own units; -1 leaves a control as it is.
+    """V4L2 controls of a device, in the units of the device; -1 leaves a control unchanged.
 
-    exposure (in 0.1 ms), white_balance (in K) and focus are in force only while the automatic
-    of each is off.
+    exposure (in 0.1 ms), white_balance (in K) and focus have an effect only while the automatic
+    mode of each is off.
     """
 
-    brightness: int = setting(-1, at_least(-1), '-1 leaves it as it is')
-    contrast: int = setting(-1, at_least(-1), '-1 leaves it as it is')
-    saturation: int = setting(-1, at_least(-1), '-1 leaves it as it is')
-    sharpness: int = setting(-1, at_least(-1), '-1 leaves it as it is')
-    gain: int = setting(-1, at_least(-1), '-1 leaves it as it is')
-    autofocus: bool = setting(False, description='whether the camera focuses by itself')
-    focus: int = setting(-1, at_least(-1), 'without autofocus; -1 leaves it as it is')
-    autoexposure: bool = setting(True, description='whether the camera exposes by itself')
-    exposure: int = setting(100, at_least(-1), 'in 0.1 ms, without autoexposure')
-    auto_white_balance: bool = setting(True, description='whether the camera finds its white')
-    white_balance: int = setting(4000, at_least(-1), 'in K, without auto_white_balance')
+    brightness: int = setting(-1, at_least(-1), '-1 leaves it unchanged')
+    contrast: int = setting(-1, at_least(-1), '-1 leaves it unchanged')
+    saturation: int = setting(-1, at_least(-1), '-1 leaves it unchanged')
+    sharpness: int = setting(-1, at_least(-1), '-1 leaves it unchanged')
+    gain: int = setting(-1, at_least(-1), '-1 leaves it unchanged')
+    autofocus: bool = setting(False, description='automatic focus')
+    focus: int = setting(-1, at_least(-1), 'used when autofocus is off; -1 leaves it unchanged')
+    autoexposure: bool = setting(True, description='automatic exposure')
+    exposure: int = setting(100, at_least(-1), 'in 0.1 ms, used when autoexposure is off')
+    auto_white_balance: bool = setting(True, description='automatic white balance')
+    white_balance: int = setting(4000, at_least(-1), 'in K, used when auto_white_balance is off')
 
 
-_CONTROL_VALUES = ('a map of V4L2 control names to whole numbers, true or false, and of ignore to '
-                   'a list of names')
+_ALLOWED_CONTROLS = ('a map of V4L2 control names to whole numbers, true or false, and of ignore '
+                     'to a list of names')
 
 
 def intrinsic_controls(given: Any) -> Mapping[str, int]:
-    """Return control values by name, from the intrinsic_controls of usb_cam's later branch.
+    """Return control values by name, from the parameter intrinsic_controls of newer usb_cam.
 
-    given: a map of names as v4l2-ctl prints them to whole numbers or truth values; the names in
-    its list `ignore` are left out.
-    Raises SettingError when it is something else.
+    given: a map of names as v4l2-ctl prints them to whole numbers or booleans; the names in its
+    list `ignore` are not set.
+    Raises SettingError for anything else.
     """
     if not isinstance(given, Mapping):
-        raise SettingError('intrinsic_controls', given, _CONTROL_VALUES)
+        raise SettingError('intrinsic_controls', given, _ALLOWED_CONTROLS)
     ignored = given.get('ignore', [])
     values = {str(name): value for name, value in given.items() if name != 'ignore'}
     if not isinstance(ignored, list) or not all(isinstance(v, int) for v in values.values()):
-        raise SettingError('intrinsic_controls', given, _CONTROL_VALUES)
+        raise SettingError('intrinsic_controls', given, _ALLOWED_CONTROLS)
     return {name: int(value) for name, value in values.items() if name not in ignored}

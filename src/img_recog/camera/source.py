@@ -1,4 +1,4 @@
-"""What every frame source offers to those who capture from it."""
+"""The interface of all frame sources."""
 import abc
 from typing import Optional
 
@@ -12,27 +12,27 @@ class SourceError(UserError):
 
 
 class SourceEnded(Exception):
-    """A video or folder is over; the text says so in one line."""
+    """A video or folder has no more frames; the text is one line for the log."""
 
 
 class FrameSkipped(Exception):
-    """One frame could not be used, the next may be; the text says why in one line."""
+    """One frame could not be used, the next one may be; the text is one line for the log."""
 
 
 class FrameSource(abc.ABC):
     """A stream of frames of one size and encoding.
 
-    description: one line for the log, what the frames come from and in which format.
-    name: what the frames come from, as the user named it.
-    width, height: of every frame, in pixels.
-    encoding: of every frame, `rgb8` or `mono8` (sensor_msgs/image_encodings.h).
-    differs: whether the format or size is another than was asked for.
-    rate_hz: the rate to play the frames at, or None where `read` itself waits for the device.
-    expected_hz: the rate at which frames are expected to come, None where nobody knows.
-    max_hz: the rate above which frames are left out, None for none.
-    reconnects: whether it may come back after `read` has failed, and is worth waiting for.
-    stall_timeout_s: a `read` that takes longer means that something is wrong; None: never.
-    age_s: from the capture of the frame that was read last to the return of `read`.
+    description: the origin of the frames and their format, one line for the log.
+    name: the origin of the frames as the user named it.
+    width, height: size of all frames, in pixels.
+    encoding: encoding of all frames, `rgb8` or `mono8` (sensor_msgs/image_encodings.h).
+    differs: whether the format or size is not the one that was requested.
+    rate_hz: the rate at which to play the frames, or None when `read` waits for the device.
+    expected_hz: the rate at which frames are expected to arrive, None when it is not known.
+    max_hz: the rate above which frames are dropped, None for no limit.
+    reconnects: whether to reopen it after `read` has failed.
+    stall_timeout_s: a `read` that takes longer is a stall; None for no timeout.
+    age_s: time from the capture of the last frame to the return of `read`.
     """
 
     description: str
@@ -52,10 +52,10 @@ class FrameSource(abc.ABC):
     def read(self) -> np.ndarray:
         """Return the next frame, uint8 of shape (height, width, 3), or (height, width) if mono8.
 
-        The array may be given out again and must not be changed. Raises SourceEnded when all
-        frames have been read, FrameSkipped when one cannot be used, and SourceError when there
-        are no more for another reason.
+        The caller must not modify the array, which may be returned again. Raises SourceEnded
+        when all frames have been read, FrameSkipped when one cannot be used, and SourceError when
+        there are no more frames for another reason.
         """
 
     def close(self) -> None:
-        """Give back what the source holds; harmless when repeated."""
+        """Release the resources of the source; no effect when it is closed already."""

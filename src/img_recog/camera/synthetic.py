@@ -1,38 +1,40 @@
-"""A scene drawn by program: a hand shows a blue card, then a red one, in a plain room."""
+"""A synthetic scene: a hand shows a blue card and then a red one, in a plain room."""
+from typing import Tuple
+
 import cv2
 import numpy as np
 
 from img_recog.camera.source import FrameSource
 
-# The story in frames, at the usual 30 Hz: empty 1 s, blue 2 s, empty 3 s, red 2 s, empty 2 s.
+# In frames; at 30 Hz: empty for 1 s, blue 2 s, empty 3 s, red 2 s, empty 2 s.
 PERIOD_FRAMES = 300
 BLUE_FRAMES = range(30, 90)
 RED_FRAMES = range(180, 240)
 
-# RGB. OpenCV hue (0-180) of the cards: 113 and 174, amid the article's blue and red.
+# In RGB. OpenCV hue (0-180) of the cards: 113 and 174, within the article's blue and red.
 BLUE = (25, 70, 215)
 RED = (215, 25, 60)
 _WALL, _FLOOR, _SKIRTING = (206, 200, 190), (150, 130, 112), (232, 228, 222)
 _FRAME, _PICTURE, _HILL = (120, 98, 80), (226, 220, 205), (168, 160, 142)
 _TABLE, _LEG, _SKIN, _SLEEVE = (176, 148, 118), (140, 114, 90), (222, 184, 160), (96, 96, 100)
 
-_WIDTH, _HEIGHT = 640, 480                  # the scene's own grid, scaled to the size asked for
+_WIDTH, _HEIGHT = 640, 480                  # the grid of the scene, scaled to the image size
 _CARD_WIDTH, _CARD_HEIGHT = 220, 260
 _CARD_LEFT, _CARD_TOP = 210, 70
-_ENTRY_OFFSETS = (300, 170, 80, 25)         # the card is shown widely from its first frame on
+_ENTRY_OFFSETS = (300, 170, 80, 25)         # most of the card is visible from its first frame on
 
 
 def draw_frame(number: int, width: int = _WIDTH, height: int = _HEIGHT) -> np.ndarray:
-    """Draw the scene at frame `number`, a function of its arguments alone.
+    """Return frame `number` of the scene, which depends on the arguments only.
 
-    Returns uint8 of shape (height, width, 3), rgb8. At 640x480 a card in view shows at least
-    20,000 px of its color, and a frame without one none.
+    The image is uint8 of shape (height, width, 3), rgb8. At 640x480 a visible card has at least
+    20,000 px of its color; a frame without a card has none.
     """
     return _draw_card(_draw_room(width, height), number)
 
 
 class SyntheticSource(FrameSource):
-    """The scene as an endless source."""
+    """The synthetic scene as an endless source."""
 
     def __init__(self, width: int, height: int, rate_hz: float):
         self.name = 'synthetic'
@@ -40,23 +42,24 @@ class SyntheticSource(FrameSource):
         self.rate_hz = self.expected_hz = rate_hz
         self.description = 'synthetic scene, {}x{}, {:g} Hz'.format(width, height, rate_hz)
         self._room = _draw_room(width, height)
-        self._number = 0
+        self._frame_number = 0
 
     def read(self) -> np.ndarray:
-        frame = _draw_card(self._room.copy(), self._number)
-        self._number += 1
+        frame = _draw_card(self._room.copy(), self._frame_number)
+        self._frame_number += 1
         return frame
 
 
 class _Pen:
-    """Draws on an image in the scene's own grid."""
+    """Draws on an image in the grid of the scene."""
 
     def __init__(self, image: np.ndarray):
         self._image = image
         self._scale = np.array([image.shape[1] / _WIDTH, image.shape[0] / _HEIGHT])
 
-    def _pixel(self, x: float, y: float):
-        return tuple(int(round(v)) for v in np.array([x, y]) * self._scale)
+    def _pixel(self, x: float, y: float) -> Tuple[int, int]:
+        column, row = np.array([x, y]) * self._scale
+        return int(round(column)), int(round(row))
 
     def box(self, left, top, right, bottom, color):
         first, last = self._pixel(left, top), self._pixel(right, bottom)

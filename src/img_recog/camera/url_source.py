@@ -1,45 +1,46 @@
-"""What is at a URL: a live stream, a video or a picture, by OpenCV's ffmpeg."""
+"""A live stream, a video or an image at a URL, read by OpenCV's ffmpeg."""
 import time
-from typing import Callable, Optional, Tuple
+from typing import Callable, List, Optional, Tuple
 
 import cv2
 import numpy as np
 
 from img_recog.camera import urls
 from img_recog.camera.image_source import EXTENSIONS, ImageSource
-from img_recog.camera.pixels import converted
+from img_recog.camera.pixels import convert
 from img_recog.camera.source import FrameSkipped, FrameSource, SourceError
 from img_recog.camera.video_source import VideoSource
 
-# when the time for a read is over, ffmpeg may make a frame of the part that has come
+# When a read times out, ffmpeg may return a frame made from the data that has arrived.
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
-# a stream may pause for longer than a camera: its server sends by whole groups of pictures
-_SILENCE_S = 1.8
-# OpenCV says the same of a damaged frame and of the end, but at the end it says so again at once
-_AT_ONCE_S, _FAILURES_AT_THE_END = 0.005, 4
-# A video whose container does not say how many frames it has, as a recording by a browser.
+# Longer than for a camera: servers may send whole groups of pictures (GOP) at once.
+_STALL_TIMEOUT_S = 1.8
+# OpenCV reports a damaged frame and the end of a stream alike, but at the end its reads fail
+# immediately, again and again.
+_FAST_FAILURE_S, _MAX_FAST_FAILURES = 0.005, 4
+# Videos whose container does not state the frame count, such as a recording by a browser.
 _VIDEO_EXTENSIONS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.ogv', '.webm')
 
 
 def open_url(url: str, rate_hz: float, loop: bool = True,
              warn: Callable[[str], None] = lambda _: None) -> FrameSource:
-    """Open a live stream, a video (at its own rate) or a picture (fetched once, for `rate_hz`).
+    """Open a live stream, a video (at its own rate) or an image (fetched once, for `rate_hz`).
 
-    Raises SourceError when it is none of them, or does not answer.
+    Raises SourceError when it is none of these, or when the server does not answer.
     """
     scheme, url = urls.split(url)
     name = urls.redacted(url)
     if scheme not in urls.SCHEMES:
         raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
-            name, ', '.join(each + '://' for each in urls.SCHEMES)))
+            name, ', '.join(known + '://' for known in urls.SCHEMES)))
     capture = _open_capture(url)
     if not capture.isOpened():
         capture.release()
-        raise SourceError('cannot open {}: no stream that OpenCV plays, or not within {:g} s; '
-                          'is its server running?'.format(name, _OPEN_TIMEOUT_S))
-    if not scheme.startswith('http'):       # the others send at the rate of the video
+        raise SourceError('cannot open {}: no stream that OpenCV plays, or not within {:g} s'
+                          .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
+    if not scheme.startswith('http'):       # the other protocols send at the rate of the video
         return StreamSource(name, capture, announces_rate=True)
-    # a video says how many frames it has; of a live stream ffmpeg says zero or something absurd
+    # the frame count of a video is known; for a live stream ffmpeg gives 0 or a negative number
     count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
     if count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS):
         return RemoteVideoSource(url, capture, loop, warn)
@@ -56,8 +57,8 @@ def _open_capture(url: str) -> cv2.VideoCapture:
 
 
 def _image_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
-    # some cameras call their stream a .jpg too: a picture is what has one frame alone
-    images = []
+    # some cameras call their stream .jpg, too: an image is what has only one frame
+    images: List[np.ndarray] = []
     while len(images) < 2:
         try:
             images.append(stream.read())
@@ -70,29 +71,32 @@ def _image_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
 
 
 class RemoteVideoSource(VideoSource):
-    """A video at a URL. When its server stalls, one that plays in a loop is waited for."""
+    """A video at a URL; when it plays in a loop, it is reopened after its server has stalled."""
 
-    _not_playable = ('cannot play {}: no video that OpenCV reads from there (a server without '
-                     'range requests cannot serve an .mp4 whose index is at its end)')
-    _gone = '{} can no longer be read: its server is gone, or has another video now'
-    _cut = 'truncated or damaged, or its server hung up'
+    _unreadable = '{} can no longer be read: its server is gone, or has another video now'
+    _incomplete = 'truncated or damaged, or its server closed the connection'
 
     def __init__(self, url: str, capture: cv2.VideoCapture, loop: bool,
                  warn: Callable[[str], None], now: Callable[[], float] = time.monotonic):
-        """Play what `capture` has just opened at `url`."""
+        """Play the video that `capture` has just opened at `url`."""
         self._opened: Optional[cv2.VideoCapture] = capture
         self._now = now
-        self.reconnects = loop      # one that plays once is not to begin again
-        self.stall_timeout_s = _SILENCE_S if loop else None
+        self.reconnects = loop      # a video that plays once must not start again
+        self.stall_timeout_s = _STALL_TIMEOUT_S if loop else None
         super().__init__(url, loop, warn)
 
     def _open(self) -> cv2.VideoCapture:
         opened, self._opened = self._opened, None
         return opened or _open_capture(self._path)
 
-    def _following(self) -> Optional[np.ndarray]:
+    def _not_playable(self) -> SourceError:
+        return SourceError(
+            'cannot play {}: no video that OpenCV reads from there (a server without range '
+            'requests cannot serve an .mp4 whose index is at its end)'.format(self.name))
+
+    def _read_frame(self) -> Optional[np.ndarray]:
         begin_s = self._now()
-        image = super()._following()
+        image = super()._read_frame()
         silent_s = self._now() - begin_s
         if silent_s >= _READ_TIMEOUT_S:
             raise SourceError('the video {} stalls: its server has sent nothing for {:.1f} s'
@@ -101,61 +105,66 @@ class RemoteVideoSource(VideoSource):
 
 
 class StreamSource(FrameSource):
-    """A live stream from a network; `read` waits for its next frame, for two seconds at most.
+    """A live stream; `read` waits for the next frame, for at most two seconds.
 
-    A damaged frame is skipped. Some at once are the end of the stream, as is a time without any.
+    A damaged frame is skipped. Four reads that fail immediately, or 1.8 s without a good frame,
+    are the end of the stream.
     """
 
     reconnects = True
-    stall_timeout_s = _SILENCE_S
+    stall_timeout_s = _STALL_TIMEOUT_S
 
     def __init__(self, name: str, capture: cv2.VideoCapture, announces_rate: bool = False,
                  now: Callable[[], float] = time.monotonic):
-        """Play what `capture` has just opened.
+        """Play the stream that `capture` has just opened.
 
-        announces_rate: whether its protocol says the rate; else what OpenCV says is a guess.
+        announces_rate: whether its protocol announces the rate; otherwise OpenCV's is a guess.
         """
         self.name, self._capture, self._now = name, capture, now
         self._count = 0
         try:
-            self._next, self._damaged = self._grabbed()
+            first, self._damaged_count = self._read_good_frame()
         except SourceError:
             capture.release()
-            raise SourceError('cannot open {}: no frame comes that OpenCV reads'.format(name))
-        self.height, self.width = self._next.shape[:2]
+            raise SourceError('cannot open {}: no frame arrives that OpenCV reads'.format(name))
+        self._next: Optional[np.ndarray] = first
+        self.height, self.width = first.shape[:2]
         rate_hz = capture.get(cv2.CAP_PROP_FPS)
         self.expected_hz = rate_hz if announces_rate and 0 < rate_hz <= 1000 else None
         self.description = 'stream {}, {}x{}'.format(name, self.width, self.height)
 
     def read(self) -> np.ndarray:
-        if self._next is None:
-            self._next, self._damaged = self._grabbed()
-        if self._damaged > 0:
-            self._damaged -= 1
+        frame = self._next
+        if frame is None:
+            frame, self._damaged_count = self._read_good_frame()
+            self._next = frame
+        if self._damaged_count > 0:
+            self._damaged_count -= 1
             raise FrameSkipped('{} gave an empty or damaged frame'.format(self.name))
-        frame, self._next = self._next, None
+        self._next = None
         if frame.shape[:2] != (self.height, self.width):
             raise SourceError('{} has changed its size to {}x{}'.format(
                 self.name, frame.shape[1], frame.shape[0]))
-        return converted(frame, self.encoding)
+        return convert(frame, self.encoding)
 
-    def _grabbed(self) -> Tuple[np.ndarray, int]:
-        """Return the next good frame, and how many before it were not."""
+    def _read_good_frame(self) -> Tuple[np.ndarray, int]:
+        """Return the next good frame, and the number of damaged frames before it."""
         begin_s = now_s = self._now()
-        damaged = at_once = 0
-        while at_once < _FAILURES_AT_THE_END and now_s - begin_s < _SILENCE_S:
+        damaged_count = fast_failures = 0
+        while fast_failures < _MAX_FAST_FAILURES and now_s - begin_s < _STALL_TIMEOUT_S:
             before_s = now_s
-            good, frame = self._capture.read()
+            decoded, frame = self._capture.read()
             now_s = self._now()
             in_time = now_s - before_s < _READ_TIMEOUT_S
-            if good and in_time and frame is not None and frame.size > 0:
+            if decoded and in_time and frame is not None and frame.size > 0:
                 self._count += 1
-                return frame, damaged
-            damaged += 1
-            at_once += now_s - before_s < _AT_ONCE_S
-        raise SourceError('{} gives no more frames: ended or silent{}'.format(
-            self.name, ' after the first; a stream is wanted, not a picture'
-            if self._count == 1 else ''))
+                return frame, damaged_count
+            damaged_count += 1
+            fast_failures += now_s - before_s < _FAST_FAILURE_S
+        problem = '{} gives no more frames: ended or silent'.format(self.name)
+        if self._count == 1:
+            raise SourceError(problem + ' after the first', 'give a stream, not an image')
+        raise SourceError(problem)
 
     def close(self) -> None:
         self._capture.release()

@@ -1,32 +1,30 @@
-"""URLs of videos and streams: which there are, and how they may stand in a log."""
+"""URLs of videos and streams: their schemes, and how to log them without passwords."""
 import re
+from typing import Tuple
 from urllib.parse import urlsplit
 
 SCHEMES = ('http', 'https', 'rtmp', 'rtsp', 'rtsps')
 
-# The authority ends at the first of /?# and its user at the last @ within, as ffmpeg has it. A
-# password with one of these in it makes what should be a port none: there up to the last @ of all.
+# As in ffmpeg, the authority ends at the first of /?#, and the user at the last @ in it. If a
+# password contains one of these, no port follows the colon: then the last @ of the URL counts.
 _USER = re.compile(r'(?<=://)(?:[^/?#]*@|[^/?#]*:(?!\d*(?:[/?#]|$)).*@)')
 _QUERY = re.compile(r'(?<=[?#]).*')
 
 
-def split(url: str) -> tuple:
-    """Return the scheme of a URL in small letters, and the URL with that scheme.
+def split(url: str) -> Tuple[str, str]:
+    """Return the scheme of a URL in lower case, and the URL with that scheme.
 
-    ffmpeg knows schemes in small letters only; they mean the same (RFC 3986, 3.1).
+    ffmpeg accepts schemes in lower case only, although case does not matter (RFC 3986, 3.1).
     """
     scheme, separator, rest = url.partition('://')
     return scheme.lower(), scheme.lower() + separator + rest
 
 
-def ends_with(url: str, extensions: tuple) -> bool:
-    """Return whether the path in a URL ends with one of these, whatever query follows."""
+def ends_with(url: str, extensions: Tuple[str, ...]) -> bool:
+    """Return whether the path of a URL, without its query, ends with one of these."""
     return urlsplit(url).path.lower().endswith(extensions)
 
 
 def redacted(name: str) -> str:
-    """Return what `video_device` names as it may stand in a log: without user and query.
-
-    Either may hold a password.
-    """
+    """Return a `video_device` for the log: a URL without user and query, which may be secret."""
     return _QUERY.sub('...', _USER.sub('', name)) if '://' in name else name

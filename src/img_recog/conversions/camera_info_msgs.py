@@ -1,4 +1,4 @@
-"""sensor_msgs/CameraInfo to and from calibrations."""
+"""Conversion of sensor_msgs/CameraInfo to and from calibrations."""
 from typing import Optional
 
 from sensor_msgs.msg import CameraInfo
@@ -9,9 +9,10 @@ from img_recog.camera.calibration import Calibration
 
 def to_msg(calibration: Optional[Calibration], width: int, height: int,
            header: Header) -> CameraInfo:
-    """Return the message for images of width x height.
+    """Return the message for images of width x height, in pixels.
 
-    Without a calibration all matrices are zero, which tells readers so (sensor_msgs/CameraInfo).
+    calibration: None for a camera that is not calibrated; then all matrices are zero, as
+    sensor_msgs/CameraInfo defines.
     """
     msg = CameraInfo(header=header, width=width, height=height)
     if calibration is not None:

@@ -1,5 +1,9 @@
-"""sensor_msgs/CompressedImage to and from arrays, as compressed_image_transport has them."""
+"""Conversion of sensor_msgs/CompressedImage to and from arrays.
+
+The messages are like those of compressed_image_transport.
+"""
 from dataclasses import dataclass
+from typing import List
 
 import cv2
 import numpy as np
@@ -8,10 +12,11 @@ from std_msgs.msg import Header
 
 from img_recog.conversions import image_msgs
 from img_recog.conversions.image_msgs import ImageError
+from img_recog.errors import one_line
 from img_recog.settings import Settings, between, one_of, setting
 
-_PIXELS = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}       # the shape of one
-_COLOURS = ('rgb', 'bgr')
+_PIXEL_SHAPES = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}
+_COLOR_PREFIXES = ('rgb', 'bgr')
 
 
 @dataclass(frozen=True)
@@ -28,52 +33,53 @@ class CompressionSettings(Settings):
 
 def to_msg(image: np.ndarray, encoding: str, header: Header,
            settings: CompressionSettings = CompressionSettings()) -> CompressedImage:
-    """Return a message that holds `image`, uint8 of shape (height, width[, 3]), compressed.
+    """Return the compressed message for `image`, uint8 of shape (height, width[, 3]).
 
-    encoding: rgb8, bgr8 or mono8. The format says, as compressed_image_transport does, what the
-    image was and what its file holds: colors are always handed to the encoder as bgr8, and
-    nothing is named for grey: 'rgb8; jpeg compressed bgr8', 'mono8; png compressed '.
+    encoding: rgb8, bgr8 or mono8.
+    The field format has the encodings of the image and of the compressed data, like that of
+    compressed_image_transport: color is always compressed as bgr8, and grey has no second
+    encoding: 'rgb8; jpeg compressed bgr8', 'mono8; png compressed '.
     Raises ImageError when the image cannot be compressed.
     """
     try:
-        if image.ndim < 2 or image.shape[2:] != _PIXELS[encoding] or image.dtype != np.uint8:
-            raise ValueError('it does not fit that encoding')
+        if image.ndim < 2 or image.shape[2:] != _PIXEL_SHAPES[encoding] or image.dtype != np.uint8:
+            raise ValueError('it does not have the shape or type of that encoding')
         pixels = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if encoding == 'rgb8' else image
-        done, data = cv2.imencode('.' + settings.format, pixels, _arguments(settings))
-        if not done:
+        encoded, data = cv2.imencode('.' + settings.format, pixels, _encoder_flags(settings))
+        if not encoded:
             raise ValueError('the encoder failed')
     except (cv2.error, KeyError, ValueError) as error:
         raise ImageError('cannot compress an image of shape {} and encoding {!r} as {}: {}'.format(
-            image.shape, encoding, settings.format, ' '.join(str(error).split())))
+            image.shape, encoding, settings.format, one_line(error)))
     text = '{}; {} compressed {}'.format(encoding, settings.format,
                                          'bgr8' if image.ndim == 3 else '')
     return CompressedImage(header=header, data=data.tobytes(), format=text)
 
 
 def from_msg(msg: CompressedImage, encoding: str = 'bgr8') -> np.ndarray:
-    """Return the image of a message in the wanted encoding, whatever was compressed and how.
+    """Return the image of a message, converted to `encoding`.
 
-    Colors are where the format says that they are: a format that names a color encoding and
-    then not 'compressed bgr' is of an old publisher, and its file has red and blue exchanged; one
-    without a semicolon says nothing, and the file is as files are.
-    Raises ImageError naming format, size and reason.
+    The order of the colors follows the field format: with a color encoding but without
+    'compressed bgr', the message is from an old publisher, which swapped red and blue in the
+    compressed data. A format without a semicolon has no such information: nothing is swapped.
+    Raises ImageError naming the format, size and reason.
     """
     try:
         image = cv2.imdecode(np.frombuffer(msg.data, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error as error:
-        raise _refusal(msg, error)
+        raise _image_error(msg, error)
     if image is None:
-        raise _refusal(msg, 'no image that OpenCV can read')
-    found = _encoding_of(image, msg.format)
-    if found == encoding:
+        raise _image_error(msg, 'no image that OpenCV can read')
+    decoded = _encoding_of(image, msg.format)
+    if decoded == encoding:
         return image
     try:
-        return image_msgs.from_msg(image_msgs.to_msg(image, found, msg.header), encoding)
+        return image_msgs.from_msg(image_msgs.to_msg(image, decoded, msg.header), encoding)
     except ImageError as error:
-        raise _refusal(msg, error)
+        raise _image_error(msg, error)
 
 
-def _arguments(settings: CompressionSettings) -> list:
+def _encoder_flags(settings: CompressionSettings) -> List[int]:
     if settings.format == 'png':
         return [cv2.IMWRITE_PNG_COMPRESSION, settings.png_level]
     return [cv2.IMWRITE_JPEG_QUALITY, settings.jpeg_quality,
@@ -82,17 +88,18 @@ def _arguments(settings: CompressionSettings) -> list:
             cv2.IMWRITE_JPEG_RST_INTERVAL, settings.jpeg_restart_interval]
 
 
-def _encoding_of(image: np.ndarray, text: str) -> str:
-    """Return what a decoded image is by its message's format."""
-    original, separator, compressed = text.partition(';')
+def _encoding_of(image: np.ndarray, msg_format: str) -> str:
+    """Return the encoding of a decoded image, given the field format of its message."""
+    original, separator, compressed = msg_format.partition(';')
     bits = 8 * image.dtype.itemsize
     if image.ndim == 2:
-        # what a sensor with a Bayer filter saw is compressed as if it were grey
+        # a Bayer image is compressed as if it were grey
         return original if original.startswith('bayer_') else 'mono{}'.format(bits)
-    swapped = separator and original.startswith(_COLOURS) and 'compressed bgr' not in compressed
+    swapped = (separator and original.startswith(_COLOR_PREFIXES)
+               and 'compressed bgr' not in compressed)
     return '{}{}{}'.format('rgb' if swapped else 'bgr', 'a' if image.shape[2] == 4 else '', bits)
 
 
-def _refusal(msg: CompressedImage, reason) -> ImageError:
+def _image_error(msg: CompressedImage, reason: object) -> ImageError:
     return ImageError('cannot decode a compressed image of format {!r}, {} bytes: {}'.format(
-        msg.format, len(msg.data), ' '.join(str(reason).split())))
+        msg.format, len(msg.data), one_line(reason)))

@@ -1,7 +1,7 @@
-"""sensor_msgs/Image to and from arrays, by cv_bridge."""
+"""Conversion of sensor_msgs/Image to and from arrays, by cv_bridge."""
 import contextlib
 import sys
-from typing import Tuple
+from typing import Iterator, Tuple
 
 import cv2
 import numpy as np
@@ -9,17 +9,18 @@ from cv_bridge import CvBridge, CvBridgeError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 
 _bridge = CvBridge()
-# what cv_bridge does to make bgr8 of what is no order of colors; others are left to it
+# The conversions of cv_bridge to bgr8: encoding -> (channels, code of cv2.cvtColor). Those that
+# are not listed are done by cv_bridge itself.
 _CONVERSIONS = {
     'mono8': (1, cv2.COLOR_GRAY2BGR),
     'bayer_rggb8': (1, cv2.COLOR_BayerBG2BGR), 'bayer_bggr8': (1, cv2.COLOR_BayerRG2BGR),
     'bayer_gbrg8': (1, cv2.COLOR_BayerGR2BGR), 'bayer_grbg8': (1, cv2.COLOR_BayerGB2BGR),
     'yuv422': (2, cv2.COLOR_YUV2BGR_UYVY), 'yuv422_yuy2': (2, cv2.COLOR_YUV2BGR_YUY2),
 }
-_COLORS = {'bgr8': 3, 'rgb8': 3, 'bgra8': 4, 'rgba8': 4}
+_COLOR_CHANNELS = {'bgr8': 3, 'rgb8': 3, 'bgra8': 4, 'rgba8': 4}
 
 
 class ImageError(UserError):
@@ -27,48 +28,49 @@ class ImageError(UserError):
 
 
 def to_msg(image: np.ndarray, encoding: str, header: Header) -> Image:
-    """Return a message that holds `image`, uint8 of shape (height, width[, channels]).
+    """Return the message for `image`, uint8 of shape (height, width[, channels]).
 
-    encoding: what the array is, as in sensor_msgs/image_encodings.h.
-    Raises ImageError when shape and encoding do not fit.
+    encoding: that of the array, as in sensor_msgs/image_encodings.h.
+    Raises ImageError when the array does not have the shape for its encoding.
     """
     try:
         msg = _bridge.cv2_to_imgmsg(image, encoding)
     except CvBridgeError as error:
         raise ImageError('cannot publish an image of shape {} as {}: {}'.format(
-            image.shape, encoding, error))
+            image.shape, encoding, one_line(error)))
     msg.header = header
     return msg
 
 
 def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:
-    """Return the image of a message in the wanted encoding, whatever its own.
+    """Return the image of a message, converted to `encoding`.
 
-    Rows may be padded (step larger than a row) and multi-byte pixels may be of either
-    endianness. Raises ImageError naming the size, encoding and reason.
+    Rows may be padded (step larger than a row) and multi-byte pixels may have either endianness.
+    Raises ImageError naming the size, encoding and reason.
     """
-    with _refusing(msg, encoding):
-        return _bridge.imgmsg_to_cv2(_plain(msg), encoding)
+    with _image_errors(msg, encoding):
+        return _bridge.imgmsg_to_cv2(_normalized(msg), encoding)
 
 
 class ColorImages:
-    """Makes color images of messages of any encoding, without a copy where there is a way.
+    """Converts messages of any encoding to color images, without a copy where possible.
 
-    What needs a conversion is converted into memory that is kept from image to image.
+    Images that need a conversion share one buffer, which is reused for the next image.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._converted = np.empty((0, 0, 3), np.uint8)
 
     def from_msg(self, msg: Image) -> Tuple[np.ndarray, str]:
-        """Return the image of a message, uint8 of shape (height, width, channels), and its order.
+        """Return the image of a message and its encoding.
 
-        The order is one of bgr8, rgb8, bgra8, rgba8. The image shares the message's memory or is
-        overwritten by the next. Raises ImageError naming the size, encoding and reason.
+        The image is uint8 of shape (height, width, channels), its encoding one of bgr8,
+        rgb8, bgra8, rgba8. It shares the memory of the message or is overwritten by the next call.
+        Raises ImageError naming the size, encoding and reason.
         """
-        with _refusing(msg, 'bgr8'):
-            if msg.encoding in _COLORS:
-                return _view(msg, _COLORS[msg.encoding]), msg.encoding
+        with _image_errors(msg, 'bgr8'):
+            if msg.encoding in _COLOR_CHANNELS:
+                return _view(msg, _COLOR_CHANNELS[msg.encoding]), msg.encoding
             if msg.encoding in _CONVERSIONS:
                 return self._convert(msg, *_CONVERSIONS[msg.encoding]), 'bgr8'
         return from_msg(msg, 'bgr8'), 'bgr8'
@@ -83,46 +85,47 @@ class ColorImages:
 
 
 @contextlib.contextmanager
-def _refusing(msg: Image, encoding: str):
-    """Raise an ImageError for whatever the conversion of `msg` to `encoding` raises."""
+def _image_errors(msg: Image, encoding: str) -> Iterator[None]:
+    """Turn the errors of a conversion of `msg` to `encoding` into ImageError."""
     try:
         yield
     except (CvBridgeError, cv2.error, KeyError, RuntimeError, TypeError, ValueError) as error:
         raise ImageError('cannot convert an image of {}x{}, encoding {!r}, step {}, {} bytes to '
                          '{}: {}'.format(msg.width, msg.height, msg.encoding, msg.step,
-                                         len(msg.data), encoding, ' '.join(str(error).split())))
+                                         len(msg.data), encoding, one_line(error)))
 
 
 def _view(msg: Image, channels: int) -> np.ndarray:
-    """Return the pixels of a message of 8-bit channels where they are."""
+    """Return the pixels of a message with 8-bit channels, without a copy."""
     _check_size(msg, msg.width * channels)
     return np.ndarray((msg.height, msg.width, channels), np.uint8, msg.data,
                       strides=(msg.step, channels, 1))
 
 
-def _check_size(msg: Image, row: int) -> None:
+def _check_size(msg: Image, row_bytes: int) -> None:
     if msg.width == 0 or msg.height == 0:
         raise ValueError('it has no pixels')
-    if msg.step < row:
-        raise ValueError('a row takes {} bytes'.format(row))
-    if len(msg.data) < msg.step * (msg.height - 1) + row:
+    if msg.step < row_bytes:
+        raise ValueError('a row takes {} bytes'.format(row_bytes))
+    if len(msg.data) < msg.step * (msg.height - 1) + row_bytes:
         raise ValueError('the data is too short')
 
 
-def _plain(msg: Image) -> Image:
-    """Return `msg` as cv_bridge expects it: rows without a gap, pixels in this machine's order.
+def _normalized(msg: Image) -> Image:
+    """Return `msg` as cv_bridge expects it: rows without padding, in the native byte order.
 
-    cv_bridge takes the rows for unpadded, and with numpy 2 fails on the other byte order.
+    cv_bridge ignores the padding of rows, and with numpy 2 it fails on the other byte order.
     """
     name, channels = _bridge.encoding_to_dtype_with_channels(msg.encoding)
     dtype = np.dtype(name)
-    row = msg.width * channels * dtype.itemsize
-    _check_size(msg, row)
-    foreign = bool(msg.is_bigendian) == (sys.byteorder == 'little')
-    if msg.step == row and not foreign:
+    row_bytes = msg.width * channels * dtype.itemsize
+    _check_size(msg, row_bytes)
+    swapped = bool(msg.is_bigendian) == (sys.byteorder == 'little')
+    if msg.step == row_bytes and not swapped:
         return msg
-    rows = np.ndarray((msg.height, row), np.uint8, msg.data, strides=(msg.step, 1))
+    rows: np.ndarray = np.ndarray((msg.height, row_bytes), np.uint8, msg.data,
+                                  strides=(msg.step, 1))
     pixels = np.ascontiguousarray(rows).view(dtype)
     return Image(header=msg.header, height=msg.height, width=msg.width, encoding=msg.encoding,
-                 is_bigendian=sys.byteorder == 'big', step=row,
-                 data=(pixels.byteswap() if foreign else pixels).tobytes())
+                 is_bigendian=sys.byteorder == 'big', step=row_bytes,
+                 data=(pixels.byteswap() if swapped else pixels).tobytes())

@@ -39,8 +39,8 @@ class VideoFrames:
         try:
             source = open_file(path, 1.0, loop=False, warn=self._truncated.append)
         except SourceError as error:
-            # what the camera would have one set is no matter here
-            raise UserError('{}; {}'.format(str(error).partition('; set ')[0], WANTED))
+            # the advice of the camera, to set one of its parameters, does not help here
+            raise UserError(error.problem, WANTED)
         if not isinstance(source, VideoSource):
             source.close()
             raise UserError('{} is an image'.format(path), WANTED)

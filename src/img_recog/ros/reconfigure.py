@@ -1,14 +1,14 @@
 """Settings that others change while the node runs, by dynamic_reconfigure without a .cfg file."""
 import dataclasses
 from types import SimpleNamespace
-from typing import Any, Callable, Mapping, Optional, Type
+from typing import Any, Callable, Generic, Mapping, Optional, Type
 
 import rospy
 from dynamic_reconfigure.encoding import Config
 from dynamic_reconfigure.server import Server
 
 from img_recog.errors import UserError
-from img_recog.settings import SettingError, Settings, setting_fields
+from img_recog.settings import SettingError, Settings, SettingsType, setting_fields
 
 # What dynamic_reconfigure's own generator calls the types, and its bounds where there are none.
 _TYPES = {bool: 'bool', int: 'int', float: 'double', str: 'str'}
@@ -32,7 +32,7 @@ def config_type(settings_class: Type[Settings]) -> SimpleNamespace:
         all_level=0, **by_name)
 
 
-def changed(settings: Settings, values: Mapping[str, Any]) -> Settings:
+def changed(settings: SettingsType, values: Mapping[str, Any]) -> SettingsType:
     """Return `settings` with some values replaced.
 
     Raises SettingError naming the field, its value and what is allowed.
@@ -44,7 +44,7 @@ def changed(settings: Settings, values: Mapping[str, Any]) -> Settings:
     return dataclasses.replace(settings, **values)
 
 
-class Reconfigurable:
+class Reconfigurable(Generic[SettingsType]):
     """Serves settings under a namespace as dynamic_reconfigure's tools expect them.
 
     Publishes, latched: parameter_descriptions (dynamic_reconfigure/ConfigDescription) and
@@ -53,7 +53,7 @@ class Reconfigurable:
     those tools and the next start of the node find them.
     """
 
-    def __init__(self, settings: Settings, on_change: Callable[[Settings], None],
+    def __init__(self, settings: SettingsType, on_change: Callable[[SettingsType], None],
                  namespace: Optional[str] = None):
         """Serve from now on.
 
@@ -68,7 +68,7 @@ class Reconfigurable:
                                self._namespace)
 
     @property
-    def settings(self) -> Settings:
+    def settings(self) -> SettingsType:
         """The settings in force."""
         return self._settings
 

@@ -1,4 +1,4 @@
-"""V4L2 controls, with the device replaced: what is set, in which order, and what is said."""
+"""V4L2 controls of a fake device: the values that are set, their order, and the problems."""
 import errno
 import os
 
@@ -10,23 +10,23 @@ from img_recog.camera.settings import ControlSettings
 
 
 class FakeDevice:
-    """A camera whose controls are those it is told; remembers what was set."""
+    """A camera with the given controls; records the values that are set."""
 
-    def __init__(self, *numbers, low=0, high=255, settable=True, values=(), names=None):
-        self._controls = [Control(number, (names or NAMES)[number], low, high, 1, 0, settable)
-                          for number in numbers]
+    def __init__(self, *control_ids, low=0, high=255, settable=True, values=(), names=None):
+        self._controls = [Control(each, (names or NAMES)[each], low, high, 1, 0, settable)
+                          for each in control_ids]
         self.values, self.done, self.refused = dict(values), [], None
 
     def controls(self):
         return self._controls
 
-    def get(self, number):
-        return self.values.get(number, 0)
+    def get(self, control_id):
+        return self.values.get(control_id, 0)
 
-    def set(self, number, value):
+    def set(self, control_id, value):
         if self.refused is not None:
             raise self.refused
-        self.done.append((number, value))
+        self.done.append((control_id, value))
 
 
 NAMES = {controls.BRIGHTNESS: 'brightness', controls.CONTRAST: 'contrast',
@@ -40,19 +40,19 @@ NAMES = {controls.BRIGHTNESS: 'brightness', controls.CONTRAST: 'contrast',
 ALL = sorted(NAMES)
 
 
-def test_defaults_on_a_camera_without_controls_ask_for_nothing():
+def test_defaults_on_a_camera_without_controls_set_nothing():
     device = FakeDevice()
     assert apply(device, ControlSettings(), {}) == []
     assert device.done == []
 
 
-def test_defaults_set_the_automatics_as_usb_cam_does():
+def test_defaults_set_the_automatic_modes_like_usb_cam():
     device = FakeDevice(*ALL, values={controls.EXPOSURE_AUTO: 3})
     assert apply(device, ControlSettings(), {}) == []
     assert device.done == [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 0)]
 
 
-def test_manual_values_come_after_their_automatics():
+def test_manual_values_are_set_after_their_automatic_modes():
     device = FakeDevice(*ALL, high=5000)
     settings = ControlSettings(
         brightness=1, contrast=2, saturation=3, sharpness=4, gain=0, autofocus=False, focus=6,
@@ -66,7 +66,7 @@ def test_manual_values_come_after_their_automatics():
         (controls.FOCUS_AUTO, 0), (controls.FOCUS_ABSOLUTE, 6)]
 
 
-def test_manual_values_are_left_while_the_automatic_is_on():
+def test_manual_values_are_not_set_while_the_automatic_mode_is_on():
     device = FakeDevice(*ALL, values={controls.EXPOSURE_AUTO: 3})
     apply(device, ControlSettings(autofocus=True, focus=6, exposure=70, white_balance=3000), {})
     assert device.done == [(controls.AUTO_WHITE_BALANCE, 1), (controls.FOCUS_AUTO, 1)]
@@ -86,7 +86,7 @@ def test_missing_control_is_named(name, value):
     device = FakeDevice(0x00980903)
     problems = apply(device, ControlSettings(**{name: value}), {})
     assert problems[0] == (
-        'the camera has no control {}; v4l2-ctl --list-ctrls shows what it has'.format(name))
+        'the camera has no control {}; v4l2-ctl --list-ctrls lists its controls'.format(name))
     assert device.done == []
 
 
@@ -104,27 +104,27 @@ def test_refusal_of_the_driver_is_one_line():
         'control gain: the camera refuses 5: Device or resource busy']
 
 
-def test_control_that_is_read_only_is_not_tried():
+def test_control_that_is_read_only_is_not_set():
     device = FakeDevice(controls.GAIN, settable=False)
     assert apply(device, ControlSettings(gain=5), {}) == ['control gain: it cannot be set']
     assert device.done == []
 
 
-def test_intrinsic_controls_go_by_any_name_of_the_device_and_come_last():
+def test_intrinsic_controls_have_any_name_of_the_device_and_are_set_last():
     device = FakeDevice(0x00980903, controls.BRIGHTNESS)
     assert apply(device, ControlSettings(brightness=9), {'hue': 7, 'brightness': 8}) == []
     assert device.done == [(controls.BRIGHTNESS, 9), (0x00980903, 7), (controls.BRIGHTNESS, 8)]
 
 
-@pytest.mark.parametrize('name, number', [
+@pytest.mark.parametrize('name, control_id', [
     ('exposure_auto', controls.EXPOSURE_AUTO), ('exposure_absolute', controls.EXPOSURE_ABSOLUTE),
     ('focus_auto', controls.FOCUS_AUTO),
     ('white_balance_temperature_auto', controls.AUTO_WHITE_BALANCE)])
-def test_names_of_older_kernels_are_understood(name, number):
-    device = FakeDevice(number)
-    assert NAMES[number] != name
+def test_names_of_older_kernels_are_accepted(name, control_id):
+    device = FakeDevice(control_id)
+    assert NAMES[control_id] != name
     assert apply(device, ControlSettings(auto_white_balance=True), {name: 1}) == []
-    assert device.done[-1] == (number, 1)
+    assert device.done[-1] == (control_id, 1)
 
 
 def test_unknown_intrinsic_control_is_named():
@@ -140,7 +140,7 @@ def test_names_are_those_of_v4l2_ctl(name, variable):
 
 
 class FakeDriver:
-    """Answers fcntl.ioctl as a driver with two controls, a heading and a disabled one does."""
+    """Replaces fcntl.ioctl: a driver with four controls, a heading and a disabled one."""
 
     def __init__(self):
         self.calls, self.value = [], 40
@@ -161,16 +161,16 @@ class FakeDriver:
                 if known[0] > asked & 0x7fffffff:
                     return controls._QUERYCTRL.pack(*known)
             raise OSError(errno.EINVAL, 'Invalid argument')
-        number, value = controls._CONTROL.unpack(data)
-        assert number == 0x00980900
+        control_id, value = controls._CONTROL.unpack(data)
+        assert control_id == 0x00980900
         if request == 0xc008561c:       # VIDIOC_S_CTRL
             self.value = value
         else:
             assert request == 0xc008561b        # VIDIOC_G_CTRL
-        return controls._CONTROL.pack(number, self.value)
+        return controls._CONTROL.pack(control_id, self.value)
 
 
-def test_device_speaks_the_ioctls_of_the_kernel(monkeypatch):
+def test_device_uses_the_ioctls_of_the_kernel(monkeypatch):
     driver = FakeDriver()
     monkeypatch.setattr('img_recog.camera.controls.fcntl.ioctl', driver)
     device = ControlDevice('/dev/null')
@@ -186,7 +186,7 @@ def test_device_speaks_the_ioctls_of_the_kernel(monkeypatch):
     device.close()
 
 
-def test_device_that_is_no_camera_has_no_controls():
+def test_device_that_is_not_a_camera_has_no_controls():
     device, before = ControlDevice('/dev/null'), len(os.listdir('/proc/self/fd'))
     assert device.controls() == []
     device.close()

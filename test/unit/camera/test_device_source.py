@@ -1,4 +1,4 @@
-"""V4L2 devices, with OpenCV's capture replaced: what is asked for and what is made of it."""
+"""V4L2 devices with a fake of OpenCV's capture: the requested format, and the frames."""
 import os
 
 import cv2
@@ -14,13 +14,13 @@ BGR = np.random.RandomState(3).randint(0, 256, (48, 64, 3)).astype(np.uint8)
 
 
 class FakeCapture:
-    """Grants a camera of 64x48 at 15 Hz and gives the frames it is told."""
+    """A camera of 64x48 at 15 Hz that gives `frames`."""
 
     frames = [BGR]
     captured_s = -1.0
 
     def __init__(self, path, backend):
-        self.opened, self.asked, self.released = (path, backend), [], 0
+        self.opened, self.requested, self.released = (path, backend), [], 0
         self._given = {cv2.CAP_PROP_FRAME_WIDTH: 64.0, cv2.CAP_PROP_FRAME_HEIGHT: 48.0,
                        cv2.CAP_PROP_FPS: 15.0, cv2.CAP_PROP_POS_MSEC: self.captured_s * 1000.0,
                        cv2.CAP_PROP_FOURCC: float(cv2.VideoWriter_fourcc(*'YUYV'))}
@@ -30,7 +30,7 @@ class FakeCapture:
         return True
 
     def set(self, prop, value):
-        self.asked.append((prop, value))
+        self.requested.append((prop, value))
         return True
 
     def get(self, prop):
@@ -61,11 +61,11 @@ def open_device(monkeypatch):
     return open_with
 
 
-def test_format_is_asked_for_before_size_and_rate(open_device):
+def test_format_is_requested_before_size_and_rate(open_device):
     _, capture = open_device(pixel_format='mjpeg', image_width=320, image_height=240,
                              framerate=10)
     assert capture.opened == ('/dev/null', cv2.CAP_V4L2)
-    assert capture.asked == [
+    assert capture.requested == [
         (cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*'MJPG')),
         (cv2.CAP_PROP_FRAME_WIDTH, 320), (cv2.CAP_PROP_FRAME_HEIGHT, 240),
         (cv2.CAP_PROP_FPS, 10.0)]
@@ -76,10 +76,10 @@ def test_format_is_asked_for_before_size_and_rate(open_device):
     ('yuvmono10', 'Y10 ')])
 def test_fourcc_of_each_format(open_device, pixel_format, fourcc):
     _, capture = open_device(pixel_format=pixel_format)
-    assert capture.asked[0] == (cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*fourcc))
+    assert capture.requested[0] == (cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*fourcc))
 
 
-def test_size_is_what_the_device_gives_and_read_waits_for_it(open_device):
+def test_size_is_that_of_the_device(open_device):
     source, _ = open_device(image_width=320, image_height=240)
     assert (source.width, source.height, source.rate_hz) == (64, 48, None)
     assert source.description == ('V4L2 device /dev/null: asked for MJPG 320x240 at 30 Hz, '
@@ -103,7 +103,7 @@ def test_grey_formats_give_mono8(open_device, monkeypatch, pixel_format, given):
     assert np.array_equal(source.read(), wanted)
 
 
-def test_unplugged_device_is_an_error_of_one_line(open_device):
+def test_unplugged_device_is_a_one_line_error(open_device):
     source, _ = open_device()
     source.read()
     with pytest.raises(SourceError) as refused:
@@ -119,9 +119,9 @@ def test_close_releases_the_device(open_device):
 
 
 @pytest.mark.parametrize('error, words', [
-    (PermissionError(13, 'Permission denied'), 'Permission denied; add yourself to the group '),
+    (PermissionError(13, 'Permission denied'), 'Permission denied; add your user to the '),
     (OSError(16, 'Device or resource busy'), 'Device or resource busy (have ')])
-def test_device_that_cannot_be_opened_says_why(open_device, monkeypatch, error, words):
+def test_device_that_cannot_be_opened_gives_the_reason(open_device, monkeypatch, error, words):
     def refuse(*_):
         raise error
     monkeypatch.setattr('img_recog.camera.device_source.os.open', refuse)
@@ -134,7 +134,7 @@ def test_device_that_cannot_be_opened_says_why(open_device, monkeypatch, error, 
 @pytest.mark.parametrize('captured_s, age_s', [
     (99.96, 0.04), (100.0, 0.0), (98.5, 1.5),
     (97.0, 0.0), (100.5, 0.0), (1.7e9, 0.0), (0.0, 0.0), (-1.0, 0.0)])
-def test_age_is_the_drivers_where_it_is_sane(open_device, monkeypatch, captured_s, age_s):
+def test_age_is_that_of_the_driver_if_it_is_valid(open_device, monkeypatch, captured_s, age_s):
     monkeypatch.setattr(FakeCapture, 'captured_s', captured_s)
     source, _ = open_device()
     source.read()
@@ -150,7 +150,7 @@ def test_empty_frame_is_skipped_and_the_next_one_read(open_device, monkeypatch, 
     assert np.array_equal(source.read(), BGR[..., ::-1])
 
 
-def test_frame_in_one_row_gets_its_shape(open_device, monkeypatch):
+def test_frame_in_one_row_is_reshaped(open_device, monkeypatch):
     monkeypatch.setattr(FakeCapture, 'frames', [BGR.reshape(1, -1)])
     source, _ = open_device()
     assert np.array_equal(source.read(), BGR[..., ::-1])
@@ -159,11 +159,11 @@ def test_frame_in_one_row_gets_its_shape(open_device, monkeypatch):
 def test_frame_of_another_size_is_skipped(open_device, monkeypatch):
     monkeypatch.setattr(FakeCapture, 'frames', [BGR[:40]])
     source, _ = open_device()
-    with pytest.raises(FrameSkipped, match=r'shape \(40, 64, 3\) in place of 64x48'):
+    with pytest.raises(FrameSkipped, match=r'shape \(40, 64, 3\) instead of 64x48'):
         source.read()
 
 
-def test_rates_and_silence_follow_what_was_asked_for_and_given(open_device):
+def test_rates_and_timeout_follow_the_requested_and_the_actual_rate(open_device):
     fast, _ = open_device(framerate=10)
     assert (fast.max_hz, fast.expected_hz, fast.stall_timeout_s) == (10.0, 10.0, 1.5)
     slow, _ = open_device(framerate=0.5)
@@ -172,7 +172,7 @@ def test_rates_and_silence_follow_what_was_asked_for_and_given(open_device):
     assert (usual.max_hz, usual.expected_hz) == (30.0, 15.0)
 
 
-def test_other_format_or_size_than_asked_for_is_known(open_device):
+def test_other_format_or_size_than_requested_is_flagged(open_device):
     for differs, settings in ((False, ('yuyv', 64, 48)), (True, ('mjpeg', 64, 48)),
                               (True, ('yuyv', 60, 48)), (True, ('yuyv', 64, 50))):
         names = ('pixel_format', 'image_width', 'image_height')
@@ -180,7 +180,7 @@ def test_other_format_or_size_than_asked_for_is_known(open_device):
         assert source.differs is differs, settings
 
 
-def test_path_is_what_a_link_stands_for(open_device, tmp_path, monkeypatch):
+def test_path_is_the_target_of_a_symlink(open_device, tmp_path, monkeypatch):
     link = tmp_path / 'by-id'
     link.symlink_to('/dev/null')
     captures = []
@@ -191,11 +191,11 @@ def test_path_is_what_a_link_stands_for(open_device, tmp_path, monkeypatch):
     assert captures[0].opened == ('/dev/null', cv2.CAP_V4L2)
 
 
-def test_opencv_is_told_to_wait_for_two_seconds():
+def test_opencv_waits_for_two_seconds():
     assert os.environ['OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT'] == '2'
 
 
-def test_a_drivers_clock_that_was_wrong_once_is_believed_no_more(open_device, monkeypatch):
+def test_clock_of_a_driver_that_was_wrong_once_is_ignored(open_device, monkeypatch):
     monkeypatch.setattr(FakeCapture, 'frames', [BGR] * 3)
     source, capture = open_device()
     ages = []

@@ -1,4 +1,4 @@
-"""The camera's pacer on a clock that the test moves."""
+"""Pacing and throttling on a fake clock."""
 import pytest
 
 from img_recog.camera.pacing import Pacer, Throttle
@@ -12,11 +12,11 @@ def pacer(clock):
     return Pacer(RATE_HZ, now=clock)
 
 
-def test_first_frame_is_due_at_once(pacer):
+def test_first_frame_is_due_immediately(pacer):
     assert pacer.delay_s() == 0.0
 
 
-def test_deadlines_are_multiples_of_the_period_whatever_the_work_takes(pacer, clock):
+def test_deadlines_are_multiples_of_the_period(pacer, clock):
     start, times = clock.now_s, []
     for work_s in (0.0, 0.03125, 0.0625, 0.09375, 0.125, 0.015625) * 50:
         clock.advance(pacer.delay_s())
@@ -25,16 +25,16 @@ def test_deadlines_are_multiples_of_the_period_whatever_the_work_takes(pacer, cl
     assert times == [number * PERIOD_S for number in range(300)]
 
 
-def test_no_drift_at_a_rate_that_is_no_binary_fraction(clock):
+def test_no_drift_at_a_rate_that_is_not_a_binary_fraction(clock):
     pacer, start = Pacer(30.0, now=clock), clock.now_s
     for _ in range(30000):
         clock.advance(pacer.delay_s())
-        taken_s = clock.now_s - start
+        elapsed_s = clock.now_s - start
         clock.advance(0.004)
-    assert taken_s == pytest.approx(29999 / 30.0, abs=1e-6)
+    assert elapsed_s == pytest.approx(29999 / 30.0, abs=1e-6)
 
 
-def test_lateness_of_less_than_a_period_is_caught_up_with(pacer, clock):
+def test_delay_of_less_than_a_period_is_caught_up(pacer, clock):
     pacer.delay_s()
     clock.advance(PERIOD_S + 0.09375)
     assert pacer.delay_s() == 0.0
@@ -46,12 +46,12 @@ def test_no_burst_after_a_frame_late_by_more_than_a_period(pacer, clock, missed)
     pacer.delay_s()
     clock.advance((1 + missed) * PERIOD_S + 0.03125)
     assert pacer.delay_s() == 0.0
-    assert pacer.delay_s() == PERIOD_S - 0.03125        # back on the grid of the first frame
+    assert pacer.delay_s() == PERIOD_S - 0.03125        # a multiple of the period
     clock.advance(PERIOD_S - 0.03125)
     assert pacer.delay_s() == PERIOD_S
 
 
-def test_waiting_too_long_by_little_does_not_add_up(pacer, clock):
+def test_small_delays_do_not_add_up(pacer, clock):
     start = clock.now_s
     for _ in range(100):
         clock.advance(pacer.delay_s() + 0.015625)
@@ -59,7 +59,7 @@ def test_waiting_too_long_by_little_does_not_add_up(pacer, clock):
 
 
 def kept(intervals, rate_hz):
-    """Which of the frames that come at these intervals are let through, by their numbers."""
+    """Return the numbers of the frames that are kept, given the intervals between all frames."""
     throttle, now_s, numbers = Throttle(rate_hz), 0.0, []
     for number, interval_s in enumerate(intervals):
         now_s += interval_s
@@ -71,19 +71,19 @@ def kept(intervals, rate_hz):
 @pytest.mark.parametrize('given_hz, wanted_hz, steps', [
     (64.0, 32.0, {2}), (64.0, 16.0, {4}), (30.0, 10.0, {3}), (30.0, 20.0, {1, 2}),
     (60.0, 25.0, {2, 3}), (120.0, 1.0, {120})])
-def test_frames_too_many_are_left_out_evenly(given_hz, wanted_hz, steps):
+def test_frames_are_dropped_evenly(given_hz, wanted_hz, steps):
     numbers = kept([1.0 / given_hz] * 1200, wanted_hz)
     assert len(numbers) == pytest.approx(1200 * wanted_hz / given_hz, abs=2)
-    # the first few until the rate is known
+    # without the first few, until the rate is known
     assert {b - a for a, b in zip(numbers[3:], numbers[4:])} == steps
 
 
 @pytest.mark.parametrize('given_hz', [5.0, 29.97, 30.0, 30.03, 31.0])
-def test_camera_within_its_rate_loses_no_frame(given_hz):
+def test_camera_within_its_rate_keeps_all_frames(given_hz):
     assert kept([1.0 / given_hz] * 2000, 30.0) == list(range(2000))
 
 
-def test_jitter_does_not_change_what_is_let_through():
+def test_jitter_does_not_change_the_rate():
     numbers = kept([0.010, 0.023, 0.017, 0.0166] * 300, 30.0)
     assert len(numbers) == pytest.approx(600, abs=3)
 

@@ -1,4 +1,4 @@
-"""Files that are no frame source: each is refused with one line that names it."""
+"""Files that cannot be a frame source: each is refused with one line that names it."""
 import os
 import struct
 import zlib
@@ -17,7 +17,7 @@ NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads;
 
 
 def refusal(path):
-    """The error line that opening `path` by its name in video_device ends with."""
+    """Return the error line of opening `path` as video_device."""
     with pytest.raises(SourceError) as refused:
         open_source(CameraSettings(video_device=str(path)))
     assert isinstance(refused.value, UserError)
@@ -34,7 +34,7 @@ def png_header(width, height):
             + chunk(b'IEND', b''))
 
 
-def test_missing_file_lists_what_exists_and_what_to_set(tmp_path, monkeypatch):
+def test_missing_file_lists_the_devices_and_the_advice(tmp_path, monkeypatch):
     monkeypatch.setattr('img_recog.camera.device_source.glob.glob',
                         lambda pattern: ['/dev/video3', '/dev/video1'])
     path = tmp_path / 'missing.mp4'
@@ -43,7 +43,7 @@ def test_missing_file_lists_what_exists_and_what_to_set(tmp_path, monkeypatch):
         'video_device to a device, a video, an image, synthetic or auto'.format(path))
 
 
-def test_missing_device_says_that_there_is_none(monkeypatch):
+def test_missing_device_where_there_is_no_device(monkeypatch):
     monkeypatch.setattr('img_recog.camera.device_source.glob.glob', lambda pattern: [])
     assert refusal('/dev/no-video0').startswith(
         'cannot open /dev/no-video0: no such file or device (have no /dev/video*); ')
@@ -60,7 +60,7 @@ def test_missing_device_says_that_there_is_none(monkeypatch):
     ('sizeless.png', png_header(0, 0)),
     ('enormous.png', png_header(100000, 100000)),
     ('cut.png', png_header(8, 8)[:30])])
-def test_file_that_is_no_video_and_no_image(tmp_path, name, content):
+def test_file_that_is_neither_a_video_nor_an_image(tmp_path, name, content):
     path = tmp_path / name
     path.write_bytes(content)
     assert refusal(path) == NOT_PLAYABLE.format(path)
@@ -76,7 +76,7 @@ def test_truncated_video(make_video, fourcc, name, kept):
     assert refusal(path) == NOT_PLAYABLE.format(path)
 
 
-def test_truncated_still_image(tmp_path):
+def test_truncated_image(tmp_path):
     path = str(tmp_path / 'still.png')
     cv2.imwrite(path, smooth_image(0))
     os.truncate(path, os.path.getsize(path) // 2)
@@ -87,17 +87,16 @@ def test_truncated_still_image(tmp_path):
 def test_truncated_jpeg(tmp_path, capfd, kept):
     path, data = tmp_path / 'still.jpg', cv2.imencode('.jpg', smooth_image(0))[1]
     path.write_bytes(data.tobytes()[:int(kept * len(data)) if isinstance(kept, float) else kept])
-    assert refusal(path) == 'cannot read {}: the picture is cut off, its end is missing'.format(
-        path)
+    assert refusal(path) == 'cannot read {}: the image is truncated'.format(path)
     assert capfd.readouterr().err == ''
 
 
 @pytest.mark.parametrize('extra', [b'', b'and more', bytes(9000)])
 @pytest.mark.parametrize('progressive', [0, 1])
-def test_whole_jpeg_with_more_behind_its_end_is_shown(tmp_path, extra, progressive):
+def test_jpeg_with_data_after_its_end_is_read(tmp_path, extra, progressive):
     path = tmp_path / 'still.jpg'
-    how = [cv2.IMWRITE_JPEG_PROGRESSIVE, progressive]
-    path.write_bytes(cv2.imencode('.jpg', smooth_image(0), how)[1].tobytes() + extra)
+    flags = [cv2.IMWRITE_JPEG_PROGRESSIVE, progressive]
+    path.write_bytes(cv2.imencode('.jpg', smooth_image(0), flags)[1].tobytes() + extra)
     assert open_file(str(path), 30.0).read().shape == (64, 96, 3)
 
 
@@ -117,7 +116,7 @@ def test_dangling_link(tmp_path):
     assert 'video.mp4: no such file or device' in refusal(tmp_path / 'video.mp4')
 
 
-def test_character_device_that_is_no_camera(monkeypatch):
+def test_character_device_that_is_not_a_camera(monkeypatch):
     monkeypatch.setattr('img_recog.camera.device_source.glob.glob',
                         lambda pattern: ['/dev/video7'])
     assert refusal('/dev/null') == (

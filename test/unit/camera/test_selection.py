@@ -1,4 +1,4 @@
-"""From video_device to a frame source."""
+"""The frame source that video_device names."""
 import os
 
 import cv2
@@ -35,7 +35,7 @@ def test_synthetic_has_the_size_and_rate_of_the_settings():
     assert np.array_equal(source.read(), draw_frame(0, 320, 240))
 
 
-def test_synthetic_is_not_looked_for_among_files(tmp_path, monkeypatch):
+def test_synthetic_is_not_searched_for_as_a_file(tmp_path, monkeypatch):
     save_image(tmp_path / 'still.png', 0)
     (tmp_path / 'still.png').rename(tmp_path / 'synthetic')
     monkeypatch.chdir(tmp_path)
@@ -54,7 +54,7 @@ def test_auto_with_a_device_is_that_device(tmp_path, monkeypatch):
     assert isinstance(source, ImageSource) and shows(source, 3)
 
 
-def test_auto_with_a_device_that_is_no_camera_is_refused_and_not_replaced(monkeypatch):
+def test_auto_with_a_device_that_is_not_a_camera_is_refused(monkeypatch):
     monkeypatch.setattr(selection, 'DEFAULT_DEVICE', '/dev/null')
     with pytest.raises(SourceError, match='^cannot open /dev/null: no V4L2 capture device'):
         opened('auto')
@@ -67,7 +67,7 @@ def test_character_device_is_opened_with_the_other_settings(monkeypatch):
     assert given == [CameraSettings(video_device='/dev/null', image_width=320)]
 
 
-def test_video_and_still_are_told_apart(make_video, tmp_path):
+def test_video_and_image_are_distinguished(make_video, tmp_path):
     save_image(tmp_path / 'still.png', 0)
     video, still = opened(make_video()), opened(tmp_path / 'still.png', framerate=5)
     assert isinstance(video, VideoSource) and isinstance(still, ImageSource)
@@ -75,14 +75,14 @@ def test_video_and_still_are_told_apart(make_video, tmp_path):
     video.close()
 
 
-def test_content_decides_and_not_the_name(tmp_path):
+def test_file_type_is_that_of_the_content(tmp_path):
     save_image(tmp_path / 'still.png', 2)
     (tmp_path / 'still.png').rename(tmp_path / 'still.mp4')
     source = opened(tmp_path / 'still.mp4')
     assert isinstance(source, ImageSource) and shows(source, 2)
 
 
-def test_relative_path_is_looked_for_in_the_folders_in_order(tmp_path):
+def test_relative_path_is_searched_for_in_the_folders_in_order(tmp_path):
     first, second = str(tmp_path / 'first'), str(tmp_path / 'second')
     save_image(tmp_path / 'first' / 'only_first.png', 1)
     save_image(tmp_path / 'first' / 'both.png', 2)
@@ -94,7 +94,7 @@ def test_relative_path_is_looked_for_in_the_folders_in_order(tmp_path):
     assert shows(opened('both.png', (second, first)), 3)
 
 
-def test_relative_path_in_no_folder_names_the_first_place(tmp_path):
+def test_error_of_a_relative_path_names_the_first_folder(tmp_path):
     folders = (str(tmp_path / 'first'), str(tmp_path / 'second'))
     with pytest.raises(SourceError) as refused:
         opened('video.mp4', folders)
@@ -116,7 +116,7 @@ def test_absolute_path_does_not_depend_on_the_folders(tmp_path):
     assert shows(opened(tmp_path / 'still.png', (str(tmp_path / 'folder'),)), 1)
 
 
-def test_tilde_is_the_home_folder_whatever_the_folders(tmp_path, monkeypatch):
+def test_tilde_is_the_home_folder(tmp_path, monkeypatch):
     save_image(tmp_path / 'home' / 'still.png', 4)
     monkeypatch.setenv('HOME', str(tmp_path / 'home'))
     assert shows(opened('~/still.png', (str(tmp_path),)), 4)
@@ -142,11 +142,11 @@ def test_folder_without_loop_ends(tmp_path):
     save_image(tmp_path / 'b.png', 1)
     source = opened(tmp_path, loop=False)
     assert shows(source, 0) and shows(source, 1)
-    with pytest.raises(SourceEnded, match='^the folder .* is over after 2 images$'):
+    with pytest.raises(SourceEnded, match='^the folder .* has ended after 2 images$'):
         source.read()
 
 
-def test_images_of_a_folder_that_do_not_fit_are_skipped(tmp_path):
+def test_images_of_another_size_in_a_folder_are_skipped(tmp_path):
     save_image(tmp_path / 'a.png', 0)
     assert cv2.imwrite(str(tmp_path / 'b.png'), smooth_image(1, 80, 48))
     (tmp_path / 'c.png').write_bytes((tmp_path / 'a.png').read_bytes()[:60])
@@ -179,12 +179,12 @@ def test_video_without_loop_ends_after_its_last_frame(make_video):
         source.read()
     with pytest.raises(SourceEnded) as ended:
         source.read()
-    assert str(ended.value) == 'the video {} is over after 6 frames'.format(path)
+    assert str(ended.value) == 'the video {} has ended after 6 frames'.format(path)
     source.close()
 
 
-def cut_jpeg(path, thumbnail=False):
-    """Write the first half of a JPEG; with a thumbnail, which has an end of its own, before it."""
+def write_truncated_jpeg(path, thumbnail=False):
+    """Write a truncated JPEG; optionally after a thumbnail, which has its own end."""
     good, data = cv2.imencode('.jpg', smooth_image(4))
     data = data.tobytes()
     if thumbnail:
@@ -196,9 +196,9 @@ def cut_jpeg(path, thumbnail=False):
 
 
 @pytest.mark.parametrize('thumbnail', [False, True])
-def test_jpeg_that_is_cut_off_is_skipped_in_a_folder(tmp_path, thumbnail):
+def test_truncated_jpeg_is_skipped_in_a_folder(tmp_path, thumbnail):
     save_image(tmp_path / 'a.png', 0)
-    cut_jpeg(tmp_path / 'b.jpg', thumbnail)
+    write_truncated_jpeg(tmp_path / 'b.jpg', thumbnail)
     save_image(tmp_path / 'c.png', 2)
     source = opened(tmp_path)
     assert shows(source, 0)
@@ -208,7 +208,7 @@ def test_jpeg_that_is_cut_off_is_skipped_in_a_folder(tmp_path, thumbnail):
 
 
 @pytest.mark.parametrize('loop', [True, False])
-def test_video_that_breaks_off_is_told_in_one_line_once(make_video, loop):
+def test_truncated_video_is_one_warning(make_video, loop):
     path, warnings = make_video(frames=60), []
     size = os.path.getsize(path)
     os.truncate(path, size // 2)
@@ -226,7 +226,7 @@ def test_video_that_breaks_off_is_told_in_one_line_once(make_video, loop):
     source.close()
 
 
-def test_whole_video_is_not_called_truncated(make_video):
+def test_complete_video_has_no_warning(make_video):
     warnings = []
     source = open_source(CameraSettings(video_device=make_video()), warn=warnings.append)
     for _ in range(20):
@@ -235,13 +235,13 @@ def test_whole_video_is_not_called_truncated(make_video):
     assert warnings == []
 
 
-def test_auto_is_settled_once(tmp_path, monkeypatch):
+def test_auto_is_resolved_once(tmp_path, monkeypatch):
     monkeypatch.setattr(selection, 'DEFAULT_DEVICE', str(tmp_path))
     settings = selection.resolve_auto(CameraSettings(video_device='auto'))
     assert settings.video_device == str(tmp_path)
     assert selection.resolve_auto(settings) is settings
 
 
-def test_other_url_is_refused_with_those_that_are_known():
+def test_other_url_is_refused_with_the_known_schemes():
     with pytest.raises(SourceError, match='^cannot open gopher://x: .* http://, https://, rtmp'):
         opened('gopher://me@x')

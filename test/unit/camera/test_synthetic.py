@@ -1,4 +1,4 @@
-"""The synthetic scene: cards when they are due, the same frames every time, at any size."""
+"""The synthetic scene: its cards, its sizes, and that its frames are reproducible."""
 import cv2
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def areas_px(frame):
     return tuple(ColorExtractor(with_colors()()).measure(bgr))
 
 
-def test_story_has_the_frames_it_says():
+def test_frame_ranges():
     assert (PERIOD_FRAMES, BLUE_FRAMES, RED_FRAMES) == (300, range(30, 90), range(180, 240))
 
 
@@ -30,7 +30,7 @@ def test_default_frame_is_rgb_640x480():
     assert frame.shape == (480, 640, 3) and frame.dtype == np.uint8
 
 
-def test_cards_show_at_least_20000_px_of_their_color_and_else_there_is_none():
+def test_cards_have_at_least_20000_px_of_their_color_and_other_frames_have_none():
     for number in range(PERIOD_FRAMES):
         blue, red = areas_px(draw_frame(number))
         assert (blue >= 20000) if number in BLUE_FRAMES else (blue == 0), number
@@ -40,13 +40,13 @@ def test_cards_show_at_least_20000_px_of_their_color_and_else_there_is_none():
 @pytest.mark.parametrize('width, height', SIZES)
 def test_every_size_shows_the_cards_in_proportion(width, height):
     enough = 20000 * width * height / (640 * 480) * 0.95
-    for kind, numbers in KEY_FRAMES.items():
+    for card, numbers in KEY_FRAMES.items():
         for number in numbers:
             frame = draw_frame(number, width, height)
             assert frame.shape == (height, width, 3) and frame.dtype == np.uint8
             blue, red = areas_px(frame)
-            assert (blue >= enough) if kind == 'blue' else (blue == 0), (number, blue)
-            assert (red >= enough) if kind == 'red' else (red == 0), (number, red)
+            assert (blue >= enough) if card == 'blue' else (blue == 0), (number, blue)
+            assert (red >= enough) if card == 'red' else (red == 0), (number, red)
 
 
 @pytest.mark.parametrize('width, height', [(1, 1), (2, 3), (16, 1)])

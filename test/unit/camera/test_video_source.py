@@ -1,4 +1,4 @@
-"""Videos and images: equal to what OpenCV reads, looped without a seam."""
+"""Videos and images: equal to the frames that OpenCV reads, looped without a gap."""
 import os
 
 import cv2
@@ -11,7 +11,7 @@ from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
 
 
 def video_frames(path):
-    """Every frame of a video as OpenCV's own VideoCapture reads it, turned to rgb8."""
+    """Return all frames of a video as OpenCV's VideoCapture reads them, in rgb8."""
     capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
     good, image = capture.read()
     while good:
@@ -22,17 +22,17 @@ def video_frames(path):
 
 @pytest.mark.parametrize('fourcc, name', [
     ('MJPG', 'video.avi'), ('FFV1', 'video.avi'), ('FFV1', 'video.mkv'), ('mp4v', 'video.mp4')])
-def test_video_equals_videocapture_and_loops_without_a_seam(make_video, fourcc, name):
+def test_video_equals_videocapture_and_loops_without_a_gap(make_video, fourcc, name):
     path = make_video(name, fourcc)
     expected, source = video_frames(path), open_file(path, 30.0)
     assert len(expected) == 6
-    for turn in range(3):
+    for loop in range(3):
         for number, image in enumerate(expected):
-            assert np.array_equal(source.read(), image), (turn, number)
+            assert np.array_equal(source.read(), image), (loop, number)
     source.close()
 
 
-def test_frames_of_a_video_are_told_apart_and_have_their_colors(make_video):
+def test_frames_of_a_video_have_their_colors(make_video):
     source = open_file(make_video(), 30.0)
     for number in list(range(6)) * 2:
         wanted = smooth_image(number)[..., ::-1].astype(int)
@@ -108,7 +108,7 @@ def test_video_that_is_replaced_by_one_of_another_size_ends(make_video):
 
 
 @pytest.mark.parametrize('name', ['still.png', 'still.bmp'])
-def test_still_image_equals_bit_for_bit_and_repeats(tmp_path, name):
+def test_image_is_bit_identical_and_repeats(tmp_path, name):
     path, image = str(tmp_path / name), np.random.RandomState(1).randint(0, 256, (31, 47, 3))
     assert cv2.imwrite(path, image.astype(np.uint8)[..., ::-1])
     source = open_file(path, 7.5)
@@ -124,9 +124,9 @@ def test_still_image_equals_bit_for_bit_and_repeats(tmp_path, name):
     source.close()
 
 
-@pytest.mark.parametrize('kind', ['grey', 'alpha'])
-def test_still_image_of_another_kind_becomes_rgb8(tmp_path, kind):
+@pytest.mark.parametrize('channels', ['grey', 'alpha'])
+def test_image_with_other_channels_becomes_rgb8(tmp_path, channels):
     path, grey = str(tmp_path / 'still.png'), np.arange(48, dtype=np.uint8).reshape(6, 8)
-    image = grey if kind == 'grey' else np.dstack([grey, grey, grey, np.full_like(grey, 9)])
+    image = grey if channels == 'grey' else np.dstack([grey, grey, grey, np.full_like(grey, 9)])
     assert cv2.imwrite(path, image)
     assert np.array_equal(open_file(path, 30.0).read(), np.dstack([grey, grey, grey]))

@@ -1,4 +1,4 @@
-"""Color images of messages of every encoding, bit for bit those of cv_bridge."""
+"""Color images of messages of all encodings are bit-identical to those of cv_bridge."""
 import cv2
 import numpy as np
 import pytest
@@ -60,7 +60,7 @@ def test_yuy2():
 
 
 @pytest.mark.parametrize('encoding', ['bgr8', 'rgb8', 'bgra8', 'rgba8'])
-def test_colors_are_where_the_message_has_them(encoding):
+def test_color_images_share_the_memory_of_the_message(encoding):
     msg = message(encoding, CHANNELS[encoding], padding=5)
     msg.data = bytearray(msg.data)
     image, order = ColorImages().from_msg(msg)
@@ -68,7 +68,7 @@ def test_colors_are_where_the_message_has_them(encoding):
     assert np.shares_memory(image, np.frombuffer(msg.data, np.uint8))
 
 
-def test_a_conversion_uses_the_same_memory_again():
+def test_conversion_reuses_its_buffer():
     images = ColorImages()
     first, _ = images.from_msg(message('mono8', 1))
     second, _ = images.from_msg(message('mono8', 1, seed=1))
@@ -84,7 +84,7 @@ def test_a_conversion_uses_the_same_memory_again():
     ({'encoding': ''}, "''"), ({'encoding': '32FC1', 'step': 256}, '32FC1'),
     ({'encoding': '8UC3'}, '8UC3'),
     ({'encoding': 'yuv422', 'width': 63}, "encoding 'yuv422'")])
-def test_what_is_refused(change, text):
+def test_invalid_message_is_refused(change, text):
     msg = message('rgb8', 3)
     for name, value in change.items():
         setattr(msg, name, value)

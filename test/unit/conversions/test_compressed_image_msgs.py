@@ -1,4 +1,4 @@
-"""Arrays to sensor_msgs/CompressedImage and back: formats, colors, png bit for bit, refusals."""
+"""Arrays to sensor_msgs/CompressedImage and back: formats, colors, lossless PNG, errors."""
 import cv2
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def by_cv_bridge(msg, encoding='passthrough'):
     (NOISE, 'rgb8', 'rgb8; jpeg compressed bgr8', 'rgb8; png compressed bgr8'),
     (NOISE, 'bgr8', 'bgr8; jpeg compressed bgr8', 'bgr8; png compressed bgr8'),
     (GREY, 'mono8', 'mono8; jpeg compressed ', 'mono8; png compressed ')])
-def test_format_and_header_are_those_of_the_plugin(image, encoding, jpeg, png):
+def test_format_and_header_are_those_of_compressed_image_transport(image, encoding, jpeg, png):
     header = Header(frame_id='camera', seq=7)
     for settings, text, magic in ((CompressionSettings(), jpeg, b'\xff\xd8\xff'),
                                   (PNG, png, b'\x89PNG')):
@@ -51,7 +51,7 @@ def test_grey_png_is_lossless(level):
     assert np.array_equal(from_msg(msg), cv2.cvtColor(GREY, cv2.COLOR_GRAY2BGR))
 
 
-def test_jpeg_keeps_colors_where_they_are():
+def test_jpeg_keeps_the_order_of_colors():
     for image, encoding in ((BLUE, 'bgr8'), (BLUE[..., ::-1], 'rgb8')):
         msg = to_msg(np.ascontiguousarray(image), encoding, Header())
         for read in (from_msg(msg), by_cv_bridge(msg, 'bgr8')):
@@ -87,14 +87,14 @@ FROM_OTHERS = {
 
 
 @pytest.mark.parametrize('msg, bgr', list(FROM_OTHERS.values()), ids=list(FROM_OTHERS))
-def test_what_others_compress(msg, bgr):
+def test_messages_of_other_publishers(msg, bgr):
     assert np.array_equal(from_msg(msg), bgr)
 
 
 @pytest.mark.parametrize('data', [b'', b'no image', b'\x89PNG\r\n\x1a\n',
                                   to_msg(NOISE, 'bgr8', Header()).data[:100]],
                          ids=['empty', 'text', 'png header', 'jpeg header'])
-def test_what_cannot_be_decoded_is_one_line(data):
+def test_error_of_data_that_cannot_be_decoded_is_one_line(data):
     with pytest.raises(ImageError) as error:
         from_msg(CompressedImage(format='rgb8; jpeg compressed bgr8', data=data))
     assert "format 'rgb8; jpeg compressed bgr8', {} bytes".format(len(data)) in str(error.value)
@@ -105,7 +105,7 @@ def test_what_cannot_be_decoded_is_one_line(data):
     (NOISE, 'mono8'), (GREY, 'rgb8'), (GREY, 'bgr8'), (NOISE[..., :2], 'bgr8'),
     (NOISE, 'bayer_rggb8'), (NOISE, ''), (WIDE, 'rgb8'), (NOISE[:0], 'bgr8')])
 @pytest.mark.parametrize('settings', [CompressionSettings(), PNG], ids=['jpeg', 'png'])
-def test_what_cannot_be_compressed_is_one_line(image, encoding, settings):
+def test_error_of_an_image_that_cannot_be_compressed_is_one_line(image, encoding, settings):
     with pytest.raises(ImageError, match=r'encoding {!r} as {}'.format(
             encoding, settings.format)) as error:
         to_msg(image, encoding, Header(), settings)

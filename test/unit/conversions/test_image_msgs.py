@@ -1,5 +1,4 @@
-"""sensor_msgs/Image to arrays and back: every encoding, padded rows, endianness, refusals."""
-
+"""sensor_msgs/Image to arrays and back: all encodings, padded rows, endianness, errors."""
 import cv2
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from std_msgs.msg import Header
 from img_recog.conversions.image_msgs import ImageError, from_msg, to_msg
 
 RNG = np.random.RandomState(3)
-COLOUR = RNG.randint(0, 256, (6, 8, 3)).astype(np.uint8)
+COLOR = RNG.randint(0, 256, (6, 8, 3)).astype(np.uint8)
 GREY = RNG.randint(0, 256, (6, 8)).astype(np.uint8)
 
 
@@ -21,7 +20,7 @@ def message(image, encoding, padding=0, **fields):
                  step=data.shape[1], data=data.tobytes(), **fields)
 
 
-@pytest.mark.parametrize('image, encoding', [(COLOUR, 'bgr8'), (COLOUR, 'rgb8'), (GREY, 'mono8')])
+@pytest.mark.parametrize('image, encoding', [(COLOR, 'bgr8'), (COLOR, 'rgb8'), (GREY, 'mono8')])
 def test_round_trip(image, encoding):
     header = Header(frame_id='camera', seq=7)
     msg = to_msg(image, encoding, header)
@@ -30,16 +29,16 @@ def test_round_trip(image, encoding):
     assert np.array_equal(from_msg(msg, encoding), image)
 
 
-BGRA = np.dstack([COLOUR, GREY])
+BGRA = np.dstack([COLOR, GREY])
 TO_BGR8 = [
-    (COLOUR, 'bgr8', COLOUR),
-    (COLOUR[..., ::-1], 'rgb8', COLOUR),
-    (BGRA, 'bgra8', COLOUR),
-    (BGRA[..., [2, 1, 0, 3]], 'rgba8', COLOUR),
+    (COLOR, 'bgr8', COLOR),
+    (COLOR[..., ::-1], 'rgb8', COLOR),
+    (BGRA, 'bgra8', COLOR),
+    (BGRA[..., [2, 1, 0, 3]], 'rgba8', COLOR),
     (GREY, 'mono8', cv2.cvtColor(GREY, cv2.COLOR_GRAY2BGR)),
     (GREY, 'bayer_rggb8', cv2.cvtColor(GREY, cv2.COLOR_BayerBG2BGR)),
-    (COLOUR[..., :2], 'yuv422', cv2.cvtColor(np.ascontiguousarray(COLOUR[..., :2]),
-                                             cv2.COLOR_YUV2BGR_UYVY)),
+    (COLOR[..., :2], 'yuv422', cv2.cvtColor(np.ascontiguousarray(COLOR[..., :2]),
+                                            cv2.COLOR_YUV2BGR_UYVY)),
 ]
 
 
@@ -58,17 +57,17 @@ def test_sixteen_bits_of_either_endianness(padding):
 
 
 def test_bytes_have_no_endianness():
-    assert np.array_equal(from_msg(message(COLOUR, 'bgr8', is_bigendian=1), 'bgr8'), COLOUR)
+    assert np.array_equal(from_msg(message(COLOR, 'bgr8', is_bigendian=1), 'bgr8'), COLOR)
 
 
 def broken(**changes):
-    msg = message(COLOUR, 'bgr8')
+    msg = message(COLOR, 'bgr8')
     for name, value in changes.items():
         setattr(msg, name, value)
     return msg
 
 
-REFUSED = {
+INVALID = {
     'encoding': (broken(encoding='h264'), "'h264'"),
     'no encoding': (broken(encoding=''), "encoding ''"),
     'short data': (broken(data=b'123'), '3 bytes'),
@@ -80,13 +79,13 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize('msg, words', list(REFUSED.values()), ids=list(REFUSED))
-def test_refusals_are_one_line(msg, words):
+@pytest.mark.parametrize('msg, words', list(INVALID.values()), ids=list(INVALID))
+def test_errors_are_one_line(msg, words):
     with pytest.raises(ImageError) as error:
         from_msg(msg, 'bgr8')
     assert words in str(error.value) and '\n' not in str(error.value)
 
 
-def test_array_that_does_not_fit_the_encoding():
+def test_array_that_does_not_match_the_encoding():
     with pytest.raises(ImageError, match='as mono8'):
-        to_msg(COLOUR, 'mono8', Header())
+        to_msg(COLOR, 'mono8', Header())

@@ -58,8 +58,8 @@ def _image_in(path: str, number: int) -> np.ndarray:
     cv2.setLogLevel(_LOG_SILENT)
     try:
         video = selection.open_file(path, _ANY_RATE_HZ, loop=False)
-    except SourceError as error:        # which goes on with advice for a camera node
-        raise SourceError('{}; {}'.format(str(error).partition(';')[0], _ADVICE))
+    except SourceError as error:        # its own advice is for a camera node
+        raise SourceError(error.problem, _ADVICE)
     try:
         for _ in range(number):
             video.read()

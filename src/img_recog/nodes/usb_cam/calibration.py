@@ -1,4 +1,4 @@
-"""The calibration of a camera: its file, its service and its message."""
+"""The calibration of the camera: its file, its service and its message."""
 import os
 import reprlib
 from typing import Optional, Tuple
@@ -6,10 +6,10 @@ from typing import Optional, Tuple
 import rospkg
 import rospy
 from sensor_msgs.msg import CameraInfo
-from sensor_msgs.srv import SetCameraInfo, SetCameraInfoResponse
+from sensor_msgs.srv import SetCameraInfo, SetCameraInfoRequest, SetCameraInfoResponse
 from std_msgs.msg import Header
 
-from img_recog.camera import calibration
+from img_recog.camera import calibration, calibration_file
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.conversions import camera_info_msgs
@@ -20,75 +20,77 @@ _URLS = 'file:///PATH, package://PACKAGE/PATH or empty'
 
 
 class CameraCalibration:
-    """Knows the calibration in force; serves ~set_camera_info (sensor_msgs/SetCameraInfo)."""
+    """The current calibration, and the service ~set_camera_info (sensor_msgs/SetCameraInfo)."""
 
     def __init__(self, settings: CameraSettings):
-        """Load the calibration file, if there is one.
+        """Load the calibration file if it exists.
 
-        Raises ParameterError when camera_info_url names no file.
+        Raises ParameterError when camera_info_url is not the URL of a file.
         """
         self._name = settings.camera_name
         self._path = parameters.read_one(
             'camera_info_url', '', lambda url: path_of_url(url, self._name))
         self._loaded = _load(self._path, self._name)
-        self._in_force: Optional[Calibration] = None
-        # of the images seen last, in pixels
+        # for the current image size; None when it is not calibrated
+        self._current: Optional[Calibration] = None
+        # of the images, in pixels; None before the first one
         self._size: Optional[Tuple[int, int]] = None
-        # of those to come, where that is certain before they do
-        self._promised = ((settings.image_width, settings.image_height)
-                          if settings.video_device == 'synthetic' else None)
+        # the size that the images will have, where it is known before the first one
+        self._expected_size = ((settings.image_width, settings.image_height)
+                               if settings.video_device == 'synthetic' else None)
 
     def serve(self) -> None:
         """Advertise the service."""
         rospy.Service('~set_camera_info', SetCameraInfo, self._set_camera_info)
 
-    def images_are(self, width: int, height: int) -> None:
-        """Fit the calibration to images of this size, in pixels."""
+    def set_image_size(self, width: int, height: int) -> None:
+        """Scale the calibration to images of this size, in pixels."""
         if self._size == (width, height):
             return
-        self._size, self._in_force = (width, height), None
+        self._size, self._current = (width, height), None
         if self._loaded is None:
             return
         try:
-            self._in_force = calibration.scaled(self._loaded, width, height)
+            self._current = calibration.scaled(self._loaded, width, height)
         except calibration.CalibrationError as error:
-            rospy.logwarn('%s: %s: publishing none', self._path, error)
+            rospy.logwarn('%s: %s; publishing no calibration', self._path, error)
             return
-        if self._in_force is not self._loaded:
+        if self._current is not self._loaded:
             rospy.loginfo('calibration %s is for %dx%d: scaled to %dx%d', self._path,
                           self._loaded.width, self._loaded.height, width, height)
 
     def to_msg(self, header: Header) -> CameraInfo:
-        """Return the message for images of the size given last."""
-        return camera_info_msgs.to_msg(self._in_force, *self._size, header)
+        """Return the message for images of the current size; call `set_image_size` first."""
+        width, height = self._size or (0, 0)
+        return camera_info_msgs.to_msg(self._current, width, height, header)
 
-    def _set_camera_info(self, request) -> SetCameraInfoResponse:
+    def _set_camera_info(self, request: SetCameraInfoRequest) -> SetCameraInfoResponse:
         given = camera_info_msgs.from_msg(request.camera_info, self._name)
-        size = self._size or self._promised
+        size = self._size or self._expected_size
         try:
             calibration.check(given)
             if size is not None and (given.width, given.height) != size:
                 raise calibration.CalibrationError(
                     'the calibration is for {}x{}, the images are {}x{}'.format(
                         given.width, given.height, *size))
-            calibration.save(self._path, given)
+            calibration_file.save(self._path, given)
         except calibration.CalibrationError as error:
             rospy.logerr('set_camera_info: %s', error)
             return SetCameraInfoResponse(success=False, status_message=str(error))
         self._loaded = given
         if self._size is not None:
-            self._in_force = given
+            self._current = given
         rospy.loginfo('calibration written to %s', self._path)
         unchecked = '' if size else ('; its size {}x{} could not be checked: the camera has not '
-                                     'been open yet'.format(given.width, given.height))
+                                     'been opened yet'.format(given.width, given.height))
         return SetCameraInfoResponse(success=True, status_message=self._path + unchecked)
 
 
 def path_of_url(url: str, camera_name: str) -> str:
-    """Return the path that a calibration URL stands for.
+    """Return the path of a calibration URL.
 
     url: file:///PATH, package://PACKAGE/PATH, or empty for camera_info/CAMERA_NAME.yaml in
-    ROS_HOME; ${NAME} is replaced by the camera's name and ${ROS_HOME} by that folder.
+    ROS_HOME; ${NAME} is replaced by the name of the camera and ${ROS_HOME} by that folder.
     Raises SettingError for another scheme or an unknown package.
     """
     url = url or 'file://${ROS_HOME}/camera_info/${NAME}.yaml'
@@ -108,14 +110,14 @@ def path_of_url(url: str, camera_name: str) -> str:
 
 def _load(path: str, camera_name: str) -> Optional[Calibration]:
     try:
-        loaded = calibration.load(path)
+        loaded = calibration_file.load(path)
     except FileNotFoundError:
-        rospy.loginfo('camera is not calibrated: no %s', path)
+        rospy.loginfo('camera is not calibrated: there is no file %s', path)
         return None
     except calibration.CalibrationError as error:
         rospy.logerr('%s; publishing no calibration', error)
         return None
     if loaded.camera_name not in ('', camera_name):
-        rospy.logwarn('calibration %s is of a camera %s, camera_name is %s: using it all the same',
+        rospy.logwarn('calibration %s is for camera %s, but camera_name is %s; using it anyway',
                       path, reprlib.repr(loaded.camera_name), camera_name)
     return loaded

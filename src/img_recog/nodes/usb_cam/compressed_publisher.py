@@ -1,4 +1,4 @@
-"""A topic of compressed images beside one of raw images, as image_transport's plugin makes it."""
+"""A topic of compressed images for a topic of raw images, like the plugin of image_transport."""
 import threading
 
 import numpy as np
@@ -18,19 +18,19 @@ _POLL_S = 0.2
 
 
 class CompressedImages:
-    """Publishes images compressed, and compresses them only while someone subscribes.
+    """Publishes compressed images; compresses only while there is a subscriber.
 
     Publishes: TOPIC/compressed (sensor_msgs/CompressedImage, with the header of the raw image),
     TOPIC/compressed/parameter_descriptions, TOPIC/compressed/parameter_updates. Serves:
     TOPIC/compressed/set_parameters. Reads: the fields of CompressionSettings as parameters under
-    TOPIC/compressed, and takes changes of them while it runs.
+    TOPIC/compressed, which can be changed while it runs.
 
-    A thread of its own compresses the newest image: PNG may take longer than a camera's period,
-    and then images are left out here, while the raw ones keep their time.
+    A separate thread compresses the newest image: PNG may take longer than the period of the
+    camera; then images are dropped here, and the raw ones are not delayed.
     """
 
     def __init__(self, topic: str):
-        """Advertise beside the raw topic `topic`.
+        """Advertise the topic TOPIC/compressed of the raw topic `topic`.
 
         Raises ParameterError when a parameter has a value that is not allowed.
         """
@@ -45,18 +45,18 @@ class CompressedImages:
         self._worker.start()
 
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
-        """Have the image sent if anyone subscribes; returns at once.
+        """Send the image if there is a subscriber; return immediately.
 
-        image: uint8 of shape (height, width[, 3]), which must not be changed afterwards.
+        image: uint8 of shape (height, width[, 3]), which must not be modified afterwards.
         encoding: rgb8, bgr8 or mono8.
         """
         if self._publisher.get_num_connections() > 0:
-            # a header of its own: rospy numbers the messages of each topic in it
-            own = Header(seq=header.seq, stamp=header.stamp, frame_id=header.frame_id)
-            self._images.put((image, encoding, own))
+            # a copy, because rospy writes the sequence number of each topic into the header
+            copy = Header(seq=header.seq, stamp=header.stamp, frame_id=header.frame_id)
+            self._images.put((image, encoding, copy))
 
     def close(self) -> None:
-        """Take the topics and the service down."""
+        """Remove the topics and the service."""
         self._closed.set()
         self._worker.join()
         self._parameters.close()
@@ -76,6 +76,6 @@ class CompressedImages:
             return
         try:
             self._publisher.publish(msg)
-        except rospy.ROSException:      # the topic is closed while the node ends
+        except rospy.ROSException:      # the topic was closed because the node shuts down
             if not rospy.core.is_shutdown_requested():
                 raise

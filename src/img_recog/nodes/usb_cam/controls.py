@@ -1,27 +1,28 @@
-"""The V4L2 controls of the camera, as parameters ask for them."""
+"""Sets the V4L2 controls of the camera from parameters."""
 import dataclasses
 import threading
-from typing import Callable, Mapping, Optional
+from typing import Callable, Mapping, Optional, Set
 
 import rospy
 
 from img_recog.camera import controls
 from img_recog.camera.controls import ControlDevice
 from img_recog.camera.settings import ControlSettings
+from img_recog.errors import one_line
 from img_recog.settings import setting_fields
 
 
 class CameraControls:
-    """Sets the controls of a device whenever it is opened, and whenever they change."""
+    """Sets the controls of a device each time it is opened, and each time they change."""
 
     def __init__(self, settings: ControlSettings, intrinsic: Mapping[str, int]):
         self._settings, self._intrinsic = settings, intrinsic
         self._path: Optional[str] = None
         self._lock = threading.Lock()
-        self._logged = set()
+        self._logged: Set[str] = set()
 
-    def device_is(self, path: Optional[str]) -> None:
-        """Set the controls of the device at `path`, which was opened; None for no device."""
+    def set_device(self, path: Optional[str]) -> None:
+        """Set the controls of the device at `path`, which was opened; None: it is not a device."""
         with self._lock:
             self._path = path
             if path is None:
@@ -29,7 +30,7 @@ class CameraControls:
             self._apply(self._intrinsic)
 
     def change(self, settings: ControlSettings) -> None:
-        """Put other settings in force, now and when the device is opened again."""
+        """Apply new settings, now and each time the device is opened again."""
         with self._lock:
             changed = [field.name for field in dataclasses.fields(settings)
                        if getattr(settings, field.name) != getattr(self._settings, field.name)]
@@ -44,7 +45,7 @@ class CameraControls:
         try:
             device = ControlDevice(self._path)
         except OSError as error:
-            self._warn('cannot set the controls of {}: {}'.format(self._path, error.strerror))
+            self._warn('cannot set the controls of {}: {}'.format(self._path, one_line(error)))
             return
         try:
             for problem in controls.apply(device, self._settings, intrinsic):
@@ -56,13 +57,13 @@ class CameraControls:
         given = [field.name for field in setting_fields(ControlSettings)
                  if getattr(self._settings, field.name) != field.default]
         if given or self._intrinsic:
-            self._log_once(rospy.loginfo, 'no device, so these controls have no effect: {}'.format(
+            self._log_once(rospy.loginfo, 'not a device: these controls have no effect: {}'.format(
                 ', '.join(given + sorted(self._intrinsic))))
 
     def _warn(self, problem: str) -> None:
         self._log_once(rospy.logwarn, problem)
 
     def _log_once(self, log: Callable[..., None], line: str) -> None:
-        if line not in self._logged:       # not again each time the device comes back
+        if line not in self._logged:       # not again each time the device is reopened
             self._logged.add(line)
             log('%s', line)

@@ -1,7 +1,7 @@
-"""How the camera does, on /diagnostics, by the distribution's diagnostic_updater."""
+"""The state of the camera on /diagnostics, by diagnostic_updater."""
 import threading
 import time
-from typing import Callable, Optional
+from typing import Callable, List, Optional, Tuple
 
 import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -9,12 +9,12 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from img_recog.camera.source import FrameSource
 
 _PERIOD_S = 1.0
-_WINDOW_S = 3.0         # over which the rate is measured
-_LEAST_SHARE = 0.8      # of the expected rate that is still well
+_WINDOW_S = 3.0         # in which the rate is measured
+_MIN_SHARE = 0.8        # of the expected rate: below is a warning
 
 
 class CameraDiagnostics:
-    """Counts what happens to frames, and publishes it once a second of wall time.
+    """Counts frames, and publishes the counts and the rate once per second of wall time.
 
     Publishes: /diagnostics (diagnostic_msgs/DiagnosticArray, one status NODE: camera).
     """
@@ -26,47 +26,48 @@ class CameraDiagnostics:
         self._frames = self._skipped = self._dropped = self._losses = 0
         self._lost: Optional[str] = None
         self._active = False
-        self._marks = []        # (time, frames until then) of the window
+        # (time, frame count at that time) within the window
+        self._samples: List[Tuple[float, int]] = []
         self._next_s = now()
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(device)
         self._updater.add('camera', self.report)
 
     def opened(self, source: FrameSource) -> None:
-        """Take note of a source that was opened."""
+        """Store the source that was opened, and start to measure its rate."""
         with self._lock:
             self._source = source
-            self._marks = [(self._now(), self._frames)]
+            self._samples = [(self._now(), self._frames)]
 
     def count_frame(self) -> None:
-        """Take note of a frame that was published."""
+        """Count a frame that was published."""
         with self._lock:
             self._frames += 1
 
     def count_skipped(self) -> None:
-        """Take note of a frame that could not be used."""
+        """Count a frame that could not be used."""
         with self._lock:
             self._skipped += 1
 
     def count_dropped(self) -> None:
-        """Take note of a frame that was left out to keep the rate."""
+        """Count a frame that was dropped to keep the rate."""
         with self._lock:
             self._dropped += 1
 
     def lost(self, reason: str) -> None:
-        """Take note of a device that is gone."""
+        """Report the loss of the device as an error from now on."""
         with self._lock:
             self._lost, self._losses = reason, self._losses + 1
 
     def reconnected(self) -> None:
-        """Take note of a device that is back."""
+        """Report the device as present again."""
         with self._lock:
             self._lost = None
 
     def update(self, active: bool) -> None:
-        """Publish when it is time to; to be called several times a second.
+        """Publish when a second has passed; the node has to call this several times a second.
 
-        active: whether frames are wanted.
+        active: whether the camera is capturing, not suspended.
         """
         now_s = self._now()
         if now_s < self._next_s:
@@ -74,11 +75,12 @@ class CameraDiagnostics:
         self._next_s = max(self._next_s + _PERIOD_S, now_s)
         with self._lock:
             if active != self._active:
-                self._active, self._marks = active, [(now_s, self._frames)]
+                self._active, self._samples = active, [(now_s, self._frames)]
         self._updater.force_update()
 
-    def report(self, status):
-        """Fill in a diagnostic_updater.DiagnosticStatusWrapper and return it."""
+    def report(self, status: diagnostic_updater.DiagnosticStatusWrapper
+               ) -> diagnostic_updater.DiagnosticStatusWrapper:
+        """Fill in the status and return it."""
         with self._lock:
             source, rate_hz = self._source, self._rate_hz()
             expected_hz = source.expected_hz if source else None
@@ -92,12 +94,13 @@ class CameraDiagnostics:
             status.add('expected rate (Hz)', '{:.2f}'.format(expected_hz) if expected_hz
                        else 'unknown')
             for name, count in (('frames', self._frames), ('failed reads', self._skipped),
-                                ('frames left out', self._dropped),
+                                ('frames dropped', self._dropped),
                                 ('losses of the device', self._losses)):
                 status.add(name, str(count))
         return status
 
-    def _summary(self, rate_hz: Optional[float], expected_hz: Optional[float]):
+    def _summary(self, rate_hz: Optional[float],
+                 expected_hz: Optional[float]) -> Tuple[int, str]:
         if not self._active:
             return DiagnosticStatus.OK, 'suspended'
         if self._lost is not None:
@@ -106,20 +109,21 @@ class CameraDiagnostics:
             return DiagnosticStatus.OK, 'starting'
         if rate_hz == 0:
             return DiagnosticStatus.WARN, 'no frames'
-        if expected_hz and rate_hz < _LEAST_SHARE * expected_hz:
-            return DiagnosticStatus.WARN, '{:.1f} Hz in place of {:g} Hz'.format(
+        if expected_hz and rate_hz < _MIN_SHARE * expected_hz:
+            return DiagnosticStatus.WARN, '{:.1f} Hz instead of {:g} Hz'.format(
                 rate_hz, expected_hz)
         return DiagnosticStatus.OK, '{:.1f} Hz'.format(rate_hz)
 
     def _rate_hz(self) -> Optional[float]:
-        """Return the rate over the window, None before there is one."""
-        now_s, slow = self._now(), 0.0
+        """Return the rate within the window, or None when there is not enough data yet."""
+        now_s, three_periods_s = self._now(), 0.0
         if self._source is not None and self._source.expected_hz:
-            slow = 3.0 / self._source.expected_hz       # a slow camera needs a longer window
-        self._marks.append((now_s, self._frames))
-        while len(self._marks) > 2 and self._marks[1][0] < now_s - max(_WINDOW_S, slow):
-            self._marks.pop(0)
-        since_s, before = self._marks[0]
-        if now_s - since_s < max(0.5, slow):
+            three_periods_s = 3.0 / self._source.expected_hz
+        self._samples.append((now_s, self._frames))
+        window_s = max(_WINDOW_S, three_periods_s)      # a slow camera needs a longer window
+        while len(self._samples) > 2 and self._samples[1][0] < now_s - window_s:
+            self._samples.pop(0)
+        begin_s, begin_count = self._samples[0]
+        if now_s - begin_s < max(0.5, three_periods_s):
             return None
-        return (self._frames - before) / (now_s - since_s)
+        return (self._frames - begin_count) / (now_s - begin_s)

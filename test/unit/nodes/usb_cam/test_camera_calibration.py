@@ -1,4 +1,4 @@
-"""The calibration that the camera node publishes and takes, with the log and parameters faked."""
+"""The calibration that the node publishes and stores, with a fake log and fake parameters."""
 import os
 from types import SimpleNamespace
 
@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfoRequest
 from std_msgs.msg import Header
 
-from img_recog.camera import calibration
+from img_recog.camera import calibration_file
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.nodes.usb_cam import calibration as camera_calibration
@@ -23,7 +23,7 @@ GIVEN = {
 
 
 class FakeRos:
-    """Keeps what is logged."""
+    """Records the lines of the log."""
 
     def __init__(self):
         self.lines = []
@@ -39,7 +39,7 @@ class FakeRos:
 
 @pytest.fixture
 def ros(monkeypatch):
-    """A FakeRos in place of rospy."""
+    """A FakeRos instead of rospy."""
     fake = FakeRos()
     monkeypatch.setattr(camera_calibration, 'rospy', fake)
     return fake
@@ -49,7 +49,7 @@ def ros(monkeypatch):
 def make(ros, tmp_path, monkeypatch):
     """A function that makes the calibration of a camera; its file is calibration.yaml."""
     def made(url='file://{}/calibration.yaml'.format(tmp_path), **settings):
-        # only get_param is faked, so that the error line is the one of every parameter
+        # only get_param is faked, so the error line is the same as for all parameters
         monkeypatch.setattr(parameters, 'rospy', SimpleNamespace(
             get_param=lambda *_: {'camera_info_url': url},
             resolve_name=lambda name: name.replace('~', '/usb_cam/')))
@@ -64,7 +64,7 @@ def saved(tmp_path, **fields):
                   distortion=GIVEN['D'], camera_matrix=GIVEN['K'], rectification=GIVEN['R'],
                   projection=GIVEN['P'])
     values.update(fields)
-    calibration.save(path, Calibration(**values))
+    calibration_file.save(path, Calibration(**values))
     return path
 
 
@@ -75,15 +75,15 @@ def answer(made, **fields):
 def test_calibration_of_the_file_is_published(make, ros, tmp_path):
     saved(tmp_path)
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     assert list(made.to_msg(Header()).K) == GIVEN['K']
     assert ros.lines == []
 
 
-def test_broken_calibration_is_one_error_and_none_is_published(make, ros, tmp_path):
+def test_broken_calibration_is_one_error_and_is_not_published(make, ros, tmp_path):
     path = saved(tmp_path, camera_matrix=[float('nan')] * 9)
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     assert not any(made.to_msg(Header()).K) and not made.to_msg(Header()).distortion_model
     assert ros.lines == [('err', 'calibration {} has no usable entry camera_matrix (wants finite '
                                  'numbers, has nan); publishing no calibration'.format(path))]
@@ -92,16 +92,16 @@ def test_broken_calibration_is_one_error_and_none_is_published(make, ros, tmp_pa
 def test_calibration_of_another_camera_is_used_with_one_warning(make, ros, tmp_path):
     saved(tmp_path, camera_name='narrow_stereo')
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     assert list(made.to_msg(Header()).K) == GIVEN['K']
     assert ros.levels() == ['warn']
-    assert "is of a camera 'narrow_stereo', camera_name is head_camera" in ros.lines[0][1]
+    assert "is for camera 'narrow_stereo', but camera_name is head_camera" in ros.lines[0][1]
 
 
 @pytest.mark.parametrize('url, words', [
     ('http://x', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
     ('package://no_such_package/x', 'there is no package no_such_package')])
-def test_url_that_is_refused_names_the_parameter_with_its_namespace(make, url, words):
+def test_refused_url_names_the_parameter_with_its_namespace(make, url, words):
     with pytest.raises(ParameterError) as refused:
         make(url)
     assert str(refused.value).startswith('parameter /usb_cam/camera_info_url: got {!r}, '.format(
@@ -122,7 +122,7 @@ def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fiel
     with open(path) as file:
         before = file.read()
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     response = answer(made, **fields)
     assert not response.success and words in response.status_message
     assert ros.levels() == ['err']
@@ -131,24 +131,24 @@ def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fiel
     assert list(made.to_msg(Header()).K) == GIVEN['K']
 
 
-def test_good_calibration_is_written_and_in_force(make, tmp_path):
+def test_good_calibration_is_written_and_published(make, tmp_path):
     made = make()
-    made.images_are(640, 480)
+    made.set_image_size(640, 480)
     response = answer(made)
     assert (response.success, response.status_message) == (
         True, str(tmp_path / 'calibration.yaml'))
     assert list(made.to_msg(Header()).K) == GIVEN['K']
 
 
-def test_size_that_is_not_known_yet_is_told_to_be_unchecked(make, tmp_path):
+def test_size_that_is_not_known_yet_is_reported_as_unchecked(make, tmp_path):
     made = make()
     assert not answer(made, width=0, height=0).success
     assert not os.path.exists(str(tmp_path / 'calibration.yaml'))
     response = answer(made)
     assert response.success
     assert response.status_message.endswith(
-        'its size 640x480 could not be checked: the camera has not been open yet')
-    made.images_are(320, 240)
+        'its size 640x480 could not be checked: the camera has not been opened yet')
+    made.set_image_size(320, 240)
     assert made.to_msg(Header()).K[0] == 250.0
 
 

@@ -1,4 +1,4 @@
-"""What the node says of controls that its source does not have."""
+"""The log of controls that have no effect."""
 from types import SimpleNamespace
 
 import pytest
@@ -10,7 +10,7 @@ from img_recog.nodes.usb_cam.controls import CameraControls
 
 @pytest.fixture
 def lines(monkeypatch):
-    """What is logged, with its level."""
+    """The lines of the log, with their levels."""
     logged = []
     monkeypatch.setattr(camera_controls, 'rospy', SimpleNamespace(
         loginfo=lambda text, *values: logged.append(('info', text % values)),
@@ -18,21 +18,21 @@ def lines(monkeypatch):
     return logged
 
 
-def test_controls_that_were_given_are_told_to_be_without_effect_once(lines):
+def test_controls_without_effect_are_logged_once(lines):
     controls = CameraControls(ControlSettings(brightness=5, autoexposure=False), {'zoom': 3})
     for _ in range(2):
-        controls.device_is(None)
+        controls.set_device(None)
     assert lines == [
-        ('info', 'no device, so these controls have no effect: brightness, autoexposure, zoom')]
+        ('info', 'not a device: these controls have no effect: brightness, autoexposure, zoom')]
 
 
-def test_controls_at_their_defaults_are_not_told(lines):
+def test_controls_at_their_defaults_are_not_logged(lines):
     controls = CameraControls(ControlSettings(), {})
-    controls.device_is(None)
+    controls.set_device(None)
     assert lines == []
 
 
-def test_controls_of_a_device_are_not_told(lines, tmp_path):
+def test_controls_of_a_device_are_not_logged(lines, tmp_path):
     controls = CameraControls(ControlSettings(brightness=5), {})
-    controls.device_is(str(tmp_path / 'gone'))
+    controls.set_device(str(tmp_path / 'gone'))
     assert [level for level, _ in lines] == ['warn']

@@ -1,4 +1,4 @@
-"""What /diagnostics says of the camera, with the distribution's updater replaced."""
+"""The diagnostics of the camera, with a fake of diagnostic_updater."""
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -8,7 +8,7 @@ from img_recog.nodes.usb_cam import diagnostics as camera_diagnostics
 
 
 class FakeUpdater:
-    """Counts how often it is told to publish."""
+    """Counts how often it publishes."""
 
     def __init__(self):
         self.published = 0
@@ -25,7 +25,7 @@ class FakeUpdater:
 
 @pytest.fixture
 def diagnostics(clock, monkeypatch):
-    """Diagnostics of a camera that is open and wanted, at 10 Hz."""
+    """Diagnostics of a camera that is capturing at 10 Hz."""
     monkeypatch.setattr(camera_diagnostics.diagnostic_updater, 'Updater', FakeUpdater)
     made = camera_diagnostics.CameraDiagnostics('/dev/video5', clock)
     made.opened(SyntheticSource(64, 48, 10.0))
@@ -39,7 +39,7 @@ def report(diagnostics):
 
 
 def run(diagnostics, clock, seconds, rate_hz):
-    """Let time go by with frames at this rate and a look each second; return the last one."""
+    """Advance the clock, with frames at this rate and a report each second; return the last."""
     for _ in range(seconds):
         for _ in range(rate_hz):
             clock.advance(1.0 / rate_hz)
@@ -50,18 +50,18 @@ def run(diagnostics, clock, seconds, rate_hz):
     return last
 
 
-def test_rate_is_measured_against_the_expected_one(diagnostics, clock):
+def test_rate_is_compared_with_the_expected_one(diagnostics, clock):
     level, message, values = run(diagnostics, clock, 5, 10)
     assert (level, message) == (DiagnosticStatus.OK, '10.0 Hz')
     assert values == {
         'device': '/dev/video5', 'format': 'synthetic scene, 64x48, 10 Hz',
         'frame rate (Hz)': '10.00', 'expected rate (Hz)': '10.00', 'frames': '50',
-        'failed reads': '0', 'frames left out': '0', 'losses of the device': '0'}
+        'failed reads': '0', 'frames dropped': '0', 'losses of the device': '0'}
 
 
 def test_rate_that_is_too_low_is_a_warning(diagnostics, clock):
     run(diagnostics, clock, 3, 10)
-    assert run(diagnostics, clock, 5, 6)[:2] == (DiagnosticStatus.WARN, '6.0 Hz in place of 10 Hz')
+    assert run(diagnostics, clock, 5, 6)[:2] == (DiagnosticStatus.WARN, '6.0 Hz instead of 10 Hz')
     assert run(diagnostics, clock, 5, 0)[:2] == (DiagnosticStatus.WARN, 'no frames')
     assert run(diagnostics, clock, 5, 10)[:2] == (DiagnosticStatus.OK, '10.0 Hz')
 
@@ -76,21 +76,21 @@ def test_lost_device_is_an_error_until_it_is_back(diagnostics, clock):
     assert report(diagnostics)[0] == DiagnosticStatus.OK
 
 
-def test_suspended_is_well_and_says_so(diagnostics, clock):
+def test_suspended_camera_is_ok(diagnostics, clock):
     clock.advance(1.0)
     diagnostics.update(False)
     assert report(diagnostics)[:2] == (DiagnosticStatus.OK, 'suspended')
 
 
-def test_bad_and_left_out_frames_are_counted(diagnostics):
+def test_skipped_and_dropped_frames_are_counted(diagnostics):
     for _ in range(3):
         diagnostics.count_skipped()
     diagnostics.count_dropped()
     values = report(diagnostics)[2]
-    assert (values['failed reads'], values['frames left out']) == ('3', '1')
+    assert (values['failed reads'], values['frames dropped']) == ('3', '1')
 
 
-def test_published_once_a_second_and_named_by_the_device(diagnostics, clock):
+def test_published_once_per_second_with_the_device_as_hardware_id(diagnostics, clock):
     for _ in range(50):
         clock.advance(0.2)
         diagnostics.update(True)
