@@ -147,7 +147,7 @@ def test_missing_meshes_are_listed_once_and_shapes_stand_in():
     assert list(urdf.iter('mesh')) == []
     wheel = next(each for each in urdf.findall('link') if each.get('name') == 'wheel_left')
     assert wheel.find('visual/geometry/cylinder').get('radius') == '0.033'
-    words = meshes.described(description.missing_meshes)
+    words = meshes.warning_about(description.missing_meshes)
     assert all(uri in words for uri in URIS) and '\n' not in words
 
 
@@ -166,7 +166,7 @@ def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
     description = parse(TOY, find if has_meshes else lambda uri: None)
     settings = RobotSettings(spawn=SpawnSettings(x_pos=1.0, y_pos=1.0))
     toy = Vehicle(description, settings,
-                  sim.world.step_s, sim.world.client)
+                  sim.world.step_s, sim.world.physics_client_id)
     sim.vehicles = [toy]
     assert toy.robot.mass() == pytest.approx(0.8 + 2 * 0.03 + 0.1 + 0.005, abs=1e-6)
     sim.advance(2000)
