@@ -6,7 +6,7 @@ import subprocess
 import sys
 import types
 from importlib import util
-from typing import Iterator, Optional
+from typing import Iterator, List, Optional
 
 import rospkg
 
@@ -92,26 +92,37 @@ def _expanded_by_command(command: str, path: str) -> str:
 
 def _expanded_by_module(path: str) -> str:
     import xacro
+    missing: List[str] = []
     try:
-        with _package_index():
+        with _package_index(missing):
             return xacro.process_file(path).toxml()
-    except rospkg.ResourceNotFound as error:
-        raise UserError(
-            'xacro cannot expand {}: there is no ROS package {}'.format(path, error.args[0]),
-            'source the workspace that has it, or add its folder to ROS_PACKAGE_PATH')
     except Exception as error:      # xacro evaluates Python expressions: anything may be raised
+        if missing:
+            raise UserError(
+                'xacro cannot expand {}: there is no ROS package {}'.format(path, missing[0]),
+                'source the workspace that has it, or add its folder to ROS_PACKAGE_PATH')
         raise _failed(path, error)
 
 
 @contextlib.contextmanager
-def _package_index() -> Iterator[None]:
+def _package_index(missing: List[str]) -> Iterator[None]:
     """Let xacro find ROS 1 packages for $(find ...).
 
     It asks ament_index_python, the package index of ROS 2, which it imports when it needs it.
+    missing: gets the names of packages that are not found.
     """
+    packages_of_ros = rospkg.RosPack()
+
+    def path_of(package: str) -> str:
+        try:
+            return packages_of_ros.get_path(package)
+        except rospkg.ResourceNotFound:
+            missing.append(package)
+            raise
+
     index = types.ModuleType('ament_index_python')
     packages = types.ModuleType('ament_index_python.packages')
-    setattr(packages, 'get_package_share_directory', rospkg.RosPack().get_path)
+    setattr(packages, 'get_package_share_directory', path_of)
     ours = {module.__name__: module for module in (index, packages)}
     replaced = {name: sys.modules[name] for name in ours if name in sys.modules}
     sys.modules.update(ours)
