@@ -182,13 +182,15 @@ def test_state_relative_to_itself_and_to_the_world_model(gazebo):
 def test_unknown_models_and_frames_are_named(gazebo):
     for answer in (get_state(gazebo, 'waffle'), set_state(gazebo, 0.5, 0.5, frame='waffle')):
         assert answer['success'] is False
-        assert answer['status_message'] == "no model 'waffle' (models: {})".format(', '.join(NAMES))
+        assert answer['status_message'] == "no model 'waffle' (models: {})".format(
+            ', '.join(NAMES))
 
 
 def test_a_refused_state_leaves_the_robot_where_it_is(gazebo):
     answer = set_state(gazebo, float('nan'), 0.5)
     assert answer['success'] is False
-    assert 'finite numbers, got [nan, 0.5,' in answer['status_message']
+    assert answer['status_message'].startswith('state: got [nan, 0.5,')
+    assert 'finite numbers' in answer['status_message']
     answer = call(gazebo, 'set_model_state', {'model_state': {'model_name': MODEL}})
     assert answer['success'] is False
     assert 'zero quaternion' in answer['status_message']

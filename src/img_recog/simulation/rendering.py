@@ -13,22 +13,22 @@ from img_recog.simulation.geometry import Numbers
 
 # the direction to the sun: the opposite of <direction> of Gazebo's default sun
 SUN = (0.5, -0.1, 0.9)
-# For pybullet.configureDebugVisualizer. Far away, so that the light comes from one direction;
-# bodies need specularColor (0, 0, 0), or a tall one shows the mirror image of the light.
+# For pybullet.configureDebugVisualizer. Far away, so that all light has the same direction;
+# bodies need specularColor (0, 0, 0), or a tall one shows a reflection of the light.
 WINDOW_LIGHT = {'lightPosition': tuple(100 * axis for axis in SUN), 'shadowMapWorldSize': 14,
                 'shadowMapResolution': 4096}
-GREY = np.uint8(178)            # the window's lit floor, and its background of 0.7: no horizon
-FLOOR_SHADOW = np.uint8(152)    # the window's floor in shadow
+GREY = np.uint8(178)            # floor and background (0.7) of the window: there is no horizon
+FLOOR_SHADOW = np.uint8(152)    # floor of the window in shadow
 # The window's shader (useShadowMapInstancingPS.glsl, with an ambient light of 0.5) gives
-# 0.75 + 0.25 c of its color to a face with cosine c between normal and sun, which TinyRenderer
-# can do, and 0.675 + 0.175 c in shadow and when turned away, where TinyRenderer leaves 0.75.
+# 0.75 + 0.25 c of its color to a face with cosine c between normal and sun; TinyRenderer can do
+# the same. Faces in shadow or turned away get 0.675 + 0.175 c there, and 0.75 by TinyRenderer.
 _SHADING = {'lightDirection': SUN, 'lightColor': (1, 1, 1), 'lightAmbientCoeff': 0.75,
             'lightDiffuseCoeff': 0.25, 'lightSpecularCoeff': 0.0}
 _AWAY_FACTOR, _AWAY_SLOPE = 0.675 / 0.75, 0.175 / 0.75
 _SHADOW_FACTOR = 0.87           # for all c from 0 to 1 within 0.03
 FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, like Gazebo's camera
 _NEAR, _FAR = 0.05, 60.0        # m, of the camera
-_SUN_NEAR, _SUN_FAR = 50.0, 150.0   # m, of the sun, which stands 100 m from the origin
+_SUN_NEAR, _SUN_FAR = 50.0, 150.0   # m, of the sun, which is 100 m from the origin
 _SUN_VIEW = np.reshape(pybullet.computeViewMatrix(
     WINDOW_LIGHT['lightPosition'], (0, 0, 0), (0, 0, 1)), (4, 4)).T
 _BAND_ROWS = 60                 # at a time: numpy is three times as fast within the cache
@@ -105,7 +105,7 @@ def _shade(pixels: np.ndarray, distance: np.ndarray, to_world: np.ndarray,
 def _floor_distances(to_world: np.ndarray, rays: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Return how far along the optical axis the floor is, in m, for arguments as in `_shade`.
 
-    Where there is none it is just nearer than _FAR, for the background has the floor's color.
+    Where there is no floor it is a little less than _FAR: the background has the floor's color.
     """
     eye_height, farthest = to_world[2, 3], 0.99 * _FAR
     if eye_height <= 0:

@@ -81,7 +81,8 @@ REFUSED = {
     'no name': (ROBOT.format('<link/>' + link('a')), 'each <link> must have a unique name'),
     'same name': (ROBOT.format(link('a') + link('a')), 'each <link> must have a unique name'),
     'two parents': (ROBOT.format(link('a') + link('b') + link('c') + joint('j', 'a', 'c')
-                                 + joint('k', 'b', 'c')), 'link c is the child of two joints, j and k'),
+                                 + joint('k', 'b', 'c')),
+                    'link c is the child of two joints, j and k'),
     'lost link': (ROBOT.format(link('a') + joint('j', 'a', 'b')), 'child link b, which does not'),
     'zero mass': (ROBOT.format(link('a', '0')), 'mass of link a: got 0 kg'),
     'negative mass': (ROBOT.format(link('a', -1)), 'mass of link a: got -1 kg'),
@@ -94,7 +95,8 @@ REFUSED = {
                      'joint j is of type planar; supported are continuous, fixed'),
     'no axis': (ROBOT.format(link('a') + link('b') + joint(
         'j', 'a', 'b', 'continuous', '<axis xyz="0 0 0"/>')), 'axis of joint j: got 0 0 0'),
-    'no inertia': (ROBOT.format(link('a').replace('"1"', '"0"')), 'link a, with the links fixed to'),
+    'no inertia': (ROBOT.format(link('a').replace('"1"', '"0"')),
+                   'link a, with the links fixed to'),
     'negative inertia': (ROBOT.format(link('a').replace('ixx="1"', 'ixx="-1"')),
                          'expected positive moments'),
     'infinite origin': (ROBOT.format(link('a') + link('b') + joint(

@@ -243,14 +243,17 @@ def test_refuses_what_is_not_a_finite_number(text):
 @pytest.mark.parametrize('elements, wanted', [
     (drive(updateRate='often'), "<updateRate> of plugin wheels: got 'often', expected a finite n"),
     (drive(publishOdomTF='yes'), "<publishOdomTF> of plugin wheels: got 'yes', expected true"),
-    (drive(odometrySource='gps'), "<odometrySource> of plugin wheels: got 'gps', expected world or"),
+    (drive(odometrySource='gps'),
+     "<odometrySource> of plugin wheels: got 'gps', expected world or"),
     (drive(commandTopic=' '), "<commandTopic> of plugin wheels: got '', expected a name"),
     (drive(odometryFrame='/'), "<odometryFrame> of plugin wheels: got '/', expected a name"),
-    (ray(samples='36.5'), "<ray/scan/horizontal/samples> of sensor lds: got '36.5', expected a who"),
+    (ray(samples='36.5'),
+     "<ray/scan/horizontal/samples> of sensor lds: got '36.5', expected a who"),
     (ray(far='far'), "<ray/range/max> of sensor lds: got 'far', expected a finite number"),
     (imu(NOISE.replace('2e-4', 'a\nb')),
      "<imu/noise/rate/stddev> of plugin inertia: got 'a\\nb', expected a finite number"),
-    (imu('', gaussianNoise='low'), "<gaussianNoise> of plugin inertia: got 'low', expected a finite"),
+    (imu('', gaussianNoise='low'),
+     "<gaussianNoise> of plugin inertia: got 'low', expected a finite"),
     (gazebo('<plugin filename="libgazebo_ros_imu.so"><updateRate>x</updateRate></plugin>'),
      "<updateRate> of plugin without name: got 'x'")])
 def test_refusals_name_the_element_its_owner_and_what_is_expected(elements, wanted):

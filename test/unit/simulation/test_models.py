@@ -1,4 +1,4 @@
-"""Models by name: where they are, seen from one another, and how they are put elsewhere."""
+"""Models by name: their states, relative to one another, and how states are set."""
 import math
 
 import numpy as np
@@ -124,7 +124,7 @@ def test_orientation_of_any_length_is_a_rotation(factor):
     assert state.position == close([1, 0, 0])
 
 
-def test_being_put_elsewhere_is_no_push_and_odometry_knows():
+def test_a_teleport_is_not_an_acceleration_and_changes_the_odometry():
     sim = simulator(imu=QUIET)
     sim.vehicles[0].command(0.5, 0.0)
     sim.advance(1000)
@@ -137,7 +137,7 @@ def test_being_put_elsewhere_is_no_push_and_odometry_knows():
     assert odometry.position == pytest.approx([4, 5, 0], abs=0.02)
 
 
-def test_being_put_elsewhere_turns_no_wheel_backwards():
+def test_a_teleport_turns_no_wheel():
     sim = simulator(odometry=OdometrySettings(odometry_source='encoder'))
     sim.vehicles[0].command(0.5, 0.0)
     sim.advance(1000)
