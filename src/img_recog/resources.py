@@ -1,4 +1,4 @@
-"""Resources of ROS and Gazebo packages: files by URI, and this package's own robot and worlds."""
+"""Finds files of ROS packages and Gazebo models by URI, and this package's robot and worlds."""
 import os
 from typing import Dict, Optional
 
@@ -13,9 +13,9 @@ _packages = rospkg.RosPack()
 
 
 def find(uri: str) -> Optional[str]:
-    """Return the path of the file that package://, model://, file:// or a path means, else None.
+    """Return the path of the file at a package://, model:// or file:// URI or a path, else None.
 
-    model:// is looked for in the folders of GAZEBO_MODEL_PATH.
+    model:// is searched in the folders of GAZEBO_MODEL_PATH.
     """
     if uri.startswith(_PACKAGE):
         package, _, path = uri[len(_PACKAGE):].partition('/')
@@ -29,7 +29,7 @@ def find(uri: str) -> Optional[str]:
     else:
         return find_in(os.getcwd())(uri)
     paths = (os.path.join(folder, path) for folder in folders if folder)
-    return next(filter(os.path.isfile, paths), None)
+    return next((path for path in paths if os.path.isfile(path)), None)
 
 
 def worlds() -> Dict[str, str]:

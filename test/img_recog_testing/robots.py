@@ -1,11 +1,8 @@
 """The robot and worlds that the simulation's tests share."""
 import os
 
-from img_recog.simulation import description, loading, world_file
+from img_recog.simulation import assembly, world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SpawnSettings
-from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Vehicle
-from img_recog.simulation.world import World
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'urdf')
 WORLDS = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
@@ -17,10 +14,18 @@ def burger():
         return file.read()
 
 
-def simulator(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, **settings):
-    """Return a simulator of the burger in a client of its own."""
-    client, physics = loading.connect(), PhysicsSettings(world=world_name)
-    world = World(physics, world_file.read(world_name, WORLDS), client)
-    settings = RobotSettings(spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw), **settings)
-    robot = description.parse(burger() if urdf is None else urdf)
-    return Simulator(world, [Vehicle(robot, settings, physics.step_s, client)])
+def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
+             **settings):
+    """Return the assembly of a robot, by default the burger, in a world; **settings: its groups.
+    """
+    physics = PhysicsSettings(world=world_name)
+    robot = assembly.read_robot(burger() if urdf is None else urdf, physics.step_s,
+                                find_mesh or (lambda uri: None), 'robot_description')
+    spawn = SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw)
+    return assembly.build(physics, world_file.read(world_name, WORLDS),
+                          [(robot, RobotSettings(spawn=spawn, **settings))])
+
+
+def simulator(*args, **kwargs):
+    """Return the simulator alone; arguments as for `assemble`."""
+    return assemble(*args, **kwargs).simulator

@@ -76,7 +76,7 @@ def without(tag, name):
 
 SIMULATOR_CASES = {
     'no description': (None, '', 'robot_description: got none', 'textfile'),
-    'no XML': (lambda: '<robot', '', 'robot_description is no XML', 'urdf'),
+    'no XML': (lambda: '<robot', '', 'cannot use the robot in robot_description: not XML', 'urdf'),
     'no URDF': (lambda: '<sdf/>', '', 'root element <sdf>', '<robot>'),
     'no wheel': (lambda: burger().replace('wheel_left_joint', 'left'), '',
                  'no movable joint wheel_left_joint', 'wheel_right_joint'),

@@ -132,7 +132,7 @@ def test_without_the_package_the_simulator_says_so_once(ros):
     node = simulate(ros)
     lines = [line for line in node.output.splitlines() if 'gazebo_msgs' in line]
     assert len(lines) == 1 and lines[0].startswith('[INFO]'), node.output
-    assert lines[0].endswith('no gazebo_msgs installed: model_states, get_model_state and '
+    assert lines[0].endswith('gazebo_msgs is not installed: model_states, get_model_state and '
                              'set_model_state are not offered')
     topics = ros.run('rostopic', 'list')
     assert '/gazebo/real_time_factor' in topics and 'model_states' not in topics
@@ -182,19 +182,21 @@ def test_state_relative_to_itself_and_to_the_world_model(gazebo):
 def test_unknown_models_and_frames_are_named(gazebo):
     for answer in (get_state(gazebo, 'waffle'), set_state(gazebo, 0.5, 0.5, frame='waffle')):
         assert answer['success'] is False
-        assert answer['status_message'] == "no model 'waffle' (have {})".format(', '.join(NAMES))
+        assert answer['status_message'] == "no model 'waffle' (models: {})".format(
+            ', '.join(NAMES))
 
 
 def test_a_refused_state_leaves_the_robot_where_it_is(gazebo):
     answer = set_state(gazebo, float('nan'), 0.5)
     assert answer['success'] is False
-    assert 'finite numbers, got [nan, 0.5,' in answer['status_message']
+    assert answer['status_message'].startswith('state: got [nan, 0.5,')
+    assert 'finite numbers' in answer['status_message']
     answer = call(gazebo, 'set_model_state', {'model_state': {'model_name': MODEL}})
     assert answer['success'] is False
     assert 'zero quaternion' in answer['status_message']
     answer = set_state(gazebo, 0.5, 0.5, name='turtlebot3_world')
     assert (answer['success'], answer['status_message']) == (
-        False, 'model turtlebot3_world never moves')
+        False, 'model turtlebot3_world is static')
     assert_at(get_state(gazebo), -2.0, -0.5)
 
 

@@ -168,7 +168,7 @@ CASES = {
     'text as bag': (['text.bag'], 'cannot read text.bag as a bag', 'give a video'),
     'topic of a video': ([VIDEO, '--topic', '/eye'], VIDEO, '--topic is for a bag'),
     'colors': ([VIDEO, '--colors', 'text.txt'], 'parameters in text.txt', 'blue_hue_min'),
-    'robot': ([VIDEO, '--urdf', 'text.txt'], 'the robot in text.txt: it is no XML', 'check'),
+    'robot': ([VIDEO, '--urdf', 'text.txt'], 'the robot in text.txt: not XML', 'check'),
     'no robot': ([VIDEO, '--urdf', 'no.urdf'], 'the robot in no.urdf', 'set --urdf'),
     'world': ([VIDEO, '--world', 'mars'], "world: got 'mars'", 'turtlebot3_world, empty'),
     'start': ([VIDEO, '--x-pos', '1e9'], '--x-pos: got 1000000000.0', 'from -1000 to 1000'),

@@ -1,7 +1,9 @@
-"""Messages of a robot to and from the values of the simulation.
+"""Converts nav_msgs/Odometry and sensor_msgs/JointState, LaserScan and Imu.
 
-nav_msgs/Odometry with its transform, and sensor_msgs/JointState, LaserScan and Imu.
+The values are those of the simulation; `stamp` is always the last argument of a `to_msg`.
 """
+from typing import List
+
 import genpy
 import numpy as np
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
@@ -18,12 +20,12 @@ _POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist(
 
 
 def stamp_of(time_s: float) -> genpy.Time:
-    """Return simulated time as a stamp, to the nearest nanosecond (from_sec would cut off)."""
+    """Return simulated time as a stamp, to the nearest nanosecond (from_sec truncates)."""
     return genpy.Time(*divmod(round(time_s * 1e9), 1000000000))
 
 
-def odometry_to_msg(motion: Motion, stamp: genpy.Time, frame_id: str,
-                    child_frame_id: str) -> Odometry:
+def odometry_to_msg(motion: Motion, frame_id: str, child_frame_id: str,
+                    stamp: genpy.Time) -> Odometry:
     """Return the message for a motion: pose in `frame_id`, twist in `child_frame_id`."""
     msg = Odometry(child_frame_id=child_frame_id)
     msg.header.stamp, msg.header.frame_id = stamp, frame_id
@@ -45,7 +47,7 @@ def odometry_from_msg(msg: Odometry) -> Motion:
 
 
 def transform_of(odometry: Odometry) -> TransformStamped:
-    """Return the tf from an odometry's frame to its child frame, with its stamp."""
+    """Return the transform of an odometry message, from its frame to its child frame."""
     transform = TransformStamped(header=odometry.header, child_frame_id=odometry.child_frame_id)
     position = odometry.pose.pose.position
     transform.transform.translation = Vector3(position.x, position.y, position.z)
@@ -66,8 +68,8 @@ def joint_states_from_msg(msg: JointState) -> JointStates:
     return JointStates(tuple(msg.name), list(msg.position), list(msg.velocity), list(msg.effort))
 
 
-def scan_to_msg(ranges: np.ndarray, stamp: genpy.Time, settings: ScanSettings) -> LaserScan:
-    """Return the message for ranges in m, one a ray; all rays are cast at `stamp`."""
+def scan_to_msg(ranges: np.ndarray, settings: ScanSettings, stamp: genpy.Time) -> LaserScan:
+    """Return the message for ranges in m, one per ray; all rays are cast at `stamp`."""
     msg = LaserScan(angle_min=settings.scan_angle_min, angle_max=settings.scan_angle_max,
                     range_min=settings.scan_range_min, range_max=settings.scan_range_max,
                     ranges=ranges.tolist(), intensities=[0.0] * len(ranges))
@@ -81,11 +83,11 @@ def scan_from_msg(msg: LaserScan) -> np.ndarray:
     return np.array(msg.ranges)
 
 
-def imu_to_msg(inertial: ImuReading, stamp: genpy.Time, settings: ImuSettings) -> Imu:
-    """Return the message for a measurement; the covariances are those of the noise."""
-    msg = Imu(orientation=Quaternion(*inertial.orientation),
-              angular_velocity=Vector3(*inertial.angular_velocity),
-              linear_acceleration=Vector3(*inertial.linear_acceleration))
+def imu_to_msg(reading: ImuReading, settings: ImuSettings, stamp: genpy.Time) -> Imu:
+    """Return the message for a reading; the covariances are those of the noise."""
+    msg = Imu(orientation=Quaternion(*reading.orientation),
+              angular_velocity=Vector3(*reading.angular_velocity),
+              linear_acceleration=Vector3(*reading.linear_acceleration))
     msg.header.stamp, msg.header.frame_id = stamp, settings.imu_frame
     msg.angular_velocity_covariance = _isotropic(settings.gyro_noise ** 2)
     msg.linear_acceleration_covariance = _isotropic(settings.accel_noise ** 2)
@@ -93,13 +95,13 @@ def imu_to_msg(inertial: ImuReading, stamp: genpy.Time, settings: ImuSettings) -
 
 
 def imu_from_msg(msg: Imu) -> ImuReading:
-    """Return the measurement in a message."""
+    """Return the reading in a message."""
     turned, rate, force = msg.orientation, msg.angular_velocity, msg.linear_acceleration
     return ImuReading((turned.x, turned.y, turned.z, turned.w), np.array([rate.x, rate.y, rate.z]),
                       np.array([force.x, force.y, force.z]))
 
 
-def _isotropic(variance: float) -> list:
+def _isotropic(variance: float) -> List[float]:
     return [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]
 
 

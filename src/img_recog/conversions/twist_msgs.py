@@ -1,4 +1,4 @@
-"""geometry_msgs/Twist to and from the two velocities of a differential drive."""
+"""Converts geometry_msgs/Twist and the two velocities of a differential drive."""
 import math
 from typing import Tuple
 
@@ -8,7 +8,7 @@ from img_recog.errors import UserError
 
 
 class TwistError(UserError):
-    """A Twist holds something that no robot can do."""
+    """A Twist has a number that is not finite."""
 
 
 def to_msg(linear_x: float, angular_z: float = 0.0) -> Twist:
@@ -28,5 +28,5 @@ def from_msg(msg: Twist) -> Tuple[float, float]:
     bad = ['{}={}'.format(name, value) for name, value in values.items()
            if not math.isfinite(value)]
     if bad:
-        raise TwistError('Twist with {}, wants finite numbers'.format(', '.join(bad)))
+        raise TwistError('Twist: got {}, expected finite numbers'.format(', '.join(bad)))
     return msg.linear.x, msg.angular.z

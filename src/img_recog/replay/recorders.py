@@ -77,8 +77,8 @@ class BagRecorder(Recorder):
             msg = robot_msgs.joint_states_to_msg(reading.value, stamp)
             self._write('/joint_states', msg, time_ns)
         elif reading.sensor == 'odometry':
-            msg = robot_msgs.odometry_to_msg(reading.value, stamp, self._odometry.odom_frame,
-                                             self._base_frame)
+            msg = robot_msgs.odometry_to_msg(reading.value, self._odometry.odom_frame,
+                                             self._base_frame, stamp)
             self._write('/odom', msg, time_ns)
             if self._odometry.publish_odom_tf:
                 self._write('/tf', TFMessage([robot_msgs.transform_of(msg)]), time_ns)

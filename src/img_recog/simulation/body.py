@@ -1,6 +1,6 @@
-"""A body in the world, spoken of by the frame of its root link.
+"""A body in the world, described by the frame of its root link.
 
-PyBullet itself speaks of the center of mass, in a frame turned to the principal axes.
+PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
 import math
 from typing import Dict, NamedTuple, Sequence, Tuple
@@ -9,14 +9,14 @@ import numpy as np
 import pybullet
 
 Vector = Sequence[float]
-Quaternion = Sequence[float]        # x, y, z, w
+Quaternion = Tuple[float, float, float, float]      # x, y, z, w
 
 
 class Pose(NamedTuple):
-    """Where the parts of a body are, enough to draw it.
+    """Where the parts of a body are: enough to draw it.
 
-    position (3,) in m, orientation (unit quaternion x, y, z, w): of the root link's frame, in the
-    world; joints: rad or m, of the movable joints in their order.
+    position (3,) in m and orientation (unit quaternion x, y, z, w) of the root link's frame in the
+    world; joints: positions of the movable joints in their order, rad or m.
     """
 
     position: Vector
@@ -32,7 +32,7 @@ class Motion(NamedTuple):
     """
 
     position: np.ndarray
-    orientation: Tuple[float, float, float, float]
+    orientation: Quaternion
     linear: np.ndarray
     angular: np.ndarray
 
@@ -44,63 +44,71 @@ class Motion(NamedTuple):
 
 
 class Body:
-    """Wraps the body number `body` of the physics client `client`.
+    """A body in a physics client.
 
-    fixed: whether its root link never moves.
+    body_id, physics_client_id: PyBullet's; fixed: whether the root link never moves; links: link
+    indices, -1 for the base; joints: index of each movable joint by name; name: of the model.
     """
 
-    def __init__(self, body: int, client: int, fixed: bool = False):
-        self.number = body
-        self.client = client
+    def __init__(self, body_id: int, physics_client_id: int, fixed: bool = False):
+        self.body_id = body_id
+        self.physics_client_id = physics_client_id
         self.fixed = fixed
-        self.links = range(-1, pybullet.getNumJoints(body, physicsClientId=client))
+        self.links = range(-1, pybullet.getNumJoints(body_id, physicsClientId=physics_client_id))
         self.joints = self._movable_joints()
-        self.name = pybullet.getBodyInfo(body, physicsClientId=client)[1].decode()
-        self.mass_in_root = pybullet.getDynamicsInfo(body, -1, physicsClientId=client)[3:5]
+        self.name: str = pybullet.getBodyInfo(
+            body_id, physicsClientId=physics_client_id)[1].decode()
+        self.mass_in_root = pybullet.getDynamicsInfo(
+            body_id, -1, physicsClientId=physics_client_id)[3:5]
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)
         self._start = self.pose()
 
     def _movable_joints(self) -> Dict[str, int]:
         joints = {}
         for index in self.links[1:]:
-            info = pybullet.getJointInfo(self.number, index, physicsClientId=self.client)
+            info = pybullet.getJointInfo(self.body_id, index,
+                                         physicsClientId=self.physics_client_id)
             if info[2] != pybullet.JOINT_FIXED:
                 joints[info[1].decode()] = index
         return joints
 
     def mass(self) -> float:
         """Return the mass of all links as PyBullet simulates them, in kg."""
-        return sum(pybullet.getDynamicsInfo(self.number, link, physicsClientId=self.client)[0]
+        return sum(pybullet.getDynamicsInfo(self.body_id, link,
+                                            physicsClientId=self.physics_client_id)[0]
                    for link in self.links)
 
     def joint_values(self) -> Sequence[tuple]:
-        """Return position, velocity, reaction and motor effort of each movable joint."""
-        return pybullet.getJointStates(self.number, tuple(self.joints.values()),
-                                       physicsClientId=self.client) or ()
+        """Return position, velocity, reaction forces and motor torque of each movable joint."""
+        return pybullet.getJointStates(self.body_id, tuple(self.joints.values()),
+                                       physicsClientId=self.physics_client_id) or ()
 
     def pose(self) -> Pose:
         """Return where the parts are now."""
         position, orientation = self.transform_in_world(*self._root_in_mass)
         return Pose(position, orientation, [value[0] for value in self.joint_values()])
 
-    def transform_in_world(self, position: Vector, orientation: Quaternion) -> tuple:
-        """Return position and orientation, in the world, of a pose given in the mass frame."""
-        center = pybullet.getBasePositionAndOrientation(self.number, physicsClientId=self.client)
+    def transform_in_world(self, position: Vector,
+                           orientation: Quaternion) -> Tuple[Vector, Quaternion]:
+        """Return a pose that is given in the frame of the center of mass as one in the world."""
+        center = pybullet.getBasePositionAndOrientation(self.body_id,
+                                                        physicsClientId=self.physics_client_id)
         return pybullet.multiplyTransforms(*center, position, orientation)
 
     def place(self, pose: Pose) -> None:
-        """Put the parts where `pose` says, at rest."""
+        """Move the parts to `pose`, at rest."""
         center, turned = pybullet.multiplyTransforms(pose.position, pose.orientation,
                                                      *self.mass_in_root)
-        pybullet.resetBasePositionAndOrientation(self.number, center, turned,
-                                                 physicsClientId=self.client)
-        pybullet.resetBaseVelocity(self.number, (0, 0, 0), (0, 0, 0), physicsClientId=self.client)
+        pybullet.resetBasePositionAndOrientation(self.body_id, center, turned,
+                                                 physicsClientId=self.physics_client_id)
+        pybullet.resetBaseVelocity(self.body_id, (0, 0, 0), (0, 0, 0),
+                                   physicsClientId=self.physics_client_id)
         for joint, position in zip(self.joints.values(), pose.joints):
-            pybullet.resetJointState(self.number, joint, position, 0.0,
-                                     physicsClientId=self.client)
+            pybullet.resetJointState(self.body_id, joint, position, 0.0,
+                                     physicsClientId=self.physics_client_id)
 
     def reset(self) -> None:
-        """Put the parts where they were at first."""
+        """Move the parts back to where they were when the body was loaded, at rest."""
         self.place(self._start)
 
     def motion(self) -> Motion:
@@ -108,21 +116,25 @@ class Body:
         return self.motion_of_base(self._root_in_mass)
 
     def motion_of_base(self, in_mass: Tuple[Vector, Quaternion]) -> Motion:
-        """Return the motion of a frame that the base carries, at a pose in its mass frame."""
-        center, turned = pybullet.getBasePositionAndOrientation(self.number,
-                                                                physicsClientId=self.client)
-        linear, angular = pybullet.getBaseVelocity(self.number, physicsClientId=self.client)
-        return moving(pybullet.multiplyTransforms(center, turned, *in_mass), center, linear,
-                      angular)
+        """Return the motion of a frame fixed to the base.
 
-    def move(self, linear: Vector, angular: Vector) -> None:
+        in_mass: the pose of that frame in the frame of the base's center of mass.
+        """
+        center, turned = pybullet.getBasePositionAndOrientation(
+            self.body_id, physicsClientId=self.physics_client_id)
+        linear, angular = pybullet.getBaseVelocity(self.body_id,
+                                                   physicsClientId=self.physics_client_id)
+        return motion_of_frame(pybullet.multiplyTransforms(center, turned, *in_mass), center,
+                               linear, angular)
+
+    def set_velocity(self, linear: Vector, angular: Vector) -> None:
         """Set the velocity of the root link: m/s and rad/s, in the world."""
-        center, _ = pybullet.getBasePositionAndOrientation(self.number,
-                                                           physicsClientId=self.client)
+        center, _ = pybullet.getBasePositionAndOrientation(self.body_id,
+                                                           physicsClientId=self.physics_client_id)
         arm = np.subtract(center, self.pose().position)
         at_center = np.array(linear) + np.cross(angular, arm)
-        pybullet.resetBaseVelocity(self.number, at_center.tolist(), list(angular),
-                                   physicsClientId=self.client)
+        pybullet.resetBaseVelocity(self.body_id, at_center.tolist(), list(angular),
+                                   physicsClientId=self.physics_client_id)
 
 
 def rotation_matrix(orientation: Quaternion) -> np.ndarray:
@@ -130,15 +142,15 @@ def rotation_matrix(orientation: Quaternion) -> np.ndarray:
     return np.array(pybullet.getMatrixFromQuaternion(orientation)).reshape(3, 3)
 
 
-def moving(frame: Tuple[Vector, Quaternion], center: Vector, linear: Vector,
-           angular: Vector) -> Motion:
-    """Return the motion of a frame on a rigid part.
+def motion_of_frame(frame: Tuple[Vector, Quaternion], point: Vector, linear: Vector,
+                    angular: Vector) -> Motion:
+    """Return the motion of a frame fixed to a rigid part.
 
-    frame: position and orientation in the world; center, linear, angular: a point of the part,
-    its velocity and that of the part, in the world.
+    frame: position and orientation in the world; point: any point of the part, and linear: the
+    velocity of that point; angular: the angular velocity of the part; all in the world.
     """
     position, orientation = frame
-    x, y, z = (a - b for a, b in zip(position, center))
+    x, y, z = (a - b for a, b in zip(position, point))
     (vx, vy, vz), (wx, wy, wz) = linear, angular
     at_frame = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
     in_frame = np.array((at_frame, angular)) @ rotation_matrix(orientation)

@@ -1,16 +1,15 @@
-"""A robot description (URDF) made ready for PyBullet.
+"""Prepares a robot description (URDF) for PyBullet.
 
-PyBullet gives a link without <inertial> a mass of 1 kg, and every fixed joint costs it time in
-each step. As Gazebo's SDFormat does, fixed links are therefore lumped into the link that carries
-them: their shapes move over, their masses and inertias add up, and a map remembers where each
-frame went. A fixed link that has a friction of its own stays, since PyBullet knows one friction
-a link.
+PyBullet gives a link without <inertial> a mass of 1 kg, and every fixed joint costs time in each
+step. Therefore fixed links are lumped into the link that they are fixed to, like Gazebo's
+SDFormat does: shapes are moved, masses and inertias added up, and `frames` keeps where each link
+went. A fixed link with a friction coefficient stays, since PyBullet has one coefficient per link.
 """
 import math
 import os
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
-from typing import Dict, Optional, Sequence
+from typing import Dict, NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -26,7 +25,7 @@ _INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a link of the description is: `pose` (constant) in the lumped `link`."""
+    """Where a link of the description went: its constant `pose` in the lumped `link`."""
 
     link: str
     pose: Transform
@@ -36,9 +35,9 @@ class Frame:
 class Description:
     """A lumped robot.
 
-    name: of the robot; urdf: XML text for PyBullet; root: name of the root link; frames: every
-    link of the original description; friction: lateral friction coefficient of the lumped links
-    that state one; missing_meshes: URIs of meshes that were not found.
+    name: of the robot; urdf: XML text for PyBullet; root: name of the root link; frames: of all
+    links of the original description; friction: lateral friction coefficients of the lumped links
+    that have one; missing_meshes: URIs of meshes that were not found.
     """
 
     name: str
@@ -49,17 +48,29 @@ class Description:
     missing_meshes: Sequence[str] = ()
 
 
+class _Joint(NamedTuple):
+    """A joint: its name, its element and the <parent> in it."""
+
+    name: str
+    element: ElementTree.Element
+    parent: ElementTree.Element
+
+    @property
+    def parent_link(self) -> str:
+        return self.parent.get('link', '')
+
+
 def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     """Read and lump a robot description.
 
-    find_mesh: how the URI of a mesh leads to a file.
-    Raises SimulationError in one line when it is no URDF, is no tree, or when something in it
-    has a mass or a number that cannot be simulated.
+    find_mesh: returns the path of a mesh's URI.
+    Raises SimulationError when it is not a URDF, its links are not a tree, or a mass or another
+    number cannot be simulated.
     """
     robot = root_of(urdf)
     _check_names(robot)
     missing = resolve(robot, find_mesh)
-    links = {link.get('name'): link for link in robot.findall('link')}
+    links = {link.get('name', ''): link for link in robot.findall('link')}
     parents = _joints_by_child(robot, links)
     root = _root(links, parents)
     friction = {name: value for name, value in
@@ -75,13 +86,13 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
             robot.remove(links[name])
     for child, joint in parents.items():
         if frames[child].link != child:
-            robot.remove(joint)
+            robot.remove(joint.element)
         else:
-            carrier = frames[joint.find('parent').get('link')]
-            joint.find('parent').set('link', carrier.link)
-            _set_origin(joint, carrier.pose @ _origin(joint))
+            carrier = frames[joint.parent_link]
+            joint.parent.set('link', carrier.link)
+            _set_origin(joint.element, carrier.pose @ _origin(joint.element))
     for joint in parents.values():
-        _check_joint(joint)
+        _check_joint(joint.element)
     for name in {frame.link for frame in frames.values()}:
         _set_inertia(name, links[name], inertias[name])
     return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'), root,
@@ -89,15 +100,14 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
 
 
 def root_of(urdf: str) -> ElementTree.Element:
-    """Return the <robot> of a URDF's text; SimulationError when it has none."""
+    """Return the <robot> of a URDF's text; SimulationError when it is not a URDF."""
     try:
         robot = ElementTree.fromstring(urdf)
     except ElementTree.ParseError as error:
-        raise SimulationError('robot_description is no XML: {}; check the file given as urdf'
-                              .format(error))
+        raise SimulationError('not XML: {}'.format(error), 'check the file given as urdf')
     if robot.tag != 'robot':
-        raise SimulationError('robot_description has the root element <{}>, wants <robot> (URDF)'
-                              .format(robot.tag))
+        raise SimulationError('got the root element <{}>, expected <robot> (URDF)'.format(
+            robot.tag))
     return robot
 
 
@@ -105,71 +115,79 @@ def _check_names(robot: ElementTree.Element) -> None:
     for tag in ('link', 'joint'):
         names = [element.get('name') for element in robot.findall(tag)]
         if None in names or len(set(names)) < len(names):
-            raise SimulationError('robot_description: each <{}> wants a name of its own (names: '
-                                  '{})'.format(tag, ', '.join(map(str, names))))
+            raise SimulationError('each <{}> must have a unique name (names: {})'.format(
+                tag, ', '.join(map(str, names))))
 
 
-def _joints_by_child(robot, links) -> Dict[str, ElementTree.Element]:
-    joints = {}
+def _joints_by_child(robot: ElementTree.Element,
+                     links: Dict[str, ElementTree.Element]) -> Dict[str, _Joint]:
+    joints: Dict[str, _Joint] = {}
     for joint in robot.findall('joint'):
-        name = joint.get('name')
-        for end in ('parent', 'child'):
-            element = joint.find(end)
-            link = None if element is None else element.get('link')
-            if link not in links:
-                raise SimulationError('joint {} has the {} link {}, which does not exist (links: '
-                                      '{})'.format(name, end, link, ', '.join(links)))
-        child = joint.find('child').get('link')
-        if child in joints:
-            raise SimulationError('link {} has two parents, the joints {} and {}; a robot is a '
-                                  'tree'.format(child, joints[child].get('name'), name))
-        joints[child] = joint
+        name = joint.get('name', '')
+        parent, child = (_end(joint, end, links) for end in ('parent', 'child'))
+        link = child.get('link', '')
+        if link in joints:
+            raise SimulationError('link {} is the child of two joints, {} and {}'.format(
+                link, joints[link].name, name))
+        joints[link] = _Joint(name, joint, parent)
     return joints
+
+
+def _end(joint: ElementTree.Element, end: str,
+         links: Dict[str, ElementTree.Element]) -> ElementTree.Element:
+    """Return the <parent> or <child> of a joint; SimulationError when it names no link."""
+    element = joint.find(end)
+    link = None if element is None else element.get('link')
+    if element is None or link not in links:
+        raise SimulationError('joint {} has the {} link {}, which does not exist (links: {})'
+                              .format(joint.get('name'), end, link, ', '.join(links)))
+    return element
 
 
 def _check_joint(joint: ElementTree.Element) -> None:
     kind, axis = joint.get('type'), joint.find('axis')
     if kind not in _JOINTS:
-        raise SimulationError('joint {} is of type {}; simulated are {}'.format(
+        raise SimulationError('joint {} is of type {}; supported are {}'.format(
             joint.get('name'), kind, ', '.join(_JOINTS)))
     name = 'axis of joint {}'.format(joint.get('name'))
     if axis is not None and not np.any(_numbers(name, axis.get('xyz', '1 0 0'), 3)):
-        raise SimulationError('{}: got 0 0 0, wants a direction'.format(name))
+        raise SimulationError('{}: got 0 0 0, expected a direction'.format(name))
 
 
-def _root(links, parents) -> str:
+def _root(links: Dict[str, ElementTree.Element],
+          parents: Dict[str, _Joint]) -> str:
     for name in links:
-        ancestors, above = {name}, name
-        while above in parents:
-            above = parents[above].find('parent').get('link')
-            if above in ancestors:
-                raise SimulationError('link {} hangs on itself through joint {}; a robot is a '
-                                      'tree'.format(above, parents[above].get('name')))
-            ancestors.add(above)
+        ancestors, link = {name}, name
+        while link in parents:
+            link = parents[link].parent_link
+            if link in ancestors:
+                raise SimulationError('link {} is its own ancestor, through joint {}'.format(
+                    link, parents[link].name))
+            ancestors.add(link)
     roots = [name for name in links if name not in parents]
     if len(roots) != 1:
-        raise SimulationError('robot_description has {} root links ({}), wants one'.format(
+        raise SimulationError('got {} root links ({}), expected one'.format(
             len(roots), ', '.join(roots) or 'none'))
     return roots[0]
 
 
-def _frame(name, parents, friction) -> Frame:
-    pose = IDENTITY
-    carrier = name
-    while carrier in parents and parents[carrier].get('type') == 'fixed':
-        if carrier in friction:
+def _frame(name: str, parents: Dict[str, _Joint], friction: Dict[str, float]) -> Frame:
+    pose, carrier = IDENTITY, name
+    while carrier in parents and carrier not in friction:
+        joint = parents[carrier]
+        if joint.element.get('type') != 'fixed':
             break
-        pose = _origin(parents[carrier]) @ pose
-        carrier = parents[carrier].find('parent').get('link')
+        pose = _origin(joint.element) @ pose
+        carrier = joint.parent_link
     return Frame(carrier, pose)
 
 
-def _friction(robot, name, link) -> Optional[float]:
+def _friction(robot: ElementTree.Element, name: str,
+              link: ElementTree.Element) -> Optional[float]:
     """Return mu1 of Gazebo's tag for the link, else PyBullet's lateral_friction, else None."""
-    tags = ((tag.find('mu1'), 'text') for tag in robot.findall('gazebo')
-            if tag.get('reference') == name)
-    for element, _ in tags:
-        if element is not None:
+    for tag in robot.findall('gazebo'):
+        element = tag.find('mu1')
+        if tag.get('reference') == name and element is not None:
             return _numbers('mu1 of link ' + name, element.text, 1)[0]
     element = link.find('contact/lateral_friction')
     if element is None:
@@ -177,17 +195,17 @@ def _friction(robot, name, link) -> Optional[float]:
     return _numbers('lateral_friction of link ' + name, element.get('value'), 1)[0]
 
 
-def _inertia(name, link) -> Inertia:
+def _inertia(name: str, link: ElementTree.Element) -> Inertia:
     inertial = link.find('inertial')
     if inertial is None:
         return NO_INERTIA
     mass, inertia = inertial.find('mass'), inertial.find('inertia')
     if mass is None or inertia is None:
-        raise SimulationError('link {}: <inertial> wants <mass> and <inertia>'.format(name))
+        raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
     kilograms = _numbers('mass of link ' + name, mass.get('value'), 1)[0]
     if kilograms <= 0:
-        raise SimulationError('mass of link {}: got {:g} kg, wants more than 0 (or no <inertial>)'
-                              .format(name, kilograms))
+        raise SimulationError('mass of link {}: got {:g} kg, expected more than 0 (or no '
+                              '<inertial>)'.format(name, kilograms))
     values = ' '.join(inertia.get(key, '0') for key in _INERTIA_KEYS)
     matrix = _numbers('inertia of link ' + name, values, 9).reshape(3, 3)
     return Inertia(kilograms, np.zeros(3), matrix).moved(_origin(inertial))
@@ -195,10 +213,10 @@ def _inertia(name, link) -> Inertia:
 
 def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None:
     if inertia.mass == 0:
-        raise SimulationError('link {} can move but has no mass; give it, or a link fixed to it, '
-                              'an <inertial>'.format(name))
+        raise SimulationError('link {} can move but has no mass'.format(name),
+                              'add an <inertial> to it or to a link fixed to it')
     if np.linalg.eigvalsh(inertia.matrix)[0] <= 0:
-        raise SimulationError('link {}, with what is fixed to it, has the inertia {}, wants '
+        raise SimulationError('link {}, with the links fixed to it, has the inertia {}, expected '
                               'positive moments about all axes'.format(
                                   name, np.round(np.diag(inertia.matrix), 9).tolist()))
     for old in link.findall('inertial'):
@@ -210,7 +228,8 @@ def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None
     ElementTree.SubElement(inertial, 'inertia', {key: repr(float(v)) for key, v in values})
 
 
-def _move_shapes(source, target, pose: Transform) -> None:
+def _move_shapes(source: ElementTree.Element, target: ElementTree.Element,
+                 pose: Transform) -> None:
     for shape in source.findall('visual') + source.findall('collision'):
         _set_origin(shape, pose @ _origin(shape))
         target.append(shape)
@@ -239,6 +258,6 @@ def _numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
     except ValueError:
         values = np.array([])
     if len(values) != count or not all(math.isfinite(value) for value in values):
-        raise SimulationError('{}: got {!r}, wants {} finite number{}'.format(
+        raise SimulationError('{}: got {!r}, expected {} finite number{}'.format(
             name, text, count, '' if count == 1 else 's'))
     return values

@@ -1,8 +1,11 @@
 """Rigid transforms and inertias as plain arrays: meters, radians, REP 103 axes."""
 import math
-from typing import NamedTuple, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Sequence, Union
 
 import numpy as np
+
+Numbers = Union[Sequence[float], np.ndarray]
 
 
 class Transform(NamedTuple):
@@ -22,8 +25,8 @@ class Transform(NamedTuple):
 IDENTITY = Transform(np.eye(3), np.zeros(3))
 
 
-def from_rpy(xyz: Sequence[float], rpy: Sequence[float]) -> Transform:
-    """Return the transform of a URDF <origin>: fixed axes, roll then pitch then yaw."""
+def from_rpy(xyz: Numbers, rpy: Numbers) -> Transform:
+    """Return the transform of a URDF <origin>: about fixed axes, roll, then pitch, then yaw."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
     rotation = np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
                          [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
@@ -35,13 +38,14 @@ def to_rpy(rotation: np.ndarray) -> np.ndarray:
     """Return roll, pitch and yaw of a rotation matrix, the inverse of `from_rpy`."""
     horizontal = math.hypot(rotation[0, 0], rotation[1, 0])
     pitch = math.atan2(-rotation[2, 0], horizontal)
-    if horizontal < 1e-9:       # looking straight up or down: only the sum of the two is defined
+    if horizontal < 1e-9:       # gimbal lock: only the sum of roll and yaw is defined
         return np.array([math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0])
     return np.array([math.atan2(rotation[2, 1], rotation[2, 2]), pitch,
                      math.atan2(rotation[1, 0], rotation[0, 0])])
 
 
-class Inertia(NamedTuple):
+@dataclass(frozen=True)
+class Inertia:
     """Mass in kg, center of mass (3,) in m, and inertia (3, 3) in kg m2 about that center."""
 
     mass: float
@@ -49,7 +53,7 @@ class Inertia(NamedTuple):
     matrix: np.ndarray
 
     def moved(self, frame: Transform) -> 'Inertia':
-        """Return the same inertia seen from the parent of `frame`."""
+        """Return this inertia, given in `frame`, in the parent of `frame`."""
         return Inertia(self.mass, frame.apply(self.center),
                        frame.rotation @ self.matrix @ frame.rotation.T)
 

@@ -1,31 +1,31 @@
 """An inertial measurement unit."""
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional
 
 import numpy as np
 
-from img_recog.simulation.body import rotation_matrix
-from img_recog.simulation.device import Device
+from img_recog.simulation.body import Quaternion, rotation_matrix
 from img_recog.simulation.robot import Robot
+from img_recog.simulation.sensor import Sensor
 from img_recog.simulation.settings import ImuSettings
 from img_recog.simulation.world import GRAVITY
 
-_UPWARDS = np.array((0.0, 0.0, GRAVITY))       # what an accelerometer at rest feels
+_SPECIFIC_FORCE_AT_REST = np.array((0.0, 0.0, GRAVITY))     # in the world; upwards, REP 145
 
 
 class ImuReading(NamedTuple):
-    """What the unit measures, in its own frame but for the orientation.
+    """What the unit measures, in its own frame except for the orientation.
 
     orientation: unit quaternion (x, y, z, w), in the world, without noise; angular_velocity
     (3,): rad/s; linear_acceleration (3,): specific force in m/s2, 9.8 upwards at rest (REP 145).
     """
 
-    orientation: Tuple[float, float, float, float]
+    orientation: Quaternion
     angular_velocity: np.ndarray
     linear_acceleration: np.ndarray
 
 
-class Imu(Device):
-    """Differentiates the velocity of its frame between two observations."""
+class Imu(Sensor):
+    """Derives the acceleration from the velocities of its frame at two successive readings."""
 
     def __init__(self, robot: Robot, settings: ImuSettings, period_s: float,
                  noise: np.random.RandomState):
@@ -37,16 +37,16 @@ class Imu(Device):
         self.restart()
 
     def restart(self) -> None:
-        """Forget the last velocity, as when the robot is put elsewhere or time has gone by."""
+        """Forget the last velocity, as after a teleport or a time in which nothing was read."""
         self._velocity: Optional[np.ndarray] = None
 
-    def observe(self) -> ImuReading:
+    def read(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""
         motion = self._robot.motion(self._settings.imu_frame)
         to_world = rotation_matrix(motion.orientation)
         velocity = to_world @ motion.linear
         before = velocity if self._velocity is None else self._velocity
         self._velocity = velocity
-        force = ((velocity - before) / self._period_s + _UPWARDS) @ to_world
+        force = ((velocity - before) / self._period_s + _SPECIFIC_FORCE_AT_REST) @ to_world
         noise = self._noise.standard_normal(6) * self._deviations
         return ImuReading(motion.orientation, motion.angular + noise[:3], force + noise[3:])

@@ -3,34 +3,34 @@ import numpy as np
 import pybullet
 
 from img_recog.simulation.body import rotation_matrix
-from img_recog.simulation.device import Device
 from img_recog.simulation.robot import COLLISION_GROUP, Robot
+from img_recog.simulation.sensor import Sensor
 from img_recog.simulation.settings import ScanSettings, SimulationError
 
 
-class LaserScanner(Device):
-    """Measures ranges all at once from the origin of its frame; blind to its own robot."""
+class LaserScanner(Sensor):
+    """Measures all ranges at one time from the origin of its frame; does not see its own robot."""
 
-    def __init__(self, robot: Robot, settings: ScanSettings, noise: np.random.RandomState,
-                 client: int):
-        """Mount the scanner on a link of `robot` in the world of `client`.
+    def __init__(self, robot: Robot, settings: ScanSettings, noise: np.random.RandomState):
+        """Mount the scanner on a link of `robot`.
 
-        Raises SimulationError when the robot has no such link or the ranges are in disorder.
+        Raises SimulationError when the robot has no such link, or the shortest range is not less
+        than the longest.
         """
         if not settings.scan_range_min < settings.scan_range_max:
-            raise SimulationError('scan_range_min: got {:g} m, wants less than scan_range_max, '
+            raise SimulationError('scan_range_min: got {:g} m, expected less than scan_range_max, '
                                   '{:g} m'.format(settings.scan_range_min,
                                                   settings.scan_range_max))
         robot.check_frame('scan_frame', settings.scan_frame)
-        self._robot, self._settings, self._noise, self._client = robot, settings, noise, client
+        self._robot, self._settings, self._noise = robot, settings, noise
         angles = np.linspace(settings.scan_angle_min, settings.scan_angle_max,
                              settings.scan_samples)
         self._directions = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
 
-    def observe(self) -> np.ndarray:
+    def read(self) -> np.ndarray:
         """Return the ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit.
 
-        Hits are noisy but within range_min and range_max.
+        Noise is added to hits; they stay from scan_range_min to scan_range_max.
         """
         settings = self._settings
         motion = self._robot.motion(settings.scan_frame)
@@ -39,10 +39,10 @@ class LaserScanner(Device):
         starts = np.broadcast_to(motion.position, ends.shape)
         hits = pybullet.rayTestBatch(starts.tolist(), ends.tolist(),
                                      collisionFilterMask=~COLLISION_GROUP, numThreads=0,
-                                     physicsClientId=self._client)
+                                     physicsClientId=self._robot.physics_client_id)
         ranges = np.array([hit[2] for hit in hits]) * settings.scan_range_max
         missed = np.array([hit[0] < 0 for hit in hits])
-        # a draw for every ray, so that the noise does not hang on what is hit
+        # drawn for every ray, so that the noise does not depend on what is hit
         ranges += self._noise.normal(0.0, settings.scan_noise, len(ranges))
         ranges = np.clip(ranges, settings.scan_range_min, settings.scan_range_max)
         return np.where(missed, np.inf, ranges)

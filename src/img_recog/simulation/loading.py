@@ -1,4 +1,4 @@
-"""Text of URDF and SDF into a physics client."""
+"""Loads the text of a URDF or SDF into a physics client."""
 import contextlib
 import os
 from typing import Iterator, Tuple
@@ -7,57 +7,58 @@ import pybullet
 
 from img_recog.simulation.settings import SimulationError
 
-# cylinders proper: as the default convex hulls they are 1 mm larger and roll on facets
+# exact cylinders: the default, a convex hull, is 1 mm larger and rolls on facets
 _URDF_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 
 
 def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
-    """Return a new physics client, by default one without a window."""
-    # given no options at all, it says nothing about them
-    client = pybullet.connect(mode, **({'options': options} if options else {}))
-    if client < 0:
-        raise SimulationError('PyBullet gives no physics client; are too many in use?')
-    # it knows files by their names, and the text below has the same name each time
-    pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=client)
-    return client
+    """Return the id of a new physics client, by default one without a window."""
+    # with an empty options argument, PyBullet prints it
+    physics_client_id = pybullet.connect(mode, **({'options': options} if options else {}))
+    if physics_client_id < 0:
+        raise SimulationError('PyBullet cannot start a physics client',
+                              'check whether too many are in use')
+    # its cache goes by file name, and `_file` gives each text the same one
+    pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=physics_client_id)
+    return physics_client_id
 
 
-def load_urdf(urdf: str, client: int, fixed: bool = False, what: str = 'robot_description') -> int:
-    """Load the text of a URDF, all meshes in it by absolute paths, and return its body.
+def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False) -> int:
+    """Load the text of a URDF, in which all meshes have absolute paths; return its body's id.
 
-    fixed: whether its root link never moves. what: it is, for the error.
+    fixed: whether the root link never moves.
     Raises SimulationError when PyBullet cannot load it.
     """
-    with _file(urdf) as path, _refusal(what, 'URDF'):
+    with _file(urdf) as path, _refusal('URDF'):
         return pybullet.loadURDF(path, useFixedBase=fixed, flags=_URDF_FLAGS,
-                                 physicsClientId=client)
+                                 physicsClientId=physics_client_id)
 
 
-def load_sdf(sdf: str, client: int, what: str) -> Tuple[int, ...]:
-    """Load the text of an SDF, all meshes in it by absolute paths, and return its bodies.
+def load_sdf(sdf: str, physics_client_id: int) -> Tuple[int, ...]:
+    """Load the text of an SDF, in which all meshes have absolute paths; return its bodies' ids.
 
-    what: it is, for the error. Raises SimulationError when PyBullet cannot load it.
+    Raises SimulationError when PyBullet cannot load it.
     """
-    with _file(sdf) as path, _refusal(what, 'SDF'):
-        return pybullet.loadSDF(path, physicsClientId=client)
+    with _file(sdf) as path, _refusal('SDF'):
+        return pybullet.loadSDF(path, physicsClientId=physics_client_id)
 
 
 @contextlib.contextmanager
-def _refusal(what: str, kind: str) -> Iterator[None]:
+def _refusal(kind: str) -> Iterator[None]:
     try:
         yield
     except pybullet.error as error:
-        raise SimulationError('{}: PyBullet cannot load it as {} ({}); its own lines above may '
-                              'say why'.format(what, kind, error))
+        raise SimulationError('PyBullet cannot load it as {} ({})'.format(kind, error),
+                              "see PyBullet's own lines above for the reason")
 
 
 @contextlib.contextmanager
 def _file(text: str) -> Iterator[str]:
-    """Give the path of a file that holds `text` and is nowhere on a disk."""
-    handle = os.memfd_create('description')
+    """Give the path of a file in memory that holds `text`."""
+    descriptor = os.memfd_create('description')
     try:
-        with os.fdopen(handle, 'w', closefd=False) as file:
+        with os.fdopen(descriptor, 'w', closefd=False) as file:
             file.write(text)
-        yield '/proc/self/fd/{}'.format(handle)
+        yield '/proc/self/fd/{}'.format(descriptor)
     finally:
-        os.close(handle)
+        os.close(descriptor)

@@ -1,17 +1,17 @@
-"""All bodies of a simulation by name, as Gazebo's models: asked for, and put elsewhere."""
+"""The bodies of a simulation by name, like Gazebo's models: their states, read and set."""
 from typing import Dict, List, NamedTuple, Sequence
 
 import numpy as np
 import pybullet
 
-from img_recog.simulation.body import Body, Pose, rotation_matrix
+from img_recog.simulation.body import Body, Pose, Quaternion, rotation_matrix
 from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
 WORLD = 'world'
-# far beyond it PyBullet calculates with NaN, and the floor bears nothing from then on
-_LARGEST = 1e6
+# m, m/s: far beyond this PyBullet computes NaN, and the floor carries nothing from then on
+_MAX_VALUE = 1e6
 
 
 class State(NamedTuple):
@@ -20,7 +20,7 @@ class State(NamedTuple):
     """
 
     position: Sequence[float]
-    orientation: Sequence[float]
+    orientation: Quaternion
     linear: Sequence[float]
     angular: Sequence[float]
 
@@ -52,30 +52,29 @@ class Models:
         return list(self._bodies)
 
     def state(self, name: str, frame: str = WORLD) -> State:
-        """Return the state of a model as seen from `frame`, the world or another model.
+        """Return the state of a model relative to `frame`, the world or another model.
 
         Raises SimulationError when there is no such model or frame.
         """
-        model, seen_from = self._state_in_world(name), self._frame(frame)
-        back = pybullet.invertTransform(seen_from.position, seen_from.orientation)
+        model, origin = self._state_in_world(name), self._frame(frame)
+        back = pybullet.invertTransform(origin.position, origin.orientation)
         position, orientation = pybullet.multiplyTransforms(*back, model.position,
                                                             model.orientation)
         turn = rotation_matrix(back[1])
         return State(position, orientation,
-                     turn @ np.subtract(model.linear, seen_from.linear),
-                     turn @ np.subtract(model.angular, seen_from.angular))
+                     turn @ np.subtract(model.linear, origin.linear),
+                     turn @ np.subtract(model.angular, origin.angular))
 
     def set_state(self, name: str, state: State, frame: str = WORLD) -> None:
-        """Put a model where `state` says in `frame`; its joints stay as they are.
+        """Move a model to `state`, given in `frame`; its joints stay as they are.
 
-        A velocity is what the model then has in the world, turned from the axes of `frame`.
-
-        Raises SimulationError when there is no such model or frame, the model is part of the
-        world that never moves, or the state holds what is no number or no rotation.
+        Velocities are relative to the world, along the axes of `frame`.
+        Raises SimulationError when there is no such model or frame, the model is static, or the
+        state has a number that is not finite or an orientation that is not a rotation.
         """
         body, origin = self._body(name), self._frame(frame)
         if body.mass() == 0 or body.fixed:
-            raise SimulationError('model {} never moves'.format(name))
+            raise SimulationError('model {} is static'.format(name))
         _check(state)
         norm = np.linalg.norm(state.orientation)
         position, orientation = pybullet.multiplyTransforms(
@@ -83,13 +82,13 @@ class Models:
             (np.array(state.orientation) / norm).tolist())
         turn = rotation_matrix(origin.orientation)
         body.place(Pose(position, orientation, body.pose().joints))
-        body.move((turn @ state.linear).tolist(), (turn @ state.angular).tolist())
+        body.set_velocity((turn @ state.linear).tolist(), (turn @ state.angular).tolist())
         if name in self._vehicles:
-            self._vehicles[name].moved()
+            self._vehicles[name].notify_teleported()
 
     def _body(self, name: str) -> Body:
         if name not in self._bodies:
-            raise SimulationError('no model {!r} (have {})'.format(name, ', '.join(self.names)))
+            raise SimulationError('no model {!r} (models: {})'.format(name, ', '.join(self.names)))
         return self._bodies[name]
 
     def _frame(self, name: str) -> State:
@@ -105,9 +104,9 @@ class Models:
 def _check(state: State) -> None:
     values = np.concatenate([np.array(part, float) for part in state])
     if not np.all(np.isfinite(values)):
-        raise SimulationError('a state wants finite numbers, got {}'.format(values.tolist()))
-    if np.abs(values).max() > _LARGEST:
-        raise SimulationError('a state wants numbers from -{0:g} to {0:g}, got {1}'.format(
-            _LARGEST, values.tolist()))
+        raise SimulationError('state: got {}, expected finite numbers'.format(values.tolist()))
+    if np.abs(values).max() > _MAX_VALUE:
+        raise SimulationError('state: got {0}, expected numbers from -{1:g} to {1:g}'.format(
+            values.tolist(), _MAX_VALUE))
     if np.linalg.norm(state.orientation) < 1e-6:
-        raise SimulationError('a state wants an orientation that is no zero quaternion')
+        raise SimulationError('state: got a zero quaternion as orientation, expected a rotation')

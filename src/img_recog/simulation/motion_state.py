@@ -1,20 +1,20 @@
-"""The motion of a robot in words, for a log that a person reads."""
+"""The motion of a robot in words, for the log."""
 from typing import Optional
 
 from img_recog.simulation.body import Motion
 
-# m/s and rad/s: above the first a robot has started to move, below the second it stands again
+# m/s and rad/s: above the first a robot has started to move, below the second it has stopped
 _STARTS, _STOPS = (0.02, 0.05), (0.005, 0.01)
 
 
 class MotionState:
-    """Tells when a robot changes between standing, driving and turning."""
+    """Notices when a robot changes between standing, driving and turning."""
 
     def __init__(self):
         self._words = 'stands'
 
     def update(self, motion: Motion) -> Optional[str]:
-        """Return what the robot does now if that is something new, else None."""
+        """Return what the robot does now if that has changed, else None."""
         linear, angular = _STOPS if self._words != 'stands' else _STARTS
         if abs(motion.linear[0]) > linear:
             words = 'drives forward' if motion.linear[0] > 0 else 'drives backward'

@@ -1,16 +1,16 @@
-"""Holds simulated time to real time, and measures how well that goes."""
+"""Paces simulated time by real time, and measures the real time factor."""
 import time
 from typing import Callable, Optional
 
-# s of wall time: a machine that is later than this is too slow, and the difference is let go
-_MAX_DELAY = 0.5
-_MEASURING_S = 1.0
+# of wall time: with more delay the machine is too slow, and the delay is not caught up with
+_MAX_DELAY_S = 0.5
+_MEASURING_PERIOD_S = 1.0
 
 
 class RealTimePacer:
-    """Says when the next piece of simulated time may begin.
+    """Computes how long to wait between two pieces of simulated time.
 
-    late: whether simulated time had to be let fall behind since the flag was last cleared.
+    late: whether simulated time has fallen behind; stays set until the user clears it.
     """
 
     def __init__(self, real_time_factor: float, now: Callable[[], float] = time.monotonic):
@@ -20,7 +20,7 @@ class RealTimePacer:
         self.restart()
 
     def restart(self) -> None:
-        """Begin anew, as after a pause: the time until now is not caught up with."""
+        """Start from now, as after a pause: the time until now is not caught up with."""
         self._due = self._now()
 
     def delay_s(self, simulated_s: float) -> float:
@@ -29,14 +29,14 @@ class RealTimePacer:
             return 0.0
         self._due += simulated_s / self._factor
         delay_s = self._due - self._now()
-        if delay_s < -_MAX_DELAY:
+        if delay_s < -_MAX_DELAY_S:
             self.late = True
             self.restart()
         return max(0.0, delay_s)
 
 
 class RealTimeFactor:
-    """Measures the simulated seconds a second of wall time.
+    """Measures the simulated seconds per second of wall time.
 
     last: the newest measurement, 0 before the first.
     """
@@ -47,10 +47,10 @@ class RealTimeFactor:
         self.last = 0.0
 
     def update(self, simulated_s: float) -> Optional[float]:
-        """Count simulated time; return the factor over the last second once that is over."""
+        """Count simulated time; return the factor once a second, else None."""
         self._simulated_s += simulated_s
         passed = self._now() - self._since
-        if passed < _MEASURING_S:
+        if passed < _MEASURING_PERIOD_S:
             return None
         self.last = self._simulated_s / passed
         self._since, self._simulated_s = self._now(), 0.0

@@ -1,7 +1,7 @@
 """Images of a physics client without a display, lit like PyBullet's OpenGL window.
 
 PyBullet's TinyRenderer paints the bodies; the floor (the plane z 0, which must not be a visible
-body) and the shadows of the sun are added here from depth images of the camera and of the sun.
+body) and the shadows are added here, from depth images seen from the camera and from the sun.
 """
 import math
 from typing import List, NamedTuple, Sequence, Tuple
@@ -9,30 +9,33 @@ from typing import List, NamedTuple, Sequence, Tuple
 import numpy as np
 import pybullet
 
-SUN = (0.5, -0.1, 0.9)          # towards the sun, against <direction> of Gazebo's default sun
-# For pybullet.configureDebugVisualizer. Far away, so that the light comes from one direction;
-# bodies need specularColor (0, 0, 0), or a tall one shows the mirror image of the light.
+from img_recog.simulation.geometry import Numbers
+
+# the direction to the sun: the opposite of <direction> of Gazebo's default sun
+SUN = (0.5, -0.1, 0.9)
+# For pybullet.configureDebugVisualizer. Far away, so that all light has the same direction;
+# bodies need specularColor (0, 0, 0), or a tall one shows a reflection of the light.
 WINDOW_LIGHT = {'lightPosition': tuple(100 * axis for axis in SUN), 'shadowMapWorldSize': 14,
                 'shadowMapResolution': 4096}
-GREY = np.uint8(178)            # the window's lit floor, and its background of 0.7: no horizon
-FLOOR_SHADOW = np.uint8(152)    # the window's floor in shadow
+GREY = np.uint8(178)            # floor and background (0.7) of the window: there is no horizon
+FLOOR_SHADOW = np.uint8(152)    # floor of the window in shadow
 # The window's shader (useShadowMapInstancingPS.glsl, with an ambient light of 0.5) gives
-# 0.75 + 0.25 c of its color to a face with cosine c between normal and sun, which TinyRenderer
-# can do, and 0.675 + 0.175 c in shadow and when turned away, where TinyRenderer leaves 0.75.
+# 0.75 + 0.25 c of its color to a face with cosine c between normal and sun; TinyRenderer can do
+# the same. Faces in shadow or turned away get 0.675 + 0.175 c there, and 0.75 by TinyRenderer.
 _SHADING = {'lightDirection': SUN, 'lightColor': (1, 1, 1), 'lightAmbientCoeff': 0.75,
             'lightDiffuseCoeff': 0.25, 'lightSpecularCoeff': 0.0}
 _AWAY_FACTOR, _AWAY_SLOPE = 0.675 / 0.75, 0.175 / 0.75
 _SHADOW_FACTOR = 0.87           # for all c from 0 to 1 within 0.03
-FIELD_OF_VIEW = 46.8            # degrees, vertical: at 4:3 the 60 across of Gazebo's camera
+FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, like Gazebo's camera
 _NEAR, _FAR = 0.05, 60.0        # m, of the camera
-_SUN_NEAR, _SUN_FAR = 50.0, 150.0   # m, of the sun, which stands 100 m from the origin
+_SUN_NEAR, _SUN_FAR = 50.0, 150.0   # m, of the sun, which is 100 m from the origin
 _SUN_VIEW = np.reshape(pybullet.computeViewMatrix(
     WINDOW_LIGHT['lightPosition'], (0, 0, 0), (0, 0, 1)), (4, 4)).T
-_BAND = 60                      # rows at once: numpy is three times as fast in the cache
+_BAND_ROWS = 60                 # at a time: numpy is three times as fast within the cache
 
 
 class Camera(NamedTuple):
-    """A camera as pybullet.computeViewMatrixFromYawPitchRoll has it.
+    """A camera like that of pybullet.computeViewMatrixFromYawPitchRoll.
 
     target: m, in the world; distance: m; yaw, pitch: degrees.
     """
@@ -44,7 +47,7 @@ class Camera(NamedTuple):
 
 
 class _SunMap(NamedTuple):
-    """A square of the sun's view: lower left `corner` in m, `texel` side in m and `distances`.
+    """A square seen from the sun: lower left `corner` in m, `texel` side in m and `distances`.
 
     distances (size, size): m from the sun to the nearest body, the upper row first.
     """
@@ -54,19 +57,19 @@ class _SunMap(NamedTuple):
     distances: np.ndarray
 
 
-def render(client: int, camera: Camera, width: int, height: int) -> np.ndarray:
+def render(physics_client_id: int, camera: Camera, width: int, height: int) -> np.ndarray:
     """Return an RGB image, uint8 of shape (height, width, 3)."""
     view = np.reshape(pybullet.computeViewMatrixFromYawPitchRoll(
         camera.target, camera.distance, camera.yaw, camera.pitch, 0, 2), (4, 4)).T
     projection = pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, width / height, _NEAR, _FAR)
-    pixels, depth = _draw(client, view, projection, width, height)
-    sun_maps = _sun_maps(client, camera, view)
+    pixels, depth = _draw(physics_client_id, view, projection, width, height)
+    sun_maps = _sun_maps(physics_client_id, camera, view)
     to_world = np.linalg.inv(view)
     # TinyRenderer's pixel (0, 0) is the lower left corner itself, not the middle of a square
     slope = math.tan(math.radians(FIELD_OF_VIEW / 2))
     x = np.linspace(-1, 1, width, False) * slope * width / height
     y = np.linspace(-1, 1, height, False)[::-1] * slope
-    for rows in np.array_split(np.arange(height), -(-height // _BAND)):
+    for rows in np.array_split(np.arange(height), -(-height // _BAND_ROWS)):
         band = slice(rows[0], rows[-1] + 1)
         _shade(pixels[band], _distance(depth[band], _NEAR, _FAR), to_world, (x, y[band]), sun_maps)
     return np.ascontiguousarray(pixels[:, :, :3])
@@ -102,7 +105,7 @@ def _shade(pixels: np.ndarray, distance: np.ndarray, to_world: np.ndarray,
 def _floor_distances(to_world: np.ndarray, rays: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Return how far along the optical axis the floor is, in m, for arguments as in `_shade`.
 
-    Where there is none it is just nearer than _FAR, for the background has the floor's color.
+    Where there is no floor it is a little less than _FAR: the background has the floor's color.
     """
     eye_height, farthest = to_world[2, 3], 0.99 * _FAR
     if eye_height <= 0:
@@ -143,7 +146,7 @@ def _in_shadow(points: List[np.ndarray], slack: np.ndarray,
     """Return which points are in shadow; the last map that holds a point decides.
 
     points: across, up and towards the sun in its view, each an image in m; slack: by how many
-    texels' sides a point may be behind what the sun sees.
+    texel sides a point may be behind the nearest body as seen from the sun.
     """
     across, up, depth = points
     dark = np.zeros(slack.shape, bool)
@@ -159,36 +162,39 @@ def _in_shadow(points: List[np.ndarray], slack: np.ndarray,
     return dark
 
 
-def _sun_maps(client: int, camera: Camera, view: np.ndarray) -> List[_SunMap]:
-    """Return what the sun sees: a wide region, and a fine one about a near target."""
-    # a camera that looks level sees more of what is behind its target
+def _sun_maps(physics_client_id: int, camera: Camera, view: np.ndarray) -> List[_SunMap]:
+    """Return depth images from the sun: a wide region, and a fine one about a near target."""
+    # a level camera shows more of what is behind its target
     ahead = camera.target - 1.5 * np.array((view[2, 0], view[2, 1], 0))
-    maps = [_sun_map(client, ahead, 5.2, 448)]
+    maps = [_sun_map(physics_client_id, ahead, 5.2, 448)]
     if camera.distance < 4.0:
-        maps.append(_sun_map(client, camera.target, max(0.5, 0.6 * camera.distance), 256))
+        half = max(0.5, 0.6 * camera.distance)
+        maps.append(_sun_map(physics_client_id, camera.target, half, 256))
     return maps
 
 
-def _sun_map(client: int, center: Sequence[float], half: float, size: int) -> _SunMap:
+def _sun_map(physics_client_id: int, center: Numbers, half: float,
+             size: int) -> _SunMap:
+    """Return the square with sides 2 * half (m) about `center` as seen from the sun."""
     texel = 2 * half / size
-    # whole texels, or the edges of shadows crawl when the target moves
+    # rounded to texels, or the edges of shadows flicker when the target moves
     middle = np.round((_SUN_VIEW @ (*center, 1.0))[:2] / texel) * texel
     projection = list(pybullet.computeProjectionMatrixFOV(90, 1, _SUN_NEAR, _SUN_FAR))
     projection[0] = projection[5] = 1 / half
     projection[12:14] = -middle / half
     # w is 1 for parallel light; z keeps its form, by which TinyRenderer encodes the depth
     projection[11], projection[15] = 0.0, 1.0
-    _, depth = _draw(client, _SUN_VIEW, projection, size, size)
+    _, depth = _draw(physics_client_id, _SUN_VIEW, projection, size, size)
     return _SunMap(middle - half, texel, _distance(depth, _SUN_NEAR, _SUN_FAR))
 
 
-def _draw(client: int, view: np.ndarray, projection: Sequence[float], width: int,
+def _draw(physics_client_id: int, view: np.ndarray, projection: Sequence[float], width: int,
           height: int) -> Tuple[np.ndarray, np.ndarray]:
     """Return the RGBA pixels and the depth buffer of the bodies."""
     drawn = pybullet.getCameraImage(
         width, height, view.T.ravel().tolist(), projection, shadow=0,
         flags=pybullet.ER_NO_SEGMENTATION_MASK, renderer=pybullet.ER_TINY_RENDERER,
-        physicsClientId=client, **_SHADING)
+        physicsClientId=physics_client_id, **_SHADING)
     return (np.reshape(drawn[2], (height, width, 4)).astype(np.uint8),
             np.reshape(drawn[3], (height, width)).astype(np.float32))
 

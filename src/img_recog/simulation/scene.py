@@ -1,12 +1,13 @@
-"""A copy of the simulation to look at, in a process of its own.
+"""A copy of the simulation that is drawn by a separate process.
 
-Drawing takes far longer than a step of the physics, and PyBullet ends the process when its
-window is closed or no display can be opened. So what is drawn is a copy, to which the simulation
-sends poses; it may come and go without the simulation noticing.
+Drawing takes far longer than a step of the physics, and PyBullet ends the process when its window
+is closed or no display can be opened. Therefore a copy is drawn, to which the simulation sends
+poses; whether it exists does not influence the simulation.
 """
 import multiprocessing
 import os
 import signal
+from multiprocessing.connection import Connection
 from typing import Callable, NamedTuple, Sequence, Tuple
 
 import pybullet
@@ -19,7 +20,7 @@ from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.world import add_floor, load_bodies
 from img_recog.simulation.world_file import WorldFile
 
-_EXIT_TIMEOUT_S = 2.0               # with a process that was told to end
+_EXIT_TIMEOUT_S = 2.0
 
 
 class Scene(NamedTuple):
@@ -32,24 +33,24 @@ class Scene(NamedTuple):
 class SceneCopy:
     """The bodies of a scene in a physics client that never steps."""
 
-    def __init__(self, scene: Scene, client: int, floor: bool):
-        """Load the scene, with a visible floor if wanted."""
+    def __init__(self, scene: Scene, physics_client_id: int, floor: bool):
+        """Load the scene; floor: whether to add a visible floor."""
         world = scene.world
         if not world.sdf and world.text:
             world = world._replace(text=split_links_by_color(world.text))
-        self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), client), client)
-                        for robot in scene.robots]
-        self._bodies += load_bodies(world, client)
+        self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id),
+                             physics_client_id) for robot in scene.robots]
+        self._bodies += load_bodies(world, physics_client_id)
         for body in self._bodies:
             for link in body.links:
-                # else each tall body would show the mirror image of the sun
-                pybullet.changeVisualShape(body.number, link, specularColor=(0, 0, 0),
-                                           physicsClientId=client)
+                # otherwise each tall body would show a reflection of the sun
+                pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0),
+                                           physicsClientId=physics_client_id)
         if floor:
-            add_floor(client, visible=True)
+            add_floor(physics_client_id, visible=True)
 
     def place(self, poses: Sequence[Pose]) -> None:
-        """Put the bodies where `poses_of` says that those of the simulation are."""
+        """Move the bodies to the poses that `poses_of` returns for the simulation."""
         for body, pose in zip(self._bodies, poses):
             body.place(pose)
 
@@ -63,7 +64,7 @@ def poses_of(simulator: Simulator) -> Sequence[Pose]:
 class Helper:
     """A process that runs `target(connection, *args)`; `connection` is this end of its pipe."""
 
-    def __init__(self, target: Callable, args: Tuple):
+    def __init__(self, target: Callable[..., None], args: Tuple):
         # a forked child would share the simulation's descriptors and locks
         context = multiprocessing.get_context('spawn')
         self.connection, other = context.Pipe()
@@ -72,7 +73,7 @@ class Helper:
         other.close()
 
     def end(self) -> bool:
-        """End the process; return whether it ended well, by itself or as it was told."""
+        """Close the pipe and wait for the process to exit; return whether its exit code is 0."""
         self.connection.close()
         self._process.join(_EXIT_TIMEOUT_S)
         if self._process.is_alive():
@@ -81,9 +82,9 @@ class Helper:
         return self._process.exitcode == 0
 
 
-def _run(target: Callable, connection, args: Tuple) -> None:
-    # Ctrl-C reaches the whole process group; a copy goes when the simulation does
+def _run(target: Callable[..., None], connection: Connection, args: Tuple) -> None:
+    # Ctrl-C reaches the whole process group; this process exits when the simulation does
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # it would take the time of the physics where OpenGL runs on the processor
+    # where OpenGL runs on the processor, drawing must not slow down the physics
     os.nice(10)
     target(connection, *args)

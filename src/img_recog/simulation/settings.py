@@ -1,4 +1,4 @@
-"""What the simulator can be told; the numbers are those of turtlebot3_gazebo for the burger."""
+"""The settings of the simulator; defaults are those of turtlebot3_gazebo for the burger."""
 import math
 from dataclasses import dataclass
 
@@ -8,15 +8,15 @@ from img_recog.settings import (Allowed, Settings, above, any_value, at_least, b
 
 
 class SimulationError(UserError):
-    """The simulation cannot be built or run as asked."""
+    """The simulation cannot be built or run with this input."""
 
 
 @dataclass(frozen=True)
 class PhysicsSettings(Settings):
     """Time and world.
 
-    step_s: of the physics; clock_period_s: between two /clock messages, a multiple of it.
-    real_time_factor: simulated seconds a second; 0 is as fast as it goes.
+    step_s: of the physics; clock_period_s: between two /clock messages, a multiple of step_s.
+    real_time_factor: simulated seconds per second of wall time; 0 is as fast as possible.
     world: turtlebot3_world, empty, or the path of a URDF or SDF file.
     """
 
@@ -29,7 +29,7 @@ class PhysicsSettings(Settings):
 
 @dataclass(frozen=True)
 class SpawnSettings(Settings):
-    """Where the robot's root link stands at the start and after a reset: m, rad, in the world."""
+    """Pose of the robot's root link at the start and after a reset: m, rad, in the world."""
 
     x_pos: float = setting(-2.0, between(-1000, 1000))
     y_pos: float = setting(-0.5, between(-1000, 1000))
@@ -39,13 +39,13 @@ class SpawnSettings(Settings):
 
 @dataclass(frozen=True)
 class DriveSettings(Settings):
-    """The differential drive (libgazebo_ros_diff_drive's parameters and units).
+    """The differential drive (parameters and units of libgazebo_ros_diff_drive).
 
-    wheel_separation, wheel_diameter: m. wheel_torque: N m a wheel. wheel_acceleration: m/s2 at
-    the rim. drive_period_s: between two corrections of the wheel speeds.
-    max_linear_velocity, max_angular_velocity: m/s and rad/s that a command is cut off at; 0 is
-    no limit (the real burger has 0.22 and 2.84). cmd_vel_timeout: simulated s after which a
-    command that no other has followed ends; 0 is never.
+    wheel_separation, wheel_diameter: m. wheel_torque: N m per wheel. wheel_acceleration: m/s2 at
+    the rim. drive_period_s: between two updates of the wheel speeds.
+    max_linear_velocity, max_angular_velocity: limits of commands in m/s and rad/s; 0 is no limit
+    (the real burger has 0.22 and 2.84). cmd_vel_timeout: simulated s after which the robot stops
+    unless another command arrives; 0 is never.
     """
 
     left_joint: str = setting('wheel_left_joint', not_empty())
@@ -62,11 +62,11 @@ class DriveSettings(Settings):
 
 @dataclass(frozen=True)
 class OdometrySettings(Settings):
-    """Odometry as libgazebo_ros_diff_drive has it.
+    """Odometry like that of libgazebo_ros_diff_drive.
 
-    odometry_source: the pose is the true one in the world, or counted from the start by the
-    turns of the wheels. odom_frame, base_frame: its frame_id and child_frame_id; without the
-    latter it is the root link. publish_odom_tf: whether the pose goes to tf as well.
+    odometry_source: world is the true pose in the world, encoder is integrated from the start by
+    the turns of the wheels. odom_frame, base_frame: frame_id and child_frame_id; an empty
+    base_frame is the root link. publish_odom_tf: whether the pose is published on tf as well.
     """
 
     odometry_source: str = setting('world', one_of('encoder', 'world'))
@@ -77,10 +77,10 @@ class OdometrySettings(Settings):
 
 @dataclass(frozen=True)
 class SensorSettings(Settings):
-    """Sensor periods in simulated seconds, each a multiple of the physics step, and noise.
+    """Sensor periods in simulated s, each a multiple of the physics step, and the noise seed.
 
     30 Hz does not divide into steps of 1 ms: 33 ms is the nearest period that does.
-    seed: of the generator that all noise comes from.
+    seed: of the random generators of all noise.
     """
 
     odometry_period_s: float = setting(0.033, above(0))
@@ -92,10 +92,10 @@ class SensorSettings(Settings):
 
 @dataclass(frozen=True)
 class ScanSettings(Settings):
-    """The laser scanner, an LDS-01 as turtlebot3_gazebo has it.
+    """The laser scanner, an LDS-01 like that of turtlebot3_gazebo.
 
-    Angles in rad about z of `scan_frame`, counted from its x; both ends have a ray. Ranges and
-    the standard deviation of their noise in m.
+    Angles in rad about z of `scan_frame`, from its x axis; there is a ray at both ends. Ranges
+    and the standard deviation of their noise in m.
     """
 
     scan_frame: str = setting('base_scan', not_empty())
@@ -109,7 +109,7 @@ class ScanSettings(Settings):
 
 @dataclass(frozen=True)
 class ImuSettings(Settings):
-    """The inertial unit; standard deviations of its noise in rad/s and m/s2."""
+    """The IMU; standard deviations of its noise in rad/s and m/s2."""
 
     imu_frame: str = setting('imu_link', not_empty())
     gyro_noise: float = setting(2e-4, at_least(0))
@@ -118,10 +118,10 @@ class ImuSettings(Settings):
 
 @dataclass(frozen=True)
 class ViewSettings(Settings):
-    """What is drawn for people.
+    """The window and the images of the simulation.
 
-    gui: whether to show the simulation in a window. view: from where ~view/image_raw is seen;
-    view_rate: images a second of wall time, at most; view_width, view_height: pixels.
+    gui: whether to show the simulation in a window. view: the camera of ~view/image_raw;
+    view_rate: maximum images per second of wall time; view_width, view_height: pixels.
     """
 
     gui: bool = setting(False)
@@ -133,7 +133,7 @@ class ViewSettings(Settings):
 
 @dataclass(frozen=True)
 class RobotSettings:
-    """All that belongs to one robot."""
+    """All settings of one robot."""
 
     spawn: SpawnSettings = SpawnSettings()
     drive: DriveSettings = DriveSettings()
@@ -144,9 +144,10 @@ class RobotSettings:
 
 
 def whole_steps(name: str, period_s: float, step_s: float) -> int:
-    """Return how many physics steps a period takes.
+    """Return the number of physics steps in a period.
 
-    Raises SimulationError, with the nearest periods that would do, when that is no whole number.
+    name: of the setting. Raises SimulationError, with the nearest valid periods, when the number
+    is not whole.
     """
     steps = period_s / step_s
     whole = round(steps)
@@ -154,10 +155,10 @@ def whole_steps(name: str, period_s: float, step_s: float) -> int:
         return whole
     below, up = math.floor(steps) * step_s, math.ceil(steps) * step_s
     nearest = ' or '.join('{:g}'.format(value) for value in (below, up) if value > 0)
-    raise SimulationError('{}: got {:g} s, which does not divide into physics steps of {:g} s; '
-                          'set {}'.format(name, period_s, step_s, nearest))
+    raise SimulationError('{}: got {:g} s, which does not divide into physics steps of {:g} s'
+                          .format(name, period_s, step_s), 'set {}'.format(nearest))
 
 
 def nearest_period(rate_hz: float, step_s: float) -> float:
-    """Return the period in s nearest to a rate that is a whole number of steps, at least one."""
+    """Return the period in s that is nearest to a rate and a whole number of steps, min. one."""
     return max(1, round(1 / rate_hz / step_s)) * step_s

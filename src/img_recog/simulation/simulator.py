@@ -6,14 +6,14 @@ import pybullet
 from img_recog.simulation.vehicle import Reading, Vehicle
 from img_recog.simulation.world import World
 
-_CONTACT_DEPTH = 0.005          # m
+_MAX_CONTACT_DEPTH_M = 0.005
 
 
 class Simulator:
     """Vehicles in a world.
 
-    Each step has a fixed order: the drives ask the motors, the physics advances, and the sensors
-    whose time has come observe. Time is the number of steps times the step.
+    Each step has a fixed order: the drives set the motors, the physics advances, and the sensors
+    that are due are read. Time is the number of steps multiplied by the step.
     """
 
     def __init__(self, world: World, vehicles: Sequence[Vehicle]):
@@ -26,7 +26,7 @@ class Simulator:
         return self._steps * self.world.step_s
 
     def advance(self, steps: int) -> List[Reading]:
-        """Advance by a number of steps; return what the sensors saw meanwhile, in order."""
+        """Advance by a number of steps; return the readings of the sensors, in order of time."""
         readings: List[Reading] = []
         end = self._steps + steps
         while self._steps < end:
@@ -41,27 +41,28 @@ class Simulator:
         return readings
 
     def overlaps(self) -> List[str]:
-        """Return what stands in what, as 'A in B', by more than contacts ever are."""
-        client = self.world.client
+        """Return which robots overlap with which bodies, as 'A in B', deeper than contacts do."""
+        client = self.world.physics_client_id
         bodies = [self.world.floor, *self.world.bodies,
                   *(vehicle.robot for vehicle in self.vehicles)]
-        names = {body.number: body.name for body in bodies}
+        names = {body.body_id: body.name for body in bodies}
         pybullet.performCollisionDetection(physicsClientId=client)
-        found = []
+        found: List[str] = []
         for vehicle in self.vehicles:
-            for contact in pybullet.getContactPoints(vehicle.robot.number, physicsClientId=client):
+            for contact in pybullet.getContactPoints(vehicle.robot.body_id,
+                                                     physicsClientId=client):
                 words = '{} in {}'.format(vehicle.robot.name, names[contact[2]])
-                if contact[8] < -_CONTACT_DEPTH and words not in found:
+                if contact[8] < -_MAX_CONTACT_DEPTH_M and words not in found:
                     found.append(words)
         return found
 
     def reset_world(self) -> None:
-        """Put everything back to its start, at rest and without a command; time goes on."""
+        """Move everything back to its start, at rest and without a command; time goes on."""
         self.world.reset()
         for vehicle in self.vehicles:
             vehicle.reset()
 
     def reset_simulation(self) -> None:
-        """Put everything back to its start and the time to 0."""
+        """Do what `reset_world` does, and set the time to 0."""
         self.reset_world()
         self._steps = 0

@@ -1,7 +1,8 @@
-"""Images of the simulation for people, drawn without a display."""
+"""Images of the simulation, drawn without a display."""
 import math
 import threading
 import time
+from multiprocessing.connection import Connection
 from typing import NamedTuple, Optional, Sequence
 
 import numpy as np
@@ -13,23 +14,23 @@ from img_recog.simulation.rendering import Camera, render
 from img_recog.simulation.scene import Helper, Scene, SceneCopy
 from img_recog.simulation.settings import SimulationError, ViewSettings
 
-# as Gazebo's user camera of turtlebot3_world: straight down from (0.8, 0, 12) with x upwards
+# like Gazebo's user camera of turtlebot3_world: straight down from (0.8, 0, 12), x upwards
 ABOVE = Camera(target=(0.8, 0.0, 0.0), distance=12.0, yaw=-90.0, pitch=-89.99)
-_FOLLOW_DISTANCE = 1.3          # m, and degrees: over the walls of turtlebot3_world
-_FOLLOW_PITCH = -68.0
+_FOLLOW_DISTANCE_M = 1.3        # distance and pitch look over the walls of turtlebot3_world
+_FOLLOW_PITCH_DEG = -68.0
 
 
 class ViewImage(NamedTuple):
-    """An image, uint8 RGB of shape (height, width, 3), and the simulated time in s it shows."""
+    """An image, uint8 RGB of shape (height, width, 3), and its simulated time in s."""
 
     pixels: np.ndarray
     time_s: float
 
 
 class View:
-    """Asks a process of its own for images, one at a time and no more often than wanted.
+    """Requests images from a separate process, one at a time and no more often than `view_rate`.
 
-    `request` belongs to the simulation, `next_image` to whoever takes the images.
+    `request` is for the thread of the simulation, `next_image` for the one that takes the images.
     """
 
     def __init__(self, scene: Scene, settings: ViewSettings):
@@ -40,11 +41,11 @@ class View:
         self._started = threading.Event()
 
     def due(self) -> bool:
-        """Return whether an image may be asked for: the last has come and its time is over."""
+        """Return whether to request an image: the last one has come, and its period is over."""
         return not self._busy and time.monotonic() >= self._next_s
 
     def request(self, poses: Sequence[Pose], time_s: float) -> None:
-        """Ask for an image of these poses; the first is what a following camera follows."""
+        """Request an image of these poses; a following camera follows the first."""
         if self._helper is None:
             self._helper = Helper(_draw, (self._scene, self._settings))
             self._started.set()
@@ -53,14 +54,14 @@ class View:
         try:
             self._helper.connection.send((poses, time_s))
         except OSError:
-            pass                    # that process has ended, as next_image will tell
+            pass                    # the process has ended; next_image raises the error
 
     def next_image(self, timeout_s: float) -> Optional[ViewImage]:
-        """Return the image that was asked for if it comes in time, else None.
+        """Return the requested image if it comes in time, else None.
 
         Raises SimulationError when the process that draws has ended.
         """
-        if not self._started.wait(timeout_s):
+        if not self._started.wait(timeout_s) or self._helper is None:
             return None
         try:
             if not self._helper.connection.poll(timeout_s):
@@ -78,21 +79,23 @@ class View:
 
 
 def follow(pose: Pose) -> Camera:
-    """Return a camera behind and above a body, looking the way that it does."""
+    """Return a camera behind and above a body that looks in the body's direction."""
     heading = math.degrees(to_rpy(rotation_matrix(pose.orientation))[2])
-    # PyBullet's camera at yaw 0 looks along y
-    return Camera(tuple(pose.position), _FOLLOW_DISTANCE, heading - 90.0, _FOLLOW_PITCH)
+    x, y, z = pose.position
+    # at yaw 0, PyBullet's camera looks along y
+    return Camera((x, y, z), _FOLLOW_DISTANCE_M, heading - 90.0, _FOLLOW_PITCH_DEG)
 
 
-def _draw(connection, scene: Scene, settings: ViewSettings) -> None:
-    client = connect()
-    copy = SceneCopy(scene, client, floor=False)
+def _draw(connection: Connection, scene: Scene, settings: ViewSettings) -> None:
+    """Draw images on request until the other end of the connection is closed."""
+    physics_client_id = connect()
+    copy = SceneCopy(scene, physics_client_id, floor=False)
     try:
         while True:
             poses, time_s = connection.recv()
             copy.place(poses)
             camera = follow(poses[0]) if settings.view == 'follow' else ABOVE
-            connection.send(ViewImage(
-                render(client, camera, settings.view_width, settings.view_height), time_s))
+            pixels = render(physics_client_id, camera, settings.view_width, settings.view_height)
+            connection.send(ViewImage(pixels, time_s))
     except (EOFError, OSError):
         pass

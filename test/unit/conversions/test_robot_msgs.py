@@ -37,7 +37,7 @@ def test_twist_that_is_not_finite_is_refused_by_name(part, axis, value):
 
 
 def test_odometry_round_trip():
-    msg = robot_msgs.odometry_to_msg(MOTION, STAMP, 'odom', 'base')
+    msg = robot_msgs.odometry_to_msg(MOTION, 'odom', 'base', STAMP)
     assert (msg.header.stamp, msg.header.frame_id, msg.child_frame_id) == (STAMP, 'odom', 'base')
     again = robot_msgs.odometry_from_msg(msg)
     for got, want in zip(again, MOTION):
@@ -45,7 +45,7 @@ def test_odometry_round_trip():
 
 
 def test_transform_is_the_odometrys_pose():
-    msg = robot_msgs.transform_of(robot_msgs.odometry_to_msg(MOTION, STAMP, 'odom', 'base'))
+    msg = robot_msgs.transform_of(robot_msgs.odometry_to_msg(MOTION, 'odom', 'base', STAMP))
     moved, turned = msg.transform.translation, msg.transform.rotation
     assert (msg.header.frame_id, msg.child_frame_id, msg.header.stamp) == ('odom', 'base', STAMP)
     assert (moved.x, moved.y, moved.z) == (1.0, 2.0, 3.0)
@@ -67,7 +67,7 @@ def test_stamps_are_exact(time_s, nanoseconds):
 
 def test_scan_round_trip():
     settings = ScanSettings(scan_samples=4, scan_frame='laser')
-    msg = robot_msgs.scan_to_msg(np.array([0.5, np.inf, 1.0, 3.5]), STAMP, settings)
+    msg = robot_msgs.scan_to_msg(np.array([0.5, np.inf, 1.0, 3.5]), settings, STAMP)
     assert (msg.header.frame_id, msg.header.stamp) == ('laser', STAMP)
     assert (msg.angle_min, msg.angle_max, msg.angle_increment) == (0.0, 6.28319, 6.28319 / 3)
     assert (msg.range_min, msg.range_max) == (0.12, 3.5)
@@ -75,13 +75,13 @@ def test_scan_round_trip():
 
 
 def test_imu_round_trip():
-    inertial = ImuReading((0.0, 0.0, 0.6, 0.8), np.array([1.0, 2.0, 3.0]),
-                          np.array([4.0, 5.0, 6.0]))
-    msg = robot_msgs.imu_to_msg(inertial, STAMP, ImuSettings(gyro_noise=0.5, accel_noise=0.25))
+    reading = ImuReading((0.0, 0.0, 0.6, 0.8), np.array([1.0, 2.0, 3.0]),
+                         np.array([4.0, 5.0, 6.0]))
+    msg = robot_msgs.imu_to_msg(reading, ImuSettings(gyro_noise=0.5, accel_noise=0.25), STAMP)
     assert (msg.header.frame_id, msg.header.stamp) == ('imu_link', STAMP)
     assert msg.angular_velocity_covariance == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25]
     assert msg.linear_acceleration_covariance[0] == 0.0625
-    for got, want in zip(robot_msgs.imu_from_msg(msg), inertial):
+    for got, want in zip(robot_msgs.imu_from_msg(msg), reading):
         assert np.array_equal(got, want)
 
 

@@ -70,18 +70,19 @@ def test_chain_of_fixed_links_becomes_one_and_what_moves_stays():
 
 
 REFUSED = {
-    'no XML': ('<robot', 'no XML'),
-    'no URDF': ('<sdf/>', 'root element <sdf>'),
-    'no link': (ROBOT.format(''), '0 root links'),
+    'not XML': ('<robot', 'not XML'),
+    'not URDF': ('<sdf/>', 'root element <sdf>'),
+    'no link': (ROBOT.format(''), 'got 0 root links'),
     'two roots': (ROBOT.format(link('a') + link('b')), '2 root links (a, b)'),
     'loop': (ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b') + joint('k', 'b', 'a')),
-             'link a hangs on itself through joint k'),
+             'link a is its own ancestor, through joint k'),
     'loop beside a root': (ROBOT.format(link('r') + link('a') + link('b') + joint('j', 'a', 'b')
-                                        + joint('k', 'b', 'a')), 'link a hangs on itself'),
-    'no name': (ROBOT.format('<link/>' + link('a')), 'each <link> wants a name of its own'),
-    'same name': (ROBOT.format(link('a') + link('a')), 'each <link> wants a name of its own'),
+                                        + joint('k', 'b', 'a')), 'link a is its own ancestor'),
+    'no name': (ROBOT.format('<link/>' + link('a')), 'each <link> must have a unique name'),
+    'same name': (ROBOT.format(link('a') + link('a')), 'each <link> must have a unique name'),
     'two parents': (ROBOT.format(link('a') + link('b') + link('c') + joint('j', 'a', 'c')
-                                 + joint('k', 'b', 'c')), 'two parents, the joints j and k'),
+                                 + joint('k', 'b', 'c')),
+                    'link c is the child of two joints, j and k'),
     'lost link': (ROBOT.format(link('a') + joint('j', 'a', 'b')), 'child link b, which does not'),
     'zero mass': (ROBOT.format(link('a', '0')), 'mass of link a: got 0 kg'),
     'negative mass': (ROBOT.format(link('a', -1)), 'mass of link a: got -1 kg'),
@@ -91,16 +92,17 @@ REFUSED = {
                                          + joint('j', 'a', 'b', 'continuous')),
                             'link b can move but has no mass'),
     'planar joint': (ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b', 'planar')),
-                     'joint j is of type planar; simulated are continuous, fixed'),
+                     'joint j is of type planar; supported are continuous, fixed'),
     'no axis': (ROBOT.format(link('a') + link('b') + joint(
         'j', 'a', 'b', 'continuous', '<axis xyz="0 0 0"/>')), 'axis of joint j: got 0 0 0'),
-    'no inertia': (ROBOT.format(link('a').replace('"1"', '"0"')), 'link a, with what is fixed to'),
+    'no inertia': (ROBOT.format(link('a').replace('"1"', '"0"')),
+                   'link a, with the links fixed to'),
     'negative inertia': (ROBOT.format(link('a').replace('ixx="1"', 'ixx="-1"')),
-                         'wants positive moments'),
+                         'expected positive moments'),
     'infinite origin': (ROBOT.format(link('a') + link('b') + joint(
         'j', 'a', 'b', origin='<origin xyz="inf 0 0"/>')), "<origin> in <joint j>: got 'inf 0 0'"),
     'short origin': (ROBOT.format(link('a') + link('b') + joint(
-        'j', 'a', 'b', origin='<origin xyz="1 2"/>')), 'wants 3 finite numbers'),
+        'j', 'a', 'b', origin='<origin xyz="1 2"/>')), 'expected 3 finite numbers'),
 }
 
 

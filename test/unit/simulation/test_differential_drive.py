@@ -1,4 +1,4 @@
-"""The ramp of the wheel speeds, without physics: wheels that turn as they are told."""
+"""The ramp of the wheel speeds, without physics: ideal wheels."""
 import pytest
 
 from img_recog.simulation.differential_drive import DifferentialDrive
@@ -8,7 +8,7 @@ RADIUS = 0.033
 
 
 def follow(drive, updates, start=(0.0, 0.0)):
-    """Return the rim speeds in m/s after each of so many updates."""
+    """Return the rim speeds in m/s after each of a number of updates."""
     velocities, history = start, []
     for _ in range(updates):
         velocities = drive.update(velocities)

@@ -1,4 +1,4 @@
-"""Each color on a link of its own, nothing lost."""
+"""Each color on a separate link, and nothing lost."""
 import xml.etree.ElementTree as ElementTree
 
 from img_recog.simulation.description import parse

@@ -86,7 +86,7 @@ def refusal(*elements):
     return str(error.value)
 
 
-def test_official_kind_of_burger_states_every_setting_with_its_type():
+def test_burger_like_the_official_one_gives_every_setting_with_its_type():
     urdf = robot(gazebo(FRICTION, 'wheel_left_link'), gazebo(SILENT_IMU, 'imu_link'), drive(),
                  imu(), ray())
     wanted = {**DRIVE_SETTINGS, **SCAN_SETTINGS, **IMU_SETTINGS}
@@ -119,7 +119,7 @@ def test_period_is_the_nearest_that_divides_and_at_least_a_step(rate, step_s, pe
     SensorSettings(odometry_period_s=found['odometry_period_s'])
 
 
-def test_settings_leave_out_what_no_tag_states():
+def test_settings_have_only_what_tags_give():
     assert settings(robot(), 0.001) == {}
     assert set(settings(robot(ray()), 0.001)) == set(SCAN_SETTINGS) - {'scan_rate'} | {
         'scan_period_s'}
@@ -135,7 +135,7 @@ def test_missing_tags_are_missing_settings():
     assert not_simulated(robot(gazebo(FRICTION, 'a'), gazebo(SILENT_IMU, 'a'))) == []
 
 
-def test_our_own_burger_states_nothing_and_asks_for_nothing():
+def test_our_own_burger_gives_no_setting():
     with open(OURS) as file:
         urdf = file.read()
     assert '<gazebo' in urdf
@@ -206,7 +206,7 @@ def test_explicit_noise_of_zero_is_a_setting():
     assert (found['scan_noise'], found['gyro_noise']) == (0.0, 0.0)
 
 
-def test_first_of_two_counts_and_the_second_is_told():
+def test_first_of_two_counts_and_the_second_is_listed():
     urdf = robot(drive(), drive(wheelSeparation='9'), ray(), ray('gpu_ray', samples='9'),
                  imu(), imu_sensor('<updateRateHZ>9</updateRateHZ>'))
     assert overrides(urdf) == {**DRIVE_SETTINGS, **SCAN_SETTINGS, **IMU_SETTINGS}
@@ -225,7 +225,7 @@ def test_what_is_not_simulated_is_listed_in_order():
     assert overrides(urdf) == SCAN_SETTINGS
 
 
-def test_a_sonar_is_no_scanner_and_a_laser_plugin_wants_its_sensor():
+def test_a_sonar_is_not_a_scanner_and_a_laser_plugin_must_be_in_a_sensor():
     sonar = ray(library='gazebo_ros_range', far='1')
     stray = gazebo(plugin(LASER, 'gazebo_ros_laser'))
     assert overrides(robot(sonar, stray, ray())) == SCAN_SETTINGS
@@ -234,33 +234,36 @@ def test_a_sonar_is_no_scanner_and_a_laser_plugin_wants_its_sensor():
 
 
 @pytest.mark.parametrize('text', ['x', '', 'nan', 'inf', '1e999', '0.1 0.2', '${separation}'])
-def test_refuses_what_is_no_finite_number(text):
+def test_refuses_what_is_not_a_finite_number(text):
     assert refusal(drive(wheelSeparation=text)) == (
-        'robot_description: <wheelSeparation> of plugin wheels: got {!r}, wants a finite number'
+        '<wheelSeparation> of plugin wheels: got {!r}, expected a finite number'
         .format(text))
 
 
 @pytest.mark.parametrize('elements, wanted', [
-    (drive(updateRate='often'), "<updateRate> of plugin wheels: got 'often', wants a finite n"),
-    (drive(publishOdomTF='yes'), "<publishOdomTF> of plugin wheels: got 'yes', wants true, f"),
-    (drive(odometrySource='gps'), "<odometrySource> of plugin wheels: got 'gps', wants world or"),
-    (drive(commandTopic=' '), "<commandTopic> of plugin wheels: got '', wants a name"),
-    (drive(odometryFrame='/'), "<odometryFrame> of plugin wheels: got '/', wants a name"),
-    (ray(samples='36.5'), "<ray/scan/horizontal/samples> of sensor lds: got '36.5', wants a who"),
-    (ray(far='far'), "<ray/range/max> of sensor lds: got 'far', wants a finite number"),
+    (drive(updateRate='often'), "<updateRate> of plugin wheels: got 'often', expected a finite n"),
+    (drive(publishOdomTF='yes'), "<publishOdomTF> of plugin wheels: got 'yes', expected true"),
+    (drive(odometrySource='gps'),
+     "<odometrySource> of plugin wheels: got 'gps', expected world or"),
+    (drive(commandTopic=' '), "<commandTopic> of plugin wheels: got '', expected a name"),
+    (drive(odometryFrame='/'), "<odometryFrame> of plugin wheels: got '/', expected a name"),
+    (ray(samples='36.5'),
+     "<ray/scan/horizontal/samples> of sensor lds: got '36.5', expected a who"),
+    (ray(far='far'), "<ray/range/max> of sensor lds: got 'far', expected a finite number"),
     (imu(NOISE.replace('2e-4', 'a\nb')),
-     "<imu/noise/rate/stddev> of plugin inertia: got 'a\\nb', wants a finite number"),
-    (imu('', gaussianNoise='low'), "<gaussianNoise> of plugin inertia: got 'low', wants a finite"),
+     "<imu/noise/rate/stddev> of plugin inertia: got 'a\\nb', expected a finite number"),
+    (imu('', gaussianNoise='low'),
+     "<gaussianNoise> of plugin inertia: got 'low', expected a finite"),
     (gazebo('<plugin filename="libgazebo_ros_imu.so"><updateRate>x</updateRate></plugin>'),
      "<updateRate> of plugin without name: got 'x'")])
-def test_refusals_name_the_element_its_owner_and_what_is_wanted(elements, wanted):
-    assert refusal(elements).startswith('robot_description: ' + wanted)
+def test_refusals_name_the_element_its_owner_and_what_is_expected(elements, wanted):
+    assert refusal(elements).startswith(wanted)
 
 
 @pytest.mark.parametrize('read', [overrides, not_simulated])
 @pytest.mark.parametrize('urdf, wanted', [
-    ('', 'is no XML'), ('<robot>', 'is no XML'), ('<sdf/>', 'root element <sdf>')])
-def test_refuses_what_is_no_urdf(read, urdf, wanted):
+    ('', 'not XML'), ('<robot>', 'not XML'), ('<sdf/>', 'root element <sdf>')])
+def test_refuses_what_is_not_a_urdf(read, urdf, wanted):
     with pytest.raises(SimulationError) as error:
         read(urdf)
     assert wanted in str(error.value) and '\n' not in str(error.value)

@@ -1,4 +1,4 @@
-"""The inertial unit: at rest, driving off, turning, and put elsewhere."""
+"""The inertial unit: at rest, driving off, turning, and moved by a reset."""
 import numpy as np
 import pytest
 
@@ -48,7 +48,7 @@ def test_turning_left_is_positive_about_z():
     assert measure(sim, 100)[-1].angular_velocity[2] == pytest.approx(1.0, rel=0.03)
 
 
-def test_being_put_elsewhere_is_no_push():
+def test_a_reset_is_not_an_acceleration():
     sim = simulator(imu=QUIET)
     sim.vehicles[0].command(1.0, 0.0)
     sim.advance(1000)

@@ -70,7 +70,7 @@ def test_never_below_range_min():
 
 
 @pytest.mark.parametrize('settings, words', [
-    (ScanSettings(scan_frame='lidar'), 'no link lidar (has base_footprint'),
+    (ScanSettings(scan_frame='lidar'), 'no link lidar (links: base_footprint'),
     (ScanSettings(scan_range_min=4.0), 'scan_range_min: got 4 m')])
 def test_refusals(settings, words):
     with pytest.raises(SimulationError) as error:

@@ -1,4 +1,4 @@
-"""Meshes of a robot description: found, missing and stood in for; and a robot that has them."""
+"""Meshes of a robot description: found, missing and replaced; and a robot that has them."""
 import math
 import os
 import struct
@@ -34,7 +34,7 @@ def mesh(kind, file='a.stl', inside='', origin='0 0 0'):
     return SHAPE.format(kind, origin, '0 0 0', MESH.format(file), inside)
 
 
-# as turtlebot3_description has it: looks from STL in mm, touches by primitives
+# like turtlebot3_description: visual shapes are STL in mm, collision shapes are primitives
 TOY = '<robot name="toy"><link name="base_footprint"/><link name="imu_link"/>{}</robot>'.format(
     ''.join((
         toy_link('base_link', 0.8, mesh('visual', 'base.stl', BLUE, '-0.032 0 0'),
@@ -112,7 +112,7 @@ def test_pybullet_loads_the_meshes(find):
     assert hit[3] == pytest.approx((-0.022, 0.01, 0.182 + 0.08), abs=3e-3)
 
 
-def test_collision_shape_stands_in_for_a_missing_visual_in_its_color():
+def test_collision_shape_replaces_a_missing_visual_in_its_color():
     link, missing = resolved(mesh('visual', inside=BLUE) + box('collision') + box('collision', 2))
     visuals = link.findall('visual')
     assert [each.find('geometry/box').get('size') for each in visuals] == ['1 1 1', '2 2 2']
@@ -123,7 +123,7 @@ def test_collision_shape_stands_in_for_a_missing_visual_in_its_color():
     assert missing == ['package://toy/meshes/a.stl']
 
 
-def test_visual_shape_stands_in_for_a_missing_collision():
+def test_visual_shape_replaces_a_missing_collision():
     link, _ = resolved(mesh('collision') + box('visual').replace('</visual>', BLUE + '</visual>'))
     assert link.find('collision/geometry/box').get('size') == '1 1 1'
     assert link.find('collision/origin').get('xyz') == '1 2 3'
@@ -131,7 +131,7 @@ def test_visual_shape_stands_in_for_a_missing_collision():
     assert len(link.findall('collision')) == len(link.findall('visual')) == 1
 
 
-def test_no_stand_in_where_a_shape_is_left_or_nothing_could_stand_in():
+def test_no_replacement_where_a_shape_is_left_or_there_is_none():
     link, _ = resolved(mesh('visual') + box('visual', 3) + box('collision'))
     assert [each.get('size') for each in link.iter('box')] == ['3 3 3', '1 1 1']
     link, missing = resolved(mesh('visual') + mesh('collision'))
@@ -140,14 +140,14 @@ def test_no_stand_in_where_a_shape_is_left_or_nothing_could_stand_in():
     assert link.find('visual') is None and missing == []
 
 
-def test_missing_meshes_are_listed_once_and_shapes_stand_in():
+def test_missing_meshes_are_listed_once_and_replaced():
     description = parse(TOY)
     assert sorted(description.missing_meshes) == sorted(URIS)
     urdf = ElementTree.fromstring(description.urdf)
     assert list(urdf.iter('mesh')) == []
     wheel = next(each for each in urdf.findall('link') if each.get('name') == 'wheel_left')
     assert wheel.find('visual/geometry/cylinder').get('radius') == '0.033'
-    words = meshes.described(description.missing_meshes)
+    words = meshes.warning_about(description.missing_meshes)
     assert all(uri in words for uri in URIS) and '\n' not in words
 
 
@@ -166,7 +166,7 @@ def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
     description = parse(TOY, find if has_meshes else lambda uri: None)
     settings = RobotSettings(spawn=SpawnSettings(x_pos=1.0, y_pos=1.0))
     toy = Vehicle(description, settings,
-                  sim.world.step_s, sim.world.client)
+                  sim.world.step_s, sim.world.physics_client_id)
     sim.vehicles = [toy]
     assert toy.robot.mass() == pytest.approx(0.8 + 2 * 0.03 + 0.1 + 0.005, abs=1e-6)
     sim.advance(2000)

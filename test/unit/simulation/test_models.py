@@ -1,4 +1,4 @@
-"""Models by name: where they are, seen from one another, and how they are put elsewhere."""
+"""Models by name: their states, relative to one another, and how states are set."""
 import math
 
 import numpy as np
@@ -124,7 +124,7 @@ def test_orientation_of_any_length_is_a_rotation(factor):
     assert state.position == close([1, 0, 0])
 
 
-def test_being_put_elsewhere_is_no_push_and_odometry_knows():
+def test_a_teleport_is_not_an_acceleration_and_changes_the_odometry():
     sim = simulator(imu=QUIET)
     sim.vehicles[0].command(0.5, 0.0)
     sim.advance(1000)
@@ -137,7 +137,7 @@ def test_being_put_elsewhere_is_no_push_and_odometry_knows():
     assert odometry.position == pytest.approx([4, 5, 0], abs=0.02)
 
 
-def test_being_put_elsewhere_turns_no_wheel_backwards():
+def test_a_teleport_turns_no_wheel():
     sim = simulator(odometry=OdometrySettings(odometry_source='encoder'))
     sim.vehicles[0].command(0.5, 0.0)
     sim.advance(1000)
@@ -158,7 +158,7 @@ def test_model_that_is_called_like_the_robot_is_not_it(tmp_path):
     assert np.linalg.norm(first.linear_acceleration - [0, 0, 9.8]) < 0.5
 
 
-def test_what_is_fixed_never_moves_even_where_a_part_of_it_does(tmp_path):
+def test_what_is_fixed_is_static_even_where_a_part_of_it_does(tmp_path):
     static = with_crates(tmp_path, ('shelf', '3 0 1 0 0 0'), static='true')
     mass = ('<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
             '</inertial>')
@@ -169,20 +169,20 @@ def test_what_is_fixed_never_moves_even_where_a_part_of_it_does(tmp_path):
     for sim, name in ((static, 'shelf'), (simulator(str(tmp_path / 'gate.urdf')), 'gate')):
         with pytest.raises(SimulationError) as error:
             Models(sim).set_state(name, GOOD)
-        assert str(error.value) == 'model {} never moves'.format(name)
+        assert str(error.value) == 'model {} is static'.format(name)
 
 
 @pytest.mark.parametrize('name, state, frame, words', [
-    ('r2d2', GOOD, 'world', "no model 'r2d2' (have ground_plane, turtlebot3_world, " + ROBOT),
-    (ROBOT, GOOD, 'map', "no model 'map' (have ground_plane, "),
+    ('r2d2', GOOD, 'world', "no model 'r2d2' (models: ground_plane, turtlebot3_world, " + ROBOT),
+    (ROBOT, GOOD, 'map', "no model 'map' (models: ground_plane, "),
     (ROBOT, GOOD._replace(position=(0.0, NAN, 0.0)), 'world', 'finite numbers'),
     (ROBOT, GOOD._replace(linear=(INF, 0.0, 0.0)), 'world', 'finite numbers'),
     (ROBOT, GOOD._replace(position=(-1e300, 0.0, 0.0)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, 0.0, 1e200)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, NAN, 1.0)), 'world', 'finite numbers'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, 0.0, 0.0)), 'world', 'zero quaternion'),
-    ('ground_plane', GOOD, 'world', 'model ground_plane never moves'),
-    ('turtlebot3_world', GOOD, 'world', 'model turtlebot3_world never moves')])
+    ('ground_plane', GOOD, 'world', 'model ground_plane is static'),
+    ('turtlebot3_world', GOOD, 'world', 'model turtlebot3_world is static')])
 def test_refusals_leave_everything_where_it_is(name, state, frame, words):
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
     models = Models(sim)
@@ -194,5 +194,5 @@ def test_refusals_leave_everything_where_it_is(name, state, frame, words):
 
 @pytest.mark.parametrize('name, frame', [('r2d2', 'world'), (ROBOT, 'map')])
 def test_state_refuses_what_is_not_there(name, frame):
-    with pytest.raises(SimulationError, match='no model .*have ground_plane, ' + ROBOT):
+    with pytest.raises(SimulationError, match='no model .*models: ground_plane, ' + ROBOT):
         Models(simulator()).state(name, frame)

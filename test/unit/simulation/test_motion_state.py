@@ -12,8 +12,8 @@ def moving(linear_x=0.0, angular_z=0.0):
 
 def test_says_only_what_is_new():
     state = MotionState()
-    told = [state.update(moving(speed)) for speed in (0, 0.01, 0.03, 0.5, 0.01, 0.004, 0)]
-    assert told == [None, None, 'drives forward', None, None, 'stands', None]
+    changes = [state.update(moving(speed)) for speed in (0, 0.01, 0.03, 0.5, 0.01, 0.004, 0)]
+    assert changes == [None, None, 'drives forward', None, None, 'stands', None]
 
 
 def test_backward_and_turning():

@@ -8,7 +8,7 @@ STEP_S = 0.0625
 
 
 def run(pacer, clock, steps, work_s=0.0):
-    """Simulate some steps of `work_s` each, waiting as told; return the wall time it took."""
+    """Simulate some steps of `work_s` each with the waits between; return the wall time."""
     start = clock.now_s
     for _ in range(steps):
         clock.advance(work_s)

@@ -173,13 +173,13 @@ def test_same_commands_same_trajectory_to_the_last_bit():
 
 
 def drive_with(switches):
-    """Drive with sensors switched as told before each quarter; return poses and readings."""
+    """Drive with sensors enabled or disabled before each quarter; return poses and readings."""
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
     vehicle, places, readings = sim.vehicles[0], [], []
     for quarter, command in enumerate(((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))):
         vehicle.command(*command)
         for sensor, on in switches.get(quarter, {}).items():
-            vehicle.switch(sensor, on)
+            vehicle.set_sensor_enabled(sensor, on)
         for _ in range(100):
             readings.extend(sim.advance(10))
             motion = vehicle.robot.motion()
@@ -192,7 +192,7 @@ def seen_by(sensor, readings):
     return [(each.time_s, each.value) for each in readings if each.sensor == sensor]
 
 
-def test_sensors_that_are_off_see_nothing_and_change_nothing():
+def test_disabled_sensors_read_nothing_and_change_nothing():
     places, readings = drive_with({})
     assert [len(seen_by(name, readings)) for name in SENSORS] == [121, 121, 800, 20]
     for off in ({name: False for name in SENSORS}, {'imu': False}, {'scan': False}):
@@ -206,7 +206,7 @@ def test_sensors_that_are_off_see_nothing_and_change_nothing():
         [0.2, 0.4, 0.6, 0.8, 1.0, 3.2, 3.4, 3.6, 3.8, 4.0])
 
 
-def test_noise_of_the_scan_does_not_hang_on_the_imu():
+def test_noise_of_the_scan_does_not_depend_on_the_imu():
     scans = [[value.tolist() for _, value in seen_by('scan', drive_with(off)[1])]
              for off in ({}, {0: {'imu': False}})]
     assert scans[0] == scans[1] and len(scans[0]) == 20
@@ -216,20 +216,20 @@ def test_noise_of_the_scan_does_not_hang_on_the_imu():
     assert forces[0] == forces[1] and len(forces[0]) == 800
 
 
-def test_imu_that_is_switched_on_again_feels_no_push_from_what_it_missed():
+def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
     sim = simulator()
     sim.advance(1000)
-    sim.vehicles[0].switch('imu', False)
+    sim.vehicles[0].set_sensor_enabled('imu', False)
     sim.vehicles[0].command(0.5, 0.0)
     sim.advance(1000)
     assert sim.vehicles[0].robot.motion().linear[0] > 0.4
-    sim.vehicles[0].switch('imu', True)
+    sim.vehicles[0].set_sensor_enabled('imu', True)
     values = [value for _, value in seen_by('imu', sim.advance(20))]
     assert len(values) == 4
     assert np.abs([value.linear_acceleration[0] for value in values]).max() < 1.0
 
 
-def test_switching_on_what_is_on_changes_nothing():
+def test_enabling_an_enabled_sensor_changes_nothing():
     quarters = {quarter: {'imu': True} for quarter in range(4)}
     forces = [[value.linear_acceleration.tolist()
                for _, value in seen_by('imu', drive_with(switches)[1])]
@@ -247,7 +247,7 @@ def test_whole_steps():
 
 @pytest.mark.parametrize('settings, words', [
     ({'drive': DriveSettings(left_joint='axle')}, 'no movable joint axle'),
-    ({'drive': DriveSettings(left_joint='wheel_right_joint')}, 'which is right_joint as well'),
+    ({'drive': DriveSettings(left_joint='wheel_right_joint')}, 'the same as right_joint'),
     ({'drive': DriveSettings(drive_period_s=0.0105)}, 'drive_period_s: got 0.0105'),
     ({'sensors': SensorSettings(odometry_period_s=0.0335)}, '0.033 or 0.034'),
     ({'world_name': 'mars'}, "world: got 'mars'"),
@@ -258,14 +258,14 @@ def test_refusals(settings, words):
     assert words in str(error.value) and '\n' not in str(error.value)
 
 
-def test_goes_without_the_sensors_that_it_has_no_links_for():
+def test_runs_without_the_sensors_that_it_has_no_links_for():
     urdf = burger().replace('imu_link', 'a_link').replace('base_scan', 'b_link')
     sim = simulator(urdf=urdf)
-    assert sim.vehicles[0].missing == ['imu (no link imu_link)', 'scan (no link base_scan)']
+    assert sim.vehicles[0].missing_sensors == {'imu': 'imu_link', 'scan': 'base_scan'}
     assert {each.sensor for each in sim.advance(400)} == {'odometry', 'joint_states'}
-    sim.vehicles[0].switch('imu', True)
+    sim.vehicles[0].set_sensor_enabled('imu', True)
     asked = simulator(urdf=urdf, imu=ImuSettings(imu_frame='a_link')).vehicles[0]
-    assert asked.missing == ['scan (no link base_scan)']
+    assert asked.missing_sensors == {'scan': 'base_scan'}
 
 
 @pytest.mark.parametrize('x, y, z, found', [

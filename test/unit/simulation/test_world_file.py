@@ -41,7 +41,7 @@ def build(file):
 
 
 def extent(body, client):
-    return [np.array(corner) for corner in pybullet.getAABB(body.number, physicsClientId=client)]
+    return [np.array(corner) for corner in pybullet.getAABB(body.body_id, physicsClientId=client)]
 
 
 def test_world_by_name():
@@ -56,7 +56,7 @@ def test_empty_world_is_the_floor():
     assert file == ('empty', '', False, ())
     world = build(file)
     assert world.bodies == [] and world.floor.name == 'ground_plane'
-    assert pybullet.getNumBodies(physicsClientId=world.client) == 1
+    assert pybullet.getNumBodies(physicsClientId=world.physics_client_id) == 1
 
 
 def test_urdf_by_path_stays_where_it_is(read):
@@ -115,7 +115,7 @@ TIE = '<joint name="{0}_{1}" type="fixed"><parent>{0}</parent><child>{1}</child>
 def test_links_are_where_their_poses_put_them(read, inside, names, places):
     world = build(read(sdf('<model name="m">', TURNED, inside, '</model>')))
     assert [body.name for body in world.bodies] == names
-    corners = [pybullet.getAABB(body.number, link, physicsClientId=world.client)
+    corners = [pybullet.getAABB(body.body_id, link, physicsClientId=world.physics_client_id)
                for body in world.bodies for link in body.links]
     assert np.mean(corners, axis=1) == pytest.approx(np.array(places), abs=1e-3)
 
@@ -136,10 +136,10 @@ def test_model_in_a_model_is_warned_of(read):
 
 
 @pytest.mark.parametrize('inside, words', [
-    (PART.format('a', '0 0 3'), "<pose> of link a: got '0 0 3', wants 6 finite numbers"),
-    (PART.format('a', '0 0 x 0 0 nan'), "got '0 0 x 0 0 nan', wants 6 finite numbers"),
-    (PART.format('', ''), 'each <link> of model m wants a name of its own'),
-    (PART.format('a', '') * 2, 'each <link> of model m wants a name of its own')])
+    (PART.format('a', '0 0 3'), "<pose> of link a: got '0 0 3', expected 6 finite numbers"),
+    (PART.format('a', '0 0 x 0 0 nan'), "got '0 0 x 0 0 nan', expected 6 finite numbers"),
+    (PART.format('', ''), 'each <link> of model m must have a unique name'),
+    (PART.format('a', '') * 2, 'each <link> of model m must have a unique name')])
 def test_refuses_links_that_crash_pybullet_or_stand_nowhere(read, inside, words):
     with pytest.raises(SimulationError) as error:
         read(sdf('<model name="m">', inside, '</model>'))
@@ -151,7 +151,7 @@ def test_refuses_a_urdf_with_two_roots_which_would_crash_pybullet(read):
     joint = '<joint name="{0}" type="fixed"><parent link="a"/><child link="{0}"/></joint>'
     with pytest.raises(SimulationError) as error:
         read(links.format(joint.format('b')), 'w.urdf')
-    assert 'w.urdf: has 2 root links (a, c), wants one' in str(error.value)
+    assert 'w.urdf: got 2 root links (a, c), expected one' in str(error.value)
     assert '\n' not in str(error.value)
     assert read(links.format(joint.format('b') + joint.format('c')), 'w.urdf').name == 'w'
 
@@ -167,7 +167,7 @@ def test_mesh_beside_the_world_file_by_its_path_or_found_elsewhere(read, tmp_pat
                 find_mesh={'model://peak': str(peak)}.get)
     assert file.warnings == () and str(peak) in file.text
     world = build(file)
-    low, high = extent(world.bodies[0], world.client)
+    low, high = extent(world.bodies[0], world.physics_client_id)
     assert low == pytest.approx([0, 0, 5], abs=0.05) and high == pytest.approx([1, 1, 6], abs=0.05)
 
 
@@ -177,7 +177,8 @@ def test_missing_mesh_is_warned_of_and_its_collision_shape_is_seen(read):
     warning, = file.warnings
     assert 'model://shelf/a.dae' in warning and '\n' not in warning
     world = build(file)
-    seen, = pybullet.getVisualShapeData(world.bodies[0].number, physicsClientId=world.client)
+    seen, = pybullet.getVisualShapeData(world.bodies[0].body_id,
+                                        physicsClientId=world.physics_client_id)
     assert seen[2] == pybullet.GEOM_BOX and seen[3] == pytest.approx((0.8, 0.8, 0.2))
 
 
@@ -189,8 +190,8 @@ def test_include_of_another_model_is_warned_of(read):
 
 
 @pytest.mark.parametrize('content, words', [
-    (None, 'which cannot be read as a file'), (b'robot:', 'which is no XML'), (b'', 'no XML'),
-    (b'<robot', 'which is no XML'), (bytes(range(256)), 'which is no XML'),
+    (None, 'which cannot be read as a file'), (b'robot:', 'which is not XML'), (b'', 'not XML'),
+    (b'<robot', 'which is not XML'), (bytes(range(256)), 'which is not XML'),
     (b'<?xml version="1.0" encoding="klingon"?><robot/>', 'cannot be read as a file'),
     (b'<world/>', 'whose root element is <world>, not <robot> (URDF) or <sdf>')])
 def test_refusals_name_the_value_and_what_is_allowed(tmp_path, content, words):

@@ -16,12 +16,12 @@ from img_recog.settings import Settings, not_empty, setting
 from img_recog.simulation.motion_state import MotionState
 from img_recog.simulation.vehicle import Reading, Vehicle
 
-_NEWS_PERIOD_S = 0.1            # of wall time, between two lines about how the robot moves
+_LOG_PERIOD_S = 0.1             # of wall time: minimum between two lines about the motion
 
 
 @dataclass(frozen=True)
 class TopicSettings(Settings):
-    """Names of topics, by the names that Gazebo's plugins have for them."""
+    """Names of topics; the settings are named like the tags of Gazebo's plugins."""
 
     command_topic: str = setting('cmd_vel', not_empty())
     odometry_topic: str = setting('odom', not_empty())
@@ -30,14 +30,14 @@ class TopicSettings(Settings):
 
 
 class _Output(NamedTuple):
-    """Where the readings of a sensor go, and the message for a value and a stamp."""
+    """How readings of a sensor are published; to_msg(value, stamp) returns the message."""
 
     publisher: DirectPublisher
     to_msg: Callable[[Any, rospy.Time], Any]
 
 
 class RobotTopics:
-    """Hands commands to a vehicle, and its readings to ROS."""
+    """Passes commands to a vehicle, and publishes its readings."""
 
     def __init__(self, vehicle: Vehicle, names: TopicSettings):
         self._vehicle = vehicle
@@ -45,44 +45,45 @@ class RobotTopics:
         odometry = settings.odometry
         base_frame = odometry.base_frame or vehicle.robot.root
         self._publishes_tf = odometry.publish_odom_tf
-        self._motion_state, self._news = MotionState(), Throttle(_NEWS_PERIOD_S)
+        self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
         self._warn = ThrottledWarning()
+        self._command_topic = names.command_topic
         self._commands = LatestValue()
         self._transforms = tf2_ros.TransformBroadcaster()
         self._outputs = {
             'odometry': _Output(
                 DirectPublisher(names.odometry_topic, Odometry),
                 lambda value, stamp: robot_msgs.odometry_to_msg(
-                    value, stamp, odometry.odom_frame, base_frame)),
+                    value, odometry.odom_frame, base_frame, stamp)),
             'joint_states': _Output(DirectPublisher('joint_states', JointState),
                                     robot_msgs.joint_states_to_msg),
             'imu': _Output(
                 DirectPublisher(names.imu_topic, Imu),
-                lambda value, stamp: robot_msgs.imu_to_msg(value, stamp, settings.imu)),
+                lambda value, stamp: robot_msgs.imu_to_msg(value, settings.imu, stamp)),
             'scan': _Output(
                 DirectPublisher(names.scan_topic, LaserScan),
-                lambda value, stamp: robot_msgs.scan_to_msg(value, stamp, settings.scan))}
+                lambda value, stamp: robot_msgs.scan_to_msg(value, settings.scan, stamp))}
         rospy.Subscriber(names.command_topic, Twist, self._keep_command, queue_size=10,
                          tcp_nodelay=True)
 
     def _keep_command(self, msg: Twist) -> None:
         try:
-            # looked at here, so that a bad command does not replace a good one
+            # checked here, so that a bad command does not replace a good one
             self._commands.put(twist_msgs.from_msg(msg))
         except twist_msgs.TwistError as error:
-            self._warn('cmd_vel ignored: %s', error)
+            self._warn('ignored a message on %s: %s', self._command_topic, error)
 
     def apply_command(self) -> None:
-        """Obey the newest command, and switch off the sensors that nobody listens to."""
+        """Apply the newest command, and disable the sensors that have no subscriber."""
         command = self._commands.take()
         if command is not None:
             self._vehicle.command(*command)
         for sensor in ('joint_states', 'imu', 'scan'):
             publisher = self._outputs[sensor].publisher
-            self._vehicle.switch(sensor, publisher.get_num_connections() > 0)
+            self._vehicle.set_sensor_enabled(sensor, publisher.get_num_connections() > 0)
 
     def publish(self, reading: Reading) -> None:
-        """Publish what a sensor of the vehicle saw."""
+        """Publish a reading of a sensor of the vehicle."""
         output = self._outputs[reading.sensor]
         msg = output.to_msg(reading.value, robot_msgs.stamp_of(reading.time_s))
         output.publisher.publish(msg)
@@ -92,12 +93,12 @@ class RobotTopics:
                 self._transforms.sendTransform(robot_msgs.transform_of(msg))
 
     def discard_command(self) -> None:
-        """Drop a command that has come and was not obeyed yet: one from before a reset."""
+        """Drop a command that was not applied yet: after a reset it is out of date."""
         self._commands.take()
 
     def _log_motion_change(self, reading: Reading) -> None:
-        if self._news.ready():
-            news = self._motion_state.update(reading.value)
-            if news is not None:
-                rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', news,
+        if self._log_throttle.ready():
+            change = self._motion_state.update(reading.value)
+            if change is not None:
+                rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', change,
                               *reading.value.position[:2])

@@ -1,4 +1,4 @@
-"""Images of the simulation for those who watch."""
+"""The image topic of the simulation."""
 import threading
 
 import rospy
@@ -11,12 +11,12 @@ from img_recog.simulation.settings import SimulationError, ViewSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.view import View, ViewImage
 
-_FRAME = 'view'                 # no frame of tf: the camera is none of the robot's
+_FRAME = 'view'                 # not a frame of tf: the camera is not part of the robot
 _POLL_PERIOD_S = 0.1
 
 
 class ViewTopic:
-    """Publishes ~view/image_raw (sensor_msgs/Image, rgb8) while somebody subscribes to it."""
+    """Publishes ~view/image_raw (sensor_msgs/Image, rgb8) while it has a subscriber."""
 
     def __init__(self, scene: Scene, settings: ViewSettings):
         self._view = View(scene, settings)
@@ -26,7 +26,7 @@ class ViewTopic:
         self._publisher.start()
 
     def update(self, simulator: Simulator) -> None:
-        """Call in the loop: have an image drawn if one is wanted and it is time for it."""
+        """Request an image if there is a subscriber and it is time; to be called by the loop."""
         if (self._images.get_num_connections() and self._view.due()
                 and not self._ended.is_set()):
             self._view.request(poses_of(simulator), simulator.time_s)
@@ -37,7 +37,7 @@ class ViewTopic:
                 image = self._view.next_image(_POLL_PERIOD_S)
             except SimulationError as error:
                 self._ended.set()
-                rospy.logwarn('no more view: %s; the simulation goes on without', error)
+                rospy.logwarn('no more view: %s; the simulation goes on without it', error)
                 return
             if image is not None:
                 self._publish_image(image)
@@ -49,5 +49,5 @@ class ViewTopic:
     def close(self) -> None:
         """End the process that draws."""
         self._ended.set()
-        self._publisher.join()      # it must not read from what is closed next
+        self._publisher.join()      # it must not use the view after it is closed
         self._view.close()

@@ -1,0 +1,7 @@
+#!/usr/bin/env python3
+"""Print the URDF of a robot's file; a xacro file is expanded."""
+import sys
+
+if __name__ == '__main__':
+    from img_recog.robot_file import main
+    sys.exit(main())

@@ -1,0 +1,138 @@
+"""Reads the file of a robot: a URDF, or a xacro file, which is expanded to a URDF."""
+import contextlib
+import os
+import shutil
+import subprocess
+import sys
+import types
+from importlib import util
+from typing import Iterator, List, Optional
+
+import rospkg
+
+from img_recog.errors import UserError, one_line
+
+_XACRO = '.xacro'
+_TIMEOUT_S = 60.0
+
+
+def read(path: str, option: str = 'urdf') -> str:
+    """Return the text of a URDF.
+
+    path: of a URDF, or of a xacro file, whose name ends with .xacro. option: what the user types
+    to name the file, for the error.
+    Raises UserError when it cannot be read, or xacro is missing or fails.
+    """
+    try:
+        with open(path, encoding='utf-8') as file:
+            text = file.read()
+    except OSError as error:
+        raise UserError('cannot read the robot in {}: {}'.format(path, one_line(error)),
+                        'set {} to a URDF file'.format(option))
+    except ValueError:
+        raise UserError('cannot read the robot in {}: it is not a text file'.format(path),
+                        'set {} to a URDF file'.format(option))
+    return _expanded(path) if path.endswith(_XACRO) else text
+
+
+def main() -> int:
+    """Print the URDF of the file that is the program's argument; return the exit code."""
+    if len(sys.argv) != 2:
+        sys.stderr.write('usage: {} FILE\n'.format(os.path.basename(sys.argv[0])))
+        return 2
+    try:
+        sys.stdout.write(read(sys.argv[1]))
+    except UserError as error:
+        sys.stderr.write('{}\n'.format(one_line(error)))
+        return 1
+    return 0
+
+
+def _expanded(path: str) -> str:
+    command = _ros_command()
+    if command is not None:
+        return _expanded_by_command(command, path)
+    # the xacro of ROS 2, which PyPI has; that of ROS 1 has no such module
+    try:
+        is_installed = util.find_spec('xacro.substitution_args') is not None
+    except ImportError:
+        is_installed = False
+    if not is_installed:
+        raise UserError(
+            'cannot use {}: it is a xacro file, and xacro is not installed'.format(path),
+            'install it (Ubuntu 20.04: apt-get install ros-noetic-xacro, Debian: {} -m pip '
+            'install xacro) or convert the file elsewhere: xacro {} > robot.urdf'.format(
+                sys.executable, path))
+    return _expanded_by_module(path)
+
+
+def _ros_command() -> Optional[str]:
+    """Return the path of ROS 1's command xacro, None when that package is not installed."""
+    try:
+        rospkg.RosPack().get_path('xacro')
+    except rospkg.ResourceNotFound:
+        return None
+    folders = os.environ.get('PATH', os.defpath).split(os.pathsep)
+    if sys.prefix != sys.base_prefix:
+        # a virtual environment may have ROS 2's
+        folders = [folder for folder in folders if folder != os.path.join(sys.prefix, 'bin')]
+    return shutil.which('xacro', path=os.pathsep.join(folders))
+
+
+def _expanded_by_command(command: str, path: str) -> str:
+    try:
+        result = subprocess.run([command, path], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                timeout=_TIMEOUT_S, check=True, universal_newlines=True)
+    except subprocess.CalledProcessError as error:
+        raise _failed(path, error.stderr.strip())
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise _failed(path, error)
+    return result.stdout
+
+
+def _expanded_by_module(path: str) -> str:
+    import xacro
+    missing: List[str] = []
+    try:
+        with _package_index(missing):
+            return xacro.process_file(path).toxml()
+    except Exception as error:      # xacro evaluates Python expressions: anything may be raised
+        if missing:
+            raise UserError(
+                'xacro cannot expand {}: there is no ROS package {}'.format(path, missing[0]),
+                'source the workspace that has it, or add its folder to ROS_PACKAGE_PATH')
+        raise _failed(path, error)
+
+
+@contextlib.contextmanager
+def _package_index(missing: List[str]) -> Iterator[None]:
+    """Let xacro find ROS 1 packages for $(find ...).
+
+    It asks ament_index_python, the package index of ROS 2, which it imports when it needs it.
+    missing: gets the names of packages that are not found.
+    """
+    packages_of_ros = rospkg.RosPack()
+
+    def path_of(package: str) -> str:
+        try:
+            return packages_of_ros.get_path(package)
+        except rospkg.ResourceNotFound:
+            missing.append(package)
+            raise
+
+    index = types.ModuleType('ament_index_python')
+    packages = types.ModuleType('ament_index_python.packages')
+    setattr(packages, 'get_package_share_directory', path_of)
+    ours = {module.__name__: module for module in (index, packages)}
+    replaced = {name: sys.modules[name] for name in ours if name in sys.modules}
+    sys.modules.update(ours)
+    try:
+        yield
+    finally:
+        for name in ours:
+            del sys.modules[name]
+        sys.modules.update(replaced)
+
+
+def _failed(path: str, reason: object) -> UserError:
+    return UserError('xacro cannot expand {}: {}'.format(path, one_line(reason)))

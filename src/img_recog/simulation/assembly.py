@@ -1,0 +1,111 @@
+"""The one way to build a simulator, in two steps, since a node reads parameters in between.
+
+`read_robot` reads the text of a URDF; `build` makes the simulator from robots, settings and a
+world. Both return warnings and log nothing.
+"""
+import dataclasses
+from typing import Callable, List, NamedTuple, Sequence, Tuple
+
+from img_recog.files import FindFile
+from img_recog.settings import SettingError, from_mapping
+from img_recog.simulation import description, gazebo_tags, loading, meshes
+from img_recog.simulation.description import Description
+from img_recog.simulation.scene import Scene
+from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SimulationError
+from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.vehicle import Vehicle
+from img_recog.simulation.world import World
+from img_recog.simulation.world_file import WorldFile
+
+
+class RobotSource(NamedTuple):
+    """What the text of a URDF gives.
+
+    source: what messages call the text, like robot_description or the path of a file;
+    tag_values: the settings that its <gazebo> tags give, by name; warnings: a line each.
+    """
+
+    source: str
+    description: Description
+    tag_values: gazebo_tags.Values
+    warnings: Tuple[str, ...]
+
+
+class Assembly(NamedTuple):
+    """A simulator, the scene of which copies can be drawn, and warnings, a line each."""
+
+    simulator: Simulator
+    scene: Scene
+    warnings: Tuple[str, ...]
+
+
+def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str) -> RobotSource:
+    """Read the text of a URDF.
+
+    step_s: of the physics. find_mesh: returns the path of a mesh's URI. source: see RobotSource.
+    Raises SimulationError naming the source when the text is not a URDF that can be simulated.
+    """
+    try:
+        robot = description.parse(urdf, find_mesh)
+        values = gazebo_tags.settings(urdf, step_s)
+        unsupported = gazebo_tags.not_simulated(urdf)
+    except SimulationError as error:
+        raise _refused(source, error.problem, error.advice)
+    warnings = []
+    if robot.missing_meshes:
+        warnings.append('{}: {}'.format(source, meshes.warning_about(robot.missing_meshes)))
+    if unsupported:
+        warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
+            source, ', '.join(unsupported)))
+    return RobotSource(source, robot, values, tuple(warnings))
+
+
+def default_settings(robot: RobotSource) -> RobotSettings:
+    """Return the settings of a robot that its <gazebo> tags and the defaults give.
+
+    Raises SimulationError naming the source when the value of a tag is not allowed.
+    """
+    try:
+        return RobotSettings(**{field.name: from_mapping(type(field.default), robot.tag_values)
+                                for field in dataclasses.fields(RobotSettings)})
+    except SettingError as error:
+        raise _refused(robot.source, error.problem, error.advice)
+
+
+def build(physics: PhysicsSettings, world: WorldFile,
+          robots: Sequence[Tuple[RobotSource, RobotSettings]],
+          unused_sensors: Sequence[str] = (),
+          option_name: Callable[[str], str] = str) -> Assembly:
+    """Build a simulator of robots in a world.
+
+    unused_sensors: names of sensors that are disabled. option_name: what the user types to give
+    the setting of that name, for warnings.
+    Raises SimulationError when PyBullet cannot load something or the settings do not fit.
+    """
+    physics_client_id = loading.connect()
+    simulated_world = World(physics, world, physics_client_id)
+    vehicles: List[Vehicle] = []
+    for robot, settings in robots:
+        try:
+            vehicles.append(Vehicle(robot.description, settings, physics.step_s,
+                                    physics_client_id))
+        except SimulationError as error:
+            raise _refused(robot.source, error.problem, error.advice)
+    simulator = Simulator(simulated_world, vehicles)
+    warnings = list(world.warnings)
+    for vehicle in vehicles:
+        for sensor in unused_sensors:
+            vehicle.set_sensor_enabled(sensor, False)
+        warnings += ['{} runs without the sensor {}: no link {}'.format(
+            vehicle.robot.name, sensor, link)
+            for sensor, link in vehicle.missing_sensors.items() if sensor not in unused_sensors]
+    for overlap in simulator.overlaps():
+        warnings.append('{}: they overlap at the start, and the physics will throw them apart; '
+                        'set {}'.format(overlap, ', '.join(
+                            map(option_name, ('x_pos', 'y_pos', 'z_pos')))))
+    return Assembly(simulator, Scene([robot.description for robot, _ in robots], world),
+                    tuple(warnings))
+
+
+def _refused(source: str, problem: str, advice: str) -> SimulationError:
+    return SimulationError('cannot use the robot in {}: {}'.format(source, problem), advice)

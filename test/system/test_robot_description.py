@@ -1,0 +1,44 @@
+"""The demo's argument urdf with a xacro file: the parameter, or the error line."""
+import stat
+
+import pytest
+
+PACKAGE = ('<package><name>xacro</name><version>1.14.0</version><description>d</description>'
+           '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
+# replaces ROS 1's, which Debian does not have
+COMMAND = '''#!/bin/sh
+grep -q size "$1" || { echo "undefined symbol: size" >&2; exit 2; }
+echo '<robot name="expanded"/>'
+'''
+
+
+@pytest.fixture
+def dump(ros, tmp_path):
+    """A function that returns what roslaunch says about the parameters for a robot's file."""
+    package, folder = tmp_path / 'packages' / 'xacro', tmp_path / 'bin'
+    package.mkdir(parents=True)
+    folder.mkdir()
+    (package / 'package.xml').write_text(PACKAGE)
+    (folder / 'xacro').write_text(COMMAND)
+    (folder / 'xacro').chmod(stat.S_IRWXU)
+    env = dict(ros.env, PATH='{}:{}'.format(folder, ros.env['PATH']))
+    env['ROS_PACKAGE_PATH'] = '{}:{}'.format(
+        ros.env['ROS_PACKAGE_PATH'], tmp_path / 'packages')
+
+    def run(text):
+        (tmp_path / 'my robot.urdf.xacro').write_text(text)
+        process = ros.start('roslaunch', '--dump-params', 'img_recog', 'demo.launch',
+                            'urdf:=my robot.urdf.xacro', env=env, cwd=str(tmp_path))
+        process.wait()
+        return process.output
+    return run
+
+
+def test_xacro_file_is_expanded(dump):
+    assert '/robot_description: \'<robot name="expanded"/>' in dump('<robot size="1"/>')
+
+
+def test_xacro_file_that_cannot_be_expanded_is_a_line_with_the_reason(dump):
+    lines = dump('<robot/>').splitlines()
+    assert 'xacro cannot expand my robot.urdf.xacro: undefined symbol: size' in lines, lines
+    assert not [line for line in lines if line.startswith('/robot_description')]

@@ -1,0 +1,127 @@
+"""Simulators as node, replay and tests build them: what they are made of, warnings, refusals."""
+import pytest
+
+from img_recog.simulation import assembly, world_file
+from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
+                                           SimulationError, SpawnSettings)
+from img_recog_testing.robots import WORLDS, assemble, burger
+
+TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+  <wheelSeparation>0.3</wheelSeparation><updateRate>50</updateRate></plugin></gazebo>
+  <gazebo><plugin name="lamp" filename="liblamp.so"/></gazebo></robot>'''
+MESH = ('<link name="cover"><visual><geometry><mesh filename="package://lost/x.stl"/></geometry>'
+        '</visual></link><joint name="cover_joint" type="fixed"><parent link="base_link"/>'
+        '<child link="cover"/></joint></robot>')
+
+
+def read(urdf, source='robot.urdf'):
+    return assembly.read_robot(urdf, 0.001, lambda uri: None, source)
+
+
+def refusal(action):
+    with pytest.raises(SimulationError) as error:
+        action()
+    assert '\n' not in str(error.value)
+    return str(error.value)
+
+
+def test_robot_with_its_tags_and_warnings():
+    robot = read(burger().replace('</robot>', TAGS).replace('</robot>', MESH))
+    assert (robot.source, robot.description.name) == ('robot.urdf', 'turtlebot3_burger')
+    assert robot.tag_values == {'wheel_separation': 0.3, 'odometry_period_s': pytest.approx(0.02),
+                                'joint_states_period_s': pytest.approx(0.02)}
+    mesh, tag = robot.warnings
+    assert mesh.startswith('robot.urdf: mesh not found') and 'package://lost/x.stl' in mesh
+    assert tag.startswith('robot.urdf: ') and tag.endswith('plugin liblamp.so')
+    assert read(burger()).warnings == ()
+
+
+def test_default_settings_are_those_of_tags_and_else_the_defaults():
+    assert assembly.default_settings(read(burger())) == RobotSettings()
+    settings = assembly.default_settings(read(burger().replace('</robot>', TAGS)))
+    assert settings.drive == DriveSettings(wheel_separation=0.3)
+    assert settings.sensors.odometry_period_s == pytest.approx(0.02)
+    assert settings.scan == RobotSettings().scan
+
+
+def test_simulator_and_scene_of_the_world_and_the_robot():
+    built = assemble('turtlebot3_world', x=-2.0, y=-0.5)
+    vehicle, = built.simulator.vehicles
+    assert vehicle.robot.motion().position == pytest.approx([-2.0, -0.5, 0.0], abs=1e-6)
+    assert [body.name for body in built.simulator.world.bodies] == ['turtlebot3_world']
+    assert [robot.name for robot in built.scene.robots] == ['turtlebot3_burger']
+    assert built.scene.world.name == 'turtlebot3_world'
+    assert built.warnings == ()
+
+
+def test_several_robots_stand_and_drive_in_one_simulator():
+    names = ('one', 'two')
+    robots = [(read(burger().replace('turtlebot3_burger', name), name),
+               RobotSettings(spawn=SpawnSettings(x_pos=number, y_pos=2.0 * number)))
+              for number, name in enumerate(names)]
+    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', WORLDS),
+                           robots)
+    assert built.warnings == () and len(built.scene.robots) == 2
+    first, second = built.simulator.vehicles
+    second.command(0.2, 0.0)
+    readings = built.simulator.advance(2000)
+    assert {reading.robot for reading in readings} == set(names)
+    assert first.robot.motion().position[0] == pytest.approx(0.0, abs=0.01)
+    assert second.robot.motion().position[0] == pytest.approx(1.38, abs=0.03)
+
+
+def test_sensors_without_a_link_are_warned_of_unless_unused():
+    urdf = burger().replace('imu_link', 'a_link').replace('base_scan', 'b_link')
+    assert assemble(urdf=urdf).warnings == (
+        'turtlebot3_burger runs without the sensor imu: no link imu_link',
+        'turtlebot3_burger runs without the sensor scan: no link base_scan')
+    world = world_file.read('empty', WORLDS)
+    built = assembly.build(PhysicsSettings(world='empty'), world,
+                           [(read(urdf), RobotSettings())], unused_sensors=('imu', 'scan'))
+    assert built.warnings == ()
+
+
+def test_unused_sensors_are_disabled():
+    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', WORLDS),
+                           [(read(burger()), RobotSettings())], unused_sensors=('imu', 'scan'))
+    assert {reading.sensor for reading in built.simulator.advance(400)} == {
+        'odometry', 'joint_states'}
+
+
+def test_overlap_at_the_start_names_the_options():
+    spawn = RobotSettings(spawn=SpawnSettings(x_pos=0.0, y_pos=0.1))
+    world = world_file.read('turtlebot3_world', WORLDS)
+    for option_name, names in ((str, 'x_pos, y_pos, z_pos'), (str.upper, 'X_POS, Y_POS, Z_POS')):
+        warning, = assembly.build(PhysicsSettings(), world, [(read(burger()), spawn)],
+                                  option_name=option_name).warnings
+        assert warning.startswith('turtlebot3_burger in turtlebot3_world: ')
+        assert warning.endswith('set ' + names)
+
+
+def test_warnings_of_the_world_file_come_first(tmp_path):
+    path = tmp_path / 'hall.world'
+    path.write_text('<sdf version="1.6"><world name="w"><include><uri>model://table</uri>'
+                    '</include><model name="m"><link name="l"/></model></world></sdf>')
+    warnings = assemble(str(path), urdf=burger().replace('imu_link', 'a_link')).warnings
+    assert len(warnings) == 2 and 'model://table' in warnings[0] and 'imu' in warnings[1]
+
+
+@pytest.mark.parametrize('urdf, words', [
+    ('<robot', 'not XML'), (burger().replace('</robot>', TAGS.replace('0.3', 'wide')),
+                            "<wheelSeparation> of plugin drive: got 'wide'")],
+    ids=['not XML', 'tag'])
+def test_text_that_cannot_be_read_is_refused_with_its_source(urdf, words):
+    assert refusal(lambda: read(urdf)).startswith('cannot use the robot in robot.urdf: ' + words)
+
+
+def test_value_of_a_tag_that_is_not_allowed_is_refused_with_its_source():
+    robot = read(burger().replace('</robot>', TAGS.replace('0.3', '-1')))
+    assert refusal(lambda: assembly.default_settings(robot)).startswith(
+        'cannot use the robot in robot.urdf: wheel_separation: got -1.0, allowed is')
+
+
+def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source():
+    assert refusal(lambda: assemble(drive=DriveSettings(left_joint='axle'))) == (
+        'cannot use the robot in robot_description: the robot has no movable joint axle '
+        '(movable joints: wheel_left_joint, wheel_right_joint); '
+        'set left_joint to the joint of a wheel')

@@ -1,0 +1,141 @@
+"""Files of robots: URDF as it is, xacro expanded by ROS 1's command, by Python's package, or not.
+"""
+import os
+import stat
+import sys
+from importlib import util
+
+import pytest
+
+from img_recog import robot_file
+from img_recog.errors import UserError
+
+URDF = '<robot name="r"><link name="a"/></robot>'
+XACRO = '''<robot name="box" xmlns:xacro="http://ros.org/wiki/xacro">
+  <xacro:arg name="side" default="0.4"/>
+  <xacro:include filename="$(find toy_description)/urdf/common.xacro"/>
+  <link name="base"><xacro:shape half="${0.5 * $(arg side)}"/></link>
+</robot>'''
+COMMON = '''<robot xmlns:xacro="http://ros.org/wiki/xacro"><xacro:macro name="shape" params="half">
+  <visual><geometry><sphere radius="${half}"/></geometry></visual></xacro:macro></robot>'''
+needs_module = pytest.mark.skipif(
+    util.find_spec('xacro') is None or util.find_spec('xacro.substitution_args') is None,
+    reason="Python's package xacro is not installed")
+
+
+@pytest.fixture
+def box(tmp_path, monkeypatch):
+    """The path of a xacro file that includes another one from a ROS package."""
+    package = tmp_path / 'packages' / 'toy_description'
+    (package / 'urdf').mkdir(parents=True)
+    (package / 'package.xml').write_text(
+        '<package><name>toy_description</name><version>1.0.0</version><description>d</description>'
+        '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
+    (package / 'urdf' / 'common.xacro').write_text(COMMON)
+    path = tmp_path / 'box.urdf.xacro'
+    path.write_text(XACRO)
+    monkeypatch.setenv('ROS_PACKAGE_PATH', str(tmp_path / 'packages'))
+    return str(path)
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch):
+    """A function that puts ROS 1's package xacro, with a command of this script, on the paths."""
+    def install(script):
+        package = tmp_path / 'packages' / 'xacro'
+        package.mkdir(parents=True, exist_ok=True)
+        (package / 'package.xml').write_text(
+            '<package><name>xacro</name><version>1.14.0</version><description>d</description>'
+            '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
+        folder = tmp_path / 'bin'
+        folder.mkdir()
+        (folder / 'xacro').write_text('#!/bin/sh\n' + script)
+        (folder / 'xacro').chmod(stat.S_IRWXU)
+        monkeypatch.setenv('ROS_PACKAGE_PATH', str(tmp_path / 'packages'))
+        monkeypatch.setenv('PATH', '{}:{}'.format(folder, os.environ['PATH']))
+    return install
+
+
+def refusal(path):
+    with pytest.raises(UserError) as error:
+        robot_file.read(path, '--urdf')
+    assert '\n' not in str(error.value) and path in str(error.value)
+    return str(error.value)
+
+
+def test_urdf_is_read_as_it_is(tmp_path):
+    path = tmp_path / 'robot.urdf'
+    path.write_text(URDF)
+    assert robot_file.read(str(path)) == URDF
+
+
+@pytest.mark.parametrize('name', ['no.urdf', 'no.urdf.xacro'])
+def test_missing_file_names_the_option(tmp_path, name):
+    words = refusal(str(tmp_path / name))
+    assert words.endswith('No such file or directory; set --urdf to a URDF file')
+
+
+def test_file_that_is_not_text(tmp_path):
+    path = tmp_path / 'robot.urdf'
+    path.write_bytes(bytes(range(256)))
+    assert 'it is not a text file; set --urdf' in refusal(str(path))
+
+
+def test_command_of_ros_1_is_used_where_it_is_installed(box, command):
+    command('echo "<robot name=\\"$(basename $1)\\"/>"')
+    assert robot_file.read(box).strip() == '<robot name="box.urdf.xacro"/>'
+
+
+def test_command_that_fails_is_a_line_with_its_reason(box, command):
+    command('echo "undefined\nargument: side" >&2; exit 2')
+    assert refusal(box) == 'xacro cannot expand {}: undefined argument: side'.format(box)
+
+
+def test_command_that_is_not_of_ros_1_is_not_used(box, command, monkeypatch):
+    command('echo wrong')
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '')
+    monkeypatch.setattr(util, 'find_spec', lambda name: None)
+    assert 'xacro is not installed' in refusal(box)
+
+
+def test_without_xacro_the_line_says_what_to_do(box, monkeypatch):
+    monkeypatch.setattr(util, 'find_spec', lambda name: None)
+    words = refusal(box)
+    assert 'it is a xacro file, and xacro is not installed; install it' in words
+    assert 'pip install xacro' in words and 'xacro {} > robot.urdf'.format(box) in words
+
+
+@needs_module
+def test_module_expands_macros_arguments_and_packages_of_ros_1(box):
+    text = robot_file.read(box)
+    assert '<sphere radius="0.2"/>' in text and 'xacro:' not in text
+    assert 'ament_index_python' not in sys.modules
+
+
+@needs_module
+def test_module_without_the_package_says_which(box, monkeypatch):
+    monkeypatch.setenv('ROS_PACKAGE_PATH', '')
+    words = refusal(box)
+    assert 'there is no ROS package toy_description; source the workspace' in words
+
+
+@needs_module
+@pytest.mark.parametrize('text, words', [
+    ('<robot', 'unclosed token'), (XACRO.replace('0.5 *', 'height *'), 'height'),
+    (XACRO.replace('arg side', 'arg width'), 'width')], ids=['not XML', 'name', 'argument'])
+def test_module_that_fails_is_a_line_with_its_reason(box, text, words):
+    with open(box, 'w') as file:
+        file.write(text)
+    assert 'xacro cannot expand' in refusal(box) and words in refusal(box)
+
+
+def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys):
+    path = tmp_path / 'robot.urdf'
+    path.write_text(URDF)
+    monkeypatch.setattr(sys, 'argv', ['robot_description.py', str(path)])
+    assert robot_file.main() == 0 and capsys.readouterr().out == URDF
+    monkeypatch.setattr(sys, 'argv', ['robot_description.py', str(tmp_path / 'no.urdf')])
+    assert robot_file.main() == 1
+    assert capsys.readouterr().err.count('\n') == 1
+    monkeypatch.setattr(sys, 'argv', ['robot_description.py'])
+    assert robot_file.main() == 2
