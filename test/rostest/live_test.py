@@ -61,6 +61,13 @@ class LiveTest(unittest.TestCase):
     def setUp(self):
         self.client.update_configuration(DEFAULTS)
 
+    def configuration_with_defaults(self):
+        """Wait until the update of `setUp` has arrived on the topic; return all parameters."""
+        def with_defaults():
+            configuration = self.client.get_configuration(timeout=30)
+            return configuration if DEFAULTS.items() <= configuration.items() else None
+        return wait_for(with_defaults, 'the default values')
+
     @classmethod
     def areas(cls):
         """Return the logged lines with areas."""
@@ -110,7 +117,7 @@ class LiveTest(unittest.TestCase):
                  '150'),
                 ({'blue_area_limit': -1}, 'blue_area_limit: got -1'),
                 ({'blue_linear_x': float('nan')}, 'blue_linear_x: got nan')):
-            before = self.client.get_configuration(timeout=30)
+            before = self.configuration_with_defaults()
             self.client.update_configuration(values)
             wait_for(lambda: [msg for msg in self.logs.messages
                               if text in msg.msg and msg.level == Log.ERROR], text)
