@@ -1,8 +1,9 @@
 """Files: how a path that a user types is resolved, and files that are written atomically."""
 import contextlib
+import io
 import os
 import threading
-from typing import BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple
 
 from img_recog.errors import UserError, one_line
 
@@ -62,7 +63,7 @@ def output_paths(source: str, output: str, extensions: Sequence[str]) -> Tuple[s
 @contextlib.contextmanager
 def atomic_write(paths: Sequence[str],
                  advice: str = 'set --output to a folder or the beginning of a path where files '
-                 'can be written') -> Iterator[List[BinaryIO]]:
+                 'can be written') -> Iterator[List[io.BufferedRandom]]:
     """Yield a binary file for each path; replace the files at `paths` when the block succeeds.
 
     When anything fails, the old files stay. Symlinks stay and their targets are replaced; folders,
@@ -80,7 +81,7 @@ def atomic_write(paths: Sequence[str],
     parts = [os.path.join(os.path.dirname(target), '.{}.{}'.format(os.path.basename(target),
                                                                    suffix))
              for target in targets]
-    files: List[BinaryIO] = []
+    files: List[io.BufferedRandom] = []
     try:
         for path, part in zip(paths, parts):
             with _refusal(path, advice):
