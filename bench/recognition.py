@@ -3,7 +3,7 @@ import json
 import os
 import sys
 from statistics import median
-from typing import Callable
+from typing import Callable, Dict, Optional
 
 import numpy as np
 import rosgraph
@@ -19,10 +19,12 @@ FILTERS = {'blue': (50, 150, 100, 255, 100, 255), 'red': (150, 180, 100, 255, 15
 KEYS = ('cpu_ms', 'latency_ms', 'with_transport_ms', 'rate_hz')
 
 
-def script(*path: str) -> Callable[[Master, str, bool], tuple]:
+def script(*path: str, env: Optional[Dict[str, str]] = None
+           ) -> Callable[[Master, str, bool], tuple]:
     """Return how to start a recognition that is one Python script and answers by Twists."""
     def start(master: Master, name: str, viewed: bool) -> tuple:
-        process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name)
+        process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name,
+                               env=env)
         if viewed:
             images = ['/{}/{}'.format(name, image) for image in IMAGES]
             master.start(sys.executable, os.path.join(HERE, 'watch_images.py'), *images,
@@ -62,19 +64,20 @@ def count() -> int:
     return ROUNDS * len(cases())
 
 
-def samples(nodes: list, size: tuple, viewed: bool) -> dict:
+def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS) -> dict:
     """Return, for each node, what recognition_sample.py measures in each of its turns.
 
-    All run at once, each in a namespace of its own, and images go to one after the other.
+    nodes: how to start each, by name. All run at once, each in a separate namespace, and images
+    go to one after the other.
     """
     with Master() as master:
         ends = []
-        for name in nodes:
-            topics, pids = NODES[name](master, name, viewed)
+        for name, start in nodes.items():
+            topics, pids = start(master, name, viewed)
             ends.append({'name': name, 'images': '/{}/usb_cam/image_raw'.format(name),
                          'results': ['/{}/{}'.format(name, topic) for topic in topics],
                          'pids': pids})
-        return run_script('recognition_sample.py', *size, TURNS, SECONDS, json.dumps(ends),
+        return run_script('recognition_sample.py', *size, turns, SECONDS, json.dumps(ends),
                           env=master.env)
 
 
@@ -87,7 +90,8 @@ def measure(done: Callable[[], None]) -> dict:
     for size, viewed, nodes in cases():
         found = {node: [] for node in nodes}
         for _ in range(ROUNDS):
-            for node, turns in samples(nodes, size, viewed).items():
+            starts = {node: NODES[node] for node in nodes}
+            for node, turns in samples(starts, size, viewed).items():
                 found[node] += turns
             done()
         for node in nodes:

@@ -2,7 +2,7 @@
 import os
 import sys
 from statistics import median
-from typing import Callable
+from typing import Callable, Dict, Optional
 
 import rosgraph
 from ros_processes import Master, run_script, wait_for
@@ -14,8 +14,8 @@ SECONDS = 5.0
 STEPS_A_SECOND = 1000           # of simulated time: the step is 1 ms
 
 
-def node(real_time_factor: float, watched: bool) -> dict:
-    """Return what sample.py measures at a node of its own, whose topics are watched or not."""
+def node(real_time_factor: float, watched: bool, env: Optional[Dict[str, str]] = None) -> dict:
+    """Return what sample.py measures at a new simulator, whose topics are watched or not."""
     with Master() as master:
         server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
@@ -23,7 +23,8 @@ def node(real_time_factor: float, watched: bool) -> dict:
         server.setParam('/use_sim_time', True)
         server.setParam('/gazebo/real_time_factor', float(real_time_factor))
         process = master.start(
-            sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo')
+            sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo',
+            env=env)
         if watched:
             master.start(sys.executable, os.path.join(HERE, 'watch_all.py'))
         wait_for(lambda: '/clock' in dict(server.getPublishedTopics('')), 'the simulator')

@@ -10,7 +10,7 @@ import genpy
 import rospy
 
 from img_recog.errors import UserError
-from img_recog.ros.transport import rosout
+from img_recog.ros.transport import own_time, rosout
 
 _JOIN_TIMEOUT_S = 0.5
 
@@ -26,7 +26,8 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     """
     # rospy's own handler shuts down within the interrupted call; where that is a publish in the
     # main thread, both wait for the same lock for ever
-    rosout.init_node(name, disable_signals=True, disable_rostime=source_of_time)
+    rosout.init_node(name, disable_signals=True, 
+                     disable_rostime=source_of_time and not own_time.follows_clock_topic())
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
             signal.signal(number, _shut_down)
@@ -82,11 +83,8 @@ def leave_blocked_threads(code: int) -> None:
 
 
 def set_time(now: genpy.Time) -> None:
-    """Set this node's own time, which others have from /clock.
-
-    To subscribe to the clock that one publishes costs a quarter of the speed of a simulation.
-    """
-    rospy.rostime._set_rostime(rospy.Time(now.secs, now.nsecs))
+    """Set this node's own time, where the node is the source of time."""
+    own_time.set_time(now)
 
 
 def _shut_down(number: int, _) -> None:

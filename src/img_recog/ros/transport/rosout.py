@@ -1,4 +1,4 @@
-"""What a node logs, sent to /rosout at once."""
+"""Logging at the rate of the frames: lines to /rosout and to the log file of a node."""
 import itertools
 import logging
 import sys
@@ -14,33 +14,38 @@ from rospy.impl import registration, rosout
 
 from img_recog.ros import parameters
 from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.ros.transport.switch import is_plain
 
 _LOGGER = logging.getLogger('rosout')
-_LINES_A_LOOK = 100
+_ROLLOVER_CHECK_LINES = 100
 _LEVELS = {logging.DEBUG: Log.DEBUG, logging.INFO: Log.INFO, logging.WARNING: Log.WARN,
            logging.ERROR: Log.ERROR, logging.CRITICAL: Log.FATAL}
 
 
 def init_node(name: str, **options) -> None:
-    """Call rospy.init_node, with what is here in place of its own.
+    """Call rospy.init_node, with our handler for /rosout in place of its own.
 
     For each line, rospy asks the master for a parameter and hands a message to a thread, and its
     log file is looked up twice: with a line for each image, that costs more than to recognize
     what is in the image.
     """
-    rosout.Publisher = _publisher
-    rosout.RosOutHandler = _RosoutHandler
+    if not is_plain('rosout'):
+        rosout.Publisher = _publisher
+        rosout.RosOutHandler = _RosoutHandler
     rospy.init_node(name, **options)
     for handler in logging.getLogger().handlers:
-        if isinstance(handler, RotatingFileHandler):
+        if isinstance(handler, RotatingFileHandler) and not is_plain('log_file'):
             handler.shouldRollover = seldom(handler.shouldRollover)
 
 
-def info(text: str) -> None:
-    """Log as rospy.loginfo does, in half the time: rospy walks the stack twice for the place."""
+def _info(text: str) -> None:
+    """Log like rospy.loginfo, in half the time: rospy walks the stack twice for the place."""
     if _LOGGER.isEnabledFor(logging.INFO):
         caller = sys._getframe(1)
         _LOGGER.handle(_records.of(text, caller))
+
+
+info = rospy.loginfo if is_plain('log_call') else _info
 
 
 class _Records:
@@ -76,7 +81,7 @@ def _function(frame: FrameType) -> str:
 def seldom(should_rollover: Callable) -> Callable:
     """Return a should_rollover that looks at the size of the file now and then only."""
     lines = itertools.count()
-    return lambda record: next(lines) % _LINES_A_LOOK == 0 and should_rollover(record)
+    return lambda record: next(lines) % _ROLLOVER_CHECK_LINES == 0 and should_rollover(record)
 
 
 def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> DirectPublisher:
