@@ -2,8 +2,7 @@
 import os
 
 VARIABLE = 'IMG_RECOG_PLAIN_ROSPY'
-PARTS = ('direct_publisher', 'image_publisher', 'image_subscriber', 'log_call', 'log_file',
-         'own_time', 'rosout')
+PARTS = ('direct_publisher', 'image_publisher', 'image_subscriber', 'own_time', 'rosout')
 
 
 def is_plain(part: str) -> bool:

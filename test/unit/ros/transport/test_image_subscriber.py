@@ -260,7 +260,8 @@ def test_another_subscriber_that_comes_between_two_images(way, name, receiver, p
 
 
 def test_another_subscriber_that_comes_while_an_image_is_handled(fast, name, publish_to):
-    kept, entered, resume, done = queue.Queue(), threading.Event(), threading.Event(), queue.Queue()
+    kept, done = queue.Queue(), queue.Queue()
+    entered, resume = threading.Event(), threading.Event()
 
     def handle(msg):
         entered.set()
