@@ -64,11 +64,13 @@ def count() -> int:
     return ROUNDS * len(cases())
 
 
-def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS) -> dict:
+def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS,
+            rates: bool = True) -> dict:
     """Return, for each node, what recognition_sample.py measures in each of its turns.
 
     nodes: how to start each, by name. All run at once, each in a separate namespace, and images
     go to one after the other.
+    rates: whether to measure the highest rates too.
     """
     with Master() as master:
         ends = []
@@ -77,8 +79,8 @@ def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS) -> dict:
             ends.append({'name': name, 'images': '/{}/usb_cam/image_raw'.format(name),
                          'results': ['/{}/{}'.format(name, topic) for topic in topics],
                          'pids': pids})
-        return run_script('recognition_sample.py', *size, turns, SECONDS, json.dumps(ends),
-                          env=master.env)
+        return run_script('recognition_sample.py', *size, turns, SECONDS, int(rates),
+                          json.dumps(ends), env=master.env)
 
 
 def measure(done: Callable[[], None]) -> dict:

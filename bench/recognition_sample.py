@@ -126,9 +126,13 @@ def highest(sender: Sender, results: Results, seconds: float) -> dict:
 
 
 def main() -> int:
-    """Sample WIDTH HEIGHT TURNS SECONDS NODES: JSON, a list of name, images, results and pids."""
+    """Sample WIDTH HEIGHT TURNS SECONDS RATES NODES.
+
+    RATES: 1 to measure the highest rates too, or 0. NODES: JSON, a list of name, images, results
+    and pids.
+    """
     width, height, turns = map(int, sys.argv[1:4])
-    seconds, nodes = float(sys.argv[4]), json.loads(sys.argv[5])
+    seconds, rates, nodes = float(sys.argv[4]), int(sys.argv[5]), json.loads(sys.argv[6])
     rospy.init_node('recognition_sample', disable_rostime=True)
     prepared = packets(width, height)
     ends = {node['name']: (Sender(node['images'], prepared), Results(node['results']))
@@ -139,10 +143,11 @@ def main() -> int:
                  results.connected() and len(sender.connections()) == len(pids), node['name'])
         highest(sender, results, WARM_UP_S)
     samples = {name: [] for name in ends}
-    for _ in range(turns):
-        for node in nodes:
-            samples[node['name']].append(paced(*ends[node['name']], seconds, node['pids']))
     for turn in range(turns):
+        first = turn % len(nodes)       # each has another place in each turn
+        for node in nodes[first:] + nodes[:first]:
+            samples[node['name']].append(paced(*ends[node['name']], seconds, node['pids']))
+    for turn in range(turns if rates else 0):
         for name, (sender, results) in ends.items():
             samples[name][turn].update(highest(sender, results, seconds))
     sys.stdout.write(json.dumps(samples) + '\n')

@@ -7,10 +7,9 @@ import simulator
 
 SWITCH = 'IMG_RECOG_PLAIN_ROSPY'
 # by the value of the switch; '0' is the node as it is, '1' without any of the parts
-FRAME_CASES = ('0', 'image_publisher', 'image_subscriber', 'direct_publisher', 'rosout',
-               'log_call', 'log_file', '1')
+FRAME_CASES = ('0', 'image_publisher', 'image_subscriber', 'direct_publisher', 'rosout', '1')
 STEP_CASES = ('0', 'direct_publisher', 'own_time', '1')
-SIZE, TURNS = (640, 480), 8     # of the images, which are viewed; of each case
+SIZE, TURNS = (640, 480), 12    # of the images, which are viewed; of each case
 ROUNDS = 3                      # of the simulator's cases
 TITLES = {'0': 'as it is', '1': 'plain rospy'}
 
@@ -28,7 +27,7 @@ def measure(done: Callable[[], None]) -> dict:
     nodes = {'case_{}'.format(number): recognition.script(
         'scripts', 'color_img_recog.py', env={SWITCH: case})
         for number, case in enumerate(FRAME_CASES)}
-    turns = recognition.samples(nodes, SIZE, True, TURNS)
+    turns = recognition.samples(nodes, SIZE, True, TURNS, rates=False)
     done()
     speeds: Dict[str, list] = {case: [] for case in STEP_CASES}
     for _ in range(ROUNDS):
