@@ -1,4 +1,4 @@
-"""What the recognition costs and how soon it answers, beside other ways to do the same."""
+"""CPU time and latency of the recognition, compared with other implementations."""
 import json
 import os
 import sys
@@ -10,10 +10,11 @@ import rosgraph
 from ros_processes import HERE, Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
-ROUNDS, TURNS, SECONDS = 5, 3, 1.0      # of each case, of each node in it, of each turn
+# rounds of a case, turns of a node in each round, seconds of a turn
+ROUNDS, TURNS, SECONDS = 5, 3, 1.0
 SIZES = ((640, 480), (1920, 1080))
 IMAGES = ('blue_image', 'red_image')
-# what hsv_color_filter calls the bounds, with the article's
+# hsv_color_filter's names for the bounds, with the article's values
 LIMITS = ('h_limit_min', 'h_limit_max', 's_limit_min', 's_limit_max', 'v_limit_min', 'v_limit_max')
 FILTERS = {'blue': (50, 150, 100, 255, 100, 255), 'red': (150, 180, 100, 255, 150, 255)}
 KEYS = ('cpu_ms', 'latency_ms', 'with_transport_ms', 'rate_hz')
@@ -21,7 +22,7 @@ KEYS = ('cpu_ms', 'latency_ms', 'with_transport_ms', 'rate_hz')
 
 def script(*path: str, env: Optional[Dict[str, str]] = None
            ) -> Callable[[Master, str, bool], tuple]:
-    """Return how to start a recognition that is one Python script and answers by Twists."""
+    """Return a function that starts a recognition: a Python script that publishes Twists."""
     def start(master: Master, name: str, viewed: bool) -> tuple:
         process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name,
                                env=env)
@@ -37,7 +38,7 @@ def script(*path: str, env: Optional[Dict[str, str]] = None
 
 
 def filters(master: Master, name: str, _viewed: bool) -> tuple:
-    """Start two filters in C++, a color each; their answers are their images."""
+    """Start two filters in C++, one for each color; their results are their images."""
     pids = []
     for color, limits in FILTERS.items():
         process = master.start(
@@ -53,14 +54,14 @@ NODES = {'img_recog': script('scripts', 'color_img_recog.py'),
 
 
 def cases() -> list:
-    """Return what is measured: size, whether the images are viewed, and by which nodes."""
+    """Return what is measured: size, whether the images are viewed, and the nodes."""
     found = installed('opencv_apps')
     return [(size, viewed, ['img_recog', 'plain'] + ['opencv_apps'] * (viewed and found))
             for size in SIZES for viewed in (False, True)]
 
 
 def count() -> int:
-    """Return how many measurements `measure` makes."""
+    """Return the number of measurements that `measure` makes."""
     return ROUNDS * len(cases())
 
 
@@ -84,7 +85,7 @@ def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS,
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over all turns, in each of which every node has its own.
+    """Return the medians over all turns, in each of which every node is measured.
 
     done: called after each measurement.
     """
@@ -103,7 +104,7 @@ def measure(done: Callable[[], None]) -> dict:
                        [each['latencies_ms'] for each in found[node]]), 99))}
             for key in KEYS:
                 row[key] = median(each[key] for each in found[node])
-                # within each turn: a machine that is slow for a while is slow for all
+                # within each turn: when the machine is slow for a while, it is slow for all nodes
                 row['ours_to_' + key] = median(
                     ours[key] / theirs[key]
                     for ours, theirs in zip(found['img_recog'], found[node]))
@@ -112,7 +113,7 @@ def measure(done: Callable[[], None]) -> dict:
 
 
 def table(results: dict) -> str:
-    """Return the results as a person reads them."""
+    """Return the results as a table."""
     lines = ['{:<42} {:>14} {:>22} {:>14} {:>16}'.format(
         'recognition at 30 Hz; in brackets: ours to it', 'CPU a frame', 'latency, median (99 %)',
         'and transport', 'highest rate')]

@@ -1,4 +1,4 @@
-"""What each part of ros/transport gains: the nodes as they are, beside the plain way of a part."""
+"""What each part of ros/transport gains: nodes with all parts, and with one part switched off."""
 from statistics import median
 from typing import Callable, Dict
 
@@ -6,12 +6,12 @@ import recognition
 import simulator
 
 SWITCH = 'IMG_RECOG_PLAIN_ROSPY'
-# by the value of the switch; '0' is the node as it is, '1' without any of the parts
+# values of the switch: '0' is with all parts, '1' without any
 FRAME_CASES = ('0', 'image_publisher', 'image_subscriber', 'direct_publisher', 'rosout', '1')
 STEP_CASES = ('0', 'direct_publisher', 'own_time', '1')
 SIZE, TURNS = (640, 480), 12    # of the images, which are viewed; of each case
 ROUNDS = 3                      # of the simulator's cases
-TITLES = {'0': 'as it is', '1': 'plain rospy'}
+TITLES = {'0': 'with all parts', '1': 'plain rospy'}
 
 
 def count() -> int:
@@ -20,7 +20,7 @@ def count() -> int:
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over all turns or rounds, in each of which every case has its own.
+    """Return the medians over all turns or rounds, in each of which every case is measured.
 
     done: called after each measurement.
     """
@@ -29,17 +29,18 @@ def measure(done: Callable[[], None]) -> dict:
         for number, case in enumerate(FRAME_CASES)}
     turns = recognition.samples(nodes, SIZE, True, TURNS, rates=False)
     done()
-    speeds: Dict[str, list] = {case: [] for case in STEP_CASES}
+    costs: Dict[str, list] = {case: [] for case in STEP_CASES}
     for _ in range(ROUNDS):
         for case in STEP_CASES:
-            speeds[case].append(simulator.node(0, True, {SWITCH: case})['real_time_factor']
-                                * simulator.STEPS_A_SECOND)
+            sample = simulator.node(0, True, {SWITCH: case})
+            costs[case].append(1e6 * sample['cpu_share'] / sample['real_time_factor']
+                               / simulator.STEPS_A_SECOND)
             done()
     return {'frames': rows({case: [turn['cpu_ms'] for turn in turns[name]]
                             for case, name in zip(FRAME_CASES, nodes)}),
             'latency_ms': {case: median(turn['latency_ms'] for turn in turns[name])
                            for case, name in zip(FRAME_CASES, nodes)},
-            'steps': rows(speeds)}
+            'steps': rows(costs)}
 
 
 def rows(values: Dict[str, list]) -> list:
@@ -54,11 +55,11 @@ def rows(values: Dict[str, list]) -> list:
 
 
 def table(results: dict) -> str:
-    """Return the results as a person reads them."""
+    """Return the results as a table."""
     lines = []
     for key, title, unit in (
             ('frames', 'color_extract, {}x{}, viewed'.format(*SIZE), 'CPU a frame, ms'),
-            ('steps', 'simulator, all topics subscribed', 'steps/s')):
+            ('steps', 'simulator, all topics subscribed', 'CPU a step, us')):
         lines.append('{:40} {:>16} {:>24}'.format(title, unit, 'to the first (min-max)'))
         for row in results[key]:
             name = TITLES.get(row['case'], 'plain ' + row['case'])

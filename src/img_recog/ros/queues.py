@@ -45,7 +45,7 @@ class CallQueue:
         Raises concurrent.futures.TimeoutError when the call does not end in time; a call that
         has not begun by then is cancelled.
         """
-        future = Future()
+        future: Future = Future()
         with self._condition:
             self._waiting.append((action, future))
             self._condition.notify()

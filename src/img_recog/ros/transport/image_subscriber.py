@@ -2,7 +2,7 @@
 import struct
 from collections import deque
 from socket import MSG_WAITALL
-from typing import Callable, Deque
+from typing import Callable, Deque, Optional
 
 import genpy
 import numpy as np
@@ -24,7 +24,7 @@ _PLAIN_BUFFER_BYTES = 1 << 26       # more than a message: rospy reads this much
 class _BufferedImage(Image):
     """An image whose data lies in the reused buffer `memory`."""
 
-    memory = None
+    memory: Optional[np.ndarray] = None
 
 
 class ImageSubscriber:

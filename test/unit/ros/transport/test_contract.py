@@ -17,7 +17,7 @@ from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSHandler, TCPROSPub,
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
-from unit.ros.transport.conftest import packet
+from img_recog_testing.tcpros import packet
 
 pytestmark = pytest.mark.usefixtures('fast')
 

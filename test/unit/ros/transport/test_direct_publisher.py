@@ -7,7 +7,7 @@ import pytest
 from std_msgs.msg import String
 
 from img_recog.ros.transport.direct_publisher import DirectPublisher, has_room
-from unit.ros.transport.conftest import packet
+from img_recog_testing.tcpros import packet
 
 _FIRST_TOO_HIGH_FOR_SELECT = 1024
 
