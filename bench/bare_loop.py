@@ -1,4 +1,4 @@
-"""Print the steps a second of PyBullet alone: the world and robot of the node, and no more."""
+"""Print the steps a second of PyBullet alone, with the world and the robot of the node."""
 import os
 import sys
 import time
@@ -13,7 +13,7 @@ BATCH = 1000
 
 
 def main() -> int:
-    """Step for the seconds given as argument."""
+    """Step for the number of seconds given as argument."""
     seconds = float(sys.argv[1])
     worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
     client, physics = loading.connect(), PhysicsSettings()

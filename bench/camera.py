@@ -1,4 +1,4 @@
-"""What the camera node costs, beside the distribution's C++ image_publisher."""
+"""What the camera node costs, compared with the distribution's C++ image_publisher."""
 import os
 import sys
 import tempfile
@@ -17,7 +17,7 @@ OURS = (sys.executable, os.path.join(PACKAGE, 'scripts', 'usb_cam_node.py'))
 ROUNDS, SECONDS = 3, 8.0
 SIZES = ((640, 480), (1920, 1080))
 RATE_HZ, FRAMES = 30, 150
-UNBOUNDED_HZ = 1000                 # more than any of them reaches
+UNBOUNDED_HZ = 1000                 # more than any node reaches
 
 
 def video(folder: str, width: int, height: int) -> str:
@@ -52,7 +52,7 @@ def sample(*command: str) -> dict:
 
 
 def cases() -> list:
-    """Return what is measured: its name, how its file is written, its size and rate."""
+    """Return what is measured: title, function that writes the file, size and rate."""
     return [('{} {}x{}, {}'.format(name, width, height, words), write, (width, height), rate_hz)
             for width, height in SIZES
             for name, write, words, rate_hz in (
@@ -61,12 +61,12 @@ def cases() -> list:
 
 
 def count() -> int:
-    """Return how many measurements `measure` makes."""
+    """Return the number of measurements that `measure` makes."""
     return 2 * ROUNDS * len(cases()) if installed('image_publisher') else 0
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over some rounds, in each of which both have their turn."""
+    """Return the medians over several rounds, in each of which both nodes are measured."""
     rows, samples = [], {}
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(ROUNDS if installed('image_publisher') else 0):
@@ -91,9 +91,9 @@ def measure(done: Callable[[], None]) -> dict:
 
 
 def table(results: dict) -> str:
-    """Return the results as a person reads them."""
+    """Return the results as a table."""
     if not results['rows']:
-        return 'camera: no image_publisher installed to compare with'
+        return 'camera: image_publisher is not installed, nothing to compare with'
     lines = ['{:30} {:>16} {:>22} {:>7} {:>18}'.format(
         'camera, and image_publisher', 'rate, Hz', 'CPU a frame, ms', 'ratio',
         '99 % jitter, ms')]

@@ -1,4 +1,4 @@
-"""Subscribe to images as a viewer would and print, as JSON, how they come and what they cost."""
+"""Subscribe to images like a viewer; print their rate, jitter and cost as JSON."""
 import json
 import sys
 import time
@@ -15,7 +15,7 @@ def main() -> int:
     arrivals = []
     rospy.Subscriber(topic, rospy.AnyMsg, lambda msg: arrivals.append(time.perf_counter()),
                      queue_size=None, buff_size=1 << 26, tcp_nodelay=True)
-    while len(arrivals) < 30:           # past the start
+    while len(arrivals) < 30:           # after the start
         time.sleep(0.1)
     before, first = cpu_s(pid), len(arrivals)
     time.sleep(seconds)

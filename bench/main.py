@@ -1,4 +1,4 @@
-"""Measure what ./run bench measures: a table for people, and JSON in the file given."""
+"""Run the benchmarks of ./run bench: print tables, and write JSON to the file given."""
 import json
 import sys
 
@@ -7,7 +7,10 @@ import recognition
 import simulator
 from tqdm import tqdm
 
-BENCHMARKS = {'simulator': simulator, 'camera': camera, 'recognition': recognition}
+import transport
+
+BENCHMARKS = {'simulator': simulator, 'camera': camera, 'recognition': recognition,
+              'transport': transport}
 
 
 def main() -> int:

@@ -1,6 +1,6 @@
-"""The recognition as one writes it first, the article's way, to compare with.
+"""A simple recognition like the article's, to compare with.
 
-It does for each frame, in rospy's receiving thread, what the article's node does: for each color
+For each frame, in rospy's receiving thread, it does what the article's node does: for each color
 a conversion to HSV, cv2.inRange, cv2.bitwise_and and a count; then it publishes both images,
 logs, and publishes the commands.
 """

@@ -1,28 +1,31 @@
-"""What the recognition costs and how soon it answers, beside other ways to do the same."""
+"""CPU time and latency of the recognition, compared with other implementations."""
 import json
 import os
 import sys
 from statistics import median
-from typing import Callable
+from typing import Callable, Dict, Optional
 
 import numpy as np
 import rosgraph
 from ros_processes import HERE, Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
-ROUNDS, TURNS, SECONDS = 5, 3, 1.0      # of each case, of each node in it, of each turn
+# rounds of a case, turns of a node in each round, seconds of a turn
+ROUNDS, TURNS, SECONDS = 5, 3, 1.0
 SIZES = ((640, 480), (1920, 1080))
 IMAGES = ('blue_image', 'red_image')
-# what hsv_color_filter calls the bounds, with the article's
+# hsv_color_filter's names for the bounds, with the article's values
 LIMITS = ('h_limit_min', 'h_limit_max', 's_limit_min', 's_limit_max', 'v_limit_min', 'v_limit_max')
 FILTERS = {'blue': (50, 150, 100, 255, 100, 255), 'red': (150, 180, 100, 255, 150, 255)}
 KEYS = ('cpu_ms', 'latency_ms', 'with_transport_ms', 'rate_hz')
 
 
-def script(*path: str) -> Callable[[Master, str, bool], tuple]:
-    """Return how to start a recognition that is one Python script and answers by Twists."""
+def script(*path: str, env: Optional[Dict[str, str]] = None
+           ) -> Callable[[Master, str, bool], tuple]:
+    """Return a function that starts a recognition: a Python script that publishes Twists."""
     def start(master: Master, name: str, viewed: bool) -> tuple:
-        process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name)
+        process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name,
+                               env=env)
         if viewed:
             images = ['/{}/{}'.format(name, image) for image in IMAGES]
             master.start(sys.executable, os.path.join(HERE, 'watch_images.py'), *images,
@@ -35,7 +38,7 @@ def script(*path: str) -> Callable[[Master, str, bool], tuple]:
 
 
 def filters(master: Master, name: str, _viewed: bool) -> tuple:
-    """Start two filters in C++, a color each; their answers are their images."""
+    """Start two filters in C++, one for each color; their results are their images."""
     pids = []
     for color, limits in FILTERS.items():
         process = master.start(
@@ -51,35 +54,38 @@ NODES = {'img_recog': script('scripts', 'color_img_recog.py'),
 
 
 def cases() -> list:
-    """Return what is measured: size, whether the images are viewed, and by which nodes."""
+    """Return what is measured: size, whether the images are viewed, and the nodes."""
     found = installed('opencv_apps')
     return [(size, viewed, ['img_recog', 'plain'] + ['opencv_apps'] * (viewed and found))
             for size in SIZES for viewed in (False, True)]
 
 
 def count() -> int:
-    """Return how many measurements `measure` makes."""
+    """Return the number of measurements that `measure` makes."""
     return ROUNDS * len(cases())
 
 
-def samples(nodes: list, size: tuple, viewed: bool) -> dict:
+def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS,
+            rates: bool = True) -> dict:
     """Return, for each node, what recognition_sample.py measures in each of its turns.
 
-    All run at once, each in a namespace of its own, and images go to one after the other.
+    nodes: how to start each, by name. All run at once, each in a separate namespace, and images
+    go to one after the other.
+    rates: whether to measure the highest rates too.
     """
     with Master() as master:
         ends = []
-        for name in nodes:
-            topics, pids = NODES[name](master, name, viewed)
+        for name, start in nodes.items():
+            topics, pids = start(master, name, viewed)
             ends.append({'name': name, 'images': '/{}/usb_cam/image_raw'.format(name),
                          'results': ['/{}/{}'.format(name, topic) for topic in topics],
                          'pids': pids})
-        return run_script('recognition_sample.py', *size, TURNS, SECONDS, json.dumps(ends),
-                          env=master.env)
+        return run_script('recognition_sample.py', *size, turns, SECONDS, int(rates),
+                          json.dumps(ends), env=master.env)
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over all turns, in each of which every node has its own.
+    """Return the medians over all turns, in each of which every node is measured.
 
     done: called after each measurement.
     """
@@ -87,7 +93,8 @@ def measure(done: Callable[[], None]) -> dict:
     for size, viewed, nodes in cases():
         found = {node: [] for node in nodes}
         for _ in range(ROUNDS):
-            for node, turns in samples(nodes, size, viewed).items():
+            starts = {node: NODES[node] for node in nodes}
+            for node, turns in samples(starts, size, viewed).items():
                 found[node] += turns
             done()
         for node in nodes:
@@ -97,7 +104,7 @@ def measure(done: Callable[[], None]) -> dict:
                        [each['latencies_ms'] for each in found[node]]), 99))}
             for key in KEYS:
                 row[key] = median(each[key] for each in found[node])
-                # within each turn: a machine that is slow for a while is slow for all
+                # within each turn: when the machine is slow for a while, it is slow for all nodes
                 row['ours_to_' + key] = median(
                     ours[key] / theirs[key]
                     for ours, theirs in zip(found['img_recog'], found[node]))
@@ -106,7 +113,7 @@ def measure(done: Callable[[], None]) -> dict:
 
 
 def table(results: dict) -> str:
-    """Return the results as a person reads them."""
+    """Return the results as a table."""
     lines = ['{:<42} {:>14} {:>22} {:>14} {:>16}'.format(
         'recognition at 30 Hz; in brackets: ours to it', 'CPU a frame', 'latency, median (99 %)',
         'and transport', 'highest rate')]

@@ -1,4 +1,4 @@
-"""Send images to recognitions in turn; print, as JSON, how soon they answer and what it costs."""
+"""Send images to recognitions in turn; print their latency and CPU time as JSON."""
 import io
 import json
 import struct
@@ -15,13 +15,13 @@ from img_recog.camera.synthetic import draw_frame
 
 RATE_HZ = 30
 BLUE_FRAMES = range(50, 60)     # the card is in full view
-IN_FLIGHT = 2                   # one that is handled and one that waits
-PATIENCE_S = 2.0
+IN_FLIGHT = 2                   # one that is processed and one that waits
+_RESULT_TIMEOUT_S = 2.0
 WARM_UP_S = 0.5
 
 
 def packets(width: int, height: int) -> list:
-    """Return images of a blue card as they go over the wire."""
+    """Return serialized images of a blue card, each with its length first."""
     result = []
     for number in BLUE_FRAMES:
         msg = Image(height=height, width=width, encoding='rgb8', step=3 * width,
@@ -34,7 +34,7 @@ def packets(width: int, height: int) -> list:
 
 
 class Results:
-    """Counts frames whose results have all come: one message on each topic."""
+    """Counts the frames whose results have all arrived: one message on each topic."""
 
     def __init__(self, topics: list):
         self._condition = threading.Condition()
@@ -45,15 +45,15 @@ class Results:
                              tcp_nodelay=True) for number, topic in enumerate(topics)]
 
     def connected(self) -> bool:
-        """Return whether somebody publishes each of them."""
+        """Return whether each topic has a publisher."""
         return all(each.get_num_connections() for each in self._subscribers)
 
     def count(self) -> int:
-        """Return how many frames are done."""
+        """Return the number of frames that are done."""
         return min(self._counts)
 
     def wait_for(self, count: int, timeout_s: float) -> bool:
-        """Wait until so many frames are done; return whether they are."""
+        """Wait until `count` frames are done; return whether they are."""
         with self._condition:
             return self._condition.wait_for(lambda: self.count() >= count, timeout_s)
 
@@ -77,7 +77,7 @@ class Sender:
         return self._publisher.impl.connections
 
     def send(self) -> None:
-        """Return when the packet is handed to the kernel whole."""
+        """Send the next packet; return when the kernel has all of it."""
         packet = self._packets[self._number % len(self._packets)]
         self._number += 1
         for connection in self.connections():
@@ -87,7 +87,7 @@ class Sender:
 def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
     """Send at RATE_HZ; return CPU a frame and latencies.
 
-    latencies_ms: from the last byte of the image, handed to the kernel, to the result's arrival;
+    latencies_ms: from when the kernel has the last byte of the image to the arrival of the result;
     with_transport_ms: the median from its first byte.
     """
     latencies, lost = [], 0
@@ -98,7 +98,7 @@ def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
         done, begun_s = results.count(), time.perf_counter()
         sender.send()
         sent_s = time.perf_counter()
-        if results.wait_for(done + 1, PATIENCE_S):
+        if results.wait_for(done + 1, _RESULT_TIMEOUT_S):
             latencies.append((results.last_s - sent_s, results.last_s - begun_s))
         else:
             lost += 1
@@ -111,24 +111,28 @@ def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
 
 
 def highest(sender: Sender, results: Results, seconds: float) -> dict:
-    """Keep IN_FLIGHT frames on their way; return the frames done in a second."""
+    """Keep IN_FLIGHT frames in flight; return the number of frames done in a second."""
     first, start = results.count(), time.perf_counter()
     sent = first
     while time.perf_counter() - start < seconds:
         while sent - results.count() < IN_FLIGHT:
             sender.send()
             sent += 1
-        if not results.wait_for(sent - IN_FLIGHT + 1, PATIENCE_S):
-            sent = results.count()      # lost: a node may leave out what it has no time for
+        if not results.wait_for(sent - IN_FLIGHT + 1, _RESULT_TIMEOUT_S):
+            sent = results.count()      # lost: a slow node drops frames
     rate_hz = (results.count() - first) / (time.perf_counter() - start)
-    results.wait_for(sent, PATIENCE_S)      # they are not to run on into another's turn
+    results.wait_for(sent, _RESULT_TIMEOUT_S)  # they must not run into the turn of another node
     return {'rate_hz': rate_hz}
 
 
 def main() -> int:
-    """Sample WIDTH HEIGHT TURNS SECONDS NODES: JSON, a list of name, images, results and pids."""
+    """Sample WIDTH HEIGHT TURNS SECONDS RATES NODES.
+
+    RATES: 1 to measure the highest rates too, or 0. NODES: JSON, a list of name, images, results
+    and pids.
+    """
     width, height, turns = map(int, sys.argv[1:4])
-    seconds, nodes = float(sys.argv[4]), json.loads(sys.argv[5])
+    seconds, rates, nodes = float(sys.argv[4]), int(sys.argv[5]), json.loads(sys.argv[6])
     rospy.init_node('recognition_sample', disable_rostime=True)
     prepared = packets(width, height)
     ends = {node['name']: (Sender(node['images'], prepared), Results(node['results']))
@@ -139,10 +143,11 @@ def main() -> int:
                  results.connected() and len(sender.connections()) == len(pids), node['name'])
         highest(sender, results, WARM_UP_S)
     samples = {name: [] for name in ends}
-    for _ in range(turns):
-        for node in nodes:
-            samples[node['name']].append(paced(*ends[node['name']], seconds, node['pids']))
     for turn in range(turns):
+        first = turn % len(nodes)       # so that no node is always measured first
+        for node in nodes[first:] + nodes[:first]:
+            samples[node['name']].append(paced(*ends[node['name']], seconds, node['pids']))
+    for turn in range(turns if rates else 0):
         for name, (sender, results) in ends.items():
             samples[name][turn].update(highest(sender, results, seconds))
     sys.stdout.write(json.dumps(samples) + '\n')

@@ -1,4 +1,4 @@
-"""Nodes under measurement, with a master of their own."""
+"""Nodes that are measured, with a separate master."""
 import json
 import os
 import signal
@@ -10,12 +10,12 @@ import time
 from typing import Dict, Optional
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-_PATIENCE_S = 60.0
+_START_TIMEOUT_S = 60.0
 _POLL = threading.Event()
 
 
 class Master:
-    """A master on a free port, and the nodes that are started with it; ends them all."""
+    """A master on a free port and the nodes started with it; ends them all."""
 
     def __init__(self):
         with socket.socket() as probe:
@@ -40,7 +40,7 @@ class Master:
                     process.kill()
 
     def start(self, *command: str, env: Optional[Dict[str, str]] = None) -> subprocess.Popen:
-        """Start a program that belongs to this master."""
+        """Start a program that uses this master."""
         process = subprocess.Popen(command, env={**self.env, **(env or {})},
                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL)
@@ -53,24 +53,24 @@ class Master:
 
 
 def installed(package: str) -> bool:
-    """Return whether there is a ROS package to compare with."""
+    """Return whether a ROS package is installed."""
     return subprocess.run(['rospack', 'find', package], stdout=subprocess.DEVNULL,
                           stderr=subprocess.DEVNULL, check=False).returncode == 0
 
 
 def wait_for(condition, what: str):
-    """Return the first true value of `condition()`; RuntimeError when it never comes."""
-    end = time.monotonic() + _PATIENCE_S
+    """Return the first true value of `condition()`; raise RuntimeError after a timeout."""
+    end = time.monotonic() + _START_TIMEOUT_S
     while time.monotonic() < end:
         value = condition()
         if value:
             return value
         _POLL.wait(0.1)
-    raise RuntimeError('waited {:g} s in vain for {}'.format(_PATIENCE_S, what))
+    raise RuntimeError('waited {:g} s for {}'.format(_START_TIMEOUT_S, what))
 
 
 def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
-    """Return what a script of this folder printed last, as JSON."""
+    """Run a script of this folder; return the last line of its output, parsed as JSON."""
     command = [sys.executable, os.path.join(HERE, name), *map(str, arguments)]
     output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                             check=True).stdout
@@ -78,7 +78,7 @@ def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
 
 
 def cpu_s(pid: int) -> float:
-    """Return the seconds of processor time that a process has taken so far."""
-    # the clock of a process, as clock_getcpuclockid(3) makes it of a pid; /proc counts ticks of
-    # 10 ms, as much as ten frames
+    """Return the CPU time of a process so far, in seconds."""
+    # the CPU clock of a process, as clock_getcpuclockid(3) computes it; /proc counts ticks of
+    # 10 ms, which is as long as ten frames
     return time.clock_gettime((~pid << 3) | 2)

@@ -1,8 +1,8 @@
-"""How fast the simulator node is, beside PyBullet alone."""
+"""How fast the simulator node is, compared with PyBullet alone."""
 import os
 import sys
 from statistics import median
-from typing import Callable
+from typing import Callable, Dict, Optional
 
 import rosgraph
 from ros_processes import Master, run_script, wait_for
@@ -14,8 +14,8 @@ SECONDS = 5.0
 STEPS_A_SECOND = 1000           # of simulated time: the step is 1 ms
 
 
-def node(real_time_factor: float, watched: bool) -> dict:
-    """Return what sample.py measures at a node of its own, whose topics are watched or not."""
+def node(real_time_factor: float, watched: bool, env: Optional[Dict[str, str]] = None) -> dict:
+    """Return what sample.py measures at a new simulator, with its topics watched or not."""
     with Master() as master:
         server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
@@ -23,7 +23,8 @@ def node(real_time_factor: float, watched: bool) -> dict:
         server.setParam('/use_sim_time', True)
         server.setParam('/gazebo/real_time_factor', float(real_time_factor))
         process = master.start(
-            sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo')
+            sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo',
+            env=env)
         if watched:
             master.start(sys.executable, os.path.join(HERE, 'watch_all.py'))
         wait_for(lambda: '/clock' in dict(server.getPublishedTopics('')), 'the simulator')
@@ -35,12 +36,12 @@ CASES = (('free run, no subscriber', 0, False), ('free run, all topics subscribe
 
 
 def count() -> int:
-    """Return how many measurements `measure` makes."""
+    """Return the number of measurements that `measure` makes."""
     return ROUNDS * (1 + len(CASES))
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over some rounds, in each of which everything has its turn.
+    """Return the medians over several rounds, in each of which everything is measured.
 
     done: called after each measurement.
     """
@@ -54,7 +55,7 @@ def measure(done: Callable[[], None]) -> dict:
     rows = []
     for case, samples in cases.items():
         factor = median(sample['real_time_factor'] for sample in samples)
-        # the ratio within each round: a machine that is slow for a while is slow for both
+        # within each round: when the machine is slow for a while, it is slow for both
         ratio = median(sample['real_time_factor'] * STEPS_A_SECOND / alone
                        for sample, alone in zip(samples, bare))
         rows.append({'case': case[0], 'steps_per_s': factor * STEPS_A_SECOND,
@@ -64,7 +65,7 @@ def measure(done: Callable[[], None]) -> dict:
 
 
 def table(results: dict) -> str:
-    """Return the results as a person reads them."""
+    """Return the results as a table."""
     lines = ['{:34} {:>10} {:>10} {:>12} {:>10}'.format(
         'simulator in turtlebot3_world', 'steps/s', 'real time', 'of the bare', 'CPU of'),
         '{:34} {:>10} {:>10} {:>12} {:>10}'.format('', '', 'factor', 'loop', 'a core')]

@@ -1,4 +1,4 @@
-"""Subscribe to all topics of the simulator, as a busy system would, and drop what comes."""
+"""Subscribe to all topics of the simulator, like a busy system, and drop the messages."""
 import sys
 
 import rospy
@@ -7,7 +7,7 @@ TOPICS = ('/clock', '/imu', '/joint_states', '/odom', '/scan', '/tf')
 
 
 def main() -> int:
-    """Watch until shut down."""
+    """Subscribe until shut down."""
     rospy.init_node('watch_all', disable_rostime=True)
     for topic in TOPICS:
         rospy.Subscriber(topic, rospy.AnyMsg, lambda msg: None, buff_size=1 << 24)

@@ -1,7 +1,4 @@
-"""Subscribe to images and drop what comes, at so little cost that it is the senders one measures.
-
-The topics are the arguments.
-"""
+"""Subscribe to the topics given and drop the images, at little cost beside that of the senders."""
 import sys
 
 import rospy
@@ -10,12 +7,12 @@ from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
 def watch(topic: str) -> None:
-    """Drop the images of a topic."""
+    """Subscribe to a topic and drop its images."""
     subscriber = ImageSubscriber(topic, lambda msg: subscriber.release(msg))
 
 
 def main() -> int:
-    """Watch until shut down."""
+    """Subscribe until shut down."""
     rospy.init_node('watch_images', disable_rostime=True)
     for topic in sys.argv[1:]:
         watch(topic)

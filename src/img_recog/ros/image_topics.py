@@ -1,4 +1,4 @@
-"""Topics with images, as the master knows them."""
+"""Topics of images, as registered with the master."""
 import os
 
 import rosgraph
@@ -11,19 +11,19 @@ _KINDS = {kind._type: kind for kind in (Image, CompressedImage)}
 
 
 class TopicError(UserError):
-    """There is no such topic, or none with images."""
+    """There is no such topic, or it does not carry images."""
 
 
 def topic_beside(raw_topic: str) -> str:
-    """Return the topic of the compressed images of a raw topic, wherever that is remapped to."""
+    """Return the topic of the compressed images for a raw topic, after remapping."""
     return rospy.resolve_name(raw_topic) + '/compressed'
 
 
 def kind_of(topic: str) -> type:
-    """Return Image or CompressedImage, whichever is published on a topic; needs no node.
+    """Return the message type of a topic, Image or CompressedImage; needs no node.
 
     topic: a resolved name.
-    Raises TopicError naming what is wrong and which topics have images.
+    Raises TopicError with what is wrong and which topics have images.
     """
     try:
         published = dict(rosgraph.Master('/img_recog').getPublishedTopics(''))

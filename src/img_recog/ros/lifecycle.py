@@ -9,8 +9,8 @@ from typing import Callable
 import genpy
 import rospy
 
-from img_recog.errors import UserError
-from img_recog.ros.transport import rosout
+from img_recog.errors import UserError, one_line
+from img_recog.ros.transport import own_time, rosout
 
 _JOIN_TIMEOUT_S = 0.5
 
@@ -18,23 +18,24 @@ _JOIN_TIMEOUT_S = 0.5
 def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
 
-    source_of_time: whether it publishes /clock itself, and then calls `set_time`.
+    source_of_time: whether it publishes /clock itself; it then calls `set_time` too.
 
-    What a user can mend ends the node with one line at FATAL and code 1; being shut down is
+    An error that a user can fix ends the node with one line at FATAL and code 1; a shutdown is
     code 0. SIGINT, SIGTERM and SIGHUP (a terminal that is closed) shut it down; `serve` still
     runs while the hooks of `on_shutdown` do.
     """
-    # rospy's own handler shuts down within the interrupted call; where that is a publish in the
+    # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
-    rosout.init_node(name, disable_signals=True, disable_rostime=source_of_time)
+    rosout.init_node(name, disable_signals=True,
+                     disable_rostime=source_of_time and not own_time.follows_clock_topic())
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) != signal.SIG_IGN:      # as nohup has it
+        if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup
             signal.signal(number, _shut_down)
     try:
         serve()
     except rospy.ROSException:
-        # a node that is shut down from outside finds its topics closed while it publishes, and
-        # that before is_shutdown says so
+        # when a node is shut down from outside, its topics are closed while it publishes, before
+        # is_shutdown returns True
         if not rospy.core.is_shutdown_requested():
             raise
     except ConnectionRefusedError:
@@ -43,17 +44,17 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
         rospy.signal_shutdown('no master')
         return 1
     except UserError as error:
-        rospy.logfatal('%s', ' '.join(str(error).split()))
+        rospy.logfatal('%s', one_line(error))
         rospy.signal_shutdown('cannot go on')
         return 1
     return 0
 
 
 def on_shutdown(hook: Callable[[], None]) -> None:
-    """Call `hook` once, when the node is shut down, though that may have begun already.
+    """Call `hook` once when the node is shut down, even if the shutdown has begun already.
 
-    rospy.on_shutdown forgets a hook that comes while others run: a node that is interrupted
-    while it starts would never hear of it.
+    rospy.on_shutdown drops a hook that is added while others run: a node that is interrupted
+    while it starts would not be notified.
     """
     first = threading.Lock()
 
@@ -66,15 +67,15 @@ def on_shutdown(hook: Callable[[], None]) -> None:
 
 
 def leave_blocked_threads(code: int) -> None:
-    """End the process with this exit code though a thread is blocked within a library.
+    """End the process with this exit code although a thread is blocked in a library.
 
-    Python would end the thread when the library returns, in the midst of C++, which aborts the
+    Python would end the thread when the library returns, inside C++ code, which aborts the
     process.
     """
     rospy.signal_shutdown('done')
     for thread in threading.enumerate():
         if not thread.daemon and thread is not threading.current_thread():
-            thread.join(_JOIN_TIMEOUT_S)     # one of them may be telling the master
+            thread.join(_JOIN_TIMEOUT_S)     # one of them may be unregistering with the master
     logging.shutdown()
     sys.stdout.flush()
     sys.stderr.flush()
@@ -82,11 +83,8 @@ def leave_blocked_threads(code: int) -> None:
 
 
 def set_time(now: genpy.Time) -> None:
-    """Set this node's own time, which others have from /clock.
-
-    To subscribe to the clock that one publishes costs a quarter of the speed of a simulation.
-    """
-    rospy.rostime._set_rostime(rospy.Time(now.secs, now.nsecs))
+    """Set this node's own time, where the node is the source of time."""
+    own_time.set_time(now)
 
 
 def _shut_down(number: int, _) -> None:

@@ -8,17 +8,17 @@ import rospy
 from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, from_mapping,
                                 setting_fields, unknown)
 
-_NOTHING: Mapping[str, Any] = MappingProxyType({})
+_NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
 
 def read(settings_class: Type[SettingsType],
-         from_description: Mapping[str, Any] = _NOTHING,
+         from_description: Mapping[str, Any] = _NO_VALUES,
          namespace: str = '~') -> SettingsType:
-    """Return the settings with every field overridden for which there is a private parameter.
+    """Return the settings; private parameters override the fields of the same name.
 
-    from_description: values of a robot description, which replace the defaults; a parameter
-    replaces them.
-    namespace: where the parameters are, if they are not the private ones: a resolved name.
+    from_description: values of a robot description, which override the defaults; parameters
+    override both.
+    namespace: a resolved name, to read parameters other than the private ones.
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
     private = _parameters_in(namespace)
@@ -45,7 +45,7 @@ def read_one(name: str, default: Any, checked: Callable[[Any], Any], namespace: 
             _name_in(namespace, name), error.got, error.allowed))
 
 
-def read_group(group_class: type, from_description: Mapping[str, Any] = _NOTHING):
+def read_group(group_class: type, from_description: Mapping[str, Any] = _NO_VALUES):
     """Return a dataclass whose fields are settings, each read as by `read`."""
     return group_class(**{field.name: read(type(field.default), from_description)
                           for field in dataclasses.fields(group_class)})
@@ -53,9 +53,9 @@ def read_group(group_class: type, from_description: Mapping[str, Any] = _NOTHING
 
 def warn_of_unknown(*settings_classes: Type[Settings], also_known: Iterable[str] = (),
                     namespace: str = '~') -> None:
-    """Log one warning for each private parameter that none of the settings has: a likely typo.
+    """Log a warning for each private parameter that no settings class has: a likely typo.
 
-    also_known: more names that are known: those of namespaces, as of a topic's own parameters.
+    also_known: more names without a warning, as of the namespaces of a topic's parameters.
     namespace: as for `read`.
     """
     known = sorted(field.name for each in settings_classes for field in setting_fields(each))
@@ -64,7 +64,7 @@ def warn_of_unknown(*settings_classes: Type[Settings], also_known: Iterable[str]
 
 
 def names_in(namespace: str) -> List[str]:
-    """Return the names of the parameters in a namespace, in their order."""
+    """Return the sorted names of the parameters in a namespace."""
     return sorted(_parameters_in(namespace))
 
 
@@ -85,7 +85,7 @@ def robot_description() -> str:
 
 
 def log_topics_are_wanted() -> bool:
-    """Return whether messages on /rosout shall name the topics of their node."""
+    """Return whether messages on /rosout list the topics of their node."""
     return not rospy.get_param('/rosout_disable_topics_generation', False)
 
 

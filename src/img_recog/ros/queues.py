@@ -1,4 +1,4 @@
-"""Where callbacks leave what they received for the one loop of a node."""
+"""Queues between the callbacks of a node and its loop."""
 import queue
 import threading
 from concurrent.futures import Future
@@ -6,21 +6,21 @@ from typing import Any, Callable, Optional
 
 
 class LatestValue:
-    """Holds the newest item only: a callback puts, the loop takes."""
+    """Holds the newest item only. A callback puts, the loop takes."""
 
     def __init__(self):
         self._items = queue.SimpleQueue()
 
     def put(self, item: Any) -> Optional[Any]:
-        """Replace what is held; return what was, which nobody has taken."""
+        """Store the item; return the previous one if it was never taken."""
         replaced = self.take()
         self._items.put(item)
         return replaced
 
     def take(self, timeout_s: float = 0.0) -> Optional[Any]:
-        """Return what is held and hold nothing; wait for it up to `timeout_s`, else None."""
+        """Remove and return the item, waiting up to `timeout_s` for it; None if there is none."""
         item = self._next(timeout_s)
-        while not self._items.empty():      # two callbacks put theirs at once
+        while not self._items.empty():      # two callbacks put at the same time
             newer = self._next()
             item = item if newer is None else newer
         return item
@@ -33,7 +33,7 @@ class LatestValue:
 
 
 class CallQueue:
-    """Work that service handlers ask of the loop, done in its thread and waited for."""
+    """Calls from service handlers, executed in the thread of the loop."""
 
     def __init__(self):
         self._condition = threading.Condition()
@@ -42,10 +42,10 @@ class CallQueue:
     def call(self, action: Callable[[], Any], timeout_s: float) -> Any:
         """Have the loop call `action`; return what it returns, raise what it raises.
 
-        Raises concurrent.futures.TimeoutError when the loop does not begin and end in time; what
-        has not begun by then is not done later.
+        Raises concurrent.futures.TimeoutError when the call does not end in time; a call that
+        has not begun by then is cancelled.
         """
-        future = Future()
+        future: Future = Future()
         with self._condition:
             self._waiting.append((action, future))
             self._condition.notify()
@@ -55,7 +55,7 @@ class CallQueue:
             future.cancel()
 
     def process(self, timeout_s: float) -> None:
-        """Call in the loop: do what is asked, or wait up to `timeout_s` for the first request."""
+        """Execute the waiting calls, or wait up to `timeout_s` for the first; for the loop."""
         with self._condition:
             if not self._waiting and timeout_s > 0:
                 self._condition.wait(timeout_s)
@@ -64,5 +64,5 @@ class CallQueue:
             if future.set_running_or_notify_cancel():
                 try:
                     future.set_result(action())
-                except Exception as error:      # belongs to whoever asked, not to the loop
+                except Exception as error:      # is raised in the caller, not in the loop
                     future.set_exception(error)

@@ -1,4 +1,4 @@
-"""Settings that others change while the node runs, by dynamic_reconfigure without a .cfg file."""
+"""Settings that can be changed at runtime, by dynamic_reconfigure without a .cfg file."""
 import dataclasses
 from types import SimpleNamespace
 from typing import Any, Callable, Generic, Mapping, Optional, Type
@@ -7,20 +7,20 @@ import rospy
 from dynamic_reconfigure.encoding import Config
 from dynamic_reconfigure.server import Server
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 from img_recog.settings import SettingError, Settings, SettingsType, setting_fields
 
-# What dynamic_reconfigure's own generator calls the types, and its bounds where there are none.
+# dynamic_reconfigure's names for the types, and its bounds where a field has none.
 _TYPES = {bool: 'bool', int: 'int', float: 'double', str: 'str'}
 _BOUNDS = {bool: (False, True), int: (-0x80000000, 0x7fffffff),
            float: (-float('inf'), float('inf')), str: ('', '')}
 
 
 def config_type(settings_class: Type[Settings]) -> SimpleNamespace:
-    """Return what dynamic_reconfigure's generator makes of a .cfg file, made of the settings.
+    """Return what dynamic_reconfigure's generator makes of a .cfg file, for a settings class.
 
-    Names, defaults, types, bounds, choices and descriptions are those of the fields. Whole
-    numbers must fit into 32 bits.
+    Names, defaults, types, bounds, choices and descriptions are those of the fields. Integers
+    must fit into 32 bits.
     """
     described = [_describe(field) for field in setting_fields(settings_class)]
     by_name = {key: {each['name']: each[key] for each in described}
@@ -35,7 +35,7 @@ def config_type(settings_class: Type[Settings]) -> SimpleNamespace:
 def changed(settings: SettingsType, values: Mapping[str, Any]) -> SettingsType:
     """Return `settings` with some values replaced.
 
-    Raises SettingError naming the field, its value and what is allowed.
+    Raises SettingError with the field, its value and what is allowed.
     """
     names = [field.name for field in setting_fields(type(settings))]
     for name, value in values.items():
@@ -49,18 +49,18 @@ class Reconfigurable(Generic[SettingsType]):
 
     Publishes, latched: parameter_descriptions (dynamic_reconfigure/ConfigDescription) and
     parameter_updates (dynamic_reconfigure/Config). Serves: set_parameters
-    (dynamic_reconfigure/Reconfigure). Writes the values in force to the parameter server, where
+    (dynamic_reconfigure/Reconfigure). Writes the current values to the parameter server, where
     those tools and the next start of the node find them.
     """
 
     def __init__(self, settings: SettingsType, on_change: Callable[[SettingsType], None],
                  namespace: Optional[str] = None):
-        """Serve from now on.
+        """Start to serve.
 
-        settings: the values in force; they are not read from the parameter server here.
-        on_change: called with the new settings, in the thread of the service and never twice at
-        once; by a UserError it refuses them.
-        namespace: a resolved name; the node's own when there is none.
+        settings: the current values; they are not read from the parameter server here.
+        on_change: called with the new settings, in the thread of the service, one call at a
+        time; raises a UserError to refuse them.
+        namespace: a resolved name; the node's by default.
         """
         self._settings, self._on_change = settings, on_change
         self._namespace = namespace or rospy.get_name()
@@ -68,18 +68,18 @@ class Reconfigurable(Generic[SettingsType]):
                                self._namespace)
 
     @property
-    def settings(self) -> SettingsType:
-        """The settings in force."""
+from img_recog.errors import UserError, one_line
+from img_recog.settings import SettingError, Settings, SettingsType, setting_fields
         return self._settings
 
     def close(self) -> None:
-        """Serve no more."""
+        """Stop serving."""
         self._server.set_service.shutdown('closed')
         self._server.descr_topic.unregister()
         self._server.update_topic.unregister()
 
     def _change(self, values: Mapping[str, Any]) -> Settings:
-        """Put the values in force, or log why not; return what is in force."""
+        """Apply the values, or log why not; return the current settings."""
         try:
             settings = changed(self._settings, values)
             if settings != self._settings:
@@ -90,15 +90,15 @@ class Reconfigurable(Generic[SettingsType]):
                          self._namespace, error.name, error.got, error.allowed)
         except UserError as error:
             rospy.logerr('parameters of %s: %s; nothing is changed', self._namespace,
-                         ' '.join(str(error).split()))
+                         one_line(error))
         return self._settings
 
 
 class _Server(Server):
-    """The distribution's server, less what it does of its own accord.
+    """The distribution's server, without its own checks.
 
-    It would read the parameter server again, and would move a value that is out of bounds to the
-    next one that is not, in place of refusing it.
+    It would read the parameter server again, and would clamp a value that is out of bounds
+    instead of refusing it.
     """
 
     def __init__(self, kind: SimpleNamespace, settings: Settings,
@@ -114,10 +114,10 @@ class _Server(Server):
 
     def _called(self, config: Config, _level: int) -> Config:
         values = {name: value for name, value in config.items() if name != 'groups'}
-        in_force = _values(self._change(values))
+        current = _values(self._change(values))
         result = Config((name, value) for name, value in config.items()
-                        if name in in_force or name == 'groups')
-        result.update(in_force)
+                        if name in current or name == 'groups')
+        result.update(current)
         return result
 
 
@@ -138,7 +138,7 @@ def _describe(field) -> dict:
 
 
 def _edit_method(name: str, choices) -> str:
-    """Return the text of which tools make a list to choose from, empty for no list."""
+    """Return the text from which tools make a list of choices; empty for no list."""
     if not choices:
         return ''
     enum = [{'name': choice, 'type': 'str', 'value': choice, 'description': '', 'srcline': 0,

@@ -1,6 +1,6 @@
-"""Warnings that would otherwise come with every message."""
+"""Limits on how often something is done or logged."""
 import time
-from typing import Callable
+from typing import Callable, Dict
 
 import rospy
 
@@ -8,7 +8,7 @@ import rospy
 class Throttle:
     """Lets something happen at most once in `period_s` of wall time.
 
-    rospy's own throttles count simulated time, which may stand or run a thousand times as fast.
+    rospy's own throttles use simulated time, which may stand still or run many times as fast.
     """
 
     def __init__(self, period_s: float, now: Callable[[], float] = time.monotonic):
@@ -16,7 +16,7 @@ class Throttle:
         self._next = now()
 
     def ready(self) -> bool:
-        """Return whether it is time again; if so, it is not for another period."""
+        """Return True at most once in each period."""
         now = self._now()
         if now < self._next:
             return False
@@ -25,19 +25,19 @@ class Throttle:
 
 
 class ThrottledWarning:
-    """Logs each warning at most every five seconds, and three different ones in that time."""
+    """Logs each warning at most once in five seconds, and at most three different ones."""
 
-    _PERIOD_S, _MOST = 5.0, 3
+    _PERIOD_S, _MAX_LINES = 5.0, 3
 
     def __init__(self, now: Callable[[], float] = time.monotonic,
                  log: Callable[[str, str], None] = rospy.logwarn):
         self._now, self._log = now, log
-        self._logged = {}           # when each of the last ones was
+        self._logged: Dict[str, float] = {}         # when, by line
 
     def __call__(self, text: str, *values) -> None:
         line, now = text % values, self._now()
         self._logged = {other: then for other, then in self._logged.items()
                         if now - then < self._PERIOD_S}
-        if line not in self._logged and len(self._logged) < self._MOST:
+        if line not in self._logged and len(self._logged) < self._MAX_LINES:
             self._logged[line] = now
             self._log('%s', line)

@@ -36,7 +36,6 @@ from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
-from img_recog.ros.transport import rosout
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import Settings, one_of, setting
@@ -108,8 +107,8 @@ class ColorExtract:
         for number, publisher in enumerate(self._masked):
             publisher.publish_drawn(partial(self._extractor.masked, number),
                                     image.shape[:2] + (3,), 'bgr8', msg.header)
-        rosout.info(', '.join('{}={}'.format(name, area_px) for name, area_px
-                              in zip(self._settings.color_names, areas_px)))
+        rospy.loginfo(', '.join('{}={}'.format(name, area_px) for name, area_px
+                                in zip(self._settings.color_names, areas_px)))
         commands = self._commander.decide(areas_px, time.monotonic())
         self._publish_commands(commands)
         self._publish_details(msg.header, areas_px, commands)

@@ -4,43 +4,72 @@ import warnings
 
 import rospy
 
+from img_recog.ros.transport.switch import is_plain
+
+_QUEUE_SIZE = 10        # of the plain way
+
 
 class DirectPublisher:
-    """Sends in the calling thread; those who do not keep up miss messages, as with a full queue.
+    """Publishes synchronously. A subscriber whose socket buffer is full misses the message.
 
     With a queue, rospy hands each message to a thread for each subscriber, which takes four times
-    as long as the message; without one, a subscriber that hangs holds up the publisher for ever.
-    This looks first whose connection has room. It is for messages much smaller than the buffer
-    of a socket, and for one thread.
+    as long as sending it; without one, a subscriber that does not read blocks the publisher for
+    ever. So this checks first which connections have room. Use it for messages much smaller than
+    the buffer of a socket, and from one thread.
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False):
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore', SyntaxWarning)      # about the missing queue
-            self._publisher = rospy.Publisher(name, data_class, latch=latch, queue_size=None)
+        """Advertise the topic `name`.
+
+        latch: whether a new subscriber gets the last message.
+        """
+        self._is_plain = is_plain('direct_publisher')
+        if self._is_plain:
+            self._publisher = rospy.Publisher(name, data_class, latch=latch,
+                                              queue_size=_QUEUE_SIZE)
+        else:
+            self._publisher = synchronous_publisher(name, data_class, latch)
 
     def get_num_connections(self) -> int:
-        """Return how many subscribers there are."""
+        """Return the number of subscribers."""
         return self._publisher.get_num_connections()
 
     def publish(self, msg) -> None:
         """Send the message to all subscribers that have room for it."""
+        if self._is_plain:
+            self._publisher.publish(msg)
+            return
         topic = self._publisher.impl
         connections = topic.connections
-        ready = [each for each in connections if _has_room(each)]
+        ready = [each for each in connections if has_room(each.socket)]
         if len(ready) == len(connections):
             self._publisher.publish(msg)
             return
         topic.acquire()
         try:
+            if topic.is_latch:
+                topic.latch = msg
             for connection in ready:
                 topic.publish(msg, connection_override=connection)
         finally:
             topic.release()
 
 
-def _has_room(connection) -> bool:
+def synchronous_publisher(name: str, data_class: type, latch: bool = False) -> rospy.Publisher:
+    """Return a publisher whose connections rospy puts no queue before."""
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', SyntaxWarning)      # about the missing queue
+        return rospy.Publisher(name, data_class, latch=latch, queue_size=None)
+
+
+def has_room(sock) -> bool:
+    """Return whether a socket takes data without blocking; False for one that is closed.
+
+    sock: a socket.socket, or None as rospy leaves it in a closed connection.
+    """
+    poll = select.poll()        # unlike select.select, it takes descriptors from 1024 on
     try:
-        return bool(select.select([], [connection.socket], [], 0)[1])
-    except (OSError, TypeError, ValueError):        # being closed
+        poll.register(sock, select.POLLOUT)
+    except (TypeError, ValueError):
         return False
+    return any(not event & select.POLLNVAL for _, event in poll.poll(0))

@@ -1,7 +1,7 @@
 """A publisher for large images."""
 import io
 import struct
-import sys
+import time
 from typing import Callable
 
 import numpy as np
@@ -9,23 +9,30 @@ import rospy
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
+from img_recog.ros.transport.direct_publisher import synchronous_publisher
+from img_recog.ros.transport.packets import PacketPool, PacketSenders
+from img_recog.ros.transport.switch import is_plain
+
 _LENGTH = struct.Struct('<I')
 
 
 class ImagePublisher:
-    """Sends images from memory that is kept, and has them drawn there where that saves a copy.
+    """Sends images from reused buffers, and has them drawn there where that saves a copy.
 
-    rospy serializes a message into new memory each time; a copy into memory that was not used
-    before takes several times as long as one into the same again. Each subscriber has a thread of
-    rospy that sends the newest image, and holds up nobody.
+    rospy serializes a message into new memory each time. Here each subscriber has a thread that
+    sends the newest image, and that a subscriber that does not read holds up alone. Use it from
+    one thread.
     """
 
     def __init__(self, name: str):
-        self._publisher = rospy.Publisher(name, Image, queue_size=1)
-        self._packets = []
+        """Advertise the topic `name`."""
+        self._is_plain = is_plain('image_publisher')
+        self._publisher = (rospy.Publisher(name, Image, queue_size=1) if self._is_plain
+                           else synchronous_publisher(name, Image))
+        self._pool, self._senders = PacketPool(), PacketSenders()
 
     def get_num_connections(self) -> int:
-        """Return how many subscribers there are."""
+        """Return the number of subscribers."""
         return self._publisher.get_num_connections()
 
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
@@ -42,47 +49,50 @@ class ImagePublisher:
                       header: Header) -> None:
         """Publish an image, which is made only if anyone subscribes.
 
-        draw: writes the image into an array of that shape, of any content before.
+        draw: writes the image into a uint8 array of that shape, whose content is arbitrary.
         shape: (height, width, channels).
+        encoding: as for `publish`.
         """
+        if self._is_plain:
+            if self._publisher.get_num_connections() > 0:
+                image = np.empty(shape, np.uint8)
+                draw(image)
+                msg = _without_data(header, 0, encoding, shape)
+                msg.data = image.tobytes()
+                self._publisher.publish(msg)
+            return
         topic = self._publisher.impl
-        connections = topic.connections
-        if not connections:
+        self._senders.follow(topic.connections)
+        if not topic.connections:
             return
         topic.seq += 1
-        head = self._head(header, encoding, shape, topic.seq)
+        head = _head(_without_data(header, topic.seq, encoding, shape))
         size = shape[0] * shape[1] * shape[2]
-        packet = self._packet(len(head) + size)
-        packet[:len(head)] = head
-        draw(np.frombuffer(packet, np.uint8, size, len(head)).reshape(shape))
-        for connection in connections:
-            try:
-                connection.write_data(packet)
-            except Exception:       # of any kind, as rospy itself has it: the subscriber is gone
-                connection.close()
+        packet = self._pool.take(len(head) + size)
+        try:
+            packet.data[:len(head)] = head
+            draw(np.frombuffer(packet.data, np.uint8, size, len(head)).reshape(shape))
+            self._senders.put(packet)
+        finally:
+            packet.release()
+        time.sleep(0)       # lets the senders begin now, not when Python next switches threads
 
-    @staticmethod
-    def _head(header: Header, encoding: str, shape: tuple, seq: int) -> bytes:
-        """Return what stands before the data on the wire."""
-        height, width, channels = shape
-        msg = Image(Header(seq, header.stamp, header.frame_id), height, width, encoding, 0,
-                    width * channels, b'')
-        buffer = io.BytesIO(_LENGTH.pack(0))
-        buffer.seek(0, io.SEEK_END)
-        msg.serialize(buffer)
-        buffer.seek(-_LENGTH.size, io.SEEK_END)
-        buffer.write(_LENGTH.pack(height * width * channels))
-        size = buffer.tell() - _LENGTH.size + height * width * channels
-        buffer.seek(0)
-        buffer.write(_LENGTH.pack(size))
-        return buffer.getvalue()
 
-    def _packet(self, size: int) -> bytearray:
-        """Return kept memory of a size that nobody sends from any more."""
-        self._packets = [packet for packet in self._packets if len(packet) == size]
-        for packet in self._packets:
-            # this list, this name and the argument of the call: the senders have let go
-            if sys.getrefcount(packet) == 3:
-                return packet
-        self._packets.append(bytearray(size))
-        return self._packets[-1]
+def _without_data(header: Header, seq: int, encoding: str, shape: tuple) -> Image:
+    height, width, channels = shape
+    return Image(Header(seq, header.stamp, header.frame_id), height, width, encoding, 0,
+                 width * channels, b'')
+
+
+def _head(msg: Image) -> bytes:
+    """Return what stands before the data on the wire, for a message without its data."""
+    size = msg.height * msg.step
+    buffer = io.BytesIO(_LENGTH.pack(0))
+    buffer.seek(0, io.SEEK_END)
+    msg.serialize(buffer)
+    buffer.seek(-_LENGTH.size, io.SEEK_END)
+    buffer.write(_LENGTH.pack(size))
+    length = buffer.tell() - _LENGTH.size + size
+    buffer.seek(0)
+    buffer.write(_LENGTH.pack(length))
+    return buffer.getvalue()

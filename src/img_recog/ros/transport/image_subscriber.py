@@ -2,7 +2,7 @@
 import struct
 from collections import deque
 from socket import MSG_WAITALL
-from typing import Callable
+from typing import Callable, Deque, Optional
 
 import genpy
 import numpy as np
@@ -11,45 +11,62 @@ from rospy.exceptions import TransportTerminated
 from sensor_msgs.msg import Image
 
 from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.transport.switch import is_plain
 
 _LENGTH = struct.Struct('<I')
 # of the fields of a serialized Image that come before its texts and its data
 _STAMP_END, _SIZE_BYTES, _STEP_BYTES = 12, 8, 5
-_NOTHING = np.empty(0, np.uint8)
-_MOST_SPARE = 4         # memory that is more than so many times too large is given back
+_EMPTY = np.empty(0, np.uint8)
+_MAX_OVERSIZE = 4       # a buffer more than this many times larger than an image is dropped
+_PLAIN_BUFFER_BYTES = 1 << 26       # more than a message: rospy reads this much at a time
 
 
-class _KeptImage(Image):
-    """An image whose data lies in `memory`, which is kept."""
+class _BufferedImage(Image):
+    """An image whose data lies in the reused buffer `memory`."""
 
-    memory = None
+    memory: Optional[np.ndarray] = None
 
 
 class ImageSubscriber:
-    """Receives images straight into memory that is kept, and asks publishers for no delay.
+    """Receives images straight into reused buffers, and asks publishers for no delay.
 
     rospy reads a message in pieces, puts these together, cuts the message out and its data out of
     that: four times new memory for each image, which takes longer than to convert it. Here the
-    kernel writes it where it stays.
+    kernel writes the data where it stays.
+
+    Other subscribers of the topic in the same process get images in memory of their own.
     """
 
     def __init__(self, name: str, callback: Callable[[Image], None]):
-        """Subscribe to `name`; `callback` has the images in threads of rospy.
+        """Subscribe to `name`; `callback` gets the images, in threads of rospy.
 
-        The data of an image is a memoryview, and is its own until `release`.
+        The data of an image may be a memoryview, which does not change until `release`.
         """
-        self._free = deque()
+        self._callback = callback
+        self._free: Deque[np.ndarray] = deque()
         self._warn = ThrottledWarning()
-        self._subscriber = rospy.Subscriber(name, Image, callback, queue_size=1, tcp_nodelay=True)
-        topic = self._subscriber.impl
-        with topic.c_lock:
-            self._add_connection = topic.add_connection
-            topic.add_connection = self._connect
-            for connection in topic.connections:
+        if is_plain('image_subscriber'):
+            self._subscriber = rospy.Subscriber(name, Image, callback, queue_size=1,
+                                                buff_size=_PLAIN_BUFFER_BYTES, tcp_nodelay=True)
+            return
+        # without a callback: rospy would call all of the process with one and the same message
+        self._subscriber = rospy.Subscriber(name, Image, queue_size=1, tcp_nodelay=True)
+        self._topic = self._subscriber.impl
+        with self._topic.c_lock:
+            if 'add_connection' in vars(self._topic):       # another ImageSubscriber reads it
+                self._topic.add_callback(callback, None)
+                return
+            self._add_connection = self._topic.add_connection
+            self._topic.add_connection = self._connect
+            for connection in self._topic.connections:
                 self._take_over(connection)
 
+    def get_num_connections(self) -> int:
+        """Return the number of publishers."""
+        return self._subscriber.get_num_connections()
+
     def release(self, msg: Image) -> None:
-        """Let the memory of an image be used for another; the image is of no use any more."""
+        """Let the buffer of an image be reused; the image has no data any more."""
         memory = getattr(msg, 'memory', None)
         if memory is not None:
             msg.memory, msg.data = None, b''
@@ -68,37 +85,57 @@ class ImageSubscriber:
         def read_messages(buffer, messages, sock):
             # of what follows, rospy shall read no more than the length
             protocol.buff_size = _LENGTH.size
-            length, begun = _LENGTH.unpack(buffer.getbuffer()[:_LENGTH.size])[0], buffer.tell()
-            if begun - _LENGTH.size > length:       # several small ones, at the start
+            length, received = _LENGTH.unpack(buffer.getbuffer()[:_LENGTH.size])[0], buffer.tell()
+            if received - _LENGTH.size > length:        # several small ones, at the start
                 ordinary(buffer, messages, sock)
+                for msg in messages:
+                    self._call(msg)
                 return
             memory = self._memory(length)
             view = memoryview(memory)[:length]
-            at = begun - _LENGTH.size
-            view[:at] = buffer.getbuffer()[_LENGTH.size:begun]
-            while at < length:
-                at += _received(sock, view[at:])
+            count = received - _LENGTH.size
+            view[:count] = buffer.getbuffer()[_LENGTH.size:received]
+            while count < length:
+                count += _receive(sock, view[count:])
             buffer.seek(0)
             try:
-                messages.append(_image(memory, view))
+                msg = _image(memory, view)
             except (genpy.DeserializationError, struct.error, ValueError) as error:
                 self._free.append(memory)
                 self._warn('image of %s skipped: its %d bytes are no sensor_msgs/Image: %s',
                            connection.endpoint_id, length, error)
+            else:
+                self._deliver(msg, view, connection, messages)
         protocol.read_messages = read_messages
+
+    def _deliver(self, msg: _BufferedImage, view: memoryview, connection, messages: list) -> None:
+        """Call our callback; leave a copy in `messages` if rospy has any use for it."""
+        if self._topic.callbacks or self._topic.statistics_logger or connection.is_latched:
+            messages.append(Image().deserialize(bytes(view)))
+        else:
+            connection.stat_num_msg += 1        # of the others, rospy counts the copies
+        msg._connection_header = connection.header
+        self._call(msg)
+
+    def _call(self, msg: Image) -> None:
+        self._topic._invoke_callback(msg, self._callback, None)
 
     def _memory(self, size: int) -> np.ndarray:
         try:
             memory = self._free.popleft()
         except IndexError:
-            memory = _NOTHING
-        if size <= len(memory) <= _MOST_SPARE * size:
+            memory = _EMPTY
+        if size <= len(memory) <= _MAX_OVERSIZE * size:
             return memory
         # not cleared, so that a length that is never sent takes no memory
         return np.empty(size, np.uint8)
 
 
-def _received(sock, view: memoryview) -> int:
+def _receive(sock, view: memoryview) -> int:
+    """Fill a view from a socket; return the number of bytes, fewer only after a signal.
+
+    Raises TransportTerminated when the connection ends.
+    """
     try:
         count = sock.recv_into(view, 0, MSG_WAITALL)
     except OSError as error:
@@ -108,19 +145,19 @@ def _received(sock, view: memoryview) -> int:
     return count
 
 
-def _image(memory: np.ndarray, view: memoryview) -> Image:
+def _image(memory: np.ndarray, view: memoryview) -> _BufferedImage:
     """Return the message that is serialized in `view`, its data left where it is."""
-    at = _after_text(view, _STAMP_END) + _SIZE_BYTES        # frame_id, height and width
-    at = _after_text(view, at) + _STEP_BYTES                # encoding, is_bigendian and step
-    msg = _KeptImage()
-    msg.deserialize(bytes(view[:at]) + _LENGTH.pack(0))
-    size, = _LENGTH.unpack_from(view, at)
-    data = view[at + _LENGTH.size:]
+    end = _after_text(view, _STAMP_END) + _SIZE_BYTES       # frame_id, height and width
+    end = _after_text(view, end) + _STEP_BYTES              # encoding, is_bigendian and step
+    msg = _BufferedImage()
+    msg.deserialize(bytes(view[:end]) + _LENGTH.pack(0))
+    size, = _LENGTH.unpack_from(view, end)
+    data = view[end + _LENGTH.size:]
     if len(data) < size:
         raise ValueError('its data ends early')
     msg.data, msg.memory = data[:size], memory
     return msg
 
 
-def _after_text(view: memoryview, at: int) -> int:
-    return at + _LENGTH.size + _LENGTH.unpack_from(view, at)[0]
+def _after_text(view: memoryview, start: int) -> int:
+    return start + _LENGTH.size + _LENGTH.unpack_from(view, start)[0]

@@ -1,12 +1,6 @@
-"""What a node logs, sent to /rosout at once."""
-import itertools
+"""What a node logs, published on /rosout synchronously."""
 import logging
-import sys
-import threading
-import time
-from logging.handlers import RotatingFileHandler
-from types import FrameType
-from typing import Callable
+from typing import Optional
 
 import rospy
 from rosgraph_msgs.msg import Log
@@ -14,69 +8,21 @@ from rospy.impl import registration, rosout
 
 from img_recog.ros import parameters
 from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.ros.transport.switch import is_plain
 
-_LOGGER = logging.getLogger('rosout')
-_LINES_A_LOOK = 100
 _LEVELS = {logging.DEBUG: Log.DEBUG, logging.INFO: Log.INFO, logging.WARNING: Log.WARN,
            logging.ERROR: Log.ERROR, logging.CRITICAL: Log.FATAL}
 
 
 def init_node(name: str, **options) -> None:
-    """Call rospy.init_node, with what is here in place of its own.
+    """Call rospy.init_node, with our handler for /rosout in place of its own.
 
-    For each line, rospy asks the master for a parameter and hands a message to a thread, and its
-    log file is looked up twice: with a line for each image, that costs more than to recognize
-    what is in the image.
+    For each line, rospy asks the master for a parameter and hands a message to a thread.
     """
-    rosout.Publisher = _publisher
-    rosout.RosOutHandler = _RosoutHandler
+    if not is_plain('rosout'):
+        rosout.Publisher = _publisher
+        rosout.RosOutHandler = _RosoutHandler
     rospy.init_node(name, **options)
-    for handler in logging.getLogger().handlers:
-        if isinstance(handler, RotatingFileHandler):
-            handler.shouldRollover = seldom(handler.shouldRollover)
-
-
-def info(text: str) -> None:
-    """Log as rospy.loginfo does, in half the time: rospy walks the stack twice for the place."""
-    if _LOGGER.isEnabledFor(logging.INFO):
-        caller = sys._getframe(1)
-        _LOGGER.handle(_records.of(text, caller))
-
-
-class _Records:
-    """Makes records at INFO; what is the same from one to the next is found out once."""
-
-    def __init__(self):
-        self._place, self._first = None, None
-
-    def of(self, text: str, caller: FrameType) -> logging.LogRecord:
-        place = caller.f_code, caller.f_lineno, threading.get_ident()
-        if place != self._place:
-            self._place, self._first = place, _LOGGER.makeRecord(
-                _LOGGER.name, logging.INFO, caller.f_code.co_filename, caller.f_lineno, text, (),
-                None, _function(caller))
-            return self._first
-        record = logging.LogRecord.__new__(logging.LogRecord)
-        record.__dict__.update(self._first.__dict__)
-        record.msg, record.created = text, time.time()
-        record.msecs = record.created % 1 * 1000
-        record.relativeCreated += (record.created - self._first.created) * 1000
-        return record
-
-
-_records = _Records()
-
-
-def _function(frame: FrameType) -> str:
-    """Return what rospy calls a function: with the class of its self, if it has one."""
-    name, local = frame.f_code.co_name, frame.f_locals
-    return '{}.{}'.format(type(local['self']).__name__, name) if 'self' in local else name
-
-
-def seldom(should_rollover: Callable) -> Callable:
-    """Return a should_rollover that looks at the size of the file now and then only."""
-    lines = itertools.count()
-    return lambda record: next(lines) % _LINES_A_LOOK == 0 and should_rollover(record)
 
 
 def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> DirectPublisher:
@@ -84,21 +30,25 @@ def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> Dir
 
 
 class _RosoutHandler(logging.Handler):
-    """Publishes records as rosgraph_msgs/Log; its lock keeps threads apart."""
+    """Publishes records as rosgraph_msgs/Log; the lock of logging.Handler keeps threads apart.
+
+    Like rospy, it swallows every error: logging must never break the caller.
+    """
 
     def __init__(self):
         super().__init__()
-        self._is_publishing, self._names_topics = False, None
+        self._is_publishing = False
+        self._names_topics: Optional[bool] = None
 
     def emit(self, record: logging.LogRecord) -> None:
         if rosout._rosout_pub is None or self._is_publishing:
             return
-        self._is_publishing = True      # what is logged on the way would come back here
+        self._is_publishing = True      # what is logged meanwhile would come back here
         try:
             rosout._rosout_pub.publish(self._to_msg(record))
         except rospy.ROSException:      # the topic is closed while the node ends
             pass
-        except Exception as error:      # of any kind, as rospy has it: whoever logs goes on
+        except Exception as error:
             logging.getLogger('rospy.rosout').warning('a line does not reach /rosout: %s', error)
         finally:
             self._is_publishing = False

@@ -1,38 +1,18 @@
-"""Images drawn where they are sent from, byte for byte what rospy sends."""
+"""Images to real connections of rospy: byte for byte what rospy sends, from reused buffers."""
 import io
-from types import SimpleNamespace
+import warnings
 
 import numpy as np
 import pytest
+import rospy
 from rospy.msg import serialize_message
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.ros.transport import image_publisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog_testing.waiting import wait_for
 
-
-class Subscriber:
-    """A connection that keeps what it is given, as one that is slow to send it."""
-
-    def __init__(self, fails=False):
-        self.queue, self.fails, self.closed = [], fails, False
-
-    def write_data(self, data):
-        if self.fails:
-            raise OSError('broken')
-        self.queue.append(data)
-
-    def close(self):
-        self.closed = True
-
-
-@pytest.fixture
-def topic(monkeypatch):
-    impl = SimpleNamespace(connections=[], seq=0)
-    publisher = SimpleNamespace(impl=impl, get_num_connections=lambda: len(impl.connections))
-    monkeypatch.setattr(image_publisher.rospy, 'Publisher', lambda *args, **kwargs: publisher)
-    return impl
+LARGE = (480, 640, 3)       # does not fit into the buffers of a pair of sockets
 
 
 def header(stamp=7):
@@ -49,76 +29,162 @@ def publish(publisher, image, encoding='bgr8'):
     publisher.publish(image, encoding, header())
 
 
+def wire(image, seq, encoding='bgr8'):
+    """Return what rospy would send."""
+    height, width = image.shape[:2]
+    buffer = io.BytesIO()
+    serialize_message(buffer, seq, Image(
+        header(), height, width, encoding, 0, image[0].size, image.tobytes()))
+    return buffer.getvalue()
+
+
+@pytest.fixture
+def publisher(name):
+    return ImagePublisher(name)
+
+
 @pytest.mark.parametrize('shape, encoding', [
-    ((48, 64, 3), 'bgr8'), ((1, 1, 3), 'rgb8'), ((5, 3, 1), 'mono8'), ((480, 640, 3), 'bgr8')])
-def test_the_bytes_are_those_of_rospy(topic, shape, encoding):
-    subscriber, publisher = Subscriber(), ImagePublisher('/blue_image')
-    topic.connections.append(subscriber)
-    for seed in (1, 2):
-        image = random_image(seed, shape)
+    ((48, 64, 3), 'bgr8'), ((1, 1, 3), 'rgb8'), ((5, 3, 1), 'mono8'), ((48, 64), 'mono8'), (
+        LARGE, 'bgr8')])
+def test_the_bytes_are_those_of_rospy(way, name, publisher, subscribe, shape, encoding):
+    subscriber = subscribe(name, Image)
+    for seq in (1, 2):
+        image = random_image(seq, shape)
         publish(publisher, image, encoding)
-        expected = io.BytesIO()
-        serialize_message(expected, seed, Image(
-            header(), shape[0], shape[1], encoding, 0, shape[1] * shape[2], image.tobytes()))
-        assert bytes(subscriber.queue.pop()) == expected.getvalue()
+        assert subscriber.receive() == wire(image, seq, encoding)
 
 
-def test_nothing_is_drawn_without_subscribers(topic):
-    ImagePublisher('/blue_image').publish_drawn(lambda _: 1 / 0, (4, 4, 3), 'bgr8', header())
+def test_nothing_is_drawn_without_subscribers(way, publisher):
+    publisher.publish_drawn(lambda _: 1 / 0, (4, 4, 3), 'bgr8', header())
 
 
-def test_an_image_is_drawn_into_the_packet(topic):
-    subscriber, image = Subscriber(), random_image(1)
-    topic.connections.append(subscriber)
-    ImagePublisher('/blue_image').publish_drawn(
-        lambda result: np.copyto(result, image), image.shape, 'bgr8', header())
-    assert bytes(subscriber.queue[0]).endswith(image.tobytes())
+def test_an_image_is_drawn_where_it_is_sent_from(way, name, publisher, subscribe):
+    subscriber, image = subscribe(name, Image), random_image(1)
+    publisher.publish_drawn(lambda result: np.copyto(result, image), image.shape, 'bgr8', header())
+    assert subscriber.receive() == wire(image, 1)
 
 
-def test_grey_images_and_rows_that_are_apart(topic):
-    subscriber, publisher = Subscriber(), ImagePublisher('/blue_image')
-    topic.connections.append(subscriber)
-    grey, part = random_image(1, (48, 64)), random_image(2, (48, 80, 3))[:, 3:67]
-    publish(publisher, grey, 'mono8')
+def test_rows_that_are_apart(way, name, publisher, subscribe):
+    subscriber, part = subscribe(name, Image), random_image(2, (48, 80, 3))[:, 3:67]
     publish(publisher, part)
-    assert bytes(subscriber.queue[0]).endswith(grey.tobytes())
-    assert bytes(subscriber.queue[1]).endswith(part.tobytes())
+    assert subscriber.receive() == wire(part, 1)
 
 
-def test_all_subscribers_have_one_packet(topic):
-    topic.connections += [Subscriber(), Subscriber()]
-    publish(ImagePublisher('/blue_image'), random_image(1))
-    first, second = (each.queue[0] for each in topic.connections)
-    assert first is second
+def test_the_header_stays_as_it_is(way, name, publisher, subscribe):
+    subscribe(name, Image)
+    given = header()
+    given.seq = 99
+    publisher.publish(random_image(1), 'bgr8', given)
+    assert given.seq == 99
 
 
-def test_memory_is_used_again_when_nobody_sends_from_it_any_more(topic):
-    subscriber, publisher = Subscriber(), ImagePublisher('/blue_image')
-    topic.connections.append(subscriber)
-    publish(publisher, random_image(1))
-    first = bytes(subscriber.queue[0])
-    publish(publisher, random_image(2))
-    assert bytes(subscriber.queue[0]) == first          # still waits, and is as it was
-    addresses = {id(packet) for packet in subscriber.queue}
-    for seed in range(3, 9):
-        del subscriber.queue[0]
-        publish(publisher, random_image(seed))
-        addresses |= {id(packet) for packet in subscriber.queue}
-        assert bytes(subscriber.queue[-1]).endswith(random_image(seed).tobytes())
-    assert len(addresses) == 2
+def test_all_subscribers_get_each_image(way, name, publisher, subscribe):
+    ends = [subscribe(name, Image) for _ in range(3)]
+    for seq in range(1, 6):
+        publish(publisher, random_image(seq, LARGE))
+        for end in ends:
+            assert end.receive() == wire(random_image(seq, LARGE), seq)
 
 
-def test_memory_of_another_size_is_given_back(topic):
-    subscriber, publisher = Subscriber(), ImagePublisher('/blue_image')
-    topic.connections.append(subscriber)
+def test_a_subscriber_that_does_not_read_holds_up_nobody_and_gets_whole_images_later(
+        way, name, publisher, subscribe):
+    stuck, reading = subscribe(name, Image), subscribe(name, Image)
+    for seq in range(1, 21):
+        publish(publisher, random_image(seq, LARGE))
+        assert reading.receive() == wire(random_image(seq, LARGE), seq)
+    # the one that was begun, though its buffer would have been free twenty times; then the newest
+    assert stuck.receive() == wire(random_image(1, LARGE), 1)
+    assert stuck.receive() == wire(random_image(20, LARGE), 20)
+    publish(publisher, random_image(21, LARGE))
+    assert stuck.receive() == wire(random_image(21, LARGE), 21)
+
+
+@pytest.fixture
+def buffers(publisher, monkeypatch):
+    """The buffers that a publisher has used, by number."""
+    used, take = {}, publisher._pool.take
+
+    def note(size):
+        packet = take(size)
+        used[id(packet)] = packet
+        return packet
+    monkeypatch.setattr(publisher._pool, 'take', note)
+    return used
+
+
+def test_buffers_are_reused_and_a_subscriber_that_does_not_read_keeps_two(
+        fast, name, publisher, subscribe, buffers):
+    reading = subscribe(name, Image)
+    for seq in range(20):
+        publish(publisher, random_image(seq, LARGE))
+        reading.receive()
+    assert len(buffers) <= 2
+    subscribe(name, Image)
+    for seq in range(20):
+        publish(publisher, random_image(seq, LARGE))
+        reading.receive()
+    assert len(buffers) <= 4
+
+
+def test_a_buffer_is_free_only_after_the_last_connection_has_sent_it(
+        fast, name, publisher, subscribe, buffers):
+    ends = [subscribe(name, Image) for _ in range(2)]
+    publish(publisher, random_image(1, LARGE))
+    packet, = buffers.values()
+    ends[0].receive()
+    wait_for(lambda: packet._owners == 1, 'the first sender')
+    assert publisher._pool.free == []
+    ends[1].receive()
+    wait_for(lambda: publisher._pool.free == [packet], 'the buffer')
+
+
+def test_a_buffer_is_free_again_when_its_subscriber_is_gone(
+        fast, name, publisher, subscribe, buffers):
+    stuck = subscribe(name, Image)
+    for seq in range(5):
+        publish(publisher, random_image(seq, LARGE))
+    stuck.sock.close()
+    wait_for(lambda: not publisher.get_num_connections(), 'the end of the connection')
+    publish(publisher, random_image(6, LARGE))
+    wait_for(lambda: len(publisher._pool.free) == len(buffers), 'all buffers')
+
+
+def test_a_buffer_is_free_again_when_drawing_fails(fast, name, publisher, subscribe, buffers):
+    subscriber = subscribe(name, Image)
+    with pytest.raises(ZeroDivisionError):
+        publisher.publish_drawn(lambda _: 1 / 0, (4, 4, 3), 'bgr8', header())
+    assert publisher._pool.free == list(buffers.values()) and subscriber.is_idle()
+
+
+def test_buffers_of_another_size_are_dropped(fast, name, publisher, subscribe):
+    subscriber = subscribe(name, Image)
     for seed, shape in enumerate([(480, 640, 3), (4, 4, 3), (480, 640, 3)]):
         publish(publisher, random_image(seed, shape))
-        subscriber.queue.clear()
-        assert len(publisher._packets) == 1
+        subscriber.receive()
+        wait_for(lambda: publisher._pool.free, 'the buffer')
+        assert len(publisher._pool.free) == 1
 
 
-def test_a_subscriber_that_is_gone_is_closed_and_others_go_on(topic):
-    gone, there = Subscriber(fails=True), Subscriber()
-    topic.connections += [gone, there]
-    publish(ImagePublisher('/blue_image'), random_image(1))
-    assert gone.closed and not there.closed and len(there.queue) == 1
+def test_a_subscriber_that_is_gone_is_removed_and_others_go_on(
+        way, name, publisher, subscribe):
+    gone, there = subscribe(name, Image), subscribe(name, Image)
+    gone.sock.close()
+
+    def removed():
+        publish(publisher, random_image(1))
+        assert there.receive().endswith(random_image(1).tobytes())
+        return publisher.get_num_connections() == 1
+    wait_for(removed, 'the end of the connection')
+    assert gone.transport.done and not there.transport.done
+
+
+def test_a_queue_of_rospy_gets_images_that_do_not_change(fast, name, publisher, subscribe):
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        rospy.Publisher(name, Image, queue_size=1)      # of another part of the process
+    stuck, reading = subscribe(name, Image), subscribe(name, Image)
+    for seq in range(1, 6):
+        publish(publisher, random_image(seq, LARGE))
+        assert reading.receive() == wire(random_image(seq, LARGE), seq)
+    assert stuck.receive() == wire(random_image(1, LARGE), 1)
+    assert stuck.receive() == wire(random_image(5, LARGE), 5)

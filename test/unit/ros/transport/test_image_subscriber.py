@@ -1,18 +1,16 @@
-"""Images from a socket into kept memory, by a connection as rospy makes them."""
-import io
-import socket
+"""Images through real connections of rospy, into reused buffers."""
+import queue
 import struct
 import threading
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rospy.exceptions import TransportTerminated
-from rospy.impl.tcpros_pubsub import TCPROSSub
+import rospy
 from sensor_msgs.msg import Image
 
-from img_recog.ros.transport import image_subscriber
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
+from img_recog_testing.tcpros import packet
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
 def image(seed, height=48, width=64, encoding='rgb8', frame_id='camera'):
@@ -24,49 +22,31 @@ def image(seed, height=48, width=64, encoding='rgb8', frame_id='camera'):
     return msg
 
 
-def packet(msg):
-    buffer = io.BytesIO()
-    msg.serialize(buffer)
-    return struct.pack('<I', buffer.tell()) + buffer.getvalue()
+class Receiver:
+    """An ImageSubscriber whose images wait in a queue."""
 
-
-class Connection:
-    """A subscriber's end of a connection, which reads as rospy's does."""
-
-    def __init__(self, monkeypatch):
-        self.endpoint_id = '/camera'
-        self.theirs, self.sock = socket.socketpair()
-        self.protocol = TCPROSSub('/topic', Image)
-        self.buffer = io.BytesIO()
-        topic = SimpleNamespace(c_lock=threading.RLock(), connections=[],
-                                add_connection=lambda connection: True)
-        monkeypatch.setattr(image_subscriber.rospy, 'Subscriber',
-                            lambda *args, **kwargs: SimpleNamespace(impl=topic))
-        self.subscriber = ImageSubscriber('/topic', None)
-        assert topic.add_connection(self)
-
-    def send(self, data):
-        thread = threading.Thread(target=self.theirs.sendall, args=(data,), daemon=True)
-        thread.start()
+    def __init__(self, name):
+        self._images = queue.Queue()
+        self._subscriber = ImageSubscriber(name, self._images.put)
+        self.release = self._subscriber.release
 
     def receive(self):
-        messages = []
-        while not messages:
-            if self.buffer.tell() >= 4:
-                self.protocol.read_messages(self.buffer, messages, self.sock)
-            if not messages:
-                data = self.sock.recv(self.protocol.buff_size)
-                assert data
-                self.buffer.write(data)
-        return messages
+        """Return the next image."""
+        return self._images.get(timeout=DEADLINE_S)
+
+    def is_idle(self):
+        """Return whether no image waits."""
+        return self._images.empty()
+
+    @property
+    def inner(self):
+        """The ImageSubscriber."""
+        return self._subscriber
 
 
 @pytest.fixture
-def connection(monkeypatch):
-    made = Connection(monkeypatch)
-    yield made
-    made.theirs.close()
-    made.sock.close()
+def receiver(name):
+    return Receiver(name)
 
 
 def assert_equal(got, sent):
@@ -75,103 +55,251 @@ def assert_equal(got, sent):
         assert getattr(got, name) == getattr(sent, name)
 
 
-def test_images_of_many_sizes_one_after_the_other(connection):
-    sent = [image(number, *size) for number, size in enumerate(
-        [(480, 640), (1, 1), (1080, 1920), (0, 0), (48, 64), (480, 640)])]
-    connection.send(b''.join(map(packet, sent)))
-    got = []
-    while len(got) < len(sent):
-        for msg in connection.receive():
-            assert_equal(msg, sent[len(got)])
-            got.append(msg)
+def test_images_of_many_sizes_one_after_the_other(way, name, receiver, publish_to):
+    publisher = publish_to(name, Image)
+    for number, size in enumerate(
+            [(480, 640), (1, 1), (1080, 1920), (0, 0), (48, 64), (480, 640)]):
+        sent = image(number, *size)
+        publisher.send(sent)
+        got = receiver.receive()
+        assert_equal(got, sent)
+        receiver.release(got)
 
 
-def test_texts_of_any_length(connection):
+def test_texts_of_any_length(way, name, receiver, publish_to):
+    publisher = publish_to(name, Image)
     for number, (encoding, frame_id) in enumerate([('', ''), ('x' * 1000, 'ä/' * 500)]):
         sent = image(number, encoding=encoding, frame_id=frame_id)
-        connection.send(packet(sent))
-        assert_equal(connection.receive()[0], sent)
+        publisher.send(sent)
+        assert_equal(receiver.receive(), sent)
 
 
-def test_what_was_read_with_the_handshake_counts(connection):
-    sent = [image(1), image(2)]
+def test_the_header_of_the_connection_is_there(way, name, receiver, publish_to):
+    publish_to(name, Image).send(image(1))
+    assert receiver.receive()._connection_header == {'callerid': '/publisher'}
+
+
+def test_two_publishers(way, name, receiver, publish_to):
+    for number in range(2):
+        publish_to(name, Image).send(image(number))
+        assert_equal(receiver.receive(), image(number))
+    assert receiver.inner.get_num_connections() == 2
+
+
+def test_an_error_in_the_callback_does_not_end_the_connection(way, name, publish_to, monkeypatch):
+    lines, images = [], queue.Queue()
+    monkeypatch.setattr(rospy.topics, 'logerr', lines.append)
+
+    def call(msg):
+        images.put(msg)
+        raise ZeroDivisionError
+    subscriber = ImageSubscriber(name, call)
+    publisher = publish_to(name, Image)
+    for number in range(2):
+        publisher.send(image(number))
+        assert_equal(images.get(timeout=DEADLINE_S), image(number))
+    wait_for(lambda: len(lines) == 2 and all('bad callback' in line for line in lines),
+             lambda: lines)
+    assert subscriber.get_num_connections() == 1
+
+
+def test_a_connection_that_was_there_before(fast, name, publish_to):
+    rospy.Subscriber(name, Image)
+    publisher = publish_to(name, Image)
+    receiver = Receiver(name)
+    publisher.send(image(1))
+    assert_equal(receiver.receive(), image(1))
+
+
+# The plain way may drop what it has no time for: these messages come all at once.
+
+def test_what_was_read_with_the_handshake_counts(fast, name, receiver, publish_to):
+    sent = [image(1), image(2), image(3)]
     data = b''.join(map(packet, sent))
-    connection.buffer.write(data[:5000])
-    connection.send(data[5000:])
-    assert_equal(connection.receive()[0], sent[0])
-    assert_equal(connection.receive()[0], sent[1])
+    publisher = publish_to(name, Image, begin=False)
+    publisher.transport.read_buff.write(data[:5000])
+    publisher.begin()
+    publisher.send_bytes(data[5000:])
+    for msg in sent:
+        assert_equal(receiver.receive(), msg)
 
 
-def test_memory_is_used_again_only_after_release(connection):
-    connection.protocol.buff_size = 4       # as after the first message
-    connection.send(b''.join(packet(image(number)) for number in range(3)))
-    first, second = connection.receive()[0], connection.receive()[0]
+def test_small_images_that_were_read_with_the_handshake(fast, name, receiver, publish_to):
+    publisher = publish_to(name, Image, begin=False)
+    publisher.transport.protocol.queue_size = None
+    publisher.transport.read_buff.write(packet(image(1, 1, 1)) + packet(image(2, 2, 2)))
+    publisher.begin()
+    assert_equal(receiver.receive(), image(1, 1, 1))
+    assert_equal(receiver.receive(), image(2, 2, 2))
+    publisher.send(image(3))
+    assert_equal(receiver.receive(), image(3))
+
+
+# What follows is about reused buffers, which the plain way does not have.
+
+def test_a_buffer_is_reused_only_after_release(fast, name, receiver, publish_to):
+    publisher, held = publish_to(name, Image), []
+    for number in range(2):
+        publisher.send(image(number))
+        held.append(receiver.receive())
+    first, second = held
     assert first.memory is not second.memory
     memory = first.memory
-    connection.subscriber.release(first)
-    third = connection.receive()[0]
+    receiver.release(first)
+    publisher.send(image(2))
+    third = receiver.receive()
     assert third.memory is memory
     assert_equal(second, image(1))
     assert_equal(third, image(2))
 
 
-def test_a_release_counts_once(connection):
-    connection.send(packet(image(0)))
-    msg = connection.receive()[0]
-    connection.subscriber.release(msg)
-    connection.subscriber.release(msg)
-    connection.subscriber.release(Image())
-    connection.send(packet(image(1)) + packet(image(2)))
-    first, second = connection.receive()[0], connection.receive()[0]
+def test_a_release_counts_once(fast, name, receiver, publish_to):
+    publisher = publish_to(name, Image)
+    publisher.send(image(0))
+    msg = receiver.receive()
+    receiver.release(msg)
+    receiver.release(msg)
+    receiver.release(Image())
+    publisher.send(image(1), image(2))
+    first, second = receiver.receive(), receiver.receive()
     assert first.memory is not second.memory
 
 
-def test_a_larger_image_than_before(connection):
-    connection.send(packet(image(0, 2, 2)))
-    connection.subscriber.release(connection.receive()[0])
+def test_a_larger_image_than_before(fast, name, receiver, publish_to):
+    publisher = publish_to(name, Image)
+    publisher.send(image(0, 2, 2))
+    receiver.release(receiver.receive())
     sent = image(1, 480, 640)
-    connection.send(packet(sent))
-    assert_equal(connection.receive()[0], sent)
+    publisher.send(sent)
+    assert_equal(receiver.receive(), sent)
 
 
-def test_a_length_that_is_never_sent_takes_no_memory(connection):
+def test_the_buffer_of_a_huge_image_is_dropped(fast, name, receiver, publish_to):
+    publisher = publish_to(name, Image)
+    publisher.send(image(0, 1000, 1000))
+    huge = receiver.receive()
+    memory = huge.memory
+    receiver.release(huge)
+    publisher.send(image(1))
+    assert receiver.receive().memory is not memory
+    assert not receiver.inner._free
+
+
+def test_a_length_that_is_never_sent_takes_no_memory(fast, name, receiver, publish_to):
     def kilobytes():
         with open('/proc/self/status') as file:
             return next(int(line.split()[1]) for line in file if line.startswith('VmRSS'))
     before = kilobytes()
-    connection.theirs.sendall(struct.pack('<I', 0xffffffff) + b'few')
-    connection.theirs.close()
-    with pytest.raises(TransportTerminated):
-        connection.receive()
+    publisher = publish_to(name, Image)
+    publisher.sock.sendall(struct.pack('<I', 0xffffffff) + b'few')
+    publisher.sock.close()
+    publisher.join()
     assert kilobytes() - before < 100000
 
 
+# the plain way ends the connection and makes a new one
 @pytest.mark.parametrize('data', [
     b'', b'123', bytes(range(20)), b'\xff' * 64, packet(image(0))[4:-1],
-    packet(image(0))[4:-48 * 64 * 3 - 4] + b'\xff\xff\xff\xff' + bytes(48 * 64 * 3)])
+    packet(image(0))[4:-48 * 64 * 3 - 4] + b'\xff\xff\xff\xff' + bytes(48 * 64 * 3)],
+    ids=['empty', 'short', 'numbers', 'ones', 'truncated', 'too long'])
 def test_what_is_no_image_is_skipped_with_a_line_and_the_next_one_comes(
-        connection, monkeypatch, data):
+        fast, name, receiver, publish_to, monkeypatch, data):
     lines = []
-    monkeypatch.setattr(connection.subscriber, '_warn',
-                        lambda text, *values: lines.append(text % values))
-    connection.protocol.buff_size = 4
-    connection.send(struct.pack('<I', len(data)) + data + packet(image(1)))
-    assert_equal(connection.receive()[0], image(1))
-    assert len(lines) == 1 and 'of /camera skipped: its {} bytes'.format(len(data)) in lines[0]
+    monkeypatch.setattr(receiver.inner, '_warn', lambda text, *values: lines.append(text % values))
+    publisher = publish_to(name, Image, begin=False)
+    publisher.transport.protocol.buff_size = 4      # as after the first message
+    publisher.begin()
+    publisher.send_bytes(struct.pack('<I', len(data)) + data + packet(image(1)))
+    assert_equal(receiver.receive(), image(1))
+    assert len(lines) == 1
+    assert 'of {} skipped: its {} bytes'.format(
+        publisher.transport.endpoint_id, len(data)) in lines[0]
 
 
-def test_memory_of_a_huge_image_is_given_back(connection):
-    connection.send(packet(image(0, 1000, 1000)))
-    huge = connection.receive()[0]
-    memory = huge.memory
-    connection.subscriber.release(huge)
-    connection.send(packet(image(1)))
-    assert connection.receive()[0].memory is not memory
-    assert not connection.subscriber._free
+def test_a_publisher_that_ends_in_the_midst_of_an_image(way, name, receiver, publish_to):
+    publisher = publish_to(name, Image)
+    publisher.sock.sendall(packet(image(0))[:3000])
+    publisher.sock.close()
+    publisher.join()
+    assert receiver.is_idle() and receiver.inner.get_num_connections() == 0
 
 
-def test_a_publisher_that_ends_in_the_midst_of_an_image(connection):
-    connection.theirs.sendall(packet(image(0))[:3000])
-    connection.theirs.close()
-    with pytest.raises(TransportTerminated):
-        connection.receive()
+# Others in the same process must never see a buffer that is reused.
+
+def exchange(publisher, receiver, numbers):
+    """Send images one after the other, each released before the next one."""
+    for number in numbers:
+        publisher.send(image(number))
+        got = receiver.receive()
+        assert_equal(got, image(number))
+        receiver.release(got)
+
+
+@pytest.mark.parametrize('is_first', [True, False])
+def test_another_subscriber_of_the_process_may_keep_its_images(way, name, publish_to, is_first):
+    kept = queue.Queue()
+    receiver = None if is_first else Receiver(name)
+    rospy.Subscriber(name, Image, kept.put)
+    receiver = receiver or Receiver(name)
+    exchange(publish_to(name, Image), receiver, range(10))
+    for number in range(10):
+        assert_equal(kept.get(timeout=DEADLINE_S), image(number))
+
+
+def test_another_subscriber_that_comes_between_two_images(way, name, receiver, publish_to):
+    kept = queue.Queue()
+    publisher = publish_to(name, Image)
+    exchange(publisher, receiver, range(3))
+    other = rospy.Subscriber(name, Image, kept.put)
+    exchange(publisher, receiver, range(3, 6))
+    other.unregister()
+    exchange(publisher, receiver, range(6, 9))
+    assert kept.qsize() == 3
+    for number in range(3, 6):
+        assert_equal(kept.get_nowait(), image(number))
+
+
+def test_another_subscriber_that_comes_while_an_image_is_handled(fast, name, publish_to):
+    kept, done = queue.Queue(), queue.Queue()
+    entered, resume = threading.Event(), threading.Event()
+
+    def handle(msg):
+        entered.set()
+        assert resume.wait(DEADLINE_S)
+        subscriber.release(msg)
+        done.put(msg)
+    subscriber = ImageSubscriber(name, handle)
+    publisher = publish_to(name, Image)
+    publisher.send(image(1))
+    assert entered.wait(DEADLINE_S)
+    rospy.Subscriber(name, Image, kept.put)
+    resume.set()
+    publisher.send(image(2))
+    for _ in range(2):
+        done.get(timeout=DEADLINE_S)
+    assert_equal(kept.get(timeout=DEADLINE_S), image(2))        # it came too late for the first
+
+
+def test_a_latched_image_reaches_those_who_come_later(way, name, receiver, publish_to):
+    publisher = publish_to(name, Image, is_latched=True)
+    exchange(publisher, receiver, range(3))
+    wait_for(lambda: publisher.transport.latch is not None and
+             publisher.transport.latch.header.seq == 2, 'the latch')
+    kept = queue.Queue()
+    rospy.Subscriber(name, Image, kept.put)
+    assert_equal(kept.get(timeout=DEADLINE_S), image(2))
+
+
+def test_two_image_subscribers_of_one_topic(way, name, publish_to):
+    receivers = [Receiver(name), Receiver(name)]
+    publisher = publish_to(name, Image)
+    held = []
+    for number in range(5):
+        publisher.send(image(number))
+        for receiver in receivers:
+            got = receiver.receive()
+            assert_equal(got, image(number))
+            held.append((got, number))
+            receivers[0].release(held[-2][0] if receiver is receivers[1] else Image())
+    for got, number in held[1::2]:
+        assert_equal(got, image(number))

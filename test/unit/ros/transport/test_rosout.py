@@ -1,110 +1,92 @@
-"""Lines of a node as Python's logging and rospy have them."""
+"""Lines of a node as messages on /rosout, by rospy's handler and by ours."""
 import logging
-import logging.handlers
-import os
-import time
 from types import SimpleNamespace
 
 import pytest
 import rospy
+from rosgraph_msgs.msg import Log
+from rospy.impl import rosout as rospy_rosout
 
 from img_recog.ros.transport import rosout
-
-
-class Kept(logging.Handler):
-    """Keeps the records."""
-
-    def __init__(self):
-        super().__init__()
-        self.records = []
-
-    def emit(self, record):
-        self.records.append(record)
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 
 
 @pytest.fixture
-def kept(monkeypatch):
-    handler, logger = Kept(), logging.getLogger('rosout')
-    monkeypatch.setattr(logger, 'level', logging.INFO)
+def init_node(way, monkeypatch):
+    """A function that starts a node as rosout.init_node does, without a master."""
+    for name in ('Publisher', 'RosOutHandler', '_rosout_pub'):
+        monkeypatch.setattr(rospy_rosout, name, getattr(rospy_rosout, name))
+    monkeypatch.setattr(rospy, 'init_node', lambda *args, **options: rospy_rosout.init_rosout())
+    monkeypatch.setattr(rosout.parameters, 'log_topics_are_wanted', lambda: True)
+    monkeypatch.setattr(rospy, 'get_param_cached', lambda name, default: default)
+    return lambda: rosout.init_node('node')
+
+
+@pytest.fixture
+def logger(init_node, monkeypatch):
+    """A logger whose lines go to /rosout."""
+    init_node()
+    monkeypatch.setattr(rospy.Time, 'now', lambda: rospy.Time(5, 7))
+    logger = logging.getLogger('to /rosout')
+    logger.propagate = False
+    handler = rospy_rosout.RosOutHandler()
     logger.addHandler(handler)
-    yield handler
+    yield logger
     logger.removeHandler(handler)
 
 
-def say(text):
-    """Log from one place."""
-    rosout.info(text)
+@pytest.fixture
+def sent(logger, monkeypatch):
+    """The messages that are published."""
+    messages = []
+    monkeypatch.setattr(rospy_rosout, '_rosout_pub', SimpleNamespace(publish=messages.append))
+    return messages
 
 
-def test_a_record_has_what_python_gives_it(kept):
-    before_s = time.time()
-    for text in ('first', '100% of {it}', 'third'):
-        say(text)
-    rospy.loginfo('by rospy')
-    *ours, theirs = kept.records
-    assert [record.getMessage() for record in ours] == ['first', '100% of {it}', 'third']
-    assert ours[0].lineno == ours[1].lineno == say.__code__.co_firstlineno + 2
-    for record in ours:
-        assert set(vars(record)) == set(vars(theirs))
-        assert (record.funcName, record.filename) == ('say', os.path.basename(__file__))
-        for name in ('name', 'levelno', 'levelname', 'process', 'processName', 'thread',
-                     'threadName', 'module', 'pathname', 'args', 'exc_info'):
-            assert getattr(record, name) == getattr(theirs, name)
-        assert before_s <= record.created <= theirs.created
-        assert record.msecs == pytest.approx(record.created % 1 * 1000, abs=1)
-        assert record.created - record.relativeCreated / 1000 == pytest.approx(
-            theirs.created - theirs.relativeCreated / 1000, abs=1e-3)
-    assert ours[0].created < ours[1].created < ours[2].created
+def test_the_publisher_is_latched(way, init_node):
+    init_node()
+    publisher = rospy_rosout._rosout_pub
+    assert isinstance(publisher, rospy.Publisher if way else DirectPublisher)
+    assert rospy.topics.get_topic_manager().get_publisher_impl('/rosout').is_latch
 
 
-def test_records_of_two_places(kept):
-    for _ in range(2):
-        rosout.info('here')
-        rosout.info('there')
-    lines = [record.lineno for record in kept.records]
-    assert [line - lines[0] for line in lines] == [0, 1, 0, 1]
+@pytest.mark.parametrize('level, expected', [
+    (logging.DEBUG, Log.DEBUG), (logging.INFO, Log.INFO), (logging.WARNING, Log.WARN),
+    (logging.ERROR, Log.ERROR), (logging.CRITICAL, Log.FATAL)])
+def test_the_message_of_a_line(logger, sent, level, expected):
+    logger.handle(logging.LogRecord('rosout', level, '/some/node.py', 12, '%d%% of it', (7,), None,
+                                    'Node.handle'))
+    msg, = sent
+    assert (msg.level, msg.msg, msg.name) == (expected, '7% of it', rospy.get_name())
+    assert (msg.file, msg.line, msg.function) == ('node.py', 12, 'Node.handle')
+    assert msg.header.stamp == rospy.Time(5, 7)
+    assert set(msg.topics) == rospy.topics.get_topic_manager().get_topics()
 
 
-class Speaker:
-    """Logs from a method, by prompt_log and by rospy."""
-
-    def speak(self):
-        rosout.info('here')
-        rospy.loginfo('there')
-
-
-def test_a_method_has_its_class_before_it(kept):
-    Speaker().speak()
-    assert [record.funcName for record in kept.records] == ['Speaker.speak'] * 2
+def test_topics_are_left_out_on_request(logger, sent, monkeypatch):
+    monkeypatch.setattr(rosout.parameters, 'log_topics_are_wanted', lambda: False)
+    monkeypatch.setattr(rospy, 'get_param_cached', lambda name, default: True)
+    logger.error('a line')
+    assert len(sent) == 1 and not sent[0].topics
 
 
 @pytest.mark.parametrize('error', [ConnectionRefusedError('no master'), UnicodeError('text'),
                                    rospy.ROSException('closed')])
-def test_whoever_logs_goes_on_though_the_line_does_not_reach_rosout(monkeypatch, error):
+def test_an_error_on_the_way_does_not_reach_the_caller(logger, monkeypatch, error):
     def refuse(_):
         raise error
-    monkeypatch.setattr(rosout.rosout, '_rosout_pub', SimpleNamespace(publish=refuse))
-    monkeypatch.setattr(rosout.parameters, 'log_topics_are_wanted', lambda: False)
-    handler, logger = rosout._RosoutHandler(), logging.getLogger('refused')
-    logger.propagate = False
-    logger.addHandler(handler)
+    monkeypatch.setattr(rospy_rosout, '_rosout_pub', SimpleNamespace(publish=refuse))
     for _ in range(2):
         logger.error('a line')
 
 
-def test_a_log_file_is_still_rolled_over(tmp_path):
-    path = str(tmp_path / 'node.log')
-    handler = logging.handlers.RotatingFileHandler(path, maxBytes=2000, backupCount=1)
-    handler.shouldRollover = rosout.seldom(handler.shouldRollover)
-    looks = []
-    logger = logging.getLogger('rolled over')
-    logger.propagate = False
-    logger.addHandler(handler)
-    for number in range(1000):
-        logger.error('%03d %s', number, 'x' * 20)
-        looks.append(os.path.getsize(path))
-    handler.close()
-    assert os.path.exists(path + '.1')
-    assert max(looks) < 2000 + 100 * 25
-    with open(path) as file:
-        assert file.read().splitlines()[-1].startswith('999')
+def test_what_is_logged_while_publishing_is_not_published(logger, monkeypatch):
+    messages = []
+
+    def publish(msg):
+        messages.append(msg.msg)
+        logger.error('within')
+    monkeypatch.setattr(rospy_rosout, '_rosout_pub', SimpleNamespace(publish=publish))
+    logger.error('first')
+    logger.error('second')
+    assert messages == ['first', 'second']

@@ -1,0 +1,68 @@
+"""What each part of ros/transport gains: nodes with all parts, and with one part switched off."""
+from statistics import median
+from typing import Callable, Dict
+
+import recognition
+import simulator
+
+SWITCH = 'IMG_RECOG_PLAIN_ROSPY'
+# values of the switch: '0' is with all parts, '1' without any
+FRAME_CASES = ('0', 'image_publisher', 'image_subscriber', 'direct_publisher', 'rosout', '1')
+STEP_CASES = ('0', 'direct_publisher', 'own_time', '1')
+SIZE, TURNS = (640, 480), 12    # of the images, which are viewed; of each case
+ROUNDS = 3                      # of the simulator's cases
+TITLES = {'0': 'with all parts', '1': 'plain rospy'}
+
+
+def count() -> int:
+    """Return the number of measurements that `measure` makes."""
+    return 1 + ROUNDS * len(STEP_CASES)
+
+
+def measure(done: Callable[[], None]) -> dict:
+    """Return the medians over all turns or rounds, in each of which every case is measured.
+
+    done: called after each measurement.
+    """
+    nodes = {'case_{}'.format(number): recognition.script(
+        'scripts', 'color_img_recog.py', env={SWITCH: case})
+        for number, case in enumerate(FRAME_CASES)}
+    turns = recognition.samples(nodes, SIZE, True, TURNS, rates=False)
+    done()
+    costs: Dict[str, list] = {case: [] for case in STEP_CASES}
+    for _ in range(ROUNDS):
+        for case in STEP_CASES:
+            sample = simulator.node(0, True, {SWITCH: case})
+            costs[case].append(1e6 * sample['cpu_share'] / sample['real_time_factor']
+                               / simulator.STEPS_A_SECOND)
+            done()
+    return {'frames': rows({case: [turn['cpu_ms'] for turn in turns[name]]
+                            for case, name in zip(FRAME_CASES, nodes)}),
+            'latency_ms': {case: median(turn['latency_ms'] for turn in turns[name])
+                           for case, name in zip(FRAME_CASES, nodes)},
+            'steps': rows(costs)}
+
+
+def rows(values: Dict[str, list]) -> list:
+    """Return, for each case, the median, and the ratio to the first case within each turn."""
+    first = next(iter(values.values()))
+    result = []
+    for case, found in values.items():
+        ratios = sorted(value / base for value, base in zip(found, first))
+        result.append({'case': case, 'value': median(found), 'ratio': median(ratios),
+                       'ratio_min': ratios[0], 'ratio_max': ratios[-1]})
+    return result
+
+
+def table(results: dict) -> str:
+    """Return the results as a table."""
+    lines = []
+    for key, title, unit in (
+            ('frames', 'color_extract, {}x{}, viewed'.format(*SIZE), 'CPU a frame, ms'),
+            ('steps', 'simulator, all topics subscribed', 'CPU a step, us')):
+        lines.append('{:40} {:>16} {:>24}'.format(title, unit, 'to the first (min-max)'))
+        for row in results[key]:
+            name = TITLES.get(row['case'], 'plain ' + row['case'])
+            lines.append('{:40} {value:16.2f} {ratio:12.3f} ({ratio_min:.2f}-{ratio_max:.2f})'
+                         .format(name, **row))
+    return '\n'.join(lines)

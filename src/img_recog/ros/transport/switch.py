@@ -1,0 +1,22 @@
+"""The switch between the fast transport of this folder and plain rospy."""
+import os
+
+VARIABLE = 'IMG_RECOG_PLAIN_ROSPY'
+PARTS = ('direct_publisher', 'image_publisher', 'image_subscriber', 'own_time', 'rosout')
+
+
+def is_plain(part: str) -> bool:
+    """Return whether a part of this folder is to use rospy's documented interface only.
+
+    part: one of PARTS.
+    Raises ValueError when the variable has a value that is not allowed.
+    """
+    value = os.environ.get(VARIABLE, '')
+    if value in ('', '0', '1'):
+        return value == '1'
+    names = [name.strip() for name in value.split(',')]
+    unknown = sorted(set(names) - set(PARTS))
+    if unknown:
+        raise ValueError('{}: got {!r}, allowed is 1 or a list of {}'.format(
+            VARIABLE, value, ', '.join(PARTS)))
+    return part in names

@@ -1,0 +1,192 @@
+"""What ros/transport uses of rospy's internals is there, and does what it is used for.
+
+After an update of rospy, what has changed fails here by its name.
+"""
+import inspect
+import io
+import socket
+import struct
+import threading
+
+import genpy
+import pytest
+import rospy
+from rospy.impl import registration, rosout, simtime
+from rospy.impl.tcpros_base import TCPROSTransport
+from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSHandler, TCPROSPub, TCPROSSub
+from sensor_msgs.msg import Image
+from std_msgs.msg import String
+
+from img_recog_testing.tcpros import packet
+
+pytestmark = pytest.mark.usefixtures('fast')
+
+
+def parameters(function):
+    return list(inspect.signature(function).parameters)
+
+
+@pytest.fixture
+def publication(name):
+    """The impl of a Publisher without a queue."""
+    with pytest.warns(SyntaxWarning):
+        return rospy.Publisher(name, String, queue_size=None).impl
+
+
+@pytest.fixture
+def subscription(name):
+    """The impl of a Subscriber."""
+    return rospy.Subscriber(name, Image, queue_size=1, tcp_nodelay=True).impl
+
+
+def test_signatures():
+    impl, handler = rospy.topics._PublisherImpl, rospy.topics._SubscriberImpl
+    assert parameters(impl.publish) == ['self', 'message', 'connection_override']
+    assert parameters(impl.acquire) == parameters(impl.release) == ['self']
+    assert parameters(handler.add_connection) == ['self', 'c']
+    assert parameters(handler.add_callback) == ['self', 'cb', 'cb_args']
+    assert parameters(handler._invoke_callback) == ['self', 'msg', 'cb', 'cb_args']
+    assert parameters(TCPROSTransport.write_data) == ['self', 'data']
+    assert parameters(TCPROSTransport.close) == ['self']
+    assert parameters(TCPROSSub.read_messages) == ['self', 'b', 'msg_queue', 'sock']
+    assert parameters(rospy.rostime._set_rostime) == ['t']
+    assert {'name', 'data_class', 'latch', 'queue_size'} <= set(parameters(rospy.Publisher))
+
+
+def test_a_publication(publication):
+    lock = type(threading.RLock())
+    assert publication.connections == [] and publication.seq == 0
+    assert publication.is_latch is False and publication.latch is None
+    assert isinstance(publication.publock, lock)
+
+
+def test_a_publication_without_a_queue_has_its_connections_bare(publication, name, subscribe):
+    end = subscribe(name, String)
+    assert publication.connections == [end.transport]
+    assert isinstance(end.transport.socket, socket.socket)
+
+
+def test_the_list_of_connections_is_replaced_never_changed(publication, name, subscribe):
+    before = publication.connections
+    end = subscribe(name, String)
+    during = publication.connections
+    end.transport.close()
+    assert before == [] and during == [end.transport] and publication.connections == []
+
+
+def test_a_publication_with_a_queue_has_other_connections(name, subscribe):
+    impl = rospy.Publisher(name, String, queue_size=1).impl
+    subscribe(name, String)
+    connection, = impl.connections
+    assert isinstance(connection, QueuedConnection)
+    assert not isinstance(connection, TCPROSTransport)
+
+
+def test_data_is_with_the_kernel_when_write_data_returns(publication, name, subscribe):
+    end = subscribe(name, String)
+    data = bytearray(packet(String('x')))
+    end.transport.write_data(data)
+    data[:] = bytes(len(data))
+    assert end.receive() == packet(String('x'))
+
+
+def test_write_data_to_one_who_is_gone_raises_and_closes(publication, name, subscribe):
+    end = subscribe(name, String)
+    end.sock.close()
+    with pytest.raises(Exception):
+        end.transport.write_data(b'data')
+    assert end.transport.done and end.transport.socket is None
+
+
+def test_publishing_counts_and_goes_to_one_connection(publication, name, subscribe):
+    ends = [subscribe(name, String) for _ in range(2)]
+    publication.publish(String('x'), connection_override=ends[0].transport)
+    assert publication.seq == 1
+    assert ends[0].receive() == packet(String('x')) and ends[1].is_idle()
+
+
+def test_a_subscription(subscription):
+    assert subscription.connections == [] and subscription.callbacks == []
+    assert isinstance(subscription.c_lock, type(threading.RLock()))
+    assert subscription.statistics_logger is None
+    assert 'add_connection' not in vars(subscription)
+
+
+def test_a_connection_of_a_subscriber(subscription, name, publish_to):
+    transport = publish_to(name, Image, begin=False).transport
+    assert isinstance(transport.protocol, TCPROSSub)
+    assert transport.protocol.buff_size == rospy.topics.DEFAULT_BUFF_SIZE
+    assert transport.endpoint_id.startswith('/publisher')
+    assert transport.is_latched is False and transport.stat_num_msg == 0
+    transport.close()
+    assert transport.protocol is None
+
+
+def test_rospy_adds_connections_by_the_attribute_of_the_topic():
+    source = inspect.getsource(TCPROSHandler.create_transport)
+    assert 'sub.add_connection(conn)' in source
+    assert source.index('sub.add_connection(conn)') < source.index('t.start()')
+
+
+def test_a_connection_reads_by_the_attribute_of_its_protocol(subscription, name, publish_to):
+    """It calls with at least four bytes, and again until there is a message."""
+    publisher = publish_to(name, Image, begin=False)
+    calls, protocol = [], publisher.transport.protocol
+
+    def read_messages(buffer, messages, sock):
+        calls.append((buffer.tell(), sock))
+        assert bytes(buffer.getbuffer()[:4]) == b'head'
+        buffer.seek(0)
+        if len(calls) == 3:
+            messages.append(Image())
+    protocol.read_messages, protocol.buff_size = read_messages, 4
+    socket_of_rospy = publisher.transport.socket
+    publisher.sock.sendall(b'headheadhead')
+    message, = publisher.transport.receive_once()
+    assert calls == [(4, socket_of_rospy)] * 3
+    assert publisher.transport.stat_num_msg == 1
+    assert message._connection_header is publisher.transport.header
+
+
+def test_its_own_read_messages_takes_what_is_in_the_buffer(subscription, name, publish_to):
+    protocol = publish_to(name, Image, begin=False).transport.protocol
+    buffer, messages = io.BytesIO(), []
+    buffer.write(packet(Image(height=7)) + struct.pack('<I', 1000) + b'begun')
+    protocol.read_messages(buffer, messages, None)
+    assert [msg.height for msg in messages] == [7]
+    assert buffer.tell() == 4 + len(b'begun')
+
+
+def test_the_protocol_of_a_publisher_is_bare():
+    assert TCPROSPub('/topic', String).buff_size > 0
+
+
+def test_a_callback_that_fails_is_logged(subscription, monkeypatch):
+    lines = []
+    monkeypatch.setattr(rospy.topics, 'logerr', lines.append)
+    subscription._invoke_callback(Image(), lambda msg: 1 / 0, None)
+    assert len(lines) == 1 and 'ZeroDivisionError' in lines[0]
+
+
+def test_rosout_makes_its_publisher_and_its_handler_by_the_names_of_its_module(monkeypatch):
+    made = []
+    monkeypatch.setattr(rosout, 'Publisher', lambda *args, **kwargs: made.append((args, kwargs)))
+    monkeypatch.setattr(rosout, '_rosout_pub', None)
+    assert rosout.init_rosout()
+    assert made == [(('/rosout', rosout.Log), {'latch': True, 'queue_size': 100})]
+    assert 'RosOutHandler()' in inspect.getsource(rosout.load_rosout_handlers)
+    assert inspect.isclass(rosout.RosOutHandler)
+
+
+def test_the_topics_of_a_node(publication, name):
+    assert name in registration.get_topic_manager().get_topics()
+
+
+def test_the_time_of_a_node(monkeypatch):
+    monkeypatch.setattr(rospy.rostime, '_rostime_initialized', True)
+    try:
+        rospy.rostime._set_rostime(genpy.Time(5, 0))
+        assert rospy.Time.now() == genpy.Time(5, 0) and not rospy.rostime.is_wallclock()
+    finally:
+        rospy.rostime.switch_to_wallclock()
+    assert simtime._set_rostime is rospy.rostime._set_rostime

@@ -1,0 +1,131 @@
+"""Small messages to real connections of rospy, sent by the calling thread."""
+import fcntl
+import resource
+import socket
+
+import pytest
+from std_msgs.msg import String
+
+from img_recog.ros.transport.direct_publisher import DirectPublisher, has_room
+from img_recog_testing.tcpros import packet
+
+_FIRST_TOO_HIGH_FOR_SELECT = 1024
+
+
+@pytest.fixture
+def publisher(name):
+    return DirectPublisher(name, String)
+
+
+def text(number):
+    return String('message {}'.format(number))
+
+
+def test_all_subscribers_get_each_message(way, name, publisher, subscribe):
+    publisher.publish(text(0))
+    ends = [subscribe(name, String) for _ in range(3)]
+    assert publisher.get_num_connections() == 3
+    for number in range(10):
+        publisher.publish(text(number))
+        for end in ends:
+            assert end.receive() == packet(text(number))
+
+
+def test_a_new_subscriber_gets_the_latched_message(way, name, subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    for number in range(2):
+        publisher.publish(text(number))
+        assert subscribe(name, String).receive() == packet(text(number))
+
+
+def fill(sock):
+    """Write into a socket until it has no room; return how much."""
+    sock.setblocking(False)
+    count = 0
+    try:
+        while True:
+            count += sock.send(bytes(4096))
+    except BlockingIOError:
+        return count
+    finally:
+        sock.setblocking(True)
+
+
+def test_a_subscriber_that_does_not_read_holds_up_nobody(way, name, publisher, subscribe):
+    stuck, reading = subscribe(name, String), subscribe(name, String)
+    fill(stuck.transport.socket)
+    for number in range(10):
+        publisher.publish(text(number))
+        assert reading.receive() == packet(text(number))
+
+
+def test_a_subscriber_without_room_misses_messages(fast, name, publisher, subscribe):
+    """The plain way has a queue, which the last ten wait in."""
+    end = subscribe(name, String)
+    count = fill(end.transport.socket)
+    publisher.publish(text(1))
+    end._read(count)
+    publisher.publish(text(2))
+    assert end.receive() == packet(text(2)) and end.is_idle()
+
+
+def test_the_latched_message_is_the_last_one_though_a_subscriber_has_no_room(
+        fast, name, subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    fill(subscribe(name, String).transport.socket)
+    publisher.publish(text(1))
+    assert subscribe(name, String).receive() == packet(text(1))
+
+
+def test_a_subscriber_that_is_gone_is_removed(fast, name, publisher, subscribe):
+    gone, there = subscribe(name, String), subscribe(name, String)
+    gone.sock.close()
+    publisher.publish(text(1))
+    assert there.receive() == packet(text(1))
+    assert publisher.get_num_connections() == 1
+
+
+@pytest.fixture
+def high():
+    """A function that gives a socket a descriptor that select.select refuses."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard != resource.RLIM_INFINITY and hard <= _FIRST_TOO_HIGH_FOR_SELECT + 8:
+        pytest.skip('this process may have {} descriptors only'.format(hard))
+    resource.setrlimit(resource.RLIMIT_NOFILE,
+                       (max(soft, _FIRST_TOO_HIGH_FOR_SELECT + 8), hard))
+
+    def move(sock):
+        moved = socket.socket(fileno=fcntl.fcntl(
+            sock.fileno(), fcntl.F_DUPFD_CLOEXEC, _FIRST_TOO_HIGH_FOR_SELECT))
+        sock.close()
+        return moved
+    yield move
+    resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+
+
+def test_descriptors_above_1023(fast, name, publisher, subscribe, high):
+    end = subscribe(name, String)
+    end.transport.socket = high(end.transport.socket)
+    assert end.transport.socket.fileno() >= _FIRST_TOO_HIGH_FOR_SELECT
+    publisher.publish(text(1))
+    assert end.receive() == packet(text(1))
+    count = fill(end.transport.socket)
+    assert not has_room(end.transport.socket)
+    publisher.publish(text(2))
+    end._read(count)
+    assert end.is_idle()
+    end.transport.socket.close()
+
+
+def test_a_closed_socket_has_no_room():
+    sock = socket.socket()
+    sock.close()
+    assert not has_room(sock)
+    assert not has_room(None)
+
+
+def test_a_message_is_on_its_way_when_publish_returns(fast, name, publisher, subscribe):
+    end = subscribe(name, String)
+    publisher.publish(text(1))
+    end.sock.setblocking(False)
+    assert end.sock.recv(1 << 16) == packet(text(1))
