@@ -42,7 +42,7 @@ _POLL_PERIOD_S = 0.1
 class PybulletSim:
     """Steps the simulation in one loop; callbacks and services leave their work for it."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         physics, view = parameters.read(PhysicsSettings), parameters.read(ViewSettings)
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
