@@ -14,7 +14,7 @@ class Command(NamedTuple):
 STOP = Command(0.0)
 
 
-def commands(areas_px: Sequence[int], settings: RecognitionSettings) -> List[Command]:
+def commands_for(areas_px: Sequence[int], settings: RecognitionSettings) -> List[Command]:
     """Return the command of each color whose area is above its limit, in the settings' order.
 
     areas_px: the area of each color in pixels. If no color is above its limit, there is no
@@ -43,7 +43,7 @@ class Commander:
 
     def decide(self, areas_px: Sequence[int], now_s: float) -> List[Command]:
         """Return what to publish for a frame in which the colors have these areas."""
-        frame_commands = commands(areas_px, self._settings)
+        frame_commands = commands_for(areas_px, self._settings)
         has_changed = frame_commands != self._last_commands
         self._last_commands = frame_commands
         if frame_commands:

@@ -1,12 +1,11 @@
-"""Log lines of which the terminal shows only some; /rosout and the log file have them all."""
+"""Log lines that the terminal does not show; /rosout and the log file have them all."""
 import logging
 import time
 from typing import Any, Callable, Optional
 
 from rosgraph.roslogging import RosStreamHandler
 
-# a record has this attribute, as False, if the terminal is not to show it
-ON_CONSOLE = 'on_console'
+_ON_CONSOLE = 'on_console'      # attribute of a record
 
 
 class ConsoleThrottle:
@@ -31,8 +30,13 @@ class ConsoleThrottle:
         return True
 
 
-def install() -> None:
-    """Make the terminal leave out the records that say so; call it after rospy.init_node."""
+def mark(shown: bool) -> dict:
+    """Return the `extra` of a call of rospy.loginfo: whether the terminal shows the line."""
+    return {_ON_CONSOLE: shown}
+
+
+def install_filter() -> None:
+    """Let the terminal leave out the lines that are marked so; call it after rospy.init_node."""
     for name in ('rosout', None):
         for handler in logging.getLogger(name).handlers:
             if isinstance(handler, RosStreamHandler):
@@ -40,4 +44,4 @@ def install() -> None:
 
 
 def _is_on_console(record: logging.LogRecord) -> bool:
-    return getattr(record, ON_CONSOLE, True)
+    return getattr(record, _ON_CONSOLE, True)

@@ -10,6 +10,7 @@ import genpy
 import rospy
 
 from img_recog.errors import UserError, one_line
+from img_recog.ros import console
 from img_recog.ros.transport import own_time, rosout
 
 _JOIN_TIMEOUT_S = 0.5
@@ -28,6 +29,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     # main thread, both wait for the same lock for ever
     rosout.init_node(name, disable_signals=True,
                      disable_rostime=source_of_time and not own_time.follows_clock_topic())
+    console.install_filter()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup
             signal.signal(number, _shut_down)

@@ -68,8 +68,8 @@ class Reconfigurable(Generic[SettingsType]):
                                self._namespace)
 
     @property
-from img_recog.errors import UserError, one_line
-from img_recog.settings import SettingError, Settings, SettingsType, setting_fields
+    def settings(self) -> SettingsType:
+        """The current settings."""
         return self._settings
 
     def close(self) -> None:

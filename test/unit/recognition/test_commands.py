@@ -1,7 +1,7 @@
 """Commands for areas, by the article's rules and by other settings."""
 import pytest
 
-from img_recog.recognition.commands import STOP, Command, Commander, commands
+from img_recog.recognition.commands import STOP, Command, Commander, commands_for
 from img_recog.recognition.settings import with_colors
 
 FORWARD, BACKWARD = Command(10.0), Command(-10.0)
@@ -21,15 +21,15 @@ def settings(**values):
     (307200, 0, [FORWARD]),
     (0, 307200, [BACKWARD])])
 def test_one_command_for_each_color_above_its_limit_blue_first(blue_px, red_px, expected):
-    assert commands([blue_px, red_px], settings()) == expected
+    assert commands_for([blue_px, red_px], settings()) == expected
 
 
 def test_order_limits_and_commands_are_those_of_the_settings():
     other = with_colors(['red', 'green', 'blue'])(
         red_area_limit=5, red_linear_x=-1.0, green_hue_min=40, green_hue_max=80,
         green_angular_z=0.5, blue_area_limit=0)
-    assert commands([6, 1001, 1], other) == [Command(-1.0), Command(0.0, 0.5), FORWARD]
-    assert commands([5, 1000, 0], other) == []
+    assert commands_for([6, 1001, 1], other) == [Command(-1.0), Command(0.0, 0.5), FORWARD]
+    assert commands_for([5, 1000, 0], other) == []
 
 
 def test_by_default_every_frame_has_its_commands_and_there_is_no_stop():

@@ -35,9 +35,9 @@ def test_only_the_terminal_leaves_lines_out(monkeypatch, capsys):
     monkeypatch.setattr(logger, 'handlers', [RosStreamHandler(colorize=False), Kept()])
     monkeypatch.setattr(logger, 'level', logging.INFO)
     monkeypatch.setattr(logger, 'propagate', False)
-    console.install()
-    logger.info('hidden', extra={console.ON_CONSOLE: False})
-    logger.info('shown', extra={console.ON_CONSOLE: True})
+    console.install_filter()
+    logger.info('hidden', extra=console.mark(False))
+    logger.info('shown', extra=console.mark(True))
     logger.info('ordinary')
     assert Kept.lines == ['hidden', 'shown', 'ordinary']
     lines = capsys.readouterr().out.splitlines()

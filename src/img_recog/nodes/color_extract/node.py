@@ -31,9 +31,10 @@ from img_recog.nodes import color_parameters
 from img_recog.nodes.color_extract.inputs import INPUTS
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.commands import Command, Commander
+from img_recog.recognition.commands import Command, Commander, commands_for
 from img_recog.recognition.settings import RecognitionSettings
-from img_recog.ros import lifecycle, parameters
+from img_recog.ros import console, lifecycle, parameters
+from img_recog.ros.console import ConsoleThrottle
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
@@ -71,7 +72,7 @@ class ColorExtract:
         self._extractor = ColorExtractor(settings)
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings
-        self._warn = ThrottledWarning()
+        self._warn, self._console = ThrottledWarning(), ConsoleThrottle()
         self._velocity = DirectPublisher('cmd_vel', Twist)
         self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
@@ -107,8 +108,11 @@ class ColorExtract:
         for number, publisher in enumerate(self._masked):
             publisher.publish_drawn(partial(self._extractor.masked, number),
                                     image.shape[:2] + (3,), 'bgr8', msg.header)
-        rospy.loginfo(', '.join('{}={}'.format(name, area_px) for name, area_px
-                                in zip(self._settings.color_names, areas_px)))
+        line = ', '.join('{}={}'.format(name, area_px) for name, area_px
+                         in zip(self._settings.color_names, areas_px))
+        # /rosout and the log file have the line of each frame, as in the article
+        is_shown = self._console.shows(commands_for(areas_px, self._settings))
+        rospy.loginfo(line, extra=console.mark(is_shown))
         commands = self._commander.decide(areas_px, time.monotonic())
         self._publish_commands(commands)
         self._publish_details(msg.header, areas_px, commands)
