@@ -109,18 +109,27 @@ def test_simulator(roscore, tmp_path, urdf, parameter, named, advice):
     assert named in line and advice in line, line
 
 
-@pytest.mark.parametrize('argument, node, named', [
-    ('camera:=/no/such.mp4', 'usb_cam', '/no/such.mp4'),
-    ('world:=mars', 'gazebo', 'mars')])
-def test_in_the_demo_the_other_nodes_go_on(ros, argument, node, named):
-    demo = ros.demo(argument)
-    demo.wait_output(r'\[FATAL\].*' + re.escape(named))
-    demo.wait_output(node + r'-\d+\] process has died .*exit code 1')
-    others = {'/color_extract', '/turtlebot3_teleop_keyboard', '/usb_cam', '/gazebo',
-              '/robot_state_publisher'} - {'/' + node}
+def test_in_the_demo_the_other_nodes_go_on_without_a_camera(ros):
+    demo = ros.demo('camera:=/no/such.mp4')
+    demo.wait_output(r'\[FATAL\].*/no/such\.mp4')
+    demo.wait_output(r'usb_cam-\d+\] process has died .*exit code 1')
+    others = {'/color_extract', '/turtlebot3_teleop_keyboard', '/gazebo',
+              '/robot_state_publisher'}
     ros.wait_run(r'(?s)' + '.*'.join(sorted(others)), 'rosnode', 'list')
-    assert '/' + node not in ros.run('rosnode', 'list').split()
+    assert '/usb_cam' not in ros.run('rosnode', 'list').split()
     assert demo.interrupt() == 0
+
+
+@pytest.mark.parametrize('argument, node, named', [
+    ('world:=mars', 'gazebo', 'mars'),
+    ('colors:={}', 'color_extract', 'red_area_limit: got -1')])
+def test_without_simulator_or_recognition_the_demo_ends(ros, tmp_path, argument, node, named):
+    path = tmp_path / 'colors.yaml'
+    path.write_text('red_area_limit: -1\n')
+    demo = ros.demo(argument.format(path))
+    demo.wait()
+    assert re.search(r'\[FATAL\].*' + re.escape(named), demo.output), demo.output
+    assert re.search(r'REQUIRED process \[{}-\d+\] has died'.format(node), demo.output)
 
 
 COLOR_CASES = {

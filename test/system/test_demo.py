@@ -79,15 +79,15 @@ def test_killed_camera_leaves_the_robot_standing_and_the_others_running(ros):
     assert [name for name, pid in pids.items() if not alive(pid)] == ['usb_cam']
 
 
-def test_second_simulator_replaces_the_first(ros):
-    demo = ros.demo('recognition:=false')
-    demo.wait_output('simulating 1.0017 kg')
-    first = node_pid(ros, 'gazebo')
-    second = ros.start('rosrun', 'img_recog', 'pybullet_sim.py')
+def test_second_simulator_replaces_the_first(simulate, shared_ros):
+    # not within the demo, which ends with its simulator
+    first = simulate()
+    first.wait_output('simulating 1.0017 kg')
+    second = simulate()
     second.wait_output('simulating 1.0017 kg')
-    wait_for(lambda: not alive(first), lambda: 'the first simulator to end')
-    assert node_pid(ros, 'gazebo') == second.pid
-    assert 'Traceback' not in demo.output + second.output, demo.output + second.output
+    wait_for(lambda: not alive(first.pid), lambda: 'the first simulator to end')
+    assert node_pid(shared_ros, 'gazebo') == second.pid
+    assert 'Traceback' not in first.output + second.output, first.output + second.output
 
 
 def test_window_without_a_display_is_one_warning(ros):

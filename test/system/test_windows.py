@@ -7,6 +7,8 @@ import pytest
 
 from img_recog_testing.waiting import wait_for
 
+pytestmark = pytest.mark.display
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 SIMULATOR = 'Bullet Physics'
 
 
@@ -123,3 +125,16 @@ def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
     subprocess.run(['xkill', '-id', window], env=ros.env, check=True, stdout=subprocess.DEVNULL)
     demo.wait_output('no window: .*the simulation goes on')
     ros.wait_run('clock:', 'rostopic', 'echo', '-n', '1', '/clock')
+
+
+def test_windows_stand_beside_each_other_without_a_window_manager(ros, display):
+    ros.start(os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic')
+
+    def corners():
+        lines = ros.run('xwininfo', '-root', '-tree')
+        return {name: (int(left), int(top)) for name, left, top in re.findall(
+            r'"(/[^"]*|Bullet Physics)[^"]*": .* \+(-?\d+)\+(-?\d+)\n', lines)}
+    # 1100 pixels are too few for 1024 and 400
+    wait_for(lambda: corners() == {SIMULATOR: (0, 0), '/usb_cam/image_raw': (700, 0),
+                                   '/blue_image': (700, 304), '/red_image': (700, 500)},
+             lambda: 'places: {}'.format(corners()))

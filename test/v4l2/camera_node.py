@@ -9,7 +9,7 @@ from std_srvs.srv import Empty
 from img_recog_testing.waiting import wait_for
 
 _ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = _ROOT / 'build' / 'devel' / 'lib' / 'img_recog' / 'usb_cam_node.py'
+PROGRAM = _ROOT / 'devel' / 'lib' / 'img_recog' / 'usb_cam_node.py'
 
 
 class Topic:

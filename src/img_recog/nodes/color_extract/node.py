@@ -25,6 +25,7 @@ from geometry_msgs.msg import Twist
 from sensor_msgs.msg import CompressedImage, Image, PointCloud
 from std_msgs.msg import Header
 
+from img_recog import files
 from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.nodes import color_parameters
@@ -65,7 +66,7 @@ class ColorExtract:
     def __init__(self):
         given = parameters.read(InputSettings)
         if given.colors_file:
-            parameter_file.read(given.colors_file)
+            parameter_file.read(files.find_user_path(given.colors_file))
         settings = color_parameters.read()
         topics = color_parameters.read_image_topics(settings, _TOPICS)
         color_parameters.warn_of_unknown(settings, InputSettings)

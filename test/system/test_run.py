@@ -1,0 +1,240 @@
+"""./run: its selection of tests, its linters, its shell, and what it says before it installs."""
+import os
+import pty
+import re
+import select
+import shutil
+import subprocess
+import time
+
+import pytest
+
+from img_recog_testing.waiting import DEADLINE_S
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+SHARED = ('.venv', os.path.join('test', 'data'))        # with what cannot be made in seconds
+
+
+RUN_TIMEOUT_S = 180.0
+
+
+def copied(folder):
+    """Copy this package without the tests that run its tests, which would never end."""
+    path = str(folder / 'img_recog')
+    shutil.copytree(ROOT, path, symlinks=True, ignore=shutil.ignore_patterns(
+        'build', 'devel', '.git', '.venv', 'data', '__pycache__', os.path.basename(__file__)))
+    for name in SHARED:
+        os.symlink(os.path.realpath(os.path.join(ROOT, name)), os.path.join(path, name))
+    return path
+
+
+@pytest.fixture(scope='module')
+def checkout(tmp_path_factory):
+    """A copy of this package, to be built and tested without a trace in ours."""
+    return copied(tmp_path_factory.mktemp('checkout'))
+
+
+@pytest.fixture
+def env(tmp_path):
+    """The environment of somebody who has not sourced anything."""
+    return {'HOME': str(tmp_path), 'PATH': '/usr/sbin:/usr/bin:/sbin:/bin'}
+
+
+def run(checkout, env, *words, text=''):
+    """Run ./run there; return its exit code and output."""
+    done = subprocess.run(['./run', *words], cwd=checkout, env=env, input=text.encode(),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=RUN_TIMEOUT_S,
+                          check=False)
+    return done.returncode, done.stdout.decode(errors='replace')
+
+
+def write(checkout, path, text):
+    with open(os.path.join(checkout, path), 'w') as file:
+        file.write(text)
+
+
+# Tests
+
+SYSTEM_TEST = """
+def test_tiny_passes():
+    pass
+
+
+def test_tiny_fails():
+    raise AssertionError
+"""
+ROSTEST = """<launch>
+  <param name="answer" value="42"/>
+  <test test-name="tiny" pkg="rostest" type="paramtest">
+    <param name="param_name_target" value="/answer"/>
+    <param name="param_value_expected" value="42"/>
+    <param name="test_duration" value="5"/>
+  </test>
+</launch>
+"""
+
+
+def test_one_kind_and_name_with_coverage(checkout, env):
+    code, output = run(checkout, env, 'test', 'unit', '-k', 'test_areas')
+    assert code == 0, output
+    assert re.search(r'\[run\] the unit tests run \d+% of the lines of camera ', output), output
+    assert re.search(r'\n[1-9]\d* passed, 0 failed, 0 skipped\n$', output), output
+    with open(os.path.join(checkout, 'build', 'coverage.txt')) as file:
+        table = file.read()
+    assert re.search(r'src/img_recog/recognition/areas.py +\d+ +\d+ +\d+%', table), table
+    assert 'src/img_recog/ros/' not in table
+
+
+def test_a_failure_is_the_verdict(checkout, env):
+    write(checkout, 'test/system/test_tiny.py', SYSTEM_TEST)
+    code, output = run(checkout, env, 'test', 'system', '-k', 'tiny')
+    assert code != 0
+    assert '\nFAILED pytest-system.xml: test_tiny_fails\n1 passed, 1 failed, 0 skipped\n' \
+        in output, output
+    code, output = run(checkout, env, 'test', '-k', 'tiny_passes')
+    assert code == 0, output
+    assert output.endswith('\n1 passed, 0 failed, 0 skipped\n'), output
+
+
+def test_rostest_by_the_name_of_its_file(checkout, env):
+    write(checkout, 'test/rostest/tiny.test', ROSTEST)
+    code, output = run(checkout, env, 'test', 'rostest', '-k', 'tiny')
+    assert code == 0, output
+    # rostest counts itself too
+    assert '[img_recog.rosunit-tiny/test_param][passed]' in output, output
+    assert output.endswith('\n2 passed, 0 failed, 0 skipped\n'), output
+
+
+@pytest.mark.parametrize('words, named', [
+    (('unit', '-k', 'no_such_test'), 'no test of unit matches no_such_test'),
+    (('rostest', '-k', 'no_such_test'), 'no test of rostest matches no_such_test'),
+    (('-k', 'no_such_test'), 'no test matches no_such_test'),
+    (('units',), 'test takes unit, rostest or system, and -k NAME; got units'),
+    (('unit', '-k'), '-k wants a name')])
+def test_nothing_selected_is_an_error(checkout, env, words, named):
+    code, output = run(checkout, env, 'test', *words)
+    assert code == 1
+    assert '[run] {}\n'.format(named) in output, output
+
+
+# Linters
+
+def test_each_linter_finds_what_is_planted(env, tmp_path):
+    checkout = copied(tmp_path)
+    shutil.rmtree(os.path.join(checkout, 'src'))
+    os.makedirs(os.path.join(checkout, 'src', 'img_recog'))
+    write(checkout, 'src/img_recog/__init__.py', 'import os\n\nANSWER: int = "42"\n')
+    write(checkout, 'tools/planted.bash', '# shellcheck shell=bash\ncd $nowhere\n')
+    with open(os.path.join(checkout, 'CMakeLists.txt'), 'a') as file:
+        file.write('catkin_package()\n')
+    code, output = run(checkout, env, 'lint')
+    assert code == 1
+    for linter, named in (('flake8', "'os' imported but unused"), ('mypy', 'Incompatible types'),
+                          ('catkin_lint', 'catkin_package'), ('shellcheck', 'SC2086')):
+        part = re.search(r'(?s)\[run\] {}:\n(.*?)(\[run\]|$)'.format(linter), output)
+        assert part and named in part.group(1), output
+
+
+# The shell
+
+def test_shell_has_our_python_first_and_the_wrappers(env, tmp_path):
+    (tmp_path / 'bin').mkdir()
+    foreign = tmp_path / 'bin' / 'python3'
+    foreign.write_text('#!/bin/sh\nexec /usr/bin/python3 -I -S "$@"\n')       # has no rospy
+    foreign.chmod(0o755)
+    (tmp_path / '.bashrc').write_text('export PATH=$HOME/bin:$PATH\n')
+    code, output = run(ROOT, env, 'shell', text='command -v python3\n'
+                       'rosrun --debug img_recog replay.py --help\necho "code $?"\nexit\n')
+    assert re.search(r'(?m)^{}$'.format(os.path.join(ROOT, '.venv', 'bin', 'python3')), output)
+    assert re.search(r'(?m)^\[rosrun\] Running .*{}'.format(
+        os.path.join(ROOT, 'devel', 'lib', 'img_recog', 'replay.py')), output), output
+    assert '\ncode 0\n' in output and 'usage: replay.py' in output, output
+
+
+# What is installed
+
+APT = """#!/bin/sh
+echo "apt-get $*" >>{log}
+case "$*" in
+  *--assume-no*)
+    echo '0 upgraded, 312 newly installed, 0 to remove and 0 not upgraded.'
+    echo 'Need to get 410 MB/421 MB of archives.'
+    echo 'After this operation, 1,514 MB of additional disk space will be used.'
+    exit 1 ;;
+  install*)
+    echo dlstatus:1:3.1:Retrieving file 1 of 312
+    echo pmstatus:shellcheck:57.9:Unpacking shellcheck
+    echo Setting up shellcheck ;;
+esac
+"""
+
+
+@pytest.fixture
+def bare(checkout, env, tmp_path):
+    """The environment of a machine whose packages are missing, and a log of what apt is told."""
+    log = tmp_path / 'apt.log'
+    log.write_text('')
+    programs = tmp_path / 'bin'
+    programs.mkdir()
+    for name, text in (('apt-get', APT.format(log=log)), ('sudo', '#!/bin/sh\nexec "$@"\n'),
+                       ('dpkg-query', '#!/bin/sh\n')):
+        (programs / name).write_text(text)
+        (programs / name).chmod(0o755)
+    return dict(env, PATH='{}:{}'.format(programs, env['PATH'])), log
+
+
+def in_terminal(checkout, env, answer, *words):
+    """Run ./run in a terminal, answer its question, and return its exit code and output."""
+    master, terminal = pty.openpty()
+    process = subprocess.Popen(['./run', *words], cwd=checkout, env=env, stdin=terminal,
+                               stdout=terminal, stderr=terminal)
+    os.close(terminal)
+    output, end = '', time.monotonic() + DEADLINE_S
+    while time.monotonic() < end:
+        if select.select([master], [], [], 0.1)[0]:
+            try:
+                output += os.read(master, 4096).decode(errors='replace')
+            except OSError:         # the terminal's end
+                break
+        if answer and '[Y/n]' in output:
+            os.write(master, answer.encode())
+            answer = ''
+    os.close(master)
+    return process.wait(), output
+
+
+def installs(log):
+    return [line for line in log.read_text().splitlines()
+            if line.startswith('apt-get install') and '--assume-no' not in line]
+
+
+def test_without_a_terminal_nothing_is_asked_and_progress_is_shown(checkout, bare):
+    env, log = bare
+    code, output = run(checkout, env, 'setup')
+    assert code == 0, output
+    assert '312 with those that they need' in output, output
+    assert 'download 410 MB, 1,514 MB on disk, about 3 min' in output, output
+    assert '[Y/n]' not in output
+    assert '[run] downloading 3 %\n[run] installing 57 %\n' in output, output
+    assert len(installs(log)) == 1
+    with open(os.path.join(checkout, 'build', 'apt.log')) as file:
+        assert 'Setting up shellcheck' in file.read()
+
+
+@pytest.mark.parametrize('answer, expected', [('\n', 1), ('y\n', 1), ('n\n', 0)])
+def test_a_terminal_is_asked(checkout, bare, answer, expected):
+    env, log = bare
+    code, output = in_terminal(checkout, env, answer, 'setup')
+    assert 'Install these? [Y/n]' in output, output
+    assert len(installs(log)) == expected
+    assert code == 1 - expected, output
+    assert expected or 'nothing installed; needed are: ' in output
+
+
+@pytest.mark.parametrize('words, ci', [(('-y', 'setup'), ''), (('setup', '--yes'), ''),
+                                       (('setup',), 'true')])
+def test_yes_and_ci_answer(checkout, bare, words, ci):
+    env, log = bare
+    code, output = in_terminal(checkout, dict(env, CI=ci), '', *words)
+    assert '[Y/n]' not in output and code == 0, output
+    assert len(installs(log)) == 1

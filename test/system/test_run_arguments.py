@@ -1,0 +1,117 @@
+"""The arguments of the demo: refused in one line before anything starts, paths as a user types."""
+import os
+import shutil
+import subprocess
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+LAUNCH = os.path.join(ROOT, 'launch', 'demo.launch')
+
+
+def checked(*words):
+    """Let ./run demo check its arguments; return its exit code and output."""
+    done = subprocess.run(['./run', 'demo', *words], cwd=ROOT, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, timeout=60, check=False)
+    return done.returncode, done.stdout.decode()
+
+
+REFUSED = {
+    ('camera=synthetic',): 'got camera=synthetic; write camera:=synthetic',
+    ('camera:=', 'synthetic'): 'got a space after camera:=; write camera:=synthetic',
+    ('camera', ':=synthetic'): 'got a space before :=; write camera:=synthetic',
+    ('synthetic',): 'got synthetic; arguments are written as in camera:=synthetic, and there are: '
+                    'camera image_width ',
+    ('camra:=synthetic',): 'demo.launch has no argument camra; it has camera image_width ',
+    ('camera:=/no/such.mp4',): 'camera: got /no/such.mp4, which does not exist; allowed are auto, '
+                               'synthetic, none, a URL, and the path of ',
+    ('camera:=',): "camera: got '', which does not exist",
+    ('camera:=ftp://host/film.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
+    ('camera_info_url:=my.yaml',): 'camera_info_url: got my.yaml, allowed are file:///PATH ',
+    ('world:=mars',): 'world: got mars, which is no file; allowed are turtlebot3_world, empty ',
+    ('colors:=no.yaml',): 'colors: there is no file no.yaml; ',
+    ('urdf:=no.urdf',): 'urdf: there is no file no.urdf; ',
+    ('x_pos:=here',): 'x_pos: got here, allowed is a number; write for example x_pos:=-2.0',
+    ('yaw:=nan',): 'yaw: got nan, allowed is a number; ',
+    ('framerate:=fast',): 'framerate: got fast, allowed is a number; ',
+    ('image_width:=640.5',): 'image_width: got 640.5, allowed is a whole number; ',
+    ('--screen', 'gui:=yes'): 'gui: got yes, allowed is true or false; write gui:=true',
+}
+
+
+@pytest.mark.parametrize('words', list(REFUSED), ids=' '.join)
+def test_refused(words):
+    code, output = checked(*words)
+    assert code == 1
+    assert output.startswith('[run] ' + REFUSED[words]), output
+    assert output.count('\n') == 1, output
+
+
+@pytest.mark.parametrize('name', ['gui', 'image_view', 'recognition', 'simulator', 'teleop',
+                                  'use_sim_time'])
+def test_every_switch_is_true_or_false(name):
+    code, output = checked(name + ':=auto')
+    assert code == 1
+    assert output == ('[run] {0}: got auto, allowed is true or false; '
+                      'write {0}:=true\n'.format(name))
+    # --ros-args: roslaunch lists the arguments and ends
+    assert checked('--ros-args', name + ':=False')[0] == 0
+
+
+@pytest.mark.parametrize('words', [
+    ('camera:=none', 'world:=empty', 'x_pos:=-1e-3', 'framerate:=29.97', '--screen'),
+    ('camera:=rtsp://user:word@host/stream', '-p', '11399', 'gui:=1'),
+    ('camera:=urdf', '_some_parameter:=3')])
+def test_accepted(words):
+    code, output = checked('--ros-args', *words)
+    assert code == 0, output
+
+
+def test_the_defaults_are_accepted():
+    defaults = [(arg.get('name'), arg.get('default'))
+                for arg in ElementTree.parse(LAUNCH).getroot().iter('arg')]
+    code, output = checked('--ros-args', *('{}:={}'.format(name, value)
+                                           for name, value in defaults if '$(' not in value))
+    assert code == 0, output
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The folder of a user with files of all kinds."""
+    path = tmp_path / 'mine'
+    (path / 'images').mkdir(parents=True)
+    cv2 = pytest.importorskip('cv2')
+    for name in ('photo.png', 'images/1.png'):
+        assert cv2.imwrite(str(path / name), cv2.UMat(48, 64, cv2.CV_8UC3, (9, 9, 9)).get())
+    shutil.copy(os.path.join(ROOT, 'config', 'colors.yaml'), str(path / 'my_colors.yaml'))
+    shutil.copy(os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf'), str(path / 'my.urdf'))
+    shutil.copy(os.path.join(ROOT, 'urdf', 'turtlebot3_world.urdf'), str(path / 'my_world.urdf'))
+    return path
+
+
+CAMERA, SIMULATOR, RECOGNITION = (
+    ('simulator:=false', 'recognition:=false', 'teleop:=false'),
+    ('camera:=none', 'recognition:=false', 'teleop:=false'),
+    ('camera:=synthetic', 'simulator:=false', 'teleop:=false'))
+RELATIVE = {
+    'film or image': (CAMERA, 'camera:=photo.png', 'camera: .*image {}/photo.png'),
+    'folder': (CAMERA, 'camera:=images', 'camera: .*{}/images'),
+    'calibration': ((*CAMERA, 'camera:=synthetic'), 'camera_info_url:=file://my_camera.yaml',
+                    'camera is not calibrated: no {}/my_camera.yaml'),
+    'world': (SIMULATOR, 'world:=my_world.urdf', 'simulating .* in world .*my_world.urdf'),
+    'robot': (SIMULATOR, 'urdf:=my.urdf', 'simulating 1.0017 kg'),
+    'colors': (RECOGNITION, 'colors:=my_colors.yaml', r'blue=\d+, red=\d+'),
+}
+
+
+@pytest.mark.parametrize('way', ['./run', 'roslaunch'])
+@pytest.mark.parametrize('others, argument, expected', list(RELATIVE.values()), ids=list(RELATIVE))
+def test_a_relative_path_is_meant_from_where_the_user_stands(ros, folder, way, others, argument,
+                                                             expected):
+    command = {'./run': (os.path.join(ROOT, 'run'), 'demo'),
+               'roslaunch': ('roslaunch', 'img_recog', 'demo.launch')}[way]
+    demo = ros.start('bash', '-c', 'cd "$0" && exec "$@"', folder, *command, *others, argument)
+    demo.wait_output(expected.format(folder))
+    assert '[FATAL]' not in demo.output and '[ERROR]' not in demo.output, demo.output
+    assert demo.interrupt() == 0

@@ -1,0 +1,130 @@
+"""./run demo: it ends within seconds, leaves no process behind, and says why it has ended."""
+import os
+import re
+import signal
+import time
+import uuid
+
+import pytest
+
+from img_recog_testing.waiting import wait_for
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+MARK = 'IMG_RECOG_TEST_RUN'
+END_S = 10.0
+
+
+@pytest.fixture
+def run_demo(ros):
+    """A function that starts ./run demo, and the mark in the environment of all its processes."""
+    mark = str(uuid.uuid4())
+
+    def start(*arguments, **popen):
+        return ros.start(os.path.join(ROOT, 'run'), 'demo', *arguments, start_new_session=True,
+                         env=dict(ros.env, **{MARK: mark}), **popen)
+    start.mark = '{}={}'.format(MARK, mark).encode()
+    yield start
+    for pid in marked(start.mark):
+        os.kill(pid, signal.SIGKILL)
+
+
+def marked(mark):
+    """Return the ids of the living processes with this variable in their environment."""
+    found = []
+    for pid in filter(str.isdigit, os.listdir('/proc')):
+        try:
+            with open('/proc/{}/environ'.format(pid), 'rb') as file:
+                if mark in file.read().split(b'\0'):        # a zombie's is empty
+                    found.append(int(pid))
+        except (FileNotFoundError, PermissionError, ProcessLookupError):
+            continue
+    return found
+
+
+@pytest.mark.parametrize('after_s', [0.3, 1.0, 2.0, 4.0])
+@pytest.mark.parametrize('signum', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signal_at_any_moment_ends_everything(run_demo, after_s, signum):
+    demo = run_demo('camera:=synthetic')
+    time.sleep(after_s)             # any moment is as good
+    assert marked(run_demo.mark)
+    send = os.killpg if signum == signal.SIGINT else os.kill       # a terminal's goes to all
+    send(demo.pid, signum)
+    wait_for(lambda: not marked(run_demo.mark),
+             lambda: 'the end of {} in:\n{}'.format(marked(run_demo.mark), demo.output), END_S)
+
+
+def test_launching_stuck_in_its_own_locks_is_ended(run_demo):
+    demo = run_demo('camera:=synthetic')
+    demo.wait_output('the robot drives forward')
+    # as roslaunch does that was interrupted while it started a node: it takes no notice
+    roslaunch = int(re.search(r'PPid:\s+(\d+)', status_of(node(demo, 'gazebo'))).group(1))
+    os.kill(roslaunch, signal.SIGSTOP)
+    os.killpg(demo.pid, signal.SIGINT)
+    wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output, END_S)
+
+
+def test_killed_supervisor_takes_roslaunch_along(run_demo):
+    demo = run_demo('camera:=synthetic')
+    demo.wait_output('the robot drives forward')
+    os.kill(demo.pid, signal.SIGKILL)
+    wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output)
+
+
+def test_ctrl_c_of_a_running_demo_is_clean(run_demo):
+    demo = run_demo('camera:=synthetic')
+    demo.wait_output('the robot drives forward')
+    os.killpg(demo.pid, signal.SIGINT)
+    assert demo.wait() == 0
+    for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]', 'has ended'):
+        assert words not in demo.output, demo.output
+
+
+def node(demo, name):
+    return int(demo.wait_output(r'process\[{}-\d+\]: started with pid \[(\d+)\]'.format(
+        name)).group(1))
+
+
+def status_of(pid):
+    with open('/proc/{}/status'.format(pid)) as file:
+        return file.read()
+
+
+def last_line(demo):
+    return demo.output.rstrip().splitlines()[-1]
+
+
+def test_simulator_that_cannot_start_ends_the_demo(run_demo, tmp_path):
+    path = tmp_path / 'robot.urdf'
+    path.write_text('<sdf/>')
+    demo = run_demo('camera:=synthetic', 'urdf:={}'.format(path))
+    demo.wait()
+    assert re.match(r'\[run\] the simulator \(gazebo\) has ended: .*root element <sdf>',
+                    last_line(demo)), demo.output
+
+
+def test_recognition_that_cannot_start_ends_the_demo(run_demo, tmp_path):
+    path = tmp_path / 'colors.yaml'
+    path.write_text('red_area_limit: -1\n')
+    demo = run_demo('camera:=synthetic', 'colors:={}'.format(path))
+    demo.wait()
+    assert re.match(r'\[run\] the recognition \(color_extract\) has ended: .*red_area_limit: '
+                    r'got -1', last_line(demo)), demo.output
+
+
+def test_camera_that_cannot_start_is_named_and_the_rest_runs_on(run_demo, tmp_path):
+    path = tmp_path / 'film.mp4'
+    path.write_text('no film')
+    demo = run_demo('camera:={}'.format(path))
+    reason = r'\[run\] the camera \(usb_cam\) has ended: .*film.mp4'
+    demo.wait_output(reason + '.*; the rest runs on\n')
+    assert 'simulating 1.0017 kg' in demo.wait_output('(?s).*simulating 1.0017 kg').group()
+    os.killpg(demo.pid, signal.SIGINT)
+    assert demo.wait() == 0
+    assert re.match(reason, last_line(demo)), demo.output
+
+
+def test_a_killed_node_is_named(run_demo):
+    demo = run_demo('camera:=synthetic')
+    demo.wait_output('the robot drives forward')
+    os.kill(node(demo, 'usb_cam'), signal.SIGKILL)
+    demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: ended by SIGKILL; the rest')

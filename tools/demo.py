@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""roslaunch under supervision, for ./run demo.
+
+Passes on what roslaunch and the nodes write, says which node has ended with an error and why, and
+leaves no process behind: roslaunch, interrupted while it starts nodes, may wait for its own locks
+for minutes.
+"""
+import os
+import pty
+import selectors
+import signal
+import subprocess
+import sys
+import termios
+import time
+
+import launch_output
+import process_tree
+from demo_arguments import ArgumentError, Arguments
+
+PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_windows.py')
+
+# After Ctrl-C, s: until then roslaunch ends its nodes by itself; then all of them are signalled.
+_ESCALATION = ((4.5, signal.SIGINT), (7.0, signal.SIGTERM), (8.5, signal.SIGKILL))
+_POLL_PERIOD_S = 0.1
+_NOTICE_DELAY_S = 0.3       # after the lines in which roslaunch tells of the same
+
+
+class Channel:
+    """One of our outputs and what is passed on to it: a terminal for a terminal, else a pipe."""
+
+    def __init__(self, target, read_line):
+        self._target = target
+        self._read_line = read_line
+        self._line = b''
+        if os.isatty(target):
+            self.reader, self.writer = pty.openpty()
+            attributes = termios.tcgetattr(self.writer)
+            attributes[1] &= ~termios.OPOST         # our own terminal does that
+            termios.tcsetattr(self.writer, termios.TCSANOW, attributes)
+        else:
+            self.reader, self.writer = os.pipe()
+
+    def pass_on(self):
+        """Pass on what has come; return False at the end of it."""
+        try:
+            data = os.read(self.reader, 65536)
+        except OSError:         # a terminal's end
+            return False
+        *lines, self._line = (self._line + data).split(b'\n')
+        self._write(data)
+        for line in lines:
+            self._read_line(line.decode(errors='replace'))
+        return bool(data)
+
+    def say(self, text):
+        """Write a line of our own."""
+        start = '\n' if self._line else ''
+        self._write('{}[run] {}\n'.format(start, text).encode())
+
+    def _write(self, data):
+        while data:
+            data = data[os.write(self._target, data):]
+
+
+class Supervisor:
+    """Runs a command to its end, or to 10 s after a signal, whatever happens."""
+
+    def __init__(self):
+        self._output = launch_output.LaunchOutput()
+        self._deaths = []
+        self._noticed = 0           # of the deaths
+        self._notice_at = None
+        self._signals = []
+        self._stopped_at = None
+        self._stopped_by = None
+        self._sent = 0              # steps of the escalation
+        self._code = None
+        self._channels = []
+
+    def run(self, command):
+        """Run `command` and return its exit code, once no process of it is left."""
+        process_tree.adopt_orphans()
+        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(signum) != signal.SIG_IGN:      # as nohup has it
+                signal.signal(signum, lambda received, _: self._signals.append(received))
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+        roslaunch = self._start(command)
+        if os.environ.get('DISPLAY'):
+            subprocess.Popen([sys.executable, PLACE_WINDOWS])
+        with selectors.DefaultSelector() as selector:
+            for channel in self._channels:
+                selector.register(channel.reader, selectors.EVENT_READ, channel)
+            while self._goes_on(roslaunch, selector):
+                for key, _ in selector.select(_POLL_PERIOD_S):
+                    self._pass_on(selector, key.data)
+                self._take_signals(roslaunch)
+                self._escalate(roslaunch)
+                self._give_notice()
+        self._repeat_reasons()
+        return self._code if self._code >= 0 else 128 + (self._stopped_by or -self._code)
+
+    def _start(self, command):
+        channels = [Channel(1, self._read_line)]
+        if not os.path.sameopenfile(1, 2):
+            channels.append(Channel(2, self._read_line))
+        roslaunch = subprocess.Popen(      # of its own session: a Ctrl-C comes from here alone
+            command, stdout=channels[0].writer, stderr=channels[-1].writer,
+            start_new_session=True, preexec_fn=process_tree.end_with_parent)
+        for channel in channels:
+            os.close(channel.writer)
+        self._channels = channels
+        return roslaunch.pid
+
+    def _goes_on(self, roslaunch, selector):
+        """Return whether anything is left to end or to pass on."""
+        ended = process_tree.reap()
+        if roslaunch in ended:
+            self._code = ended[roslaunch]
+            self._stopped_at = self._stopped_at or time.monotonic()
+        if self._code is None:
+            return True
+        if process_tree.descendants():
+            return True
+        while selector.get_map() and selector.select(0):
+            for key, _ in selector.select(0):
+                self._pass_on(selector, key.data)
+        return False
+
+    def _pass_on(self, selector, channel):
+        try:
+            more = channel.pass_on()
+        except OSError:             # nobody reads any more: the terminal, or the pipe, is closed
+            more = False
+            self._signals.append(signal.SIGTERM)
+        if not more:
+            selector.unregister(channel.reader)
+            os.close(channel.reader)
+
+    def _take_signals(self, roslaunch):
+        while self._signals:
+            signum = self._signals.pop(0)
+            if self._stopped_at is None:
+                self._stopped_at = time.monotonic()
+                self._stopped_by = signum
+                # before it starts processes, roslaunch answers Ctrl-C with a traceback
+                process_tree.send(signum if self._output.launching else signal.SIGTERM,
+                                  [roslaunch])
+            elif self._sent < len(_ESCALATION):     # somebody who is in a hurry
+                self._stopped_at = min(self._stopped_at,
+                                       time.monotonic() - _ESCALATION[self._sent][0])
+
+    def _escalate(self, roslaunch):
+        """Signal all that is left when its time is over, the gentle way first."""
+        if self._stopped_at is None:
+            return
+        if self._code is not None and self._sent == 0:      # orphans: nobody else ends them
+            self._stopped_at = min(self._stopped_at, time.monotonic() - _ESCALATION[0][0])
+        waited_s = time.monotonic() - self._stopped_at
+        while self._sent < len(_ESCALATION) and waited_s >= _ESCALATION[self._sent][0]:
+            signum = _ESCALATION[self._sent][1]
+            self._sent += 1
+            process_tree.send(signum, reversed(process_tree.descendants()))
+        if self._sent == len(_ESCALATION):          # what was started in between
+            process_tree.send(signal.SIGKILL, process_tree.descendants())
+
+    def _read_line(self, line):
+        death = self._output.read(line)
+        if death is None or self._stopped_at is not None:
+            return
+        if not any(earlier.required for earlier in self._deaths):
+            self._deaths.append(death)
+            self._notice_at = time.monotonic() + _NOTICE_DELAY_S
+
+    def _give_notice(self):
+        """Say what has ended while the rest runs on."""
+        if self._notice_at is not None and time.monotonic() > self._notice_at:
+            self._notice_at = None
+            for death in self._deaths[self._noticed:]:
+                if not death.required:          # else the end comes, and the reason after it
+                    self._say(launch_output.describe(death) + '; the rest runs on')
+            self._noticed = len(self._deaths)
+
+    def _repeat_reasons(self):
+        """Say at the end, below all that roslaunch has written, what had ended by itself."""
+        for death in self._deaths:
+            self._say(launch_output.describe(death))
+
+    def _say(self, text):
+        try:
+            self._channels[-1].say(text)
+        except OSError:
+            pass
+
+
+def main(launch_file, *words):
+    """Start the demo with these arguments; return the exit code."""
+    try:
+        checked = Arguments(launch_file).checked(words)
+    except ArgumentError as error:
+        sys.stderr.write('[run] {}\n'.format(error))
+        return 1
+    return Supervisor().run(['roslaunch', 'img_recog', 'demo.launch', *checked])
+
+
+if __name__ == '__main__':
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Check the arguments of ./run demo before anything starts.
+
+roslaunch takes no notice of an argument that the launch file has not, hands every value on to the
+nodes, and answers a missing colon with its usage. What is wrong costs one line here.
+"""
+import math
+import os
+import re
+import sys
+import xml.etree.ElementTree as ElementTree
+
+# roslaunch's options that take the next word with them
+OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '-w',
+                      '--numworkers', '--args', '--find-node', '--master-logger-level', '--pid',
+                      '--run_id', '--sigint-timeout', '--sigterm-timeout')
+URLS = ('http://', 'https://', 'rtmp://', 'rtsp://', 'rtsps://')
+TRUE_OR_FALSE = ('true', 'false', '1', '0')
+
+
+class ArgumentError(Exception):
+    """A word that roslaunch would not take, or not as it was meant."""
+
+
+class Arguments:
+    """The arguments of a launch file, and what each may be."""
+
+    def __init__(self, launch_file):
+        root = ElementTree.parse(launch_file).getroot()
+        self._defaults = {arg.get('name'): arg.get('default', '') for arg in root.iter('arg')}
+        self._switches = {name for name in self._defaults if _is_switch(root, name)}
+        self._checks = {'camera': _camera, 'camera_info_url': _calibration, 'colors': _file,
+                        'urdf': _file, 'world': _world}
+
+    def checked(self, words):
+        """Return the words for roslaunch, paths made absolute; raises ArgumentError."""
+        result, position = [], 0
+        while position < len(words):
+            word = words[position]
+            name, assigned, value = word.partition(':=')
+            following = words[position + 1] if position + 1 < len(words) else ''
+            if word.startswith('-'):
+                if word in OPTIONS_WITH_VALUE:
+                    result.append(word)
+                    position += 1
+                    word = following
+            elif assigned and not value and _is_value(following):
+                raise ArgumentError('got a space after {}; write {}{}'.format(
+                    word, word, following))
+            elif following.startswith(':=') or not name:
+                raise ArgumentError('got a space before :=; write {}'.format(
+                    'ARGUMENT:=VALUE' if not name else name + (
+                        following if following != ':=' else ':=VALUE')))
+            elif not assigned:
+                self._refuse(word)
+            elif not name.startswith('_'):
+                word = '{}:={}'.format(name, self._value(name, value))
+            result.append(word)
+            position += 1
+        return result
+
+    def _refuse(self, word):
+        name, equals, value = word.partition('=')
+        if equals and name in self._defaults:
+            raise ArgumentError('got {}; write {}:={}'.format(word, name, value))
+        raise ArgumentError('got {}; arguments are written as in camera:=synthetic, and there '
+                            'are: {}'.format(word, ' '.join(self._defaults)))
+
+    def _value(self, name, value):
+        if name not in self._defaults:
+            raise ArgumentError('demo.launch has no argument {}; it has {}'.format(
+                name, ' '.join(self._defaults)))
+        if name in self._checks:
+            return self._checks[name](name, value)
+        if name in self._switches:
+            if value.lower() not in TRUE_OR_FALSE:
+                raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true'.format(
+                    name, _shown(value), name))
+        elif _number(self._defaults[name]) is not None:
+            self._check_number(name, value)
+        return value
+
+    def _check_number(self, name, value):
+        whole = '.' not in self._defaults[name] and name.startswith('image_')
+        number = _number(value)
+        if number is None or whole and number != int(number):
+            raise ArgumentError('{}: got {}, allowed is a {}number; write for example {}:={}'
+                                .format(name, _shown(value), 'whole ' if whole else '', name,
+                                        self._defaults[name]))
+
+
+def _is_switch(root, name):
+    """Return whether an argument is used where roslaunch wants true or false."""
+    use = '$(arg {})'.format(name)
+    return any(use in (element.get('if'), element.get('unless')) or
+               (element.get('type') == 'bool' and element.get('value') == use)
+               for element in root.iter())
+
+
+def _is_value(word):
+    return word != '' and ':=' not in word and not word.startswith('--')
+
+
+def _number(text):
+    """Return the finite number in a text, or None."""
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _shown(value):
+    return repr(value) if value == '' or ' ' in value else value
+
+
+def _absolute(path):
+    # PWD rather than os.getcwd(), as a user sees it who has come through a symlink
+    return os.path.join(os.environ.get('PWD') or os.getcwd(), os.path.expanduser(path))
+
+
+def _file(name, value):
+    path = _absolute(value)
+    if not os.path.isfile(path):
+        raise ArgumentError('{}: there is no file {}; give the path of one, or leave {} out'
+                            .format(name, _shown(value), name))
+    return path
+
+
+def _world(name, value):
+    if value in ('turtlebot3_world', 'empty'):
+        return value
+    if not os.path.isfile(_absolute(value)):
+        raise ArgumentError('{}: got {}, which is no file; allowed are turtlebot3_world, empty '
+                            'and the path of a URDF or SDF file'.format(name, _shown(value)))
+    return _absolute(value)
+
+
+def _camera(name, value):
+    if value in ('auto', 'synthetic', 'none') or value.lower().startswith(URLS):
+        return value
+    if '://' in value:
+        raise ArgumentError('{}: got a URL of {}://; allowed are {}'.format(
+            name, value.partition('://')[0], ', '.join(URLS)))
+    if value == '' or not os.path.exists(_absolute(value)):
+        devices = sorted(word for word in os.listdir('/dev') if re.match(r'video\d+$', word))
+        raise ArgumentError(
+            '{}: got {}, which does not exist; allowed are auto, synthetic, none, a URL, and the '
+            'path of a film, still image, folder or device (here: {})'.format(
+                name, _shown(value), ', '.join('/dev/' + word for word in devices) or 'no camera'))
+    return _absolute(value)
+
+
+def _calibration(name, value):
+    scheme, separator, path = value.partition('://')
+    if value == '' or (separator and scheme == 'package'):
+        return value
+    if scheme != 'file' or not path:
+        raise ArgumentError('{}: got {}, allowed are file:///PATH and package://PACKAGE/PATH; '
+                            'write for example {}:=file://{}'.format(
+                                name, _shown(value), name, _absolute('camera.yaml')))
+    return value if path[0] in '/$' else 'file://' + _absolute(path)
+
+
+def main(launch_file, *words):
+    """Check the words; return the exit code."""
+    try:
+        Arguments(launch_file).checked(words)
+    except ArgumentError as error:
+        sys.stderr.write('[run] {}\n'.format(error))
+        return 1
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(*sys.argv[1:]))

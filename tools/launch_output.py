@@ -1,0 +1,80 @@
+"""What roslaunch and its nodes write: which node has ended with an error, and why."""
+import collections
+import os
+import re
+import signal
+
+PARTS = {'gazebo': 'the simulator', 'usb_cam': 'the camera', 'color_extract': 'the recognition',
+         'turtlebot3_teleop_keyboard': 'the teleop', 'robot_state_publisher': 'the tf tree',
+         'image_view': 'the window of the camera', 'image_view_blue': 'the window of blue',
+         'image_view_red': 'the window of red'}
+
+_COLOR = re.compile(r'\x1b\[[0-9;]*m')
+_REQUIRED = re.compile(r'REQUIRED process \[(\S+)-\d+\] has died!')
+_FINISHED = 'process has finished cleanly'
+_DIED = re.compile(r'process has died \[pid \d+, exit code (-?\d+), cmd (.*)\]\.$')
+_NODE = re.compile(r'^\[(\S+)-\d+\] ')
+_NO_NODE = re.compile(r'ERROR: (cannot launch node of type \[\S+/(\S+)\]: .*)')
+_LOGGED = re.compile(r'^\[rosout\]\[(?:CRITICAL|ERROR)\] \S+ \S+ (.*)')
+_ON_SCREEN = re.compile(r'^\[(?:FATAL|ERROR)\] \[[^]]*\]: (.*)')
+_EXCEPTION = re.compile(r'^[\w.]*(?:Error|Exception|Interrupt)\b.*')
+
+Death = collections.namedtuple('Death', 'node required reason')
+
+
+class LaunchOutput:
+    """Reads the lines that pass, and names the nodes that have ended with an error."""
+
+    def __init__(self):
+        self.launching = False      # whether roslaunch has started a process
+        self._required = None
+        self._exception = ''
+
+    def read(self, line):
+        """Return the Death that a line of text tells of, or None."""
+        line = _COLOR.sub('', line).rstrip()
+        self.launching = self.launching or line.startswith('process[')
+        if _EXCEPTION.match(line):
+            self._exception = line
+        required = _REQUIRED.search(line)
+        if required:
+            self._required = required.group(1)
+            return None
+        missing = _NO_NODE.match(line)
+        if missing:
+            return Death(missing.group(2), False, missing.group(1))
+        died = _DIED.search(line)
+        node = _NODE.match(line)
+        if died and (node or self._required):
+            name = node.group(1) if node else self._required
+            return self._death(name, not node, int(died.group(1)), died.group(2))
+        if self._required and line == _FINISHED:
+            return self._death(self._required, True, 0, '')
+        return None
+
+    def _death(self, node, required, code, command):
+        log = re.search(r'__log:=(\S+)', command)
+        reason = (last_error(log.group(1)) if log else '') or self._exception or _described(code)
+        self._required, self._exception = None, ''
+        return Death(node, required, reason)
+
+
+def last_error(path):
+    """Return the last message at ERROR or above in the log file of a node, or an empty text."""
+    if not os.path.isfile(path):
+        return ''
+    with open(path, errors='replace') as file:
+        found = [_LOGGED.match(line) or _ON_SCREEN.match(line) for line in file]
+    return next((match.group(1) for match in reversed(found) if match), '')
+
+
+def _described(code):
+    if code < 0:
+        return 'ended by {}'.format(signal.Signals(-code).name)
+    return 'exit code {}'.format(code) if code else 'it was ended'
+
+
+def describe(death):
+    """Return on one line which part is missing, and why."""
+    return '{} ({}) has ended: {}'.format(
+        PARTS.get(death.node, 'a node'), death.node, death.reason.rstrip('.'))

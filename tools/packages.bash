@@ -1,0 +1,149 @@
+# What is installed before the first build: system packages and .venv. Sourced by ./run, which
+# sets root, venv, build, python, noetic and yes.
+# shellcheck shell=bash disable=SC2154
+
+listed() { sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$1"; }
+
+missing_packages() {
+  local installed
+  installed=$(dpkg-query -W -f='${db:Status-Abbrev} ${Package}\n' 2>/dev/null | awk '/^ii/{print $2}')
+  comm -13 <(sort -u <<<"$installed") <(listed "$1" | sort -u)
+}
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    "$@"
+  else
+    command -v sudo >/dev/null || fail "need root for: $*; install sudo or run ./run setup as root"
+    sudo "$@"
+  fi
+}
+
+install_packages() {
+  local list missing plan sudo=''
+  [ "$(id -u)" -eq 0 ] || sudo='sudo '
+  list=$root/packages-debian.txt
+  [ ! -d "$noetic" ] || list=$root/packages-noetic.txt
+  command -v apt-get >/dev/null ||
+    fail "no apt-get here: this needs Debian 12 or later, or Ubuntu 20.04 with ROS Noetic"
+  missing=$(missing_packages "$list")
+  # ROS resolves localhost and the machine's own name, which a bare debootstrap folder cannot
+  { getent hosts localhost && getent hosts "$(uname -n)"; } >/dev/null ||
+    dpkg-query -W libnss-myhostname >/dev/null 2>&1 || missing="$missing libnss-myhostname"
+  missing=$(xargs <<<"$missing")
+  [ -n "$missing" ] || return 0
+  plan=$(apt_plan "$missing")
+  if [ -z "$plan" ]; then           # a machine whose package lists were never loaded
+    say "reading the package lists: ${sudo}apt-get update"
+    as_root apt-get update -qq || fail "apt-get update failed"
+    plan=$(apt_plan "$missing")
+  fi
+  announce "$list" "$missing" "$plan"
+  may_install || fail "nothing installed; needed are: $missing"
+  say "${sudo}apt-get update, ${sudo}apt-get install; the whole output goes to build/apt.log"
+  as_root apt-get update -qq || say "apt-get update failed; trying with the old lists"
+  # shellcheck disable=SC2086
+  as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 $missing |
+    show_apt "$build/apt.log" ||
+    fail "apt-get failed, see build/apt.log; are all Debian (or ROS) package sources enabled?"
+}
+
+# What apt would do: its lines with the number of packages, the download and the size on disk.
+apt_plan() {
+  # shellcheck disable=SC2086
+  LC_ALL=C apt-get install --assume-no --no-install-recommends $1 2>/dev/null |
+    grep -E '^[0-9]+ upgraded|^Need to get|^After this' || true
+}
+
+# A minute for each 200 packages (unpacked and set up on two cores), and one for each 300 MB.
+announce() {
+  local list=$1 missing=$2 plan=$3 packages download disk megabytes
+  packages=$(sed -nE 's/.* ([0-9]+) newly installed.*/\1/p' <<<"$plan")
+  download=$(sed -nE 's/^Need to get ([0-9.,]+ k?M?G?B).*/\1/p' <<<"$plan")
+  disk=$(sed -nE 's/^After this operation, ([0-9.,]+ k?M?G?B) .*/\1/p' <<<"$plan")
+  packages=${packages:-$(wc -w <<<"$missing")}
+  megabytes=$(awk '/GB/{gsub(",","",$1); print int($1 * 1000)} /MB/{gsub(",","",$1); print int($1)}' \
+    <<<"$download")
+  say "missing are $(wc -w <<<"$missing") of the system packages in $(basename "$list")," \
+    "$packages with those that they need:"
+  say "download ${download:-of unknown size}, ${disk:-unknown size} on disk," \
+    "about $((1 + packages / 200 + ${megabytes:-0} / 300)) min"
+}
+
+# Ask where somebody can answer.
+may_install() {
+  local answer
+  if [ -n "$yes" ] || [ -n "${CI:-}" ] || ! { [ -t 0 ] && [ -t 1 ]; }; then return 0; fi
+  read -rp "Install these? [Y/n] " answer || return 1
+  case $answer in '' | [yY]*) return 0 ;; *) return 1 ;; esac
+}
+
+# Reduce apt's output to how far it is; APT::Status-Fd mixes lines like pmstatus:cmake:12.5:... in.
+show_apt() {
+  local line part=-1 now word
+  while IFS= read -r line; do
+    printf '%s\n' "$line" >&3
+    case $line in
+      dlstatus:*) word=downloading ;;
+      pmstatus:*) word=installing ;;
+      *) continue ;;
+    esac
+    line=${line#*:*:}
+    now=$word\ ${line%%[.:]*}
+    if [ -t 1 ]; then
+      printf '\r\033[K[run] %s %%: %.60s' "$now" "${line#*:}"
+    elif [ "${now%?}" != "$part" ]; then    # a line for each tenth
+      say "$now %"
+      part=${now%?}
+    fi
+  done 3>"$1"
+  if [ -t 1 ]; then printf '\n'; fi
+}
+
+make_venv() {
+  ! cmp -s "$root/requirements.txt" "$venv/requirements.txt" || return 0
+  say "installing into .venv: $(listed "$root/requirements.txt" | xargs)"
+  # without a pip of its own, it uses the distribution's pip and setuptools, as catkin wants
+  "$python" -m venv --clear --system-site-packages --without-pip "$venv"
+  touch "$venv/CATKIN_IGNORE"
+  # where PyBullet has no wheel (Python 3.13), pip compiles it, for some minutes; a mixed-up
+  # pointer type in it is an error since gcc 14
+  CFLAGS="${CFLAGS:-} -Wno-incompatible-pointer-types" \
+    "$venv/bin/python3" -m pip install --no-cache-dir --disable-pip-version-check \
+    -r "$root/requirements.txt" >"$build/pip.log" 2>&1 &
+  show_pip $! "$build/pip.log" ||
+    { tail -n 5 "$build/pip.log" >&2; fail "pip failed, see build/pip.log; is a package index reachable?"; }
+  cp "$root/requirements.txt" "$venv/requirements.txt"
+}
+
+# Show that pip is at work until it ends; return its exit code.
+show_pip() {
+  local start=$SECONDS compiling='' minutes=0
+  trap 'kill "$pip" 2>/dev/null' EXIT
+  pip=$1
+  while kill -0 "$1" 2>/dev/null; do
+    if [ -z "$compiling" ] && grep -q '^ *Building wheel' "$2" 2>/dev/null; then
+      compiling=yes
+      say "there is no ready-made wheel for $("$python" -V): compiling, about 10 min"
+    fi
+    if [ -t 1 ]; then
+      printf '\r[run] %d s ' $((SECONDS - start))
+    elif [ $(((SECONDS - start) / 60)) -gt "$minutes" ]; then
+      minutes=$(((SECONDS - start) / 60))
+      say "$minutes min"
+    fi
+    sleep 0.5
+  done
+  trap - EXIT
+  if [ -t 1 ]; then printf '\n'; fi
+  wait "$1"
+}
+
+setup() {
+  case $root in *[[:space:]]*) fail "catkin cannot build in a path with spaces: $root" ;; esac
+  mkdir -p "$build" "$devel"
+  touch "$build/CATKIN_IGNORE" "$devel/CATKIN_IGNORE"
+  install_packages
+  make_venv
+}

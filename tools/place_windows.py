@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Put the demo's windows beside each other where there is no window manager.
+
+Without one, X shows every window in the upper left corner, the simulator's above the images.
+Neither image_view (OpenCV's highgui) nor PyBullet has an option for a window's place. Ends when
+all windows have theirs, at once where a window manager runs.
+"""
+import ctypes
+import ctypes.util
+import signal
+import sys
+import time
+
+import process_tree
+
+SIMULATOR = 'Bullet Physics'
+IMAGES = ('/usb_cam/image_raw', '/blue_image', '/red_image')
+GAP_PX = 4
+_POLL_PERIOD_S = 0.3
+_PATIENCE_S = 120.0
+_SUBSTRUCTURE_REDIRECT = 1 << 20        # X.h; a window manager is who selects it on the root
+
+_Window, _Pointer = ctypes.c_ulong, ctypes.c_void_p
+
+
+class Attributes(ctypes.Structure):
+    """XWindowAttributes of Xlib.h."""
+
+    _fields_ = [
+        *((name, ctypes.c_int) for name in ('x', 'y', 'width', 'height', 'border', 'depth')),
+        ('visual', _Pointer), ('root', _Window),
+        *((name, ctypes.c_int) for name in ('kind', 'bit_gravity', 'win_gravity', 'backing')),
+        ('backing_planes', ctypes.c_ulong), ('backing_pixel', ctypes.c_ulong),
+        ('save_under', ctypes.c_int), ('colormap', ctypes.c_ulong),
+        ('map_installed', ctypes.c_int), ('map_state', ctypes.c_int),
+        ('all_event_masks', ctypes.c_long), ('your_event_mask', ctypes.c_long),
+        ('do_not_propagate_mask', ctypes.c_long), ('override_redirect', ctypes.c_int),
+        ('screen', _Pointer)]
+
+
+class Display:
+    """What is used of Xlib."""
+
+    def __init__(self):
+        """Connect to $DISPLAY; raises OSError when that cannot be."""
+        self._xlib = ctypes.CDLL(ctypes.util.find_library('X11') or 'libX11.so.6')
+        self._xlib.XOpenDisplay.restype = _Pointer
+        self._xlib.XDefaultRootWindow.restype = _Window
+        # a window may vanish between two calls, which Xlib would end the program for
+        handler = ctypes.CFUNCTYPE(ctypes.c_int, _Pointer, _Pointer)
+        self._ignore = handler(lambda display, event: 0)
+        self._xlib.XSetErrorHandler(self._ignore)
+        self._display = _Pointer(self._xlib.XOpenDisplay(None))
+        if not self._display:
+            raise OSError('no display')
+        self.root = self._xlib.XDefaultRootWindow(self._display)
+
+    def attributes(self, window):
+        """Return the Attributes of a window, all 0 when there is none."""
+        result = Attributes()
+        self._xlib.XGetWindowAttributes(self._display, _Window(window), ctypes.byref(result))
+        return result
+
+    def windows(self):
+        """Return the ids of the windows on the display by their titles."""
+        root, parent, number = _Window(), _Window(), ctypes.c_uint()
+        children = ctypes.POINTER(_Window)()
+        self._xlib.XQueryTree(self._display, _Window(self.root), ctypes.byref(root),
+                              ctypes.byref(parent), ctypes.byref(children), ctypes.byref(number))
+        found = {}
+        for window in [children[index] for index in range(number.value)]:
+            name = ctypes.c_char_p()
+            self._xlib.XFetchName(self._display, _Window(window), ctypes.byref(name))
+            if name.value:
+                found[name.value.decode(errors='replace')] = window
+        return found
+
+    def move(self, window, left_px, top_px):
+        """Put the upper left corner of a window there, and the window above the others."""
+        self._xlib.XMoveWindow(self._display, _Window(window), left_px, top_px)
+        self._xlib.XRaiseWindow(self._display, _Window(window))
+        self._xlib.XSync(self._display, 0)
+
+
+def places(screen, sizes):
+    """Return the upper left corner of each window: the simulator's, and the images beside it.
+
+    screen, sizes: (width, height) in pixels of the screen, and of each window by its title. On a
+    screen that is too small the windows overlap, and none is out of sight.
+    """
+    result, left, top = {}, 0, 0
+    for title in filter(lambda title: title.startswith(SIMULATOR), sizes):
+        result[title] = (0, 0)
+        left = sizes[title][0] + GAP_PX
+    for title in filter(sizes.__contains__, IMAGES):
+        width, height = sizes[title]
+        result[title] = (max(0, min(left, screen[0] - width)),
+                         max(0, min(top, screen[1] - height)))
+        top += height + GAP_PX
+    return result
+
+
+def main(*wanted):
+    """Place the windows whose titles begin so, as they appear."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    process_tree.end_with_parent()
+    try:
+        display = Display()
+    except OSError:
+        return 0
+    root = display.attributes(display.root)
+    placed = {}
+    end = time.monotonic() + _PATIENCE_S
+    while time.monotonic() < end and not root.all_event_masks & _SUBSTRUCTURE_REDIRECT:
+        windows = {title: window for title, window in display.windows().items()
+                   if title.startswith(wanted)}
+        attributes = {title: display.attributes(window) for title, window in windows.items()}
+        sizes = {title: (found.width, found.height) for title, found in attributes.items()}
+        for title, place in places((root.width, root.height), sizes).items():
+            if placed.get(title) != place:
+                display.move(windows[title], *place)
+                placed[title] = place
+        if len(placed) == len(wanted):
+            return 0
+        time.sleep(_POLL_PERIOD_S)
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(*(sys.argv[1:] or (SIMULATOR, *IMAGES))))

@@ -1,0 +1,110 @@
+# Linters and tests. Sourced by ./run, which sets root, venv, build, devel and python.
+# shellcheck shell=bash disable=SC2154
+
+pure=(camera conversions recognition rendering simulation teleoperation)
+
+# One line for each linter, and its output where it finds something. setup.cfg has the settings.
+lint() {
+  local verdict=0
+  cd "$root" || return
+  check flake8 "$python" -m flake8 . || verdict=1
+  check_types || verdict=1
+  check catkin_lint catkin_lint -q -W2 --strict --ignore package_path_name "$root" || verdict=1
+  # shellcheck disable=SC2046
+  check shellcheck shellcheck $(shell_scripts) || verdict=1
+  return $verdict
+}
+
+shell_scripts() {
+  grep -lrE '^#!.*\b(ba)?sh$|^# shellcheck shell=' --exclude-dir={.git,.venv,build,devel} \
+    --exclude='*.py' . | sort
+}
+
+# Say how a linter went.
+check() {
+  local name=$1 output
+  shift
+  if output=$("$@" 2>&1); then
+    say "$name: clean"
+  else
+    say "$name:"
+    printf '%s\n' "$output"
+    return 1
+  fi
+}
+
+# mypy before 0.990 (Ubuntu 20.04 has 0.761) misreads what later ones accept
+check_types() {
+  local version
+  version=$("$python" -m mypy --version | sed -nE 's/^mypy ([0-9.]+).*/\1/p' || true)
+  if ! printf '0.990\n%s\n' "$version" | sort -VC; then
+    say "mypy: not run, ${version:-none} is older than 0.990"
+    return 0
+  fi
+  check mypy "$python" -m mypy
+}
+
+# The lines of the pure folders that the unit tests have not run, and their share.
+report_coverage() {
+  local include='' folder data=$build/coverage.data
+  [ -f "$data" ] || return 0
+  for folder in "${pure[@]}"; do include+="${include:+,}$root/src/img_recog/$folder/*"; done
+  COVERAGE_FILE=$data "$venv/bin/python3" -m coverage report -m --include="$include" \
+    >"$build/coverage.txt" 2>&1 || { say "no coverage: $(tail -n 1 "$build/coverage.txt")"; return 0; }
+  say "the unit tests run $(awk 'END{print $4}' "$build/coverage.txt") of the lines of" \
+    "${pure[*]}; the others are listed in build/coverage.txt"
+}
+
+run_all_tests() {
+  say "running the tests, some minutes; the whole output goes to build/test.log"
+  # a line for each test as it ends, without the log of the nodes
+  cmake --build "$build" --target run_tests 2>&1 | tee "$build/test.log" |
+    grep --line-buffered -E '^\[img_recog\.|^\[Testcase|^[.FEsx]+ +\[|^FAILED|^E  |passed|failed|RESULT'
+}
+
+# run_tests KIND EXPRESSION: both may be empty, which is everything.
+run_tests() {
+  local kind=$1 expression=$2 verdict=0 folder log=build/test_results
+  rm -rf "$build/test_results" "$build/coverage.data"
+  if [ -z "$kind$expression" ]; then
+    log="build/test.log and $log"
+    run_all_tests || verdict=$?
+  else
+    cmake --build "$build" --target tests >"$build/make.log" 2>&1 ||
+      { tail -n 20 "$build/make.log" >&2; fail "the build failed, see build/make.log"; }
+    for folder in ${kind:-unit rostest system}; do
+      run_kind "$folder" "$expression" || verdict=$?
+    done
+    [ -n "$(find "$build/test_results" -name '*.xml' 2>/dev/null)" ] ||
+      fail "no test${kind:+ of $kind}${expression:+ matches $expression}"
+  fi
+  report_coverage
+  # run_tests succeeds whatever the tests say; the results are the verdict
+  catkin_test_results "$build/test_results" || verdict=$?
+  "$python" "$root/test/summary.py" "$build/test_results" || verdict=$?
+  [ "$verdict" -eq 0 ] || say "failed; see $log" >&2
+  return "$verdict"
+}
+
+# The tests of one kind whose names match; the results are where catkin's run_tests has them.
+run_kind() {
+  local kind=$1 expression=$2 results=$build/test_results/img_recog code=0 file
+  mkdir -p "$results"
+  if [ "$kind" = rostest ]; then
+    for file in "$root"/test/rostest/*"$expression"*.test; do
+      [ ! -f "$file" ] || rostest --pkgdir="$root" --package=img_recog \
+        --results-filename="test_rostest_$(basename "$file" .test).xml" \
+        --results-base-dir="$build/test_results" "$file" || code=$?
+    done
+    return $code
+  fi
+  local command=(-m pytest)       # as in CMakeLists.txt
+  [ "$kind" != unit ] || command=(-m coverage run --source="$root/src/img_recog" -m pytest)
+  COVERAGE_FILE=$build/coverage.data "$venv/bin/python3" "${command[@]}" -p no:cacheprovider --junit-xml="$results/pytest-$kind.xml" \
+    ${expression:+-k "$expression"} "$root/test/$kind" || code=$?
+  if [ $code -eq 5 ]; then         # pytest's: no test collected
+    rm -f "$results/pytest-$kind.xml"
+    code=0
+  fi
+  return $code
+}
