@@ -11,7 +11,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 
 import pytest
-from pages import ROOT, anchors, code, links, paths, read, rows
+from img_recog_testing.pages import ROOT, anchors, code, links, paths, read, rows
 
 import img_recog
 from img_recog.camera import settings as camera
