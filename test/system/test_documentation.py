@@ -171,6 +171,14 @@ def test_options_are_those_of_the_script(script):
     assert sorted(row[0].strip('`') for row in rows(REFERENCE, script, 'option')) == options
 
 
+def test_the_pages_build_without_a_warning():
+    pytest.importorskip('myst_parser')
+    path = os.pathsep.join([os.path.dirname(sys.executable), os.environ['PATH']])
+    done = subprocess.run([os.path.join(ROOT, 'doc', 'build')], env=dict(os.environ, PATH=path),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    assert done.returncode == 0, done.stdout.decode()
+
+
 def test_the_readme_is_short():
     assert len(read('README.md').splitlines()) <= 150
 
