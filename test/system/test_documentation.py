@@ -78,7 +78,8 @@ def differences(page, declared, others=()):
 def test_parameters_are_those_of_the_code(node):
     _, settings_classes, others = NODES[node]
     page = rows(REFERENCE, node, 'name')
-    assert '\n'.join(differences(page, parameters(settings_classes), others)) == ''
+    lines = differences(page, parameters(settings_classes), others)
+    assert not lines, '\n'.join(lines)
 
 
 @pytest.mark.parametrize('old, new, words', (
@@ -161,7 +162,8 @@ def launch_arguments():
 
 def test_launch_arguments_are_those_of_the_launch_file():
     page = rows(REFERENCE, 'Launch arguments', 'argument')
-    assert '\n'.join(differences(page, launch_arguments())) == ''
+    lines = differences(page, launch_arguments())
+    assert not lines, '\n'.join(lines)
 
 
 @pytest.mark.parametrize('script', ('replay.py', 'tune_colors.py'))
