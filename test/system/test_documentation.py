@@ -1,0 +1,247 @@
+"""README.md and doc/ against the code: what they list exists, is complete, and has its numbers."""
+import ast
+import dataclasses
+import glob
+import importlib
+import os
+import pkgutil
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+from img_recog_testing.pages import ROOT, anchors, code, links, paths, read, rows
+
+import img_recog
+from img_recog.camera import settings as camera
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.nodes.color_extract.node import InputSettings
+from img_recog.nodes.gazebo.robot_topics import TopicSettings
+from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, with_colors
+from img_recog.settings import SettingError, Settings
+from img_recog.simulation import settings as simulation
+from img_recog.teleoperation.settings import TeleopSettings
+
+REFERENCE = read('doc/reference.md')
+# of each node the module, its settings, and the parameters that are in none of them
+NODES = {
+    'usb_cam': ('usb_cam.node', (camera.CameraSettings, camera.ControlSettings,
+                                 CompressionSettings), ('intrinsic_controls',)),
+    'color_extract': ('color_extract.node', (InputSettings, with_colors()),
+                      ('colors', *(name + '_image_topic' for name in DEFAULT_COLORS))),
+    'gazebo': ('gazebo.node', (
+        simulation.PhysicsSettings, simulation.SpawnSettings, simulation.DriveSettings,
+        simulation.OdometrySettings, simulation.SensorSettings, simulation.ScanSettings,
+        simulation.ImuSettings, simulation.ViewSettings, TopicSettings), ()),
+    'turtlebot3_teleop_keyboard': ('teleop_key', (TeleopSettings,), ())}
+NAME = r'[~/]?[a-z][a-z0-9_]*(?:/[a-z0-9_]+)*'
+TYPE = r'(?:[a-z0-9_]+_msgs|std_srvs|dynamic_reconfigure)(?:/\w+)?'
+
+
+def parameters(settings_classes):
+    """Return the row that each parameter shall have: name, default, what is allowed."""
+    return [[shown(field.name), shown(field.default), allowed(settings_class, field.name)]
+            for settings_class in settings_classes for field in dataclasses.fields(settings_class)
+            if 'allowed' in field.metadata]
+
+
+def shown(value):
+    text = str(value).lower() if isinstance(value, bool) else str(value)
+    return '`{}`'.format(text) if text else 'empty'
+
+
+def allowed(settings_class, name):
+    """Return what the error line of a refused value says."""
+    with pytest.raises(SettingError) as refused:
+        settings_class(**{name: object()})
+    return refused.value.allowed
+
+
+def differences(page, declared, others=()):
+    """Return a line for each row that the page lacks, has too much, or has otherwise."""
+    page_by_name = {row[0]: row[1:len(declared[0])] for row in page}
+    by_name = {row[0]: row[1:] for row in declared}
+    others = {shown(name) for name in others}
+    lines = ['twice: ' + name for name in page_by_name
+             if [row[0] for row in page].count(name) > 1]
+    lines += ['missing: | {} | {} | |'.format(name, ' | '.join(by_name[name]))
+              for name in by_name if name not in page_by_name]
+    lines += ['missing: ' + name for name in sorted(others - set(page_by_name))]
+    lines += ['not in the code: ' + name
+              for name in page_by_name if name not in {*by_name, *others}]
+    return lines + ['{}: the page has {}, the code {}'.format(name, page_by_name[name], row)
+                    for name, row in by_name.items() if page_by_name.get(name, row) != row]
+
+
+@pytest.mark.parametrize('node', NODES)
+def test_parameters_are_those_of_the_code(node):
+    _, settings_classes, others = NODES[node]
+    page = rows(REFERENCE, node, 'name')
+    lines = differences(page, parameters(settings_classes), others)
+    assert not lines, '\n'.join(lines)
+
+
+@pytest.mark.parametrize('old, new, words', (
+    ('| `image_width` | `640` |', '| `image_width` | `641` |', 'the page has'),
+    ('| `640` | a whole number from 1 to', '| `640` | a whole number from 2 to', 'the page has'),
+    ('| `gain` | `-1` |', '| `gains` | `-1` |', 'missing: | `gain` | `-1` | a whole number'),
+    ('| `gain` | `-1` |', '| `gains` | `-1` |', 'not in the code: `gains`'),
+    ('| `gain` |', '| `loop` |', 'twice: `loop`'),
+    ('| `intrinsic_controls` |', '| |', 'missing: `intrinsic_controls`')))
+def test_a_difference_is_found(old, new, words):
+    assert REFERENCE.count(old) >= 1
+    _, settings_classes, others = NODES['usb_cam']
+    page = rows(REFERENCE.replace(old, new), 'usb_cam', 'name')
+    assert words in '\n'.join(differences(page, parameters(settings_classes), others))
+
+
+def test_all_settings_are_in_the_reference():
+    for module in pkgutil.walk_packages(img_recog.__path__, 'img_recog.'):
+        importlib.import_module(module.name)
+    known = {each for _, classes, _ in NODES.values() for each in classes}
+    declared = {each for each in Settings.__subclasses__()
+                if each.__module__.startswith('img_recog.')}
+    assert declared - known == {RecognitionSettings}        # with_colors() makes it complete
+
+
+def stated_types(text):
+    """Return the type of each topic and service that a docstring lists as 'name, name (type'."""
+    lists = re.findall(r'((?:[\w/~]*[_/~][\w/~]*(?:, | and ))*{}) \(({})'.format(NAME, TYPE),
+                       text)
+    return {name: kind for names, kind in lists for name in re.split(', | and ', names)}
+
+
+def topic_differences(page, text):
+    """Return a line for each topic or service that only the page or only a docstring has."""
+    types, stated = {row[0].strip('`'): row[1] for row in page}, stated_types(text)
+    lines = ['missing: {} ({})'.format(name, kind)
+             for name, kind in stated.items() if name not in types]
+    # a docstring may name the package of a type alone
+    lines += ['{}: the page has {}, the docstring {}'.format(name, types[name], kind)
+              for name, kind in stated.items()
+              if name in types and not (types[name] + '/').startswith(kind + '/')]
+    words = {word.lstrip('/') for word in re.findall(NAME, text)}
+    return lines + ['not in the docstring: ' + name
+                    for name in types if name.lstrip('/') not in words]
+
+
+@pytest.mark.parametrize('node', NODES)
+def test_topics_and_services_are_those_of_the_docstring(node):
+    text = docstring(node)
+    assert len(stated_types(text)) > 0
+    assert topic_differences(topics(REFERENCE, node), text) == []
+
+
+def docstring(node):
+    module = importlib.import_module('img_recog.nodes.' + NODES[node][0])
+    return ' '.join(module.__doc__.split())
+
+
+def topics(text, node):
+    return [row for kind in ('topic', 'service') for row in rows(text, node, kind)]
+
+
+@pytest.mark.parametrize('old, new, words', (
+    ('| `imu` | sensor_msgs/Imu |', '| `imus` | sensor_msgs/Imu |', 'missing: imu'),
+    ('| `imu` | sensor_msgs/Imu |', '| `imus` | sensor_msgs/Imu |', 'not in the docstring: imus'),
+    ('| `scan` | sensor_msgs/LaserScan |', '| `scan` | sensor_msgs/Laser |', 'scan: the page'),
+    ('| `~pause_physics` | std_srvs', '| `~pause` | std_srvs', 'missing: ~pause_physics'),
+    ('| `~set_model_state` | gazebo_msgs', '| `~set_model_state` | std_srvs', 'the page has')))
+def test_a_difference_of_topics_is_found(old, new, words):
+    assert old in REFERENCE
+    page = topics(REFERENCE.replace(old, new), 'gazebo')
+    assert words in '\n'.join(topic_differences(page, docstring('gazebo')))
+
+
+def launch_arguments():
+    root = ElementTree.parse(os.path.join(ROOT, 'launch', 'demo.launch')).getroot()
+    return [[shown(argument.get(key)) for key in ('name', 'default')]
+            for argument in root.findall('arg')]
+
+
+def test_launch_arguments_are_those_of_the_launch_file():
+    page = rows(REFERENCE, 'Launch arguments', 'argument')
+    lines = differences(page, launch_arguments())
+    assert not lines, '\n'.join(lines)
+
+
+@pytest.mark.parametrize('script', ('replay.py', 'tune_colors.py'))
+def test_options_are_those_of_the_script(script):
+    text = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', script), '--help'],
+                          stdout=subprocess.PIPE, check=True).stdout.decode()
+    options = sorted(set(re.findall(r'(?<!\S)--[a-z-]+', text)) - {'--help'})
+    assert sorted(row[0].strip('`') for row in rows(REFERENCE, script, 'option')) == options
+
+
+def test_the_pages_build_without_a_warning():
+    pytest.importorskip('myst_parser')
+    path = os.pathsep.join([os.path.dirname(sys.executable), os.environ['PATH']])
+    done = subprocess.run([os.path.join(ROOT, 'doc', 'build')], env=dict(os.environ, PATH=path),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    assert done.returncode == 0, done.stdout.decode()
+
+
+def test_the_readme_is_short():
+    assert len(read('README.md').splitlines()) <= 150
+
+
+@pytest.mark.parametrize('path', paths())
+def test_links_lead_somewhere(path):
+    for link in links(read(path)):
+        file, _, anchor = link.partition('#')
+        target = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path
+        assert os.path.exists(os.path.join(ROOT, target)), link
+        assert not anchor or anchor in anchors(read(target)), link
+
+
+@pytest.mark.parametrize('path', paths())
+def test_commands_exist(path):
+    usage = subprocess.run([os.path.join(ROOT, 'run'), 'help'], stdout=subprocess.PIPE,
+                           check=True).stdout.decode()
+    known = {row[0].strip('`') for row in launch_arguments()}
+    names = {row[0].strip('`') for _, classes, _ in NODES.values() for row in parameters(classes)}
+    for line in code(read(path)):
+        for word in re.findall(r'(?:^|/)run ([a-z]+)', line):
+            assert re.search(r'^ +{}\b'.format(word), usage, re.MULTILINE), line
+        for script in re.findall(r'rosrun img_recog (\S+)', line):
+            assert os.path.isfile(os.path.join(ROOT, 'scripts', script)), line
+            options = {row[0].strip('`') for row in rows(REFERENCE, script, 'option')}
+            assert set(re.findall(r' (--[a-z-]+)', line)) <= options, line
+        for launch in re.findall(r'roslaunch (?:--ros-args )?img_recog (\S+)', line):
+            assert os.path.isfile(os.path.join(ROOT, 'launch', launch)), line
+        if re.search(r'run demo|demo\.launch', line):
+            assert set(re.findall(r' ([a-z_]+):=', line)) <= known, line
+        assert set(re.findall(r' _([a-z_]+):=', line)) <= names, line
+        for values in re.findall(r'dynparam set \S+ (.*)', line):
+            assert set(re.findall(r'[a-z]\w+', values)) <= names, line
+
+
+def definitions(path):
+    """Return the functions, classes and Class.method of a module."""
+    with open(path, encoding='utf-8') as file:
+        body = ast.parse(file.read()).body
+    kinds = (ast.ClassDef, ast.FunctionDef)
+    found = {each.name for each in body if isinstance(each, kinds)}
+    return found | {'{}.{}'.format(each.name, part.name) for each in body
+                    if isinstance(each, ast.ClassDef) for part in each.body
+                    if isinstance(part, kinds)}
+
+
+@pytest.mark.parametrize('path', ('CONTRIBUTING.md', 'doc/architecture.md'))
+def test_files_and_names_in_the_code_exist(path):
+    text = read(path)
+    package = os.path.join(ROOT, 'src', 'img_recog')
+    folders = ROOT, os.path.join(ROOT, 'scripts'), os.path.join(package, '**')
+    everything = set().union(*(definitions(module) for module in glob.glob(
+        os.path.join(package, '**', '*.py'), recursive=True)))
+    for span in code(text):
+        if re.fullmatch(r'(?!build/)[\w./]+(\.(py|md|svg|yaml|launch|urdf|txt|xml|cfg)|/)', span):
+            assert any(glob.glob(os.path.join(folder, span), recursive=True)
+                       for folder in folders), span
+        elif re.fullmatch(r'[A-Z]\w*[a-z]\w*(\.\w+)?|[a-z]\w*_to_msg', span):
+            assert span in everything, span
+    pairs = re.findall(r'`([\w/]+\.py)`,\s+`(?!\w+\.py)(\w+(?:\.\w+)?)`', text)
+    assert len(pairs) > 1
+    for file, name in pairs:
+        assert name in definitions(os.path.join(package, file)), (file, name)
