@@ -166,7 +166,7 @@ class Supervisor:
 
     def _read_line(self, line):
         death = self._output.read(line)
-        if death is None or self._stopped_at is not None:
+        if death is None or self._stopped_by is not None:
             return
         if not any(earlier.required for earlier in self._deaths):
             self._deaths.append(death)

@@ -85,7 +85,7 @@ def test_second_simulator_replaces_the_first(simulate, shared_ros):
     first.wait_output('simulating 1.0017 kg')
     second = simulate()
     second.wait_output('simulating 1.0017 kg')
-    wait_for(lambda: not alive(first.pid), lambda: 'the first simulator to end')
+    assert first.wait() == 0
     assert node_pid(shared_ros, 'gazebo') == second.pid
     assert 'Traceback' not in first.output + second.output, first.output + second.output
 
