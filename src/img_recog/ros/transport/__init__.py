@@ -27,9 +27,11 @@ How to switch it off
     IMG_RECOG_PLAIN_ROSPY=rosout,own_time makes some of it do so (the names are in switch.py).
 
 What it gains
-    ./run bench measures each part on and off. On two shared cores, the processor time of a frame
-    of color_extract (640x480, both images viewed) without a part, to that with all of them,
-    median and range of 12 turns: image_subscriber 1.51 (1.30 to 1.91), rosout 1.19 (1.04 to
-    1.48), image_publisher 1.16 (0.95 to 1.50), direct_publisher 1.09 (0.85 to 1.39); all
-    together 1.87 (1.43 to 2.21).
+    ./run bench measures each part on and off. On two cores that had other work too, CPU time
+    without a part, to that with all of them, median and range:
+    a frame of color_extract, 640x480, both images viewed, 12 turns: image_subscriber 1.51 (1.30
+    to 1.91), rosout 1.19 (1.04 to 1.48), image_publisher 1.16 (0.95 to 1.50), direct_publisher
+    1.09 (0.85 to 1.39), without any 1.87 (1.43 to 2.21);
+    a step of the simulator, all topics subscribed, 4 rounds: direct_publisher 1.26 (1.15 to
+    1.39), own_time 1.05 (0.98 to 1.33), without any 1.41 (1.37 to 1.54).
 """

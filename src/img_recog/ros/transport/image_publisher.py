@@ -62,8 +62,9 @@ class ImagePublisher:
                 self._publisher.publish(msg)
             return
         topic = self._publisher.impl
-        self._senders.follow(topic.connections)
-        if not topic.connections:
+        connections = topic.connections
+        self._senders.follow(connections)
+        if not connections:
             return
         topic.seq += 1
         head = _head(_without_data(header, topic.seq, encoding, shape))

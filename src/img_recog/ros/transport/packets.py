@@ -1,6 +1,7 @@
 """Reused buffers for large messages, and the threads that send them."""
 import threading
-from typing import Dict, Iterable, List, Optional
+from queue import Empty, SimpleQueue
+from typing import Dict, List, Optional
 
 from rospy.impl.tcpros_base import TCPROSTransport
 
@@ -59,38 +60,39 @@ class PacketSender:
     """Sends the newest packet to one subscriber, in a thread.
 
     A packet that was not begun when the next one comes is dropped, as with a queue of one. A
-    subscriber that does not read holds up this thread only, and keeps two packets at most.
+    subscriber that does not read holds up this thread only, and keeps two packets at most. `put`
+    and `close` are for one thread.
     """
 
     def __init__(self, connection: TCPROSTransport):
         self._connection = connection
         # rospy's QueuedConnection returns before it has sent what it was given
         self._is_synchronous = isinstance(connection, TCPROSTransport)
-        self._condition = threading.Condition()
-        self._waiting: Optional[Packet] = None
-        self._is_closed = False
+        # at most one packet, or None for the end; cheaper than a Condition
+        self._waiting: 'SimpleQueue[Optional[Packet]]' = SimpleQueue()
         threading.Thread(target=self._run, daemon=True).start()
 
     def put(self, packet: Packet) -> None:
         """Have a packet sent, which is this sender's too from now on."""
         packet.retain()
-        with self._condition:
-            dropped, self._waiting = self._waiting, packet
-            self._condition.notify()
-        if dropped is not None:
-            dropped.release()
+        self._drop()
+        self._waiting.put(packet)
 
     def close(self) -> None:
         """Send nothing more than what is being sent; do not wait for that."""
-        with self._condition:
-            self._is_closed = True
-            dropped, self._waiting = self._waiting, None
-            self._condition.notify()
-        if dropped is not None:
-            dropped.release()
+        self._drop()
+        self._waiting.put(None)
+
+    def _drop(self) -> None:
+        try:
+            packet = self._waiting.get_nowait()
+        except Empty:       # the thread has taken it
+            return
+        if packet is not None:
+            packet.release()
 
     def _run(self) -> None:
-        packet = self._next()
+        packet = self._waiting.get()
         while packet is not None:
             try:
                 self._connection.write_data(
@@ -99,14 +101,7 @@ class PacketSender:
                 self._connection.close()
             finally:
                 packet.release()
-            packet = self._next()
-
-    def _next(self) -> Optional[Packet]:
-        """Wait for a packet and return it; None when there will be none."""
-        with self._condition:
-            self._condition.wait_for(lambda: self._waiting is not None or self._is_closed)
-            packet, self._waiting = self._waiting, None
-        return packet
+            packet = self._waiting.get()
 
 
 class PacketSenders:
@@ -114,9 +109,17 @@ class PacketSenders:
 
     def __init__(self):
         self._senders: Dict[TCPROSTransport, PacketSender] = {}
+        self._followed: List[TCPROSTransport] = []
 
-    def follow(self, connections: Iterable[TCPROSTransport]) -> None:
-        """Have senders for these connections and no others."""
+    def follow(self, connections: List[TCPROSTransport]) -> None:
+        """Have senders for these connections and no others.
+
+        connections: rospy's list, which it replaces and does not change, until the topic is
+        closed.
+        """
+        if connections is self._followed:
+            return
+        self._followed = connections
         for gone in self._senders.keys() - set(connections):
             self._senders.pop(gone).close()
         for connection in connections:
