@@ -45,18 +45,22 @@ class Allowed(NamedTuple):
 
 def at_least(low: float) -> Allowed:
     """Accept numbers greater than or equal to `low`."""
-    return Allowed('at least {:g}'.format(low), lambda value: value >= low, low)
+    return Allowed('at least ' + _bound(low), lambda value: value >= low, low)
 
 
 def above(low: float) -> Allowed:
     """Accept numbers greater than `low`."""
-    return Allowed('above {:g}'.format(low), lambda value: value > low, low)
+    return Allowed('above ' + _bound(low), lambda value: value > low, low)
 
 
 def between(low: float, high: float) -> Allowed:
     """Accept numbers from `low` to `high`, both included."""
-    return Allowed('from {:g} to {:g}'.format(low, high), lambda value: low <= value <= high,
-                   low, high)
+    return Allowed('from {} to {}'.format(_bound(low), _bound(high)),
+                   lambda value: low <= value <= high, low, high)
+
+
+def _bound(value: float) -> str:
+    return str(value) if isinstance(value, int) else '{:g}'.format(value)
 
 
 def one_of(*choices: str) -> Allowed:

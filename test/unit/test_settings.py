@@ -161,3 +161,8 @@ def test_teleop_defaults_are_those_of_the_burger():
 def test_teleop_refuses_values_that_are_not_positive(name):
     with pytest.raises(SettingError, match='^{}: got 0.0, '.format(name)):
         TeleopSettings(**{name: 0})
+
+
+def test_a_large_bound_is_written_out():
+    assert between(0, 2 ** 31 - 1).text == 'from 0 to 2147483647'
+    assert between(-0.5, 1e-5).text == 'from -0.5 to 1e-05'
