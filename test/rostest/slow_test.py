@@ -33,6 +33,7 @@ class SlowTest(unittest.TestCase):
         rospy.wait_for_service('/usb_cam/stop_capture')
         stop = rospy.ServiceProxy('/usb_cam/stop_capture', Empty)
         twists.wait(2)
+        self.addCleanup(rospy.ServiceProxy('/usb_cam/start_capture', Empty))
         stop()
         before, last = len(twists.messages), len(frames.messages)
         # the last two frames take 0.5 s; wait for five times as long
