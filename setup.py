@@ -1,4 +1,4 @@
-"""Python packages of img_recog, for catkin_python_setup(); build with catkin, not by hand."""
+"""Python packages of img_recog, for catkin_python_setup(). Use catkin, do not run this file."""
 from setuptools import find_packages, setup
 from catkin_pkg.python_setup import generate_distutils_setup
 
