@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""roslaunch under supervision, for ./run demo.
+"""Run roslaunch for ./run demo and supervise it.
 
-Passes on what roslaunch and the nodes write, says which node has ended with an error and why, and
-leaves no process behind: roslaunch, interrupted while it starts nodes, may wait for its own locks
-for minutes.
+Forwards the output of roslaunch and the nodes, reports which node has ended with an error and
+why, and leaves no process behind: if roslaunch is interrupted while it starts nodes, it may wait
+for its own locks for minutes.
 """
 import os
 import pty
@@ -20,14 +20,18 @@ from demo_arguments import ArgumentError, Arguments
 
 PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_windows.py')
 
-# After Ctrl-C, s: until then roslaunch ends its nodes by itself; then all of them are signalled.
+# Seconds after Ctrl-C, and the signal that is sent to all processes then. roslaunch has the time
+# before the first one to stop its nodes itself.
 _ESCALATION = ((4.5, signal.SIGINT), (7.0, signal.SIGTERM), (8.5, signal.SIGKILL))
 _POLL_PERIOD_S = 0.1
-_NOTICE_DELAY_S = 0.3       # after the lines in which roslaunch tells of the same
+_NOTICE_DELAY_S = 0.3       # after the lines in which roslaunch reports the same
 
 
 class Channel:
-    """One of our outputs and what is passed on to it: a terminal for a terminal, else a pipe."""
+    """An output of this process, and a pseudo terminal or pipe that is forwarded to it.
+
+    It is a pseudo terminal if the output is a terminal.
+    """
 
     def __init__(self, target, read_line):
         self._target = target
@@ -36,16 +40,16 @@ class Channel:
         if os.isatty(target):
             self.reader, self.writer = pty.openpty()
             attributes = termios.tcgetattr(self.writer)
-            attributes[1] &= ~termios.OPOST         # our own terminal does that
+            attributes[1] &= ~termios.OPOST         # the real terminal does that
             termios.tcsetattr(self.writer, termios.TCSANOW, attributes)
         else:
             self.reader, self.writer = os.pipe()
 
     def pass_on(self):
-        """Pass on what has come; return False at the end of it."""
+        """Forward the data that has arrived; return False at the end of the stream."""
         try:
             data = os.read(self.reader, 65536)
-        except OSError:         # a terminal's end
+        except OSError:         # how the end of a pseudo terminal is reported
             return False
         *lines, self._line = (self._line + data).split(b'\n')
         self._write(data)
@@ -54,7 +58,7 @@ class Channel:
         return bool(data)
 
     def say(self, text):
-        """Write a line of our own."""
+        """Write a line with the prefix [run]."""
         start = '\n' if self._line else ''
         self._write('{}[run] {}\n'.format(start, text).encode())
 
@@ -64,25 +68,25 @@ class Channel:
 
 
 class Supervisor:
-    """Runs a command to its end, or to 10 s after a signal, whatever happens."""
+    """Runs a command until it ends; after a signal, ends it within 10 s."""
 
     def __init__(self):
         self._output = launch_output.LaunchOutput()
         self._deaths = []
-        self._noticed = 0           # of the deaths
+        self._noticed = 0           # number of deaths that were reported
         self._notice_at = None
         self._signals = []
         self._stopped_at = None
         self._stopped_by = None
-        self._sent = 0              # steps of the escalation
+        self._sent = 0              # number of steps of _ESCALATION that were done
         self._code = None
         self._channels = []
 
     def run(self, command):
-        """Run `command` and return its exit code, once no process of it is left."""
+        """Run `command`; return its exit code when none of its processes is left."""
         process_tree.adopt_orphans()
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            if signal.getsignal(signum) != signal.SIG_IGN:      # as nohup has it
+            if signal.getsignal(signum) != signal.SIG_IGN:      # ignored under nohup
                 signal.signal(signum, lambda received, _: self._signals.append(received))
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
         roslaunch = self._start(command)
@@ -104,7 +108,7 @@ class Supervisor:
         channels = [Channel(1, self._read_line)]
         if not os.path.sameopenfile(1, 2):
             channels.append(Channel(2, self._read_line))
-        roslaunch = subprocess.Popen(      # of its own session: a Ctrl-C comes from here alone
+        roslaunch = subprocess.Popen(      # in a new session: only we send it SIGINT
             command, stdout=channels[0].writer, stderr=channels[-1].writer,
             start_new_session=True, preexec_fn=process_tree.end_with_parent)
         for channel in channels:
@@ -113,7 +117,7 @@ class Supervisor:
         return roslaunch.pid
 
     def _goes_on(self, roslaunch, selector):
-        """Return whether anything is left to end or to pass on."""
+        """Return whether a process is running, or output is left to forward."""
         ended = process_tree.reap()
         if roslaunch in ended:
             self._code = ended[roslaunch]
@@ -130,7 +134,7 @@ class Supervisor:
     def _pass_on(self, selector, channel):
         try:
             more = channel.pass_on()
-        except OSError:             # nobody reads any more: the terminal, or the pipe, is closed
+        except OSError:             # the terminal or the pipe is closed
             more = False
             self._signals.append(signal.SIGTERM)
         if not more:
@@ -143,25 +147,25 @@ class Supervisor:
             if self._stopped_at is None:
                 self._stopped_at = time.monotonic()
                 self._stopped_by = signum
-                # before it starts processes, roslaunch answers Ctrl-C with a traceback
+                # before roslaunch starts processes, it prints a traceback on SIGINT
                 process_tree.send(signum if self._output.launching else signal.SIGTERM,
                                   [roslaunch])
-            elif self._sent < len(_ESCALATION):     # somebody who is in a hurry
+            elif self._sent < len(_ESCALATION):     # another signal: next step now
                 self._stopped_at = min(self._stopped_at,
                                        time.monotonic() - _ESCALATION[self._sent][0])
 
     def _escalate(self, roslaunch):
-        """Signal all that is left when its time is over, the gentle way first."""
+        """Send the next signal of _ESCALATION to all processes when its time has come."""
         if self._stopped_at is None:
             return
-        if self._code is not None and self._sent == 0:      # orphans: nobody else ends them
+        if self._code is not None and self._sent == 0:      # only orphans are left
             self._stopped_at = min(self._stopped_at, time.monotonic() - _ESCALATION[0][0])
         waited_s = time.monotonic() - self._stopped_at
         while self._sent < len(_ESCALATION) and waited_s >= _ESCALATION[self._sent][0]:
             signum = _ESCALATION[self._sent][1]
             self._sent += 1
             process_tree.send(signum, reversed(process_tree.descendants()))
-        if self._sent == len(_ESCALATION):          # what was started in between
+        if self._sent == len(_ESCALATION):          # started meanwhile
             process_tree.send(signal.SIGKILL, process_tree.descendants())
 
     def _read_line(self, line):
@@ -173,16 +177,16 @@ class Supervisor:
             self._notice_at = time.monotonic() + _NOTICE_DELAY_S
 
     def _give_notice(self):
-        """Say what has ended while the rest runs on."""
+        """Report which node has ended while the other nodes continue."""
         if self._notice_at is not None and time.monotonic() > self._notice_at:
             self._notice_at = None
             for death in self._deaths[self._noticed:]:
-                if not death.required:          # else the end comes, and the reason after it
-                    self._say(launch_output.describe(death) + '; the rest runs on')
+                if not death.required:          # else _repeat_reasons reports it
+                    self._say(launch_output.describe(death) + '; the other nodes continue')
             self._noticed = len(self._deaths)
 
     def _repeat_reasons(self):
-        """Say at the end, below all that roslaunch has written, what had ended by itself."""
+        """Report at the end, below the output of roslaunch, which nodes ended by themselves."""
         for death in self._deaths:
             self._say(launch_output.describe(death))
 
@@ -194,7 +198,7 @@ class Supervisor:
 
 
 def main(launch_file, *words):
-    """Start the demo with these arguments; return the exit code."""
+    """Run the demo with these arguments; return the exit code."""
     try:
         checked = Arguments(launch_file).checked(words)
     except ArgumentError as error:

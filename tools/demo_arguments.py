@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Check the arguments of ./run demo before anything starts.
 
-roslaunch takes no notice of an argument that the launch file has not, hands every value on to the
-nodes, and answers a missing colon with its usage. What is wrong costs one line here.
+roslaunch ignores arguments that the launch file does not have, passes any value to the nodes, and
+prints its usage when a colon is missing. Here each mistake gives one line.
 """
 import math
 import os
@@ -10,7 +10,7 @@ import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
-# roslaunch's options that take the next word with them
+# options of roslaunch that are followed by a value
 OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '-w',
                       '--numworkers', '--args', '--find-node', '--master-logger-level', '--pid',
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
@@ -19,11 +19,11 @@ TRUE_OR_FALSE = ('true', 'false', '1', '0')
 
 
 class ArgumentError(Exception):
-    """A word that roslaunch would not take, or not as it was meant."""
+    """A word on the command line that roslaunch would refuse or misunderstand."""
 
 
 class Arguments:
-    """The arguments of a launch file, and what each may be."""
+    """The arguments of a launch file and their allowed values."""
 
     def __init__(self, launch_file):
         root = ElementTree.parse(launch_file).getroot()
@@ -33,7 +33,7 @@ class Arguments:
                         'urdf': _file, 'world': _world}
 
     def checked(self, words):
-        """Return the words for roslaunch, paths made absolute; raises ArgumentError."""
+        """Return the words with absolute paths, for roslaunch; raise ArgumentError."""
         result, position = [], 0
         while position < len(words):
             word = words[position]
@@ -63,8 +63,8 @@ class Arguments:
         name, equals, value = word.partition('=')
         if equals and name in self._defaults:
             raise ArgumentError('got {}; write {}:={}'.format(word, name, value))
-        raise ArgumentError('got {}; arguments are written as in camera:=synthetic, and there '
-                            'are: {}'.format(word, ' '.join(self._defaults)))
+        raise ArgumentError('got {}; write arguments like camera:=synthetic; available are: '
+                            '{}'.format(word, ' '.join(self._defaults)))
 
     def _value(self, name, value):
         if name not in self._defaults:
@@ -90,7 +90,7 @@ class Arguments:
 
 
 def _is_switch(root, name):
-    """Return whether an argument is used where roslaunch wants true or false."""
+    """Return whether an argument is used where roslaunch expects true or false."""
     use = '$(arg {})'.format(name)
     return any(use in (element.get('if'), element.get('unless')) or
                (element.get('type') == 'bool' and element.get('value') == use)
@@ -115,14 +115,14 @@ def _shown(value):
 
 
 def _absolute(path):
-    # PWD rather than os.getcwd(), as a user sees it who has come through a symlink
+    # PWD keeps symlinks, unlike os.getcwd(): the path is the one that the user sees
     return os.path.join(os.environ.get('PWD') or os.getcwd(), os.path.expanduser(path))
 
 
 def _file(name, value):
     path = _absolute(value)
     if not os.path.isfile(path):
-        raise ArgumentError('{}: there is no file {}; give the path of one, or leave {} out'
+        raise ArgumentError('{}: there is no file {}; give the path of a file, or omit {}'
                             .format(name, _shown(value), name))
     return path
 
@@ -131,7 +131,7 @@ def _world(name, value):
     if value in ('turtlebot3_world', 'empty'):
         return value
     if not os.path.isfile(_absolute(value)):
-        raise ArgumentError('{}: got {}, which is no file; allowed are turtlebot3_world, empty '
+        raise ArgumentError('{}: got {}, which is not a file; allowed are turtlebot3_world, empty '
                             'and the path of a URDF or SDF file'.format(name, _shown(value)))
     return _absolute(value)
 
@@ -146,7 +146,7 @@ def _camera(name, value):
         devices = sorted(word for word in os.listdir('/dev') if re.match(r'video\d+$', word))
         raise ArgumentError(
             '{}: got {}, which does not exist; allowed are auto, synthetic, none, a URL, and the '
-            'path of a film, still image, folder or device (here: {})'.format(
+            'path of a video, image, folder or device (found: {})'.format(
                 name, _shown(value), ', '.join('/dev/' + word for word in devices) or 'no camera'))
     return _absolute(value)
 

@@ -1,4 +1,4 @@
-"""What roslaunch and its nodes write: which node has ended with an error, and why."""
+"""Find in the output of roslaunch which node has ended with an error, and why."""
 import collections
 import os
 import re
@@ -6,8 +6,9 @@ import signal
 
 PARTS = {'gazebo': 'the simulator', 'usb_cam': 'the camera', 'color_extract': 'the recognition',
          'turtlebot3_teleop_keyboard': 'the teleop', 'robot_state_publisher': 'the tf tree',
-         'image_view': 'the window of the camera', 'image_view_blue': 'the window of blue',
-         'image_view_red': 'the window of red'}
+         'image_view': 'the window of the camera images',
+         'image_view_blue': 'the window of the blue image',
+         'image_view_red': 'the window of the red image'}
 
 _COLOR = re.compile(r'\x1b\[[0-9;]*m')
 _REQUIRED = re.compile(r'REQUIRED process \[(\S+)-\d+\] has died!')
@@ -23,7 +24,7 @@ Death = collections.namedtuple('Death', 'node required reason')
 
 
 class LaunchOutput:
-    """Reads the lines that pass, and names the nodes that have ended with an error."""
+    """Reads the output line by line and finds the nodes that have ended with an error."""
 
     def __init__(self):
         self.launching = False      # whether roslaunch has started a process
@@ -31,7 +32,7 @@ class LaunchOutput:
         self._exception = ''
 
     def read(self, line):
-        """Return the Death that a line of text tells of, or None."""
+        """Return the Death that a line reports, or None."""
         line = _COLOR.sub('', line).rstrip()
         self.launching = self.launching or line.startswith('process[')
         if _EXCEPTION.match(line):
@@ -60,7 +61,7 @@ class LaunchOutput:
 
 
 def last_error(path):
-    """Return the last message at ERROR or above in the log file of a node, or an empty text."""
+    """Return the last message at ERROR or above in the log file of a node, or ''."""
     if not os.path.isfile(path):
         return ''
     with open(path, errors='replace') as file:
@@ -70,11 +71,11 @@ def last_error(path):
 
 def _described(code):
     if code < 0:
-        return 'ended by {}'.format(signal.Signals(-code).name)
-    return 'exit code {}'.format(code) if code else 'it was ended'
+        return 'killed by {}'.format(signal.Signals(-code).name)
+    return 'exit code {}'.format(code)
 
 
 def describe(death):
-    """Return on one line which part is missing, and why."""
+    """Return one line about which part is missing, and why."""
     return '{} ({}) has ended: {}'.format(
         PARTS.get(death.node, 'a node'), death.node, death.reason.rstrip('.'))

@@ -1,4 +1,4 @@
-# What is installed before the first build: system packages and .venv. Sourced by ./run, which
+# Installs the system packages and .venv before the first build. Sourced by ./run, which
 # sets root, venv, build, python, noetic and yes.
 # shellcheck shell=bash disable=SC2154
 
@@ -27,21 +27,21 @@ install_packages() {
   command -v apt-get >/dev/null ||
     fail "no apt-get here: this needs Debian 12 or later, or Ubuntu 20.04 with ROS Noetic"
   missing=$(missing_packages "$list")
-  # ROS resolves localhost and the machine's own name, which a bare debootstrap folder cannot
+  # ROS resolves localhost and the host name, which fails in a bare debootstrap folder
   { getent hosts localhost && getent hosts "$(uname -n)"; } >/dev/null ||
     dpkg-query -W libnss-myhostname >/dev/null 2>&1 || missing="$missing libnss-myhostname"
   missing=$(xargs <<<"$missing")
   [ -n "$missing" ] || return 0
   plan=$(apt_plan "$missing")
-  if [ -z "$plan" ]; then           # a machine whose package lists were never loaded
+  if [ -z "$plan" ]; then           # the package lists were never downloaded
     say "reading the package lists: ${sudo}apt-get update"
     as_root apt-get update -qq || fail "apt-get update failed"
     plan=$(apt_plan "$missing")
   fi
   announce "$list" "$missing" "$plan"
   may_install || fail "nothing installed; needed are: $missing"
-  say "${sudo}apt-get update, ${sudo}apt-get install; the whole output goes to build/apt.log"
-  as_root apt-get update -qq || say "apt-get update failed; trying with the old lists"
+  say "${sudo}apt-get update, ${sudo}apt-get install; the full output is in build/apt.log"
+  as_root apt-get update -qq || say "apt-get update failed; using the old lists"
   # shellcheck disable=SC2086
   as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 $missing |
@@ -49,14 +49,14 @@ install_packages() {
     fail "apt-get failed, see build/apt.log; are all Debian (or ROS) package sources enabled?"
 }
 
-# What apt would do: its lines with the number of packages, the download and the size on disk.
+# Prints apt's lines with the number of packages, the download and the size on disk.
 apt_plan() {
   # shellcheck disable=SC2086
   LC_ALL=C apt-get install --assume-no --no-install-recommends $1 2>/dev/null |
     grep -E '^[0-9]+ upgraded|^Need to get|^After this' || true
 }
 
-# A minute for each 200 packages (unpacked and set up on two cores), and one for each 300 MB.
+# Says what will be installed. Estimate: a minute per 200 packages (on two cores) and per 300 MB.
 announce() {
   local list=$1 missing=$2 plan=$3 packages download disk megabytes
   packages=$(sed -nE 's/.* ([0-9]+) newly installed.*/\1/p' <<<"$plan")
@@ -65,13 +65,13 @@ announce() {
   packages=${packages:-$(wc -w <<<"$missing")}
   megabytes=$(awk '/GB/{gsub(",","",$1); print int($1 * 1000)} /MB/{gsub(",","",$1); print int($1)}' \
     <<<"$download")
-  say "missing are $(wc -w <<<"$missing") of the system packages in $(basename "$list")," \
-    "$packages with those that they need:"
+  say "$(wc -w <<<"$missing") system packages of $(basename "$list") are missing," \
+    "$packages with dependencies:"
   say "download ${download:-of unknown size}, ${disk:-unknown size} on disk," \
     "about $((1 + packages / 200 + ${megabytes:-0} / 300)) min"
 }
 
-# Ask where somebody can answer.
+# Asks if there is a terminal.
 may_install() {
   local answer
   if [ -n "$yes" ] || [ -n "${CI:-}" ] || ! { [ -t 0 ] && [ -t 1 ]; }; then return 0; fi
@@ -79,7 +79,7 @@ may_install() {
   case $answer in '' | [yY]*) return 0 ;; *) return 1 ;; esac
 }
 
-# Reduce apt's output to how far it is; APT::Status-Fd mixes lines like pmstatus:cmake:12.5:... in.
+# Shows apt's progress, from lines like pmstatus:cmake:12.5:... that APT::Status-Fd adds.
 show_apt() {
   local line part=-1 now word
   while IFS= read -r line; do
@@ -93,7 +93,7 @@ show_apt() {
     now=$word\ ${line%%[.:]*}
     if [ -t 1 ]; then
       printf '\r\033[K[run] %s %%: %.60s' "$now" "${line#*:}"
-    elif [ "${now%?}" != "$part" ]; then    # a line for each tenth
+    elif [ "${now%?}" != "$part" ]; then    # a line per 10 %
       say "$now %"
       part=${now%?}
     fi
@@ -104,20 +104,20 @@ show_apt() {
 make_venv() {
   ! cmp -s "$root/requirements.txt" "$venv/requirements.txt" || return 0
   say "installing into .venv: $(listed "$root/requirements.txt" | xargs)"
-  # without a pip of its own, it uses the distribution's pip and setuptools, as catkin wants
+  # without pip in it, it uses the distribution's pip and setuptools, which catkin needs
   "$python" -m venv --clear --system-site-packages --without-pip "$venv"
   touch "$venv/CATKIN_IGNORE"
-  # where PyBullet has no wheel (Python 3.13), pip compiles it, for some minutes; a mixed-up
-  # pointer type in it is an error since gcc 14
+  # where PyBullet has no wheel (Python 3.13), pip compiles it, which takes minutes; it has a wrong
+  # pointer type, which is an error since gcc 14
   CFLAGS="${CFLAGS:-} -Wno-incompatible-pointer-types" \
     "$venv/bin/python3" -m pip install --no-cache-dir --disable-pip-version-check \
     -r "$root/requirements.txt" >"$build/pip.log" 2>&1 &
   show_pip $! "$build/pip.log" ||
-    { tail -n 5 "$build/pip.log" >&2; fail "pip failed, see build/pip.log; is a package index reachable?"; }
+    { tail -n 5 "$build/pip.log" >&2; fail "pip failed, see build/pip.log; is the package index reachable?"; }
   cp "$root/requirements.txt" "$venv/requirements.txt"
 }
 
-# Show that pip is at work until it ends; return its exit code.
+# Shows the elapsed time until pip ends; returns its exit code.
 show_pip() {
   local start=$SECONDS compiling='' minutes=0
   trap 'kill "$pip" 2>/dev/null' EXIT
@@ -125,7 +125,7 @@ show_pip() {
   while kill -0 "$1" 2>/dev/null; do
     if [ -z "$compiling" ] && grep -q '^ *Building wheel' "$2" 2>/dev/null; then
       compiling=yes
-      say "there is no ready-made wheel for $("$python" -V): compiling, about 10 min"
+      say "there is no wheel for $("$python" -V): compiling, about 10 min"
     fi
     if [ -t 1 ]; then
       printf '\r[run] %d s ' $((SECONDS - start))

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Put the demo's windows beside each other where there is no window manager.
+"""Place the demo's windows side by side if there is no window manager.
 
-Without one, X shows every window in the upper left corner, the simulator's above the images.
-Neither image_view (OpenCV's highgui) nor PyBullet has an option for a window's place. Ends when
-all windows have theirs, at once where a window manager runs.
+Without one, X shows every window in the upper left corner, the simulator's on top of the images.
+Neither image_view (OpenCV's highgui) nor PyBullet has an option for the position of its window.
+Ends when all windows are placed, and immediately if a window manager is running.
 """
 import ctypes
 import ctypes.util
@@ -18,7 +18,7 @@ IMAGES = ('/usb_cam/image_raw', '/blue_image', '/red_image')
 GAP_PX = 4
 _POLL_PERIOD_S = 0.3
 _PATIENCE_S = 120.0
-_SUBSTRUCTURE_REDIRECT = 1 << 20        # X.h; a window manager is who selects it on the root
+_SUBSTRUCTURE_REDIRECT = 1 << 20        # X.h; window managers select it on the root
 
 _Window, _Pointer = ctypes.c_ulong, ctypes.c_void_p
 
@@ -39,14 +39,14 @@ class Attributes(ctypes.Structure):
 
 
 class Display:
-    """What is used of Xlib."""
+    """The part of Xlib that is needed here."""
 
     def __init__(self):
-        """Connect to $DISPLAY; raises OSError when that cannot be."""
+        """Connect to $DISPLAY; raise OSError if that fails."""
         self._xlib = ctypes.CDLL(ctypes.util.find_library('X11') or 'libX11.so.6')
         self._xlib.XOpenDisplay.restype = _Pointer
         self._xlib.XDefaultRootWindow.restype = _Window
-        # a window may vanish between two calls, which Xlib would end the program for
+        # a window may be closed between two calls; by default Xlib exits the program then
         handler = ctypes.CFUNCTYPE(ctypes.c_int, _Pointer, _Pointer)
         self._ignore = handler(lambda display, event: 0)
         self._xlib.XSetErrorHandler(self._ignore)
@@ -56,13 +56,13 @@ class Display:
         self.root = self._xlib.XDefaultRootWindow(self._display)
 
     def attributes(self, window):
-        """Return the Attributes of a window, all 0 when there is none."""
+        """Return the Attributes of a window, all 0 if it does not exist."""
         result = Attributes()
         self._xlib.XGetWindowAttributes(self._display, _Window(window), ctypes.byref(result))
         return result
 
     def windows(self):
-        """Return the ids of the windows on the display by their titles."""
+        """Return a dict from the title of each window on the display to its id."""
         root, parent, number = _Window(), _Window(), ctypes.c_uint()
         children = ctypes.POINTER(_Window)()
         self._xlib.XQueryTree(self._display, _Window(self.root), ctypes.byref(root),
@@ -76,17 +76,17 @@ class Display:
         return found
 
     def move(self, window, left_px, top_px):
-        """Put the upper left corner of a window there, and the window above the others."""
+        """Move the upper left corner of a window there, and raise the window."""
         self._xlib.XMoveWindow(self._display, _Window(window), left_px, top_px)
         self._xlib.XRaiseWindow(self._display, _Window(window))
         self._xlib.XSync(self._display, 0)
 
 
 def places(screen, sizes):
-    """Return the upper left corner of each window: the simulator's, and the images beside it.
+    """Return the upper left corner of each window: the simulator, and the images right of it.
 
-    screen, sizes: (width, height) in pixels of the screen, and of each window by its title. On a
-    screen that is too small the windows overlap, and none is out of sight.
+    screen: (width, height) in pixels. sizes: the same of each window, by title. If the screen is
+    too small, the windows overlap, but none is off screen.
     """
     result, left, top = {}, 0, 0
     for title in filter(lambda title: title.startswith(SIMULATOR), sizes):
@@ -101,7 +101,7 @@ def places(screen, sizes):
 
 
 def main(*wanted):
-    """Place the windows whose titles begin so, as they appear."""
+    """Place the windows whose titles begin with one of `wanted`, when they appear."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     process_tree.end_with_parent()
     try:

@@ -1,4 +1,4 @@
-"""Every process that comes from this one, also those whose parents have ended."""
+"""All descendants of this process, including those whose parents have ended."""
 import ctypes
 import os
 import signal
@@ -7,16 +7,16 @@ PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 
 def adopt_orphans():
-    """Become the parent of descendants whose own parent ends, as init is otherwise.
+    """Become the parent of descendants whose parent ends, in place of init.
 
-    roslaunch starts each node in a session of its own: without this nothing would lead from here
-    to the nodes of a roslaunch that was killed.
+    roslaunch starts each node in a separate session: without this, the nodes of a roslaunch that
+    was killed could not be found.
     """
     _prctl(PR_SET_CHILD_SUBREAPER, 1)
 
 
 def end_with_parent():
-    """Have the kernel send this process SIGTERM when its parent ends, also if that is killed."""
+    """Have the kernel send this process SIGTERM when its parent ends, even if killed."""
     _prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
@@ -27,14 +27,14 @@ def _prctl(option, value):
 
 
 def descendants():
-    """Return the ids of all processes below this one, the youngest generation last."""
+    """Return the ids of all descendants: children first, then grandchildren and so on."""
     children = {}
     for name in filter(str.isdigit, os.listdir('/proc')):
         try:
             with open('/proc/{}/stat'.format(name)) as file:
-                # PID (NAME) STATE PARENT ..., and the name may hold spaces and brackets
+                # PID (NAME) STATE PARENT ...; the name may contain spaces and brackets
                 state, parent = file.read().rpartition(')')[2].split()[:2]
-        except OSError:         # it has ended meanwhile
+        except OSError:         # the process has ended meanwhile
             continue
         if state not in 'ZX':
             children.setdefault(int(parent), []).append(int(name))
@@ -46,7 +46,7 @@ def descendants():
 
 
 def send(signum, pids):
-    """Send a signal to those of the processes that are still there."""
+    """Send a signal to those of the processes that still exist."""
     for pid in pids:
         try:
             os.kill(pid, signum)
@@ -55,7 +55,7 @@ def send(signum, pids):
 
 
 def reap():
-    """Take the exit codes of all children that have ended; return them by process id."""
+    """Return the exit codes of all children that have ended, by process id."""
     codes = {}
     while True:
         try:

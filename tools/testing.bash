@@ -3,7 +3,7 @@
 
 pure=(camera conversions recognition rendering simulation teleoperation)
 
-# One line for each linter, and its output where it finds something. setup.cfg has the settings.
+# Prints one line per linter, and its output if it reports anything. The settings are in setup.cfg.
 lint() {
   local verdict=0
   cd "$root" || return
@@ -20,7 +20,7 @@ shell_scripts() {
     --exclude='*.py' . | sort
 }
 
-# Say how a linter went.
+# check NAME COMMAND...: runs a linter and prints its result.
 check() {
   local name=$1 output
   shift
@@ -33,7 +33,7 @@ check() {
   fi
 }
 
-# mypy before 0.990 (Ubuntu 20.04 has 0.761) misreads what later ones accept
+# mypy before 0.990 (Ubuntu 20.04 has 0.761) reports errors in code that later versions accept
 check_types() {
   local version
   version=$("$python" -m mypy --version | sed -nE 's/^mypy ([0-9.]+).*/\1/p' || true)
@@ -44,7 +44,7 @@ check_types() {
   check mypy "$python" -m mypy
 }
 
-# The lines of the pure folders that the unit tests have not run, and their share.
+# Reports how many lines of the pure folders the unit tests run.
 report_coverage() {
   local include='' folder data=$build/coverage.data
   [ -f "$data" ] || return 0
@@ -56,13 +56,13 @@ report_coverage() {
 }
 
 run_all_tests() {
-  say "running the tests, some minutes; the whole output goes to build/test.log"
-  # a line for each test as it ends, without the log of the nodes
+  say "running the tests, about 8 min; the full output is in build/test.log"
+  # show a line for each test, without the log of the nodes
   cmake --build "$build" --target run_tests 2>&1 | tee "$build/test.log" |
     grep --line-buffered -E '^\[img_recog\.|^\[Testcase|^[.FEsx]+ +\[|^FAILED|^E  |passed|failed|RESULT'
 }
 
-# run_tests KIND EXPRESSION: both may be empty, which is everything.
+# run_tests KIND EXPRESSION: an empty value selects everything.
 run_tests() {
   local kind=$1 expression=$2 verdict=0 folder log=build/test_results
   rm -rf "$build/test_results" "$build/coverage.data"
@@ -79,14 +79,14 @@ run_tests() {
       fail "no test${kind:+ of $kind}${expression:+ matches $expression}"
   fi
   report_coverage
-  # run_tests succeeds whatever the tests say; the results are the verdict
+  # the target run_tests succeeds even if tests fail; the result files decide
   catkin_test_results "$build/test_results" || verdict=$?
   "$python" "$root/test/summary.py" "$build/test_results" || verdict=$?
   [ "$verdict" -eq 0 ] || say "failed; see $log" >&2
   return "$verdict"
 }
 
-# The tests of one kind whose names match; the results are where catkin's run_tests has them.
+# Runs the tests of one kind whose names match; the results are where catkin's run_tests puts them.
 run_kind() {
   local kind=$1 expression=$2 results=$build/test_results/img_recog code=0 file
   mkdir -p "$results"
@@ -102,7 +102,7 @@ run_kind() {
   [ "$kind" != unit ] || command=(-m coverage run --source="$root/src/img_recog" -m pytest)
   COVERAGE_FILE=$build/coverage.data "$venv/bin/python3" "${command[@]}" -p no:cacheprovider --junit-xml="$results/pytest-$kind.xml" \
     ${expression:+-k "$expression"} "$root/test/$kind" || code=$?
-  if [ $code -eq 5 ]; then         # pytest's: no test collected
+  if [ $code -eq 5 ]; then         # pytest: no tests were collected
     rm -f "$results/pytest-$kind.xml"
     code=0
   fi

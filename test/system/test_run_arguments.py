@@ -1,4 +1,4 @@
-"""The arguments of the demo: refused in one line before anything starts, paths as a user types."""
+"""The arguments of the demo: errors are one line before anything starts; relative paths work."""
 import os
 import shutil
 import subprocess
@@ -21,15 +21,15 @@ REFUSED = {
     ('camera=synthetic',): 'got camera=synthetic; write camera:=synthetic',
     ('camera:=', 'synthetic'): 'got a space after camera:=; write camera:=synthetic',
     ('camera', ':=synthetic'): 'got a space before :=; write camera:=synthetic',
-    ('synthetic',): 'got synthetic; arguments are written as in camera:=synthetic, and there are: '
+    ('synthetic',): 'got synthetic; write arguments like camera:=synthetic; available are: '
                     'camera image_width ',
     ('camra:=synthetic',): 'demo.launch has no argument camra; it has camera image_width ',
     ('camera:=/no/such.mp4',): 'camera: got /no/such.mp4, which does not exist; allowed are auto, '
                                'synthetic, none, a URL, and the path of ',
     ('camera:=',): "camera: got '', which does not exist",
-    ('camera:=ftp://host/film.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
+    ('camera:=ftp://host/video.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
     ('camera_info_url:=my.yaml',): 'camera_info_url: got my.yaml, allowed are file:///PATH ',
-    ('world:=mars',): 'world: got mars, which is no file; allowed are turtlebot3_world, empty ',
+    ('world:=mars',): 'world: got mars, which is not a file; allowed are turtlebot3_world, empty ',
     ('colors:=no.yaml',): 'colors: there is no file no.yaml; ',
     ('urdf:=no.urdf',): 'urdf: there is no file no.urdf; ',
     ('x_pos:=here',): 'x_pos: got here, allowed is a number; write for example x_pos:=-2.0',
@@ -55,7 +55,7 @@ def test_every_switch_is_true_or_false(name):
     assert code == 1
     assert output == ('[run] {0}: got auto, allowed is true or false; '
                       'write {0}:=true\n'.format(name))
-    # --ros-args: roslaunch lists the arguments and ends
+    # with --ros-args, roslaunch lists the arguments and exits
     assert checked('--ros-args', name + ':=False')[0] == 0
 
 
@@ -107,8 +107,8 @@ RELATIVE = {
 
 @pytest.mark.parametrize('way', ['./run', 'roslaunch'])
 @pytest.mark.parametrize('others, argument, expected', list(RELATIVE.values()), ids=list(RELATIVE))
-def test_a_relative_path_is_meant_from_where_the_user_stands(ros, folder, way, others, argument,
-                                                             expected):
+def test_a_relative_path_starts_at_the_working_directory(ros, folder, way, others, argument,
+                                                         expected):
     command = {'./run': (os.path.join(ROOT, 'run'), 'demo'),
                'roslaunch': ('roslaunch', 'img_recog', 'demo.launch')}[way]
     demo = ros.start('bash', '-c', 'cd "$0" && exec "$@"', folder, *command, *others, argument)

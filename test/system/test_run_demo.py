@@ -1,4 +1,4 @@
-"""./run demo: it ends within seconds, leaves no process behind, and says why it has ended."""
+"""./run demo: it ends within seconds, leaves no process behind, and prints why it ended."""
 import os
 import re
 import signal
@@ -16,7 +16,7 @@ END_S = 10.0
 
 @pytest.fixture
 def run_demo(ros):
-    """A function that starts ./run demo, and the mark in the environment of all its processes."""
+    """A function that starts ./run demo; `mark` of it is in the environment of all processes."""
     mark = str(uuid.uuid4())
 
     def start(*arguments, **popen):
@@ -45,25 +45,25 @@ def marked(mark):
 @pytest.mark.parametrize('signum', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_signal_at_any_moment_ends_everything(run_demo, after_s, signum):
     demo = run_demo('camera:=synthetic')
-    time.sleep(after_s)             # any moment is as good
+    time.sleep(after_s)             # an arbitrary moment
     assert marked(run_demo.mark)
-    send = os.killpg if signum == signal.SIGINT else os.kill       # a terminal's goes to all
+    send = os.killpg if signum == signal.SIGINT else os.kill       # a terminal sends it to all
     send(demo.pid, signum)
     wait_for(lambda: not marked(run_demo.mark),
              lambda: 'the end of {} in:\n{}'.format(marked(run_demo.mark), demo.output), END_S)
 
 
-def test_launching_stuck_in_its_own_locks_is_ended(run_demo):
+def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
-    # as roslaunch does that was interrupted while it started a node: it takes no notice
+    # like a roslaunch that was interrupted while it started a node, it ignores signals
     roslaunch = int(re.search(r'PPid:\s+(\d+)', status_of(node(demo, 'gazebo'))).group(1))
     os.kill(roslaunch, signal.SIGSTOP)
     os.killpg(demo.pid, signal.SIGINT)
     wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output, END_S)
 
 
-def test_killed_supervisor_takes_roslaunch_along(run_demo):
+def test_roslaunch_ends_when_its_supervisor_is_killed(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
     os.kill(demo.pid, signal.SIGKILL)
@@ -111,20 +111,20 @@ def test_recognition_that_cannot_start_ends_the_demo(run_demo, tmp_path):
                     r'got -1', last_line(demo)), demo.output
 
 
-def test_camera_that_cannot_start_is_named_and_the_rest_runs_on(run_demo, tmp_path):
-    path = tmp_path / 'film.mp4'
-    path.write_text('no film')
+def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(run_demo, tmp_path):
+    path = tmp_path / 'video.mp4'
+    path.write_text('not a video')
     demo = run_demo('camera:={}'.format(path))
-    reason = r'\[run\] the camera \(usb_cam\) has ended: .*film.mp4'
-    demo.wait_output(reason + '.*; the rest runs on\n')
+    reason = r'\[run\] the camera \(usb_cam\) has ended: .*video.mp4'
+    demo.wait_output(reason + '.*; the other nodes continue\n')
     assert 'simulating 1.0017 kg' in demo.wait_output('(?s).*simulating 1.0017 kg').group()
     os.killpg(demo.pid, signal.SIGINT)
     assert demo.wait() == 0
     assert re.match(reason, last_line(demo)), demo.output
 
 
-def test_a_killed_node_is_named(run_demo):
+def test_a_killed_node_is_reported(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
     os.kill(node(demo, 'usb_cam'), signal.SIGKILL)
-    demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: ended by SIGKILL; the rest')
+    demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: killed by SIGKILL; the other')
