@@ -1,4 +1,4 @@
-"""Print the steps a second of PyBullet alone, with the world and the robot of the node."""
+"""Print the steps per second of PyBullet alone, with the world and the robot of the node."""
 import os
 import sys
 import time
@@ -13,7 +13,7 @@ BATCH = 1000
 
 
 def main() -> int:
-    """Step for the number of seconds given as argument."""
+    """Simulate for the number of seconds given as argument."""
     seconds = float(sys.argv[1])
     worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
     client, physics = loading.connect(), PhysicsSettings()
@@ -21,7 +21,7 @@ def main() -> int:
     with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
         robot = description.parse(file.read())
     vehicle = Vehicle(robot, RobotSettings(), physics.step_s, client)
-    # as fast as the node's: 0.1 m/s and 0.5 rad/s, at once
+    # the speeds of sample.py, without a ramp: 0.1 m/s and 0.5 rad/s
     vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))
     world.step(BATCH)
     steps, start = 0, time.perf_counter()

@@ -1,4 +1,4 @@
-"""What the camera node costs, compared with the distribution's C++ image_publisher."""
+"""CPU time, rate and jitter of the camera node and of the distribution's C++ image_publisher."""
 import os
 import sys
 import tempfile
@@ -39,7 +39,7 @@ def still(folder: str, width: int, height: int) -> str:
 
 
 def sample(*command: str) -> dict:
-    """Return what image_sample.py measures at a node that publishes images."""
+    """Return what image_sample.py measures while a node publishes images."""
     with Master() as master:
         server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
         process = master.start(*command)
@@ -52,7 +52,7 @@ def sample(*command: str) -> dict:
 
 
 def cases() -> list:
-    """Return what is measured: title, function that writes the file, size and rate."""
+    """Return the cases: title, function that writes the file, size and rate."""
     return [('{} {}x{}, {}'.format(name, width, height, words), write, (width, height), rate_hz)
             for width, height in SIZES
             for name, write, words, rate_hz in (
@@ -66,7 +66,10 @@ def count() -> int:
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over several rounds, in each of which both nodes are measured."""
+    """Return the medians over several rounds. Each round measures both nodes.
+
+    done: called after each measurement.
+    """
     rows, samples = [], {}
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(ROUNDS if installed('image_publisher') else 0):
@@ -93,7 +96,7 @@ def measure(done: Callable[[], None]) -> dict:
 def table(results: dict) -> str:
     """Return the results as a table."""
     if not results['rows']:
-        return 'camera: image_publisher is not installed, nothing to compare with'
+        return 'camera: not measured, because image_publisher is not installed'
     lines = ['{:30} {:>16} {:>22} {:>7} {:>18}'.format(
         'camera, and image_publisher', 'rate, Hz', 'CPU a frame, ms', 'ratio',
         '99 % jitter, ms')]

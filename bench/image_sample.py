@@ -1,4 +1,4 @@
-"""Subscribe to images like a viewer; print their rate, jitter and cost as JSON."""
+"""Subscribe to images like a viewer; print their rate, jitter and CPU time as JSON."""
 import json
 import sys
 import time
@@ -9,13 +9,13 @@ from ros_processes import cpu_s
 
 
 def main() -> int:
-    """Sample TOPIC for SECONDS, published by the process PID."""
+    """Measure TOPIC, which the process PID publishes, for SECONDS."""
     topic, seconds, pid = sys.argv[1], float(sys.argv[2]), int(sys.argv[3])
     rospy.init_node('image_sample', disable_rostime=True)
     arrivals = []
     rospy.Subscriber(topic, rospy.AnyMsg, lambda msg: arrivals.append(time.perf_counter()),
                      queue_size=None, buff_size=1 << 26, tcp_nodelay=True)
-    while len(arrivals) < 30:           # after the start
+    while len(arrivals) < 30:           # skip the start
         time.sleep(0.1)
     before, first = cpu_s(pid), len(arrivals)
     time.sleep(seconds)

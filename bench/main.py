@@ -1,4 +1,4 @@
-"""Run the benchmarks of ./run bench: print tables, and write JSON to the file given."""
+"""Run the benchmarks of ./run bench; print tables, and write JSON to the given file."""
 import json
 import sys
 

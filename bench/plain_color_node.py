@@ -1,8 +1,8 @@
-"""A simple recognition like the article's, to compare with.
+"""A simple recognition node like the article's, for comparison.
 
-For each frame, in rospy's receiving thread, it does what the article's node does: for each color
-a conversion to HSV, cv2.inRange, cv2.bitwise_and and a count; then it publishes both images,
-logs, and publishes the commands.
+For each frame, in rospy's receiving thread, it does the same as the article's node: for each
+color, convert to HSV, cv2.inRange, cv2.bitwise_and and count; then publish both images, log, and
+publish the commands.
 """
 import sys
 
@@ -19,7 +19,7 @@ LIMIT_PX = 1000
 
 
 class PlainNode:
-    """Subscribes usb_cam/image_raw; publishes blue_image, red_image and cmd_vel."""
+    """Subscribes to usb_cam/image_raw; publishes blue_image, red_image and cmd_vel."""
 
     def __init__(self):
         self.bridge = CvBridge()
@@ -29,7 +29,7 @@ class PlainNode:
         rospy.Subscriber('usb_cam/image_raw', Image, self.handle)
 
     def handle(self, msg):
-        """Recognize and command."""
+        """Process a frame."""
         image = self.bridge.imgmsg_to_cv2(msg, 'bgr8')
         blue_px, blue_image = self.extract(image, *BLUE)
         red_px, red_image = self.extract(image, *RED)
@@ -43,13 +43,13 @@ class PlainNode:
 
     @staticmethod
     def extract(image, lower, upper):
-        """Return the area of a color and the image with all else black."""
+        """Return the area of a color in pixels, and the image with all other pixels black."""
         hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
         mask = cv2.inRange(hsv, lower, upper)
         return cv2.countNonZero(mask), cv2.bitwise_and(image, image, mask=mask)
 
     def command(self, linear_x):
-        """Publish linear.x."""
+        """Publish a command with this linear.x."""
         twist = Twist()
         twist.linear.x = linear_x
         self.velocity.publish(twist)

@@ -1,4 +1,4 @@
-"""CPU time and latency of the recognition, compared with other implementations."""
+"""CPU time and latency of the recognition and of other implementations."""
 import json
 import os
 import sys
@@ -10,11 +10,11 @@ import rosgraph
 from ros_processes import HERE, Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
-# rounds of a case, turns of a node in each round, seconds of a turn
+# rounds per case, turns of each node per round, seconds per turn
 ROUNDS, TURNS, SECONDS = 5, 3, 1.0
 SIZES = ((640, 480), (1920, 1080))
 IMAGES = ('blue_image', 'red_image')
-# hsv_color_filter's names for the bounds, with the article's values
+# parameters of hsv_color_filter for the bounds, and the article's values
 LIMITS = ('h_limit_min', 'h_limit_max', 's_limit_min', 's_limit_max', 'v_limit_min', 'v_limit_max')
 FILTERS = {'blue': (50, 150, 100, 255, 100, 255), 'red': (150, 180, 100, 255, 150, 255)}
 KEYS = ('cpu_ms', 'latency_ms', 'with_transport_ms', 'rate_hz')
@@ -22,7 +22,7 @@ KEYS = ('cpu_ms', 'latency_ms', 'with_transport_ms', 'rate_hz')
 
 def script(*path: str, env: Optional[Dict[str, str]] = None
            ) -> Callable[[Master, str, bool], tuple]:
-    """Return a function that starts a recognition: a Python script that publishes Twists."""
+    """Return a function that starts a recognition node, a Python script that publishes Twists."""
     def start(master: Master, name: str, viewed: bool) -> tuple:
         process = master.start(sys.executable, os.path.join(PACKAGE, *path), '__ns:=/' + name,
                                env=env)
@@ -38,7 +38,7 @@ def script(*path: str, env: Optional[Dict[str, str]] = None
 
 
 def filters(master: Master, name: str, _viewed: bool) -> tuple:
-    """Start two filters in C++, one for each color; their results are their images."""
+    """Start two C++ filters, one per color; their results are images."""
     pids = []
     for color, limits in FILTERS.items():
         process = master.start(
@@ -54,7 +54,7 @@ NODES = {'img_recog': script('scripts', 'color_img_recog.py'),
 
 
 def cases() -> list:
-    """Return what is measured: size, whether the images are viewed, and the nodes."""
+    """Return the cases: size, whether the images are viewed, and the nodes."""
     found = installed('opencv_apps')
     return [(size, viewed, ['img_recog', 'plain'] + ['opencv_apps'] * (viewed and found))
             for size in SIZES for viewed in (False, True)]
@@ -67,10 +67,10 @@ def count() -> int:
 
 def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS,
             rates: bool = True) -> dict:
-    """Return, for each node, what recognition_sample.py measures in each of its turns.
+    """Return, for each node, what recognition_sample.py measures in each turn.
 
-    nodes: how to start each, by name. All run at once, each in a separate namespace, and images
-    go to one after the other.
+    nodes: a dict from name to the function that starts the node. All nodes run at the same time,
+    each in a separate namespace, and images are sent to one node at a time.
     rates: whether to measure the highest rates too.
     """
     with Master() as master:
@@ -85,7 +85,7 @@ def samples(nodes: dict, size: tuple, viewed: bool, turns: int = TURNS,
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over all turns, in each of which every node is measured.
+    """Return the medians over all turns. Each turn measures every node.
 
     done: called after each measurement.
     """
@@ -104,7 +104,7 @@ def measure(done: Callable[[], None]) -> dict:
                        [each['latencies_ms'] for each in found[node]]), 99))}
             for key in KEYS:
                 row[key] = median(each[key] for each in found[node])
-                # within each turn: when the machine is slow for a while, it is slow for all nodes
+                # ratio within a turn: if the machine is slow for a while, it is slow for all nodes
                 row['ours_to_' + key] = median(
                     ours[key] / theirs[key]
                     for ours, theirs in zip(found['img_recog'], found[node]))

@@ -1,4 +1,4 @@
-"""Send images to recognitions in turn; print their latency and CPU time as JSON."""
+"""Send images to recognition nodes in turn; print their latency and CPU time as JSON."""
 import io
 import json
 import struct
@@ -14,14 +14,14 @@ from sensor_msgs.msg import Image
 from img_recog.camera.synthetic import draw_frame
 
 RATE_HZ = 30
-BLUE_FRAMES = range(50, 60)     # the card is in full view
-IN_FLIGHT = 2                   # one that is processed and one that waits
+BLUE_FRAMES = range(50, 60)     # frames with the whole card
+IN_FLIGHT = 2                   # one in processing and one waiting
 _RESULT_TIMEOUT_S = 2.0
 WARM_UP_S = 0.5
 
 
 def packets(width: int, height: int) -> list:
-    """Return serialized images of a blue card, each with its length first."""
+    """Return serialized images of a blue card, each preceded by its length."""
     result = []
     for number in BLUE_FRAMES:
         msg = Image(height=height, width=width, encoding='rgb8', step=3 * width,
@@ -49,11 +49,11 @@ class Results:
         return all(each.get_num_connections() for each in self._subscribers)
 
     def count(self) -> int:
-        """Return the number of frames that are done."""
+        """Return the number of frames whose results have arrived."""
         return min(self._counts)
 
     def wait_for(self, count: int, timeout_s: float) -> bool:
-        """Wait until `count` frames are done; return whether they are."""
+        """Wait until count() is at least `count`; return False after the timeout."""
         with self._condition:
             return self._condition.wait_for(lambda: self.count() >= count, timeout_s)
 
@@ -73,11 +73,11 @@ class Sender:
         self._publisher = rospy.Publisher(topic, Image, queue_size=None)
 
     def connections(self) -> list:
-        """Return the subscribers' connections."""
+        """Return the connections to the subscribers."""
         return self._publisher.impl.connections
 
     def send(self) -> None:
-        """Send the next packet; return when the kernel has all of it."""
+        """Send the next packet; return when it is in the socket buffers."""
         packet = self._packets[self._number % len(self._packets)]
         self._number += 1
         for connection in self.connections():
@@ -85,10 +85,10 @@ class Sender:
 
 
 def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
-    """Send at RATE_HZ; return CPU a frame and latencies.
+    """Send at RATE_HZ; return CPU time per frame and latencies.
 
-    latencies_ms: from when the kernel has the last byte of the image to the arrival of the result;
-    with_transport_ms: the median from its first byte.
+    latencies_ms: from sending the last byte of the image to the arrival of the result;
+    with_transport_ms: the median of the time from sending the first byte.
     """
     latencies, lost = [], 0
     start, before = time.perf_counter(), sum(map(cpu_s, pids))
@@ -111,7 +111,7 @@ def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
 
 
 def highest(sender: Sender, results: Results, seconds: float) -> dict:
-    """Keep IN_FLIGHT frames in flight; return the number of frames done in a second."""
+    """Keep IN_FLIGHT frames in flight; return the number of frames per second."""
     first, start = results.count(), time.perf_counter()
     sent = first
     while time.perf_counter() - start < seconds:
@@ -119,9 +119,9 @@ def highest(sender: Sender, results: Results, seconds: float) -> dict:
             sender.send()
             sent += 1
         if not results.wait_for(sent - IN_FLIGHT + 1, _RESULT_TIMEOUT_S):
-            sent = results.count()      # lost: a slow node drops frames
+            sent = results.count()      # lost: slow nodes drop frames
     rate_hz = (results.count() - first) / (time.perf_counter() - start)
-    results.wait_for(sent, _RESULT_TIMEOUT_S)  # they must not run into the turn of another node
+    results.wait_for(sent, _RESULT_TIMEOUT_S)  # before the next node is measured
     return {'rate_hz': rate_hz}
 
 
@@ -144,7 +144,7 @@ def main() -> int:
         highest(sender, results, WARM_UP_S)
     samples = {name: [] for name in ends}
     for turn in range(turns):
-        first = turn % len(nodes)       # so that no node is always measured first
+        first = turn % len(nodes)       # so that it is not always the same
         for node in nodes[first:] + nodes[:first]:
             samples[node['name']].append(paced(*ends[node['name']], seconds, node['pids']))
     for turn in range(turns if rates else 0):

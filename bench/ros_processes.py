@@ -1,4 +1,4 @@
-"""Nodes that are measured, with a separate master."""
+"""Start nodes with a separate master, and measure their CPU time."""
 import json
 import os
 import signal
@@ -15,7 +15,7 @@ _POLL = threading.Event()
 
 
 class Master:
-    """A master on a free port and the nodes started with it; ends them all."""
+    """A context manager: a master on a free port, and the nodes that are started with it."""
 
     def __init__(self):
         with socket.socket() as probe:
@@ -40,7 +40,7 @@ class Master:
                     process.kill()
 
     def start(self, *command: str, env: Optional[Dict[str, str]] = None) -> subprocess.Popen:
-        """Start a program that uses this master."""
+        """Start a program with this master."""
         process = subprocess.Popen(command, env={**self.env, **(env or {})},
                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL)
@@ -70,7 +70,7 @@ def wait_for(condition, what: str):
 
 
 def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
-    """Run a script of this folder; return the last line of its output, parsed as JSON."""
+    """Run a script of this folder; return the last line of its output, decoded from JSON."""
     command = [sys.executable, os.path.join(HERE, name), *map(str, arguments)]
     output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                             check=True).stdout
@@ -79,6 +79,6 @@ def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
 
 def cpu_s(pid: int) -> float:
     """Return the CPU time of a process so far, in seconds."""
-    # the CPU clock of a process, as clock_getcpuclockid(3) computes it; /proc counts ticks of
-    # 10 ms, which is as long as ten frames
+    # the CPU clock of a process, computed like in clock_getcpuclockid(3); /proc counts in ticks of
+    # 10 ms, the CPU time of ten frames
     return time.clock_gettime((~pid << 3) | 2)

@@ -1,4 +1,4 @@
-"""Drive a running simulator in a circle; print its speed and CPU share as JSON."""
+"""Drive the robot of a running simulator in a circle; print speed and CPU share as JSON."""
 import json
 import sys
 import time
@@ -11,12 +11,12 @@ from rosgraph_msgs.msg import Clock
 
 
 def simulated_s() -> float:
-    """Return the time of one message of /clock."""
+    """Return the time in the next message on /clock."""
     return rospy.wait_for_message('/clock', Clock).clock.to_sec()
 
 
 def main() -> int:
-    """Sample for SECONDS the process PID."""
+    """Measure the process PID for SECONDS."""
     seconds, pid = float(sys.argv[1]), int(sys.argv[2])
     rospy.init_node('sample', disable_rostime=True)
     commands = rospy.Publisher('/cmd_vel', Twist, latch=True, queue_size=1)

@@ -1,4 +1,4 @@
-"""How fast the simulator node is, compared with PyBullet alone."""
+"""Speed of the simulator node, compared with PyBullet alone."""
 import os
 import sys
 from statistics import median
@@ -11,11 +11,14 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 PACKAGE = os.path.dirname(HERE)
 ROUNDS = 3
 SECONDS = 5.0
-STEPS_A_SECOND = 1000           # of simulated time: the step is 1 ms
+STEPS_A_SECOND = 1000           # per second of simulated time: the step is 1 ms
 
 
 def node(real_time_factor: float, watched: bool, env: Optional[Dict[str, str]] = None) -> dict:
-    """Return what sample.py measures at a new simulator, with its topics watched or not."""
+    """Return what sample.py measures with a new simulator.
+
+    watched: whether a subscriber to all topics runs too.
+    """
     with Master() as master:
         server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
@@ -41,7 +44,7 @@ def count() -> int:
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over several rounds, in each of which everything is measured.
+    """Return the medians over several rounds. Each round measures everything.
 
     done: called after each measurement.
     """
@@ -55,7 +58,7 @@ def measure(done: Callable[[], None]) -> dict:
     rows = []
     for case, samples in cases.items():
         factor = median(sample['real_time_factor'] for sample in samples)
-        # within each round: when the machine is slow for a while, it is slow for both
+        # ratios within a round: if the machine is slow for a while, it is slow for both
         ratio = median(sample['real_time_factor'] * STEPS_A_SECOND / alone
                        for sample, alone in zip(samples, bare))
         rows.append({'case': case[0], 'steps_per_s': factor * STEPS_A_SECOND,

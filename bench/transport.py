@@ -1,4 +1,4 @@
-"""What each part of ros/transport gains: nodes with all parts, and with one part switched off."""
+"""Gain of each part of ros/transport: nodes with all parts, and with one part switched off."""
 from statistics import median
 from typing import Callable, Dict
 
@@ -6,11 +6,11 @@ import recognition
 import simulator
 
 SWITCH = 'IMG_RECOG_PLAIN_ROSPY'
-# values of the switch: '0' is with all parts, '1' without any
+# values of the switch; '0': with all parts, '1': without any
 FRAME_CASES = ('0', 'image_publisher', 'image_subscriber', 'direct_publisher', 'rosout', '1')
 STEP_CASES = ('0', 'direct_publisher', 'own_time', '1')
-SIZE, TURNS = (640, 480), 12    # of the images, which are viewed; of each case
-ROUNDS = 3                      # of the simulator's cases
+SIZE, TURNS = (640, 480), 12    # size of the images; turns per case
+ROUNDS = 3                      # rounds per case of the simulator
 TITLES = {'0': 'with all parts', '1': 'plain rospy'}
 
 
@@ -20,7 +20,7 @@ def count() -> int:
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over all turns or rounds, in each of which every case is measured.
+    """Return the medians over all turns or rounds. Each of them measures every case.
 
     done: called after each measurement.
     """
@@ -44,7 +44,7 @@ def measure(done: Callable[[], None]) -> dict:
 
 
 def rows(values: Dict[str, list]) -> list:
-    """Return, for each case, the median, and the ratio to the first case within each turn."""
+    """Return, for each case, the median, and the ratio to the first case of the same turn."""
     first = next(iter(values.values()))
     result = []
     for case, found in values.items():

@@ -1,4 +1,4 @@
-"""Subscribe to all topics of the simulator, like a busy system, and drop the messages."""
+"""Subscribe to all topics of the simulator and drop the messages."""
 import sys
 
 import rospy

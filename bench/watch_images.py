@@ -1,4 +1,4 @@
-"""Subscribe to the topics given and drop the images, at little cost beside that of the senders."""
+"""Subscribe to the given topics and drop the images, with little CPU time."""
 import sys
 
 import rospy
