@@ -1,18 +1,18 @@
-"""Log lines that the terminal does not show; /rosout and the log file have them all."""
+"""Hide some log lines in the terminal only; /rosout and the log file get all lines."""
 import logging
 import time
 from typing import Any, Callable, Optional
 
 from rosgraph.roslogging import RosStreamHandler
 
-_ON_CONSOLE = 'on_console'      # attribute of a record
+_ON_CONSOLE = 'on_console'      # attribute of a LogRecord
 
 
 class ConsoleThrottle:
-    """Chooses, of the lines about something that changes, those that the terminal shows.
+    """Decides which of many lines about a changing state the terminal shows.
 
-    The first line is shown; after it, a line about a state that differs from the one shown last,
-    as soon as `period_s` of wall time have passed since then.
+    The first line is shown. After that, a line is shown if its state differs from the state shown
+    last, and at least `period_s` seconds of wall time have passed since then.
     """
 
     def __init__(self, period_s: float = 1.0, now: Callable[[], float] = time.monotonic):
@@ -21,7 +21,7 @@ class ConsoleThrottle:
         self._shown_s: Optional[float] = None
 
     def shows(self, state: Any) -> bool:
-        """Return whether the line about `state` is to be shown."""
+        """Return whether to show a line about `state`."""
         now_s = self._now()
         if self._shown_s is not None and (state == self._shown
                                           or now_s - self._shown_s < self._period_s):
@@ -31,12 +31,12 @@ class ConsoleThrottle:
 
 
 def mark(shown: bool) -> dict:
-    """Return the `extra` of a call of rospy.loginfo: whether the terminal shows the line."""
+    """Return the argument `extra` for rospy.loginfo: whether the terminal shows the line."""
     return {_ON_CONSOLE: shown}
 
 
 def install_filter() -> None:
-    """Let the terminal leave out the lines that are marked so; call it after rospy.init_node."""
+    """Hide the lines with `mark(False)` in the terminal. Call it after rospy.init_node."""
     for name in ('rosout', None):
         for handler in logging.getLogger(name).handlers:
             if isinstance(handler, RosStreamHandler):

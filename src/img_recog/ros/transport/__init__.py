@@ -1,8 +1,8 @@
-"""Faster ways through the internals of rospy, which no other folder touches.
+"""Faster transport by means of the internals of rospy, which no other folder uses.
 
 Checked with rospy 1.15.15 (Debian 12) and 1.16.0 (noetic-devel), whose tcpros and rosout code is
-the same to the byte. test/unit/ros/transport/test_contract.py fails, with a name, where another
-rospy is different.
+identical. test/unit/ros/transport/test_contract.py fails for another version of rospy if a name
+or a signature is different.
 
 What is used
     image_publisher.py, packets.py
@@ -23,12 +23,12 @@ What is used
         rospy.rostime._set_rostime.
 
 How to switch it off
-    IMG_RECOG_PLAIN_ROSPY=1 makes all of it use rospy's documented interface only;
-    IMG_RECOG_PLAIN_ROSPY=rosout,own_time makes some of it do so (the names are in switch.py).
+    With IMG_RECOG_PLAIN_ROSPY=1, all parts use only rospy's documented interface. With
+    IMG_RECOG_PLAIN_ROSPY=rosout,own_time, only these parts do (the names are in switch.py).
 
 What it gains
-    ./run bench measures each part on and off. On two cores that had other work too, CPU time
-    without a part, to that with all of them, median and range:
+    ./run bench measures each part on and off. Ratio of CPU time without a part to CPU time with
+    all parts, median and range, on two cores that other programs used too:
     a frame of color_extract, 640x480, both images viewed, 12 turns: image_subscriber 1.51 (1.30
     to 1.91), rosout 1.19 (1.04 to 1.48), image_publisher 1.16 (0.95 to 1.50), direct_publisher
     1.09 (0.85 to 1.39), without any 1.87 (1.43 to 2.21);

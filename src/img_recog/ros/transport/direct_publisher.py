@@ -6,16 +6,16 @@ import rospy
 
 from img_recog.ros.transport.switch import is_plain
 
-_QUEUE_SIZE = 10        # of the plain way
+_QUEUE_SIZE = 10        # with plain rospy
 
 
 class DirectPublisher:
     """Publishes synchronously. A subscriber whose socket buffer is full misses the message.
 
     With a queue, rospy hands each message to a thread for each subscriber, which takes four times
-    as long as sending it; without one, a subscriber that does not read blocks the publisher for
-    ever. So this checks first which connections have room. Use it for messages much smaller than
-    the buffer of a socket, and from one thread.
+    as long as sending it; without one, a subscriber that does not read blocks the publisher
+    forever. So this checks first which connections have room. Use it for messages much smaller
+    than the buffer of a socket, and from one thread.
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False):
@@ -56,18 +56,18 @@ class DirectPublisher:
 
 
 def synchronous_publisher(name: str, data_class: type, latch: bool = False) -> rospy.Publisher:
-    """Return a publisher whose connections rospy puts no queue before."""
+    """Return a publisher whose connections have no queue."""
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', SyntaxWarning)      # about the missing queue
         return rospy.Publisher(name, data_class, latch=latch, queue_size=None)
 
 
 def has_room(sock) -> bool:
-    """Return whether a socket takes data without blocking; False for one that is closed.
+    """Return whether a socket accepts data without blocking; False if it is closed.
 
-    sock: a socket.socket, or None as rospy leaves it in a closed connection.
+    sock: a socket.socket, or None, which rospy sets in a closed connection.
     """
-    poll = select.poll()        # unlike select.select, it takes descriptors from 1024 on
+    poll = select.poll()        # unlike select.select, it supports descriptors from 1024 on
     try:
         poll.register(sock, select.POLLOUT)
     except (TypeError, ValueError):

@@ -17,11 +17,11 @@ _LENGTH = struct.Struct('<I')
 
 
 class ImagePublisher:
-    """Sends images from reused buffers, and has them drawn there where that saves a copy.
+    """Sends images from reused buffers; `publish_drawn` saves a copy of the image too.
 
-    rospy serializes a message into new memory each time. Here each subscriber has a thread that
-    sends the newest image, and that a subscriber that does not read holds up alone. Use it from
-    one thread.
+    rospy serializes each message into new memory. Here each subscriber has a thread that sends
+    the newest image; a subscriber that does not read blocks only its thread. Use it from one
+    thread.
     """
 
     def __init__(self, name: str):
@@ -36,7 +36,7 @@ class ImagePublisher:
         return self._publisher.get_num_connections()
 
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
-        """Publish an image if anyone subscribes.
+        """Publish an image if there are subscribers.
 
         image: uint8 of shape (height, width[, channels]).
         encoding: of 8-bit channels, as in sensor_msgs/image_encodings.h.
@@ -47,7 +47,7 @@ class ImagePublisher:
 
     def publish_drawn(self, draw: Callable[[np.ndarray], None], shape: tuple, encoding: str,
                       header: Header) -> None:
-        """Publish an image, which is made only if anyone subscribes.
+        """Publish an image, which is drawn only if there are subscribers.
 
         draw: writes the image into a uint8 array of that shape, whose content is arbitrary.
         shape: (height, width, channels).
@@ -76,7 +76,7 @@ class ImagePublisher:
             self._senders.put(packet)
         finally:
             packet.release()
-        time.sleep(0)       # lets the senders begin now, not when Python next switches threads
+        time.sleep(0)       # let the senders start now, not at the next thread switch of Python
 
 
 def _without_data(header: Header, seq: int, encoding: str, shape: tuple) -> Image:
@@ -86,7 +86,7 @@ def _without_data(header: Header, seq: int, encoding: str, shape: tuple) -> Imag
 
 
 def _head(msg: Image) -> bytes:
-    """Return what stands before the data on the wire, for a message without its data."""
+    """Return the bytes that precede the image data on the wire; `msg` has no data."""
     size = msg.height * msg.step
     buffer = io.BytesIO(_LENGTH.pack(0))
     buffer.seek(0, io.SEEK_END)

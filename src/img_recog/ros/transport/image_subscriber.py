@@ -14,31 +14,31 @@ from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.switch import is_plain
 
 _LENGTH = struct.Struct('<I')
-# of the fields of a serialized Image that come before its texts and its data
+# sizes of the fields of a serialized Image before its strings and its data, bytes
 _STAMP_END, _SIZE_BYTES, _STEP_BYTES = 12, 8, 5
 _EMPTY = np.empty(0, np.uint8)
 _MAX_OVERSIZE = 4       # a buffer more than this many times larger than an image is dropped
-_PLAIN_BUFFER_BYTES = 1 << 26       # more than a message: rospy reads this much at a time
+_PLAIN_BUFFER_BYTES = 1 << 26       # larger than a message: rospy reads this much at once
 
 
 class _BufferedImage(Image):
-    """An image whose data lies in the reused buffer `memory`."""
+    """An image whose data is in the reused buffer `memory`."""
 
     memory: Optional[np.ndarray] = None
 
 
 class ImageSubscriber:
-    """Receives images straight into reused buffers, and asks publishers for no delay.
+    """Receives images directly into reused buffers, and requests TCP_NODELAY.
 
-    rospy reads a message in pieces, puts these together, cuts the message out and its data out of
-    that: four times new memory for each image, which takes longer than to convert it. Here the
-    kernel writes the data where it stays.
+    rospy reads a message in parts, joins them, and copies the message and then its data. This
+    allocates memory four times per image, and takes longer than converting it. Here the kernel
+    writes the data to its final place.
 
-    Other subscribers of the topic in the same process get images in memory of their own.
+    Other subscribers to the topic in the same process get copies of the images.
     """
 
     def __init__(self, name: str, callback: Callable[[Image], None]):
-        """Subscribe to `name`; `callback` gets the images, in threads of rospy.
+        """Subscribe to `name`; `callback` is called with each image, in a thread of rospy.
 
         The data of an image may be a memoryview, which does not change until `release`.
         """
@@ -49,11 +49,11 @@ class ImageSubscriber:
             self._subscriber = rospy.Subscriber(name, Image, callback, queue_size=1,
                                                 buff_size=_PLAIN_BUFFER_BYTES, tcp_nodelay=True)
             return
-        # without a callback: rospy would call all of the process with one and the same message
+        # without a callback: rospy would pass the same message to all callbacks of the process
         self._subscriber = rospy.Subscriber(name, Image, queue_size=1, tcp_nodelay=True)
         self._topic = self._subscriber.impl
         with self._topic.c_lock:
-            if 'add_connection' in vars(self._topic):       # another ImageSubscriber reads it
+            if 'add_connection' in vars(self._topic):       # another ImageSubscriber replaced it
                 self._topic.add_callback(callback, None)
                 return
             self._add_connection = self._topic.add_connection
@@ -66,7 +66,7 @@ class ImageSubscriber:
         return self._subscriber.get_num_connections()
 
     def release(self, msg: Image) -> None:
-        """Let the buffer of an image be reused; the image has no data any more."""
+        """Allow the buffer of an image to be reused; the image has no data afterwards."""
         memory = getattr(msg, 'memory', None)
         if memory is not None:
             msg.memory, msg.data = None, b''
@@ -83,10 +83,10 @@ class ImageSubscriber:
         ordinary = protocol.read_messages
 
         def read_messages(buffer, messages, sock):
-            # of what follows, rospy shall read no more than the length
+            # so that rospy reads only the length of the next message
             protocol.buff_size = _LENGTH.size
             length, received = _LENGTH.unpack(buffer.getbuffer()[:_LENGTH.size])[0], buffer.tell()
-            if received - _LENGTH.size > length:        # several small ones, at the start
+            if received - _LENGTH.size > length:        # several small images, at the start
                 ordinary(buffer, messages, sock)
                 for msg in messages:
                     self._call(msg)
@@ -109,11 +109,11 @@ class ImageSubscriber:
         protocol.read_messages = read_messages
 
     def _deliver(self, msg: _BufferedImage, view: memoryview, connection, messages: list) -> None:
-        """Call our callback; leave a copy in `messages` if rospy has any use for it."""
+        """Call our callback; append a copy to `messages` if rospy needs the message."""
         if self._topic.callbacks or self._topic.statistics_logger or connection.is_latched:
             messages.append(Image().deserialize(bytes(view)))
         else:
-            connection.stat_num_msg += 1        # of the others, rospy counts the copies
+            connection.stat_num_msg += 1        # rospy counts the messages that it gets
         msg._connection_header = connection.header
         self._call(msg)
 
@@ -127,12 +127,12 @@ class ImageSubscriber:
             memory = _EMPTY
         if size <= len(memory) <= _MAX_OVERSIZE * size:
             return memory
-        # not cleared, so that a length that is never sent takes no memory
+        # not cleared: a wrong length in a message then uses no physical memory
         return np.empty(size, np.uint8)
 
 
 def _receive(sock, view: memoryview) -> int:
-    """Fill a view from a socket; return the number of bytes, fewer only after a signal.
+    """Fill a view from a socket; return the number of bytes, which is less only after a signal.
 
     Raises TransportTerminated when the connection ends.
     """
@@ -146,7 +146,7 @@ def _receive(sock, view: memoryview) -> int:
 
 
 def _image(memory: np.ndarray, view: memoryview) -> _BufferedImage:
-    """Return the message that is serialized in `view`, its data left where it is."""
+    """Return the message that is serialized in `view`, without copying its data."""
     end = _after_text(view, _STAMP_END) + _SIZE_BYTES       # frame_id, height and width
     end = _after_text(view, end) + _STEP_BYTES              # encoding, is_bigendian and step
     msg = _BufferedImage()

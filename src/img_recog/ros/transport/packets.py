@@ -7,9 +7,9 @@ from rospy.impl.tcpros_base import TCPROSTransport
 
 
 class Packet:
-    """A serialized message in a reused buffer, with a count of those who still need it.
+    """A serialized message in a reused buffer, with a count of its owners.
 
-    data: the buffer. It belongs to whoever took the packet until it is given to a sender.
+    data: the buffer. Only the caller of PacketPool.take writes to it, before it calls `put`.
     """
 
     def __init__(self, pool: 'PacketPool', size: int):
@@ -17,12 +17,12 @@ class Packet:
         self._pool, self._owners = pool, 1
 
     def retain(self) -> None:
-        """Add an owner, who will call `release` once."""
+        """Add an owner, which must call `release` once."""
         with self._pool.lock:
             self._owners += 1
 
     def release(self) -> None:
-        """Give up ownership; the last owner's release makes the buffer free for reuse."""
+        """Give up ownership; the last release makes the buffer free for reuse."""
         with self._pool.lock:
             self._owners -= 1
             if self._owners == 0:
@@ -33,16 +33,16 @@ class Packet:
         return len(self.data) == size
 
     def reuse(self) -> 'Packet':
-        """Return this packet, which nobody owned, with one owner."""
+        """Return this packet, which had no owner, with one owner."""
         self._owners = 1
         return self
 
 
 class PacketPool:
-    """Packets that nobody owns any more, of the size that was taken last.
+    """Packets without an owner, of the size that was taken last.
 
-    A copy into memory that was not used before takes several times as long as one into the same
-    memory again.
+    Copying into new memory takes several times as long as copying into memory that was used
+    before.
     """
 
     def __init__(self):
@@ -50,7 +50,7 @@ class PacketPool:
         self.free: List[Packet] = []
 
     def take(self, size: int) -> Packet:
-        """Return a packet of `size` bytes with any content, owned by the caller."""
+        """Return a packet of `size` bytes with arbitrary content, owned by the caller."""
         with self.lock:
             self.free = [packet for packet in self.free if packet.is_of(size)]
             return self.free.pop().reuse() if self.free else Packet(self, size)
@@ -59,27 +59,27 @@ class PacketPool:
 class PacketSender:
     """Sends the newest packet to one subscriber, in a thread.
 
-    A packet that was not begun when the next one comes is dropped, as with a queue of one. A
-    subscriber that does not read holds up this thread only, and keeps two packets at most. `put`
-    and `close` are for one thread.
+    Like with queue_size=1, a packet that is still waiting when the next one comes is dropped. A
+    subscriber that does not read blocks only this thread, and keeps at most two packets. Call
+    `put` and `close` from one thread.
     """
 
     def __init__(self, connection: TCPROSTransport):
         self._connection = connection
-        # rospy's QueuedConnection returns before it has sent what it was given
+        # rospy's QueuedConnection returns before it has sent the data
         self._is_synchronous = isinstance(connection, TCPROSTransport)
-        # at most one packet, or None for the end; cheaper than a Condition
+        # at most one packet, or None for the end; faster than a Condition
         self._waiting: 'SimpleQueue[Optional[Packet]]' = SimpleQueue()
         threading.Thread(target=self._run, daemon=True).start()
 
     def put(self, packet: Packet) -> None:
-        """Have a packet sent, which is this sender's too from now on."""
+        """Send a packet in the thread; this sender becomes an owner of it."""
         packet.retain()
         self._drop()
         self._waiting.put(packet)
 
     def close(self) -> None:
-        """Send nothing more than what is being sent; do not wait for that."""
+        """Stop after the packet that is being sent, without waiting for it."""
         self._drop()
         self._waiting.put(None)
 
@@ -97,7 +97,7 @@ class PacketSender:
             try:
                 self._connection.write_data(
                     packet.data if self._is_synchronous else bytes(packet.data))
-            except Exception:       # like rospy, take any error for the end of the connection
+            except Exception:       # like rospy, close the connection on any error
                 self._connection.close()
             finally:
                 packet.release()
@@ -105,17 +105,17 @@ class PacketSender:
 
 
 class PacketSenders:
-    """A PacketSender for each connection of a topic; to be used from one thread."""
+    """A PacketSender for each connection of a topic. Use it from one thread."""
 
     def __init__(self):
         self._senders: Dict[TCPROSTransport, PacketSender] = {}
         self._followed: List[TCPROSTransport] = []
 
     def follow(self, connections: List[TCPROSTransport]) -> None:
-        """Have senders for these connections and no others.
+        """Create and close senders, so that there is one for each of these connections.
 
-        connections: rospy's list, which it replaces and does not change, until the topic is
-        closed.
+        connections: rospy's list. Until the topic is closed, rospy replaces this list and never
+        changes it.
         """
         if connections is self._followed:
             return
@@ -127,6 +127,6 @@ class PacketSenders:
                 self._senders[connection] = PacketSender(connection)
 
     def put(self, packet: Packet) -> None:
-        """Have a packet sent to all connections."""
+        """Send a packet to all connections, in their threads."""
         for sender in self._senders.values():
             sender.put(packet)

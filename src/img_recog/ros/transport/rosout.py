@@ -1,4 +1,4 @@
-"""What a node logs, published on /rosout synchronously."""
+"""Publish the log lines of a node on /rosout synchronously."""
 import logging
 from typing import Optional
 
@@ -15,9 +15,10 @@ _LEVELS = {logging.DEBUG: Log.DEBUG, logging.INFO: Log.INFO, logging.WARNING: Lo
 
 
 def init_node(name: str, **options) -> None:
-    """Call rospy.init_node, with our handler for /rosout in place of its own.
+    """Call rospy.init_node, and replace rospy's handler for /rosout.
 
-    For each line, rospy asks the master for a parameter and hands a message to a thread.
+    For each line, rospy's handler gets a parameter from the master and passes a message to a
+    thread.
     """
     if not is_plain('rosout'):
         rosout.Publisher = _publisher
@@ -30,9 +31,9 @@ def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> Dir
 
 
 class _RosoutHandler(logging.Handler):
-    """Publishes records as rosgraph_msgs/Log; the lock of logging.Handler keeps threads apart.
+    """Publishes records as rosgraph_msgs/Log. logging.Handler locks, so threads may share it.
 
-    Like rospy, it swallows every error: logging must never break the caller.
+    Like rospy, swallow every error: logging must never break the caller.
     """
 
     def __init__(self):
@@ -43,10 +44,10 @@ class _RosoutHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         if rosout._rosout_pub is None or self._is_publishing:
             return
-        self._is_publishing = True      # what is logged meanwhile would come back here
+        self._is_publishing = True      # lines that are logged meanwhile would end up here again
         try:
             rosout._rosout_pub.publish(self._to_msg(record))
-        except rospy.ROSException:      # the topic is closed while the node ends
+        except rospy.ROSException:      # the topic is closed during shutdown
             pass
         except Exception as error:
             logging.getLogger('rospy.rosout').warning('a line does not reach /rosout: %s', error)

@@ -6,7 +6,7 @@ PARTS = ('direct_publisher', 'image_publisher', 'image_subscriber', 'own_time', 
 
 
 def is_plain(part: str) -> bool:
-    """Return whether a part of this folder is to use rospy's documented interface only.
+    """Return whether a part of this folder uses only rospy's documented interface.
 
     part: one of PARTS.
     Raises ValueError when the variable has a value that is not allowed.
