@@ -1,4 +1,4 @@
-"""Fixtures of the tests that run whole processes."""
+"""Fixtures for tests that run whole processes."""
 import copy
 import os
 import signal
@@ -12,7 +12,7 @@ from img_recog_testing.simulator_tools import burger
 
 @pytest.fixture
 def ros(tmp_path):
-    """A master address of its own for one test."""
+    """A separate master address for one test."""
     ros = Ros(tmp_path)
     yield ros
     ros.close()
@@ -20,7 +20,7 @@ def ros(tmp_path):
 
 @pytest.fixture(scope='module')
 def roscore(tmp_path_factory):
-    """A running master for the tests of one module."""
+    """A running master, shared by the tests of one module."""
     ros = Ros(tmp_path_factory.mktemp('roscore'))
     core = ros.start('roscore', '-p', ros.port)
     core.wait_output('started core service')
@@ -30,13 +30,13 @@ def roscore(tmp_path_factory):
 
 @pytest.fixture
 def shared_ros(roscore):
-    """The master of a module; what a test starts is ended after it."""
+    """The master of a module; processes that a test starts are stopped after it."""
     ros = copy.copy(roscore)
     ros._processes = []
     yield ros
     for process in ros._processes:
         if process._popen.poll() is None:
-            os.kill(process.pid, signal.SIGINT)         # all at once, it takes half a second
+            os.kill(process.pid, signal.SIGINT)         # in parallel: each takes half a second
     ros.close()
 
 

@@ -1,4 +1,4 @@
-"""What is wrong is named in one line, with what would be right; the exit code says so too."""
+"""Wrong input: one line names the error and the allowed values, and the exit code is not 0."""
 import os
 import re
 
@@ -59,7 +59,7 @@ def test_camera_typo_is_a_warning(roscore):
     assert camera.interrupt() == 0
 
 
-def test_camera_goes_on_without_a_calibration_that_does_not_parse(roscore, tmp_path):
+def test_camera_continues_without_a_calibration_that_does_not_parse(roscore, tmp_path):
     roscore.run('rosparam', 'delete', '/usb_cam')
     path = tmp_path / 'camera.yaml'
     path.write_text('image_width: 640\n')
@@ -109,7 +109,7 @@ def test_simulator(roscore, tmp_path, urdf, parameter, named, advice):
     assert named in line and advice in line, line
 
 
-def test_in_the_demo_the_other_nodes_go_on_without_a_camera(ros):
+def test_in_the_demo_the_other_nodes_continue_without_a_camera(ros):
     demo = ros.demo('camera:=/no/such.mp4')
     demo.wait_output(r'\[FATAL\].*/no/such\.mp4')
     demo.wait_output(r'usb_cam-\d+\] process has died .*exit code 1')
@@ -158,7 +158,7 @@ def recognition(roscore, tmp_path, text):
     path.write_text(text)
     command = ['rosrun', 'img_recog', 'color_img_recog.py']
     roscore.run('rosparam', 'delete', '/color_extract')
-    if not text:            # rosparam would load nothing, and so the demo names the file besides
+    if not text:            # rosparam loads nothing, so pass the file name too, like the demo
         return roscore.start(*command, '_colors_file:={}'.format(path))
     assert roscore.start('rosparam', 'load', path, '/color_extract').wait() == 0
     return roscore.start(*command)
@@ -170,7 +170,7 @@ def test_colors(roscore, tmp_path, text, named, advice):
     assert named in line and advice in line, line
 
 
-def test_parameters_that_color_extract_has_not_are_warnings(roscore, tmp_path):
+def test_unknown_parameters_of_color_extract_are_warnings(roscore, tmp_path):
     roscore.run('rosparam', 'delete', '/color_extract')
     node = roscore.start('rosrun', 'img_recog', 'color_img_recog.py', '_blue_hue_mni:=10',
                          '_green_hue_min:=40')

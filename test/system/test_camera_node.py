@@ -1,4 +1,4 @@
-"""The camera node as a process: how it ends, whatever its source does."""
+"""The camera node as a process: how it starts and stops with all kinds of sources."""
 import re
 import socket
 import time
@@ -17,13 +17,13 @@ def start(roscore, *parameters):
 
 
 def test_interrupt_ends_it_within_two_seconds_while_its_source_blocks(roscore):
-    with socket.socket() as server:         # takes the call and never says a word
+    with socket.socket() as server:         # accepts a connection and never answers
         server.bind(('127.0.0.1', 0))
         server.listen(1)
         server.settimeout(60)
         camera = start(roscore, '_video_device:=http://me:secret@127.0.0.1:{}/live'.format(
             server.getsockname()[1]))
-        call, _ = server.accept()           # and now OpenCV waits for an answer
+        call, _ = server.accept()           # now OpenCV waits for an answer
         begin = time.monotonic()
         assert camera.interrupt() == 0, camera.output
         assert time.monotonic() - begin < 2.5
@@ -31,7 +31,7 @@ def test_interrupt_ends_it_within_two_seconds_while_its_source_blocks(roscore):
     assert 'secret' not in camera.output and 'terminate' not in camera.output
 
 
-def test_folder_without_loop_ends_well_with_one_line(roscore, tmp_path):
+def test_folder_without_loop_ends_with_one_line_and_exit_code_0(roscore, tmp_path):
     for number in range(3):
         assert cv2.imwrite(str(tmp_path / '{}.png'.format(number)), np.zeros((8, 8, 3), np.uint8))
     camera = start(roscore, '_video_device:={}'.format(tmp_path), '_loop:=false')
@@ -40,7 +40,7 @@ def test_folder_without_loop_ends_well_with_one_line(roscore, tmp_path):
     assert not re.search(r'WARN|ERROR|FATAL', camera.output), camera.output
 
 
-def test_suspended_camera_opens_its_source_when_it_is_told_to(roscore, tmp_path):
+def test_suspended_camera_opens_its_source_on_start_capture(roscore, tmp_path):
     camera = start(roscore, '_video_device:={}/later'.format(tmp_path), '_create_suspended:=true')
     camera.wait_output('camera: suspended until /usb_cam/start_capture is called')
     roscore.wait_run('start_capture', 'rosservice', 'list')
@@ -75,11 +75,11 @@ def test_source_that_is_missing_at_the_start_ends_the_node_with_one_line(roscore
 
 
 def areas(process):
-    """Return the lines of areas that color_extract logged."""
+    """Return the lines about areas that color_extract logged."""
     return re.findall(r'blue=\d+, red=\d+', process.output)
 
 
-def test_a_recorded_bag_drives_the_recognition_as_the_camera_did(roscore, tmp_path):
+def test_a_recorded_bag_gives_the_same_areas_as_the_camera(roscore, tmp_path):
     bag = str(tmp_path / 'camera.bag')
     roscore.run('rosparam', 'delete', '/usb_cam')
     live = roscore.start('rosrun', 'img_recog', 'color_img_recog.py')
@@ -98,7 +98,7 @@ def test_a_recorded_bag_drives_the_recognition_as_the_camera_did(roscore, tmp_pa
     seen = [int(line.split(',')[0][5:]) for line in areas(live)]
     wait_for(lambda: 'blue=0, red=0' in areas(replayed)[-3:], lambda: replayed.output[-500:])
     again = [int(line.split(',')[0][5:]) for line in areas(replayed)]
-    # either may have missed a frame; what both saw is the same
+    # each may have missed a frame; the frames that both got give the same areas
     assert max(again) == max(seen) > 1000
     assert set(again) == set(seen)
     assert abs(len([area for area in again if area]) - len([area for area in seen if area])) < 4

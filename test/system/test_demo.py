@@ -1,4 +1,4 @@
-"""The demo as a user runs it: started, looked at with ROS's tools, ended, parts of it killed."""
+"""The demo as a user runs it: start it, use ROS tools on it, stop it, kill nodes of it."""
 import os
 import re
 import signal
@@ -10,7 +10,7 @@ NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_
 
 
 def node_pids(ros):
-    """Return the process number of each node, once all of them have one."""
+    """Return the process id of each node; wait until all of them are running."""
     ros.wait_run(r'(?s)' + '.*'.join('/' + name for name in sorted(NODES)), 'rosnode', 'list')
     return {name: node_pid(ros, name) for name in NODES}
 
@@ -37,21 +37,21 @@ def test_ctrl_c_ends_everything_cleanly(ros):
     assert [name for name, pid in pids.items() if alive(pid)] == []
 
 
-def test_the_log_tells_the_story(ros):
+def test_the_log_shows_areas_and_commands_in_order(ros):
     demo = ros.demo()
     demo.wait_output(r'camera: synthetic scene, 640x480, 30 Hz')
     demo.wait_output(r'(?s)blue=[1-9]\d{4}, red=0\n.*drives forward.*blue=0, red=0\n.*stands.*'
                      r'blue=0, red=[1-9]\d{4}\n.*drives backward.*blue=0, red=0\n.*stands')
 
 
-def test_auto_says_which_camera_it_takes(ros):
+def test_auto_logs_which_camera_it_uses(ros):
     demo = ros.start('roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'simulator:=false')
     expected = 'V4L2 device /dev/video0|/dev/video0' if os.path.exists('/dev/video0') else \
         'synthetic scene'
     demo.wait_output('camera: ({})|cannot open ({})'.format(expected, expected))
 
 
-def test_tools_find_the_names_and_no_fault(ros):
+def test_ros_tools_find_the_names_and_no_error(ros):
     demo = ros.demo()
     demo.wait_output('the robot drives forward')
     nodes = ros.run('rosnode', 'list').split()
@@ -68,7 +68,7 @@ def test_tools_find_the_names_and_no_fault(ros):
     assert not re.search(r'Found \d+ error|\bERROR\b', report), report
 
 
-def test_killed_camera_leaves_the_robot_standing_and_the_others_running(ros):
+def test_after_the_camera_is_killed_the_robot_stops_and_the_others_run(ros):
     demo = ros.demo()
     demo.wait_output('the robot drives forward')
     pids = node_pids(ros)
@@ -80,7 +80,7 @@ def test_killed_camera_leaves_the_robot_standing_and_the_others_running(ros):
 
 
 def test_second_simulator_replaces_the_first(simulate, shared_ros):
-    # not within the demo, which ends with its simulator
+    # not in the demo, which ends when its simulator ends
     first = simulate()
     first.wait_output('simulating 1.0017 kg')
     second = simulate()

@@ -1,4 +1,4 @@
-"""README.md and doc/ against the code: what they list exists, is complete, and has its numbers."""
+"""README.md and doc/ agree with the code: lists are complete, names exist, defaults are right."""
 import ast
 import dataclasses
 import glob
@@ -24,7 +24,7 @@ from img_recog.simulation import settings as simulation
 from img_recog.teleoperation.settings import TeleopSettings
 
 REFERENCE = read('doc/reference.md')
-# of each node the module, its settings, and the parameters that are in none of them
+# for each node its module, its settings classes, and its parameters that are in none of them
 NODES = {
     'usb_cam': ('usb_cam.node', (camera.CameraSettings, camera.ControlSettings,
                                  CompressionSettings), ('intrinsic_controls',)),
@@ -40,7 +40,7 @@ TYPE = r'(?:[a-z0-9_]+_msgs|std_srvs|dynamic_reconfigure)(?:/\w+)?'
 
 
 def parameters(settings_classes):
-    """Return the row that each parameter shall have: name, default, what is allowed."""
+    """Return the expected row of each parameter: name, default, allowed values."""
     return [[shown(field.name), shown(field.default), allowed(settings_class, field.name)]
             for settings_class in settings_classes for field in dataclasses.fields(settings_class)
             if 'allowed' in field.metadata]
@@ -52,14 +52,14 @@ def shown(value):
 
 
 def allowed(settings_class, name):
-    """Return what the error line of a refused value says."""
+    """Return the allowed values from the error about a refused value."""
     with pytest.raises(SettingError) as refused:
         settings_class(**{name: object()})
     return refused.value.allowed
 
 
 def differences(page, declared, others=()):
-    """Return a line for each row that the page lacks, has too much, or has otherwise."""
+    """Return a line for each row of the page that is missing, unknown or different."""
     page_by_name = {row[0]: row[1:len(declared[0])] for row in page}
     by_name = {row[0]: row[1:] for row in declared}
     others = {shown(name) for name in others}
@@ -75,7 +75,7 @@ def differences(page, declared, others=()):
 
 
 @pytest.mark.parametrize('node', NODES)
-def test_parameters_are_those_of_the_code(node):
+def test_parameters_agree_with_the_code(node):
     _, settings_classes, others = NODES[node]
     page = rows(REFERENCE, node, 'name')
     lines = differences(page, parameters(settings_classes), others)
@@ -117,7 +117,7 @@ def topic_differences(page, text):
     types, stated = {row[0].strip('`'): row[1] for row in page}, stated_types(text)
     lines = ['missing: {} ({})'.format(name, kind)
              for name, kind in stated.items() if name not in types]
-    # a docstring may name the package of a type alone
+    # a docstring may give only the package of a type
     lines += ['{}: the page has {}, the docstring {}'.format(name, types[name], kind)
               for name, kind in stated.items()
               if name in types and not (types[name] + '/').startswith(kind + '/')]
@@ -127,7 +127,7 @@ def topic_differences(page, text):
 
 
 @pytest.mark.parametrize('node', NODES)
-def test_topics_and_services_are_those_of_the_docstring(node):
+def test_topics_and_services_agree_with_the_docstring(node):
     text = docstring(node)
     assert len(stated_types(text)) > 0
     assert topic_differences(topics(REFERENCE, node), text) == []
@@ -160,14 +160,14 @@ def launch_arguments():
             for argument in root.findall('arg')]
 
 
-def test_launch_arguments_are_those_of_the_launch_file():
+def test_launch_arguments_agree_with_the_launch_file():
     page = rows(REFERENCE, 'Launch arguments', 'argument')
     lines = differences(page, launch_arguments())
     assert not lines, '\n'.join(lines)
 
 
 @pytest.mark.parametrize('script', ('replay.py', 'tune_colors.py'))
-def test_options_are_those_of_the_script(script):
+def test_options_agree_with_the_script(script):
     text = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', script), '--help'],
                           stdout=subprocess.PIPE, check=True).stdout.decode()
     options = sorted(set(re.findall(r'(?<!\S)--[a-z-]+', text)) - {'--help'})
@@ -187,7 +187,7 @@ def test_the_readme_is_short():
 
 
 @pytest.mark.parametrize('path', paths())
-def test_links_lead_somewhere(path):
+def test_link_targets_exist(path):
     for link in links(read(path)):
         file, _, anchor = link.partition('#')
         target = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path

@@ -1,4 +1,4 @@
-"""The simulator's gazebo_msgs, as the ROS tools see them: with that package and without."""
+"""The simulator's gazebo_msgs topics and services in ROS tools, with and without the package."""
 import copy
 import importlib.util
 import math
@@ -16,7 +16,7 @@ MODEL = 'turtlebot3_burger'
 NAMES = ['ground_plane', 'turtlebot3_world', MODEL]
 INSTALLED = importlib.util.find_spec('gazebo_msgs') is not None
 
-# What gazebo_msgs of ROS 1 has, and what that is made of, without the comments.
+# Definitions from gazebo_msgs of ROS 1 and those that they use, without the comments.
 DEFINITIONS = {
     'std_msgs/msg/Header.msg': 'uint32 seq\ntime stamp\nstring frame_id\n',
     'geometry_msgs/msg/Point.msg': 'float64 x\nfloat64 y\nfloat64 z\n',
@@ -37,7 +37,7 @@ DEFINITIONS = {
 MANIFEST = ('<package><name>gazebo_msgs</name><version>0.0.0</version><license>none</license>'
             '<description>stand-in</description><maintainer email="a@b.c">a</maintainer>'
             '</package>')
-# of the real package, as others' generated code has them
+# of the real package, from code that was generated for it
 SUMS = {'msg.ModelStates': '48c080191eb15c41858319b4d8a609c2',
         'msg.ModelState': '9330fd35f2fcd82d457e54bd54e10593',
         'srv.GetModelStateResponse': 'ccd51739bb00f0141629e87b792e92b9',
@@ -45,7 +45,7 @@ SUMS = {'msg.ModelStates': '48c080191eb15c41858319b4d8a609c2',
 
 
 def write_package(folder):
-    """Write a stand-in for gazebo_msgs; return the additions to the environment for it."""
+    """Write a package in place of gazebo_msgs; return the additions to the environment for it."""
     generator = pytest.importorskip('genpy.generator')
     for name, text in DEFINITIONS.items():
         path = folder / name
@@ -68,7 +68,7 @@ def write_package(folder):
 
 @pytest.fixture(scope='module')
 def gazebo(roscore, tmp_path_factory):
-    """The master with a simulator that has gazebo_msgs; its tools have them too."""
+    """A master and a simulator with gazebo_msgs, which ROS tools find too."""
     ros = copy.copy(roscore)
     ros.env = dict(roscore.env)
     if not INSTALLED:
@@ -89,7 +89,7 @@ def simulate(ros):
 
 
 def call(ros, service, request):
-    """Return the answer of a service of the simulator."""
+    """Return the response of a service of the simulator."""
     text = ros.run('rosservice', 'call', '/gazebo/' + service, yaml.safe_dump(request))
     answer = yaml.safe_load(text)
     assert isinstance(answer, dict), text
@@ -111,7 +111,7 @@ def set_state(ros, x, y, yaw=0.0, name=MODEL, frame='world'):
 
 
 def assert_at(state, x, y, yaw=0.0):
-    """Check a pose; height is loose, for the robot leans back by 5 mrad on its caster."""
+    """Check a pose. The height is less exact: the robot leans back by 5 mrad on its caster."""
     found = state['pose']
     assert found['position']['x'] == pytest.approx(x, abs=0.01), state
     assert found['position']['y'] == pytest.approx(y, abs=0.01), state
@@ -121,13 +121,13 @@ def assert_at(state, x, y, yaw=0.0):
 
 
 def newest(echo):
-    """Return the newest message of a `rostopic echo` that has come as a whole."""
+    """Return the newest complete message of a `rostopic echo`."""
     parts = echo.output.split('---\n')
     return yaml.safe_load(parts[-2]) if len(parts) > 1 else None
 
 
 @pytest.mark.skipif(INSTALLED, reason='gazebo_msgs is installed here')
-def test_without_the_package_the_simulator_says_so_once(ros):
+def test_without_the_package_the_simulator_logs_one_line(ros):
     ros.start('roscore', '-p', ros.port).wait_output('started core service')
     node = simulate(ros)
     lines = [line for line in node.output.splitlines() if 'gazebo_msgs' in line]
@@ -144,7 +144,7 @@ def test_without_the_package_the_simulator_says_so_once(ros):
 
 
 @pytest.mark.parametrize('name', list(SUMS))
-def test_the_messages_are_those_of_the_real_package(gazebo, name):
+def test_the_messages_equal_those_of_the_real_package(gazebo, name):
     kind, name = name.split('.')
     code = 'from gazebo_msgs.{} import {name}; print({name}._md5sum)'.format(kind, name=name)
     assert gazebo.run(sys.executable, '-c', code).strip() == SUMS['{}.{}'.format(kind, name)]
@@ -218,7 +218,7 @@ def test_set_state_moves_the_robot_until_the_world_is_reset(gazebo):
     assert (answer['success'], answer['status_message']) == (True, '')
     wait_for(lambda: at(0.5, 0.5, 1.0), lambda: echo.output[-2000:])
     assert_at(get_state(gazebo), 0.5, 0.5, 1.0)
-    # 10 cm ahead of where it stands, and turned back
+    # 10 cm in front of the robot, facing backwards
     assert set_state(gazebo, 0.1, 0.0, -1.0, frame=MODEL)['success'] is True
     assert_at(get_state(gazebo), 0.5 + 0.1 * math.cos(1.0), 0.5 + 0.1 * math.sin(1.0), 0.0)
 

@@ -1,4 +1,4 @@
-"""replay.py as a user runs it: without a master, from wherever the user stands."""
+"""replay.py as a user runs it: without a master, from any working directory."""
 import csv
 import os
 import re
@@ -24,7 +24,7 @@ FILES = ['bikes.replay.bag', 'bikes.replay.csv', 'bikes.replay.png']
 
 @pytest.fixture
 def replay(ros, tmp_path):
-    """A function that runs replay.py in a folder; nobody is at the master's address."""
+    """A function that runs replay.py in a folder; there is no master."""
     def run(*arguments, cwd=tmp_path):
         process = ros.start('rosrun', 'img_recog', 'replay.py', *arguments, cwd=str(cwd),
                             env=dict(ros.env, HOME=str(tmp_path), PWD=str(cwd)))
@@ -36,7 +36,7 @@ def replay(ros, tmp_path):
 
 
 def refused(result):
-    """Return the one line of a replay that was refused."""
+    """Return the error line of a replay that was refused."""
     code, lines = result
     assert code == 1 and len(lines) == 1, lines
     assert lines[0].startswith('replay.py: error: '), lines
@@ -49,7 +49,7 @@ def contents(folder):
 
 
 def video_areas():
-    """Return blue and red area of each frame of the video, by OpenCV alone."""
+    """Return blue and red area of each frame of the video, computed with OpenCV only."""
     capture, areas = cv2.VideoCapture(VIDEO, cv2.CAP_FFMPEG), []
     good, bgr = capture.read()
     while good:
@@ -80,7 +80,7 @@ def drive(areas):
 
 
 def test_video(replay, tmp_path, ros):
-    """Twice the same bytes; the areas are OpenCV's, and the robot ends where it should."""
+    """Two runs write the same bytes; areas and final pose are equal to separately computed ones."""
     code, lines = replay(VIDEO)
     assert code == 0 and len(lines) == 1, lines
     first = contents(tmp_path)
@@ -106,8 +106,8 @@ def test_video(replay, tmp_path, ros):
         assert re.search(r'/{} +\d+ msgs +: {}'.format(topic, kind), info), info
 
 
-def test_what_was_recorded_is_replayed_like_the_video(replay, tmp_path):
-    """A bag of the video's images gives the video's table."""
+def test_a_bag_of_the_video_gives_the_same_results(replay, tmp_path):
+    """A bag with the images of the video gives the same table as the video."""
     import rosbag
     import rospy
     from std_msgs.msg import Header
@@ -145,7 +145,7 @@ def test_options(replay, tmp_path):
     assert abs(float(rows[-1]['linear_x_m_per_s'])) > 0.1, 'without the teleop a command holds'
 
 
-def test_interrupted_it_leaves_nothing_behind(ros, tmp_path):
+def test_interrupted_replay_leaves_no_files(ros, tmp_path):
     writer = cv2.VideoWriter(str(tmp_path / 'long.avi'), cv2.CAP_FFMPEG,
                              cv2.VideoWriter_fourcc(*'MJPG'), 2.0, (64, 48))
     for _ in range(5000):

@@ -1,11 +1,11 @@
-"""The demo's argument urdf with a xacro file: the parameter, or the error line."""
+"""The demo's argument urdf with a xacro file: the parameter robot_description, or an error."""
 import stat
 
 import pytest
 
 PACKAGE = ('<package><name>xacro</name><version>1.14.0</version><description>d</description>'
            '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
-# replaces ROS 1's, which Debian does not have
+# replaces xacro of ROS 1, which Debian does not have
 COMMAND = '''#!/bin/sh
 grep -q size "$1" || { echo "undefined symbol: size" >&2; exit 2; }
 echo '<robot name="expanded"/>'
@@ -14,7 +14,7 @@ echo '<robot name="expanded"/>'
 
 @pytest.fixture
 def dump(ros, tmp_path):
-    """A function that returns what roslaunch says about the parameters for a robot's file."""
+    """A function that returns what roslaunch prints about the parameters for a robot file."""
     package, folder = tmp_path / 'packages' / 'xacro', tmp_path / 'bin'
     package.mkdir(parents=True)
     folder.mkdir()
@@ -38,7 +38,7 @@ def test_xacro_file_is_expanded(dump):
     assert '/robot_description: \'<robot name="expanded"/>' in dump('<robot size="1"/>')
 
 
-def test_xacro_file_that_cannot_be_expanded_is_a_line_with_the_reason(dump):
+def test_xacro_file_that_cannot_be_expanded_gives_a_line_with_the_reason(dump):
     lines = dump('<robot/>').splitlines()
     assert 'xacro cannot expand my robot.urdf.xacro: undefined symbol: size' in lines, lines
     assert not [line for line in lines if line.startswith('/robot_description')]

@@ -1,4 +1,4 @@
-"""The simulator as a process: what it refuses, what it obeys, and what it survives."""
+"""The simulator as a process: refused input, parameters and tags, and robustness."""
 import os
 import re
 import signal
@@ -12,7 +12,7 @@ from img_recog_testing.waiting import wait_for
 
 @pytest.fixture
 def ros(shared_ros):
-    """One master for all these tests."""
+    """One master for the tests of this module."""
     return shared_ros
 
 
@@ -62,7 +62,7 @@ CAMERA = ('<gazebo reference="base_link"><sensor type="camera" name="eye">'
     ('', CAMERA, 'libgazebo_ros_camera.so'),
     ('_wheel_seperation:=0.2', '', 'wheel_seperation is unknown to this node: did you mean '
                                    'wheel_separation?')], ids=['mesh', 'camera', 'typo'])
-def test_warns_and_goes_on(simulate, parameter, addition, named):
+def test_warns_and_continues(simulate, parameter, addition, named):
     node = simulate(*filter(None, [parameter]), urdf=burger(addition))
     node.wait_output('simulating 1.0017 kg')
     assert node.interrupt() == 0
@@ -73,7 +73,7 @@ def test_warns_and_goes_on(simulate, parameter, addition, named):
 
 # -- parameters and tags
 
-def test_commands_are_cut_off_at_the_limit(ros, simulate):
+def test_commands_are_limited(ros, simulate):
     simulate('_real_time_factor:=10', '_world:=empty', '_max_linear_velocity:=0.22')
     speed = Echo(ros, '/odom/twist/twist/linear')
     drive(ros, 10.0)
@@ -83,7 +83,7 @@ def test_commands_are_cut_off_at_the_limit(ros, simulate):
     assert [x for x, _, _ in rows[-50:]] == pytest.approx([0.22] * 50, abs=0.005)
 
 
-def test_a_command_that_none_follows_ends(ros, simulate):
+def test_a_command_ends_after_the_timeout(ros, simulate):
     simulate('_real_time_factor:=10', '_world:=empty', '_cmd_vel_timeout:=0.5')
     place = Echo(ros, '/odom/pose/pose/position')
     place.wait(lambda x, y, z: True, 'odometry')
@@ -95,7 +95,7 @@ def test_a_command_that_none_follows_ends(ros, simulate):
     assert rows[-1][0] == pytest.approx(-1.9, abs=0.02)
 
 
-def test_encoder_odometry_starts_at_zero_and_does_so_again(ros, simulate):
+def test_encoder_odometry_starts_at_zero_also_after_a_reset(ros, simulate):
     simulate('_real_time_factor:=10', '_odometry_source:=encoder', '_publish_odom_tf:=false')
     place = Echo(ros, '/odom/pose/pose/position')
     transforms = ros.start('rostopic', 'echo', '/tf')
@@ -107,11 +107,11 @@ def test_encoder_odometry_starts_at_zero_and_does_so_again(ros, simulate):
     place.wait(lambda x, y, z: x < 0.1, 'the reset')
     rows = place.wait_more(60)[-60:]
     assert [value for row in rows for value in row] == pytest.approx([0.0] * 180, abs=0.005)
-    # some 100 messages of odometry, and none of its frame
+    # about 100 messages of odometry, and no transform for them
     assert 'frame_id' not in transforms.output
 
 
-def test_the_pose_goes_to_tf(ros, simulate):
+def test_the_pose_is_published_on_tf(ros, simulate):
     simulate()
     transforms = ros.start('rostopic', 'echo', '/tf')
     transforms.wait_output('(?s)frame_id: "odom".*child_frame_id: "base_footprint"')
@@ -127,7 +127,7 @@ LASER = '''<gazebo reference="base_scan"><sensor type="ray" name="lds">
   </sensor></gazebo>'''
 
 
-def test_gazebo_tags_are_honoured(ros, simulate):
+def test_gazebo_tags_are_used(ros, simulate):
     node = simulate('_real_time_factor:=5', '_world:=empty', urdf=burger(DRIVE + LASER))
     node.wait_output('simulating')
     scans = ros.start('rostopic', 'echo', '--noarr', '-n', '3', '/my_scan')
@@ -140,7 +140,7 @@ def test_gazebo_tags_are_honoured(ros, simulate):
     assert {'/my_odom', '/my_scan', '/imu'} <= set(topics)
     assert not {'/odom', '/scan'} & set(topics)
     assert 'my_odom_frame' in ros.run('rostopic', 'echo', '-n', '1', '/my_odom/header')
-    # without a ramp a wheel turns as told at once, whatever the slip; 15 rad/s take 0.5 s else
+    # without a ramp a wheel has its commanded speed at once; with one, 15 rad/s take 0.5 s
     turning = Echo(ros, '/joint_states/velocity[0]')
     turning.wait_more(5)
     drive(ros, 0.5)
@@ -169,7 +169,7 @@ def test_a_second_simulator_takes_over(ros, simulate, tmp_path):
     assert second.interrupt() == 0
 
 
-def test_a_subscriber_that_hangs_holds_up_nobody(ros, simulate):
+def test_a_subscriber_that_hangs_does_not_block_the_simulator(ros, simulate):
     simulate('_real_time_factor:=0', '_world:=empty', '_odometry_period_s:=0.001',
              '_publish_odom_tf:=false')
     clock = Echo(ros, '/clock/clock')
@@ -186,12 +186,12 @@ def test_a_subscriber_that_hangs_holds_up_nobody(ros, simulate):
     def gap():
         stamps = [row[0] for row in stopped.rows]
         return max((b - a for a, b in zip(stamps, stamps[1:])), default=0) > 20e9
-    # more was sent than sockets hold, of which some is missing and the rest goes on
+    # more was sent than socket buffers hold: some messages are missing, then new ones arrive
     wait_for(gap, lambda: stopped.rows[-3:])
     stopped.wait_more(10)
 
 
-def test_the_real_time_factor_is_told(ros, simulate):
+def test_the_real_time_factor_is_published(ros, simulate):
     simulate()
     factor = Echo(ros, '/gazebo/real_time_factor')
     factor.wait(lambda value: 0.5 < value < 1.1, 'real time')

@@ -1,4 +1,4 @@
-"""The linters are content, and the launch file and its arguments are explained."""
+"""The linters report nothing, and the launch arguments are documented."""
 import os
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""The keyboard teleop on a real terminal, beside the idle one of the demo."""
+"""The keyboard teleop in a terminal, while the demo runs another one without a terminal."""
 import os
 import pty
 import re
@@ -23,12 +23,12 @@ class Terminal:
         os.write(self._fd, keys)
 
     def echoes(self):
-        """Return whether the terminal shows typed keys and waits for Enter, as a shell has it."""
+        """Return whether the terminal shows typed keys and waits for Enter, like in a shell."""
         flags = termios.tcgetattr(self._fd)[3]
         return bool(flags & termios.ECHO) and bool(flags & termios.ICANON)
 
     def hang_up(self):
-        """Close the terminal's window."""
+        """Close the terminal, like when its window is closed."""
         os.close(self._fd)
         self._fd = None
 

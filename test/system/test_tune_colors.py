@@ -1,4 +1,4 @@
-"""tune_colors.py as a user runs it; the pictures that it writes are read back."""
+"""tune_colors.py as a user runs it; the tests read the images that it writes."""
 import os
 import re
 import stat
@@ -12,7 +12,7 @@ from img_recog_testing.waiting import wait_for
 
 BLUE, RED, WALL = (215, 70, 25), (60, 25, 215), (190, 200, 206)      # BGR
 WIDTH, HEIGHT = 1200, 1015          # of the picture with two colors
-FRAME = (slice(48, 372), slice(33, 465))        # where a 640x480 frame is in it, less its border
+FRAME = (slice(48, 372), slice(33, 465))        # a 640x480 frame in it, without its border
 BLUE_LINE = (r'^blue: (\d+) px, (above|below) the limit of 1000 px; '
              r'hue 50-150, saturation 100-255, value 100-255$')
 RED_LINE = (r'^red: (\d+) px, (above|below) the limit of 1000 px; '
@@ -28,7 +28,7 @@ def card(color=BLUE):
 
 @pytest.fixture
 def folder(tmp_path):
-    """The folder that the user stands in, with a frame of a blue card in it."""
+    """The working directory, with a frame of a blue card in it."""
     folder = tmp_path / 'here'
     folder.mkdir()
     assert cv2.imwrite(str(folder / 'card.png'), card())
@@ -60,7 +60,7 @@ def read(path):
 
 
 def assert_shows(picture, frame):
-    """Assert that a picture has the frame where frames are, whatever its scale did to edges."""
+    """Assert that a picture shows the frame in its place; edges may differ after scaling."""
     part = picture[FRAME]
     like = cv2.resize(frame, part.shape[1::-1], interpolation=cv2.INTER_AREA)
     differs = (np.abs(part.astype(int) - like).max(axis=2) > 8).mean()
@@ -130,7 +130,7 @@ FILE_CASES = {
 
 @pytest.mark.parametrize('arguments, named, advice', list(FILE_CASES.values()),
                          ids=list(FILE_CASES))
-def test_what_is_refused(ros, folder, arguments, named, advice):
+def test_refused_arguments(ros, folder, arguments, named, advice):
     (folder / 'mine.txt').write_text('a letter\n')
     (folder / 'half.mp4').write_bytes(b'\0\0\0\x20ftypisom\0\0\2\0isomiso2avc1mp41\0\0\0\x08free')
     line = refusal(start(ros, folder, *arguments))
@@ -152,7 +152,7 @@ def test_usage(ros, folder, arguments, named):
 
 @pytest.fixture
 def camera(shared_ros, folder):
-    """The master of this module with a camera that shows the blue card; no parameters are left."""
+    """The master with a camera that shows the blue card, and no parameters of other tests."""
     master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
     for name in ('/color_extract', '/other'):
         master.deleteParam('/test', name)
@@ -210,7 +210,7 @@ def test_watching_follows_the_parameters(camera, folder):
     (('/usb_cam/nix',), 'nobody publishes a topic /usb_cam/nix', '/usb_cam/image_raw,'),
     (('/usb_cam/camera_info',), 'has sensor_msgs/CameraInfo, no images', '/usb_cam/image_raw,'),
     (('/usb_cam/image_raw', '--node', '/nix'), 'no parameters of a node /nix', '--colors')])
-def test_what_is_refused_of_a_topic(camera, folder, arguments, named, advice):
+def test_refused_arguments_with_a_topic(camera, folder, arguments, named, advice):
     line = refusal(start(camera, folder, *arguments))
     assert named in line and advice in line, line
 
@@ -223,7 +223,7 @@ def test_a_topic_without_an_image(shared_ros, folder):
     assert 'no image received on /usb_cam/image_raw within 0.5 s' in line
 
 
-def test_a_display_that_is_not_there(ros, folder):
+def test_a_display_that_does_not_exist(ros, folder):
     *_, path, line = lines(start(ros, folder, 'card.png', DISPLAY=':nix'))
     assert line.startswith('no window: ') and line.endswith('the picture is only in the file')
     assert_shows(read(path), card())

@@ -1,4 +1,4 @@
-"""The images of the simulation: when they are drawn, what they show, and what they survive."""
+"""The images of the simulation: when they are drawn, what they show, and what if drawing fails."""
 import os
 import signal
 
@@ -11,11 +11,11 @@ from img_recog_testing.waiting import wait_for
 
 @pytest.fixture
 def ros(shared_ros):
-    """One master for all these tests."""
+    """One master for the tests of this module."""
     return shared_ros
 
 
-def test_the_view_is_drawn_while_somebody_looks(ros, simulate):
+def test_the_view_is_drawn_only_with_subscribers(ros, simulate):
     node = simulate()
     clock = Echo(ros, '/clock/clock')
     since = clock.wait_more(50)[-1][0] * 1e-9
@@ -43,14 +43,14 @@ def test_the_view_is_drawn_while_somebody_looks(ros, simulate):
     wait_for(idle, 'an end of the drawing')
 
 
-def test_from_above_the_robot_is_where_it_is(ros, simulate):
+def test_view_from_above_shows_the_robot_at_its_position(ros, simulate):
     simulate('_real_time_factor:=5', '_world:=empty')
     images = Images(ros)
     images.wait()
     place = Echo(ros, '/odom/pose/pose/position')
     place.wait_more(1)
     x, y = images.wait(count=2)['dark']['middle']
-    # 46 pixels a metre about (0.8, 0), x upwards
+    # 46 pixels per meter, the center is (0.8, 0), x points up
     assert (x, y) == pytest.approx((320 + 0.5 * 46.2, 240 + 2.8 * 46.2), abs=4)
     driving = drive(ros, 0.5)
     place.wait(lambda x, y, z: x > 0.0, 'the robot to drive')
@@ -76,15 +76,15 @@ def test_following_keeps_the_robot_in_the_middle(ros, simulate):
 
 
 @pytest.mark.parametrize('busy', [False, True])
-def test_the_simulation_outlives_the_process_that_draws(ros, simulate, busy):
+def test_the_simulation_continues_when_the_drawing_process_is_killed(ros, simulate, busy):
     node = simulate('_view_rate:=2', '_real_time_factor:=5')
     clock = Echo(ros, '/clock/clock')
     clock.wait_more(1)
     Images(ros).wait(count=2)
-    drawer = drawing(node)      # which has nothing to do for half a second
+    drawer = drawing(node)      # idle for half a second
     if busy:
         os.kill(drawer, signal.SIGSTOP)
-        clock.wait_more(400)    # 0.8 s; meanwhile it is asked for an image
+        clock.wait_more(400)    # 0.8 s, in which an image is requested
     os.kill(drawer, signal.SIGKILL)
     node.wait_output(r'\[WARN\].*no more view: .*; the simulation goes on without')
     clock.wait_more(100)

@@ -1,4 +1,4 @@
-"""The windows, on a display of their own that is photographed."""
+"""The windows on a virtual display, checked by screenshots."""
 import os
 import re
 import subprocess
@@ -14,7 +14,7 @@ SIMULATOR = 'Bullet Physics'
 
 @pytest.fixture
 def display(ros):
-    """A virtual display; the name of it is in ros.env afterwards."""
+    """A virtual display; ros.env has its name."""
     reader, writer = os.pipe()
     server = ros.start('Xvfb', '-displayfd', writer, '-screen', '0', '1100x800x24', '-nolisten',
                        'tcp', pass_fds=[writer])
@@ -27,7 +27,7 @@ def display(ros):
 
 
 def shares(ros, tmp_path, **colors):
-    """Return the share of the display's pixels within each range of RGB bounds, 0 to 255."""
+    """Return the share of pixels of the display within each range of RGB values (0 to 255)."""
     path = str(tmp_path / 'display.ppm')
     subprocess.run(['import', '-window', 'root', '-depth', '8', path], env=ros.env, check=True)
     cv2 = pytest.importorskip('cv2')
@@ -65,7 +65,7 @@ USB_CAM_LAUNCH = """<launch>
 </launch>"""
 
 
-def test_a_launch_file_of_usb_cams_kind_shows_the_picture(ros, display, tmp_path):
+def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, display, tmp_path):
     cv2 = pytest.importorskip('cv2')
     picture, launch = str(tmp_path / 'picture.png'), tmp_path / 'usb_cam.launch'
     green = cv2.UMat(480, 640, cv2.CV_8UC3, (0, 200, 0)).get()
@@ -117,7 +117,7 @@ def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
                 and found['floor'] > 0.4)
     wait_for(shown, lambda: 'the world: {}'.format(shares(ros, tmp_path, **colors)))
 
-    # closing the window, and the display under it, leaves the simulation running
+    # the simulation continues when its connection to the display is closed
     windows = subprocess.run(['xwininfo', '-root', '-tree'], env=ros.env, stdout=subprocess.PIPE,
                              check=False).stdout.decode()
     assert SIMULATOR in windows
@@ -127,14 +127,14 @@ def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
     ros.wait_run('clock:', 'rostopic', 'echo', '-n', '1', '/clock')
 
 
-def test_windows_stand_beside_each_other_without_a_window_manager(ros, display):
+def test_windows_are_placed_side_by_side_without_a_window_manager(ros, display):
     ros.start(os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic')
 
     def corners():
         lines = ros.run('xwininfo', '-root', '-tree')
         return {name: (int(left), int(top)) for name, left, top in re.findall(
             r'"(/[^"]*|Bullet Physics)[^"]*": .* \+(-?\d+)\+(-?\d+)\n', lines)}
-    # 1100 pixels are too few for 1024 and 400
+    # 1100 pixels are not enough for 1024 and 400
     wait_for(lambda: corners() == {SIMULATOR: (0, 0), '/usb_cam/image_raw': (700, 0),
                                    '/blue_image': (700, 304), '/red_image': (700, 500)},
              lambda: 'places: {}'.format(corners()))

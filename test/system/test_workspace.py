@@ -1,10 +1,10 @@
-"""The ordinary way: the package among others in a catkin workspace, devel and install space."""
+"""The package in an ordinary catkin workspace: devel space and install space."""
 import os
 import pathlib
 import subprocess
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
-# what a shell has in which nothing of ROS was sourced
+# environment variables of a shell in which no setup.bash was sourced
 FOREIGN = ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH', 'PKG_CONFIG_PATH',
            'LD_LIBRARY_PATH', 'CATKIN_TEST_RESULTS_DIR')
 

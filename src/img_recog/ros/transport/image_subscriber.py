@@ -113,7 +113,7 @@ class ImageSubscriber:
         if self._topic.callbacks or self._topic.statistics_logger or connection.is_latched:
             messages.append(Image().deserialize(bytes(view)))
         else:
-            connection.stat_num_msg += 1        # rospy counts the messages that it gets
+            connection.stat_num_msg += 1        # rospy counts only those in `messages`
         msg._connection_header = connection.header
         self._call(msg)
 
