@@ -1,15 +1,15 @@
-"""The walls between the folders of the package, read from its syntax trees."""
+"""Check the imports between the folders of the package in its syntax trees."""
 import ast
 import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('errors', 'files', 'resources', 'robot_file', 'settings')
-# libraries that one folder alone may use
+# libraries that only one folder may use
 OWNERS = {'pybullet': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering'}
 ROS_SUFFIXES = ('_msgs', '_srvs')
 ROS_LIBRARIES = ('actionlib', 'catkin', 'cv_bridge', 'diagnostic_updater', 'dynamic_reconfigure',
                  'genmsg', 'genpy', 'image_transport', 'message_filters', 'tf', 'tf2_ros')
-# parts of img_recog, beside itself, that a part may use
+# for each part of img_recog, the other parts that it may use
 ALLOWED = {
     **{folder: ('errors', 'files', 'settings') for folder in PURE},
     'errors': (), 'files': ('errors',), 'settings': ('errors',), 'resources': ('errors', 'files'),
@@ -23,7 +23,7 @@ WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('conversions', 'replay')
 
 
 def violations(package):
-    """Return a line for each import or name below the folder `package` that breaks a wall."""
+    """Return a line for each forbidden import or name in the folder `package`."""
     return [line for path in sorted(pathlib.Path(package).rglob('*.py'))
             for line in _of_file(path, path.relative_to(package))]
 
@@ -36,12 +36,12 @@ def _of_file(path, name):
             yield '{}:{}: {}: {}'.format(name, line, module, reason)
     if name.parts[:2] != ('ros', 'transport'):
         for line, text in _internals(tree):
-            yield '{}:{}: {}: internals of rospy are for ros/transport alone'.format(
+            yield '{}:{}: {}: internals of rospy are only for ros/transport'.format(
                 name, line, text)
 
 
 def _imports(tree, name):
-    """Yield line and full name of what is imported, wherever in the file, from whatever level."""
+    """Yield line number and absolute name of each import in the file, also of relative ones."""
     package = ('img_recog',) + name.parts[:-1]
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -101,7 +101,7 @@ def _reason(name, module):
     is_ros = (library.startswith('ros') or library in ROS_LIBRARIES
               or library.endswith(ROS_SUFFIXES))
     if is_ros and part in PURE + ('errors', 'files', 'settings'):
-        return '{} knows no ROS'.format(part)
+        return '{} must not use ROS'.format(part)
     return None
 
 

@@ -80,7 +80,7 @@ def drive(areas):
 
 
 def test_video(replay, tmp_path, ros):
-    """Two runs write the same bytes; areas and final pose are equal to separately computed ones."""
+    """Two runs write the same bytes; areas and final pose equal separately computed ones."""
     code, lines = replay(VIDEO)
     assert code == 0 and len(lines) == 1, lines
     first = contents(tmp_path)

@@ -1,4 +1,4 @@
-"""Fixtures that several unit tests share."""
+"""Fixtures for several unit tests."""
 
 import cv2
 import pytest
@@ -7,7 +7,7 @@ from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
 
 
 class FakeClock:
-    """A clock that stands still until it is told to advance."""
+    """A clock that moves only in `advance`."""
 
     def __init__(self):
         self.now_s = 100.0
@@ -16,7 +16,7 @@ class FakeClock:
         return self.now_s
 
     def advance(self, seconds: float) -> None:
-        """Let `seconds` go by."""
+        """Move the clock forward by `seconds`."""
         self.now_s += seconds
 
 

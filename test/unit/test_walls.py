@@ -1,4 +1,4 @@
-"""No folder of the package imports what its wall keeps out; planted violations are found."""
+"""No folder of the package has a forbidden import; planted violations are found."""
 import pathlib
 import shutil
 
@@ -10,14 +10,14 @@ from img_recog_testing.walls import violations
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / 'src'
 
 
-def test_the_package_keeps_its_walls():
+def test_the_package_has_no_forbidden_imports():
     assert violations(SOURCES / 'img_recog') == []
 
 
-def test_shutdown_hooks_are_not_left_to_rospy():
+def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     users = [path.name for path in (SOURCES / 'img_recog').rglob('*.py')
              if 'rospy.on_shutdown(' in path.read_text()]
-    assert users == ['lifecycle.py']        # its on_shutdown says why
+    assert users == ['lifecycle.py']        # its on_shutdown explains why
 
 
 @pytest.mark.parametrize('path, line, words', [
@@ -26,10 +26,12 @@ def test_shutdown_hooks_are_not_left_to_rospy():
     ('simulation/deeper/a.py', 'from img_recog import rendering', 'simulation may use'),
     ('rendering/a.py', 'from img_recog.simulation.body import Pose', 'rendering may use'),
     ('rendering/a.py', 'import pybullet', 'only simulation may use pybullet'),
-    ('teleoperation/a.py', 'from geometry_msgs.msg import Twist', 'teleoperation knows no ROS'),
-    ('camera/deeper/a.py', 'def f():\n    import rosgraph', 'camera knows no ROS'),
-    ('camera/a.py', 'import importlib\nimportlib.import_module("genpy")', 'camera knows no ROS'),
-    ('simulation/a.py', 'from std_srvs.srv import Empty', 'simulation knows no ROS'),
+    ('teleoperation/a.py', 'from geometry_msgs.msg import Twist',
+     'teleoperation must not use ROS'),
+    ('camera/deeper/a.py', 'def f():\n    import rosgraph', 'camera must not use ROS'),
+    ('camera/a.py', 'import importlib\nimportlib.import_module("genpy")',
+     'camera must not use ROS'),
+    ('simulation/a.py', 'from std_srvs.srv import Empty', 'simulation must not use ROS'),
     ('simulation/deeper/a.py', 'from ...ros import queues', 'simulation may use'),
     ('simulation/a.py', 'import trimesh', 'only rendering may use trimesh'),
     ('nodes/gazebo/a.py', 'import moderngl', 'only rendering may use moderngl'),
@@ -50,7 +52,7 @@ def test_shutdown_hooks_are_not_left_to_rospy():
     ('nodes/usb_cam/a.py', 'from rospy.core import _shutdown_lock', 'internals of rospy'),
     ('nodes/gazebo/deeper/a.py', 'publisher.impl.connections', 'internals of rospy'),
     ('resources.py', 'import rospy', 'resources runs without a node'),
-    ('files.py', 'import rospkg', 'files knows no ROS'),
+    ('files.py', 'import rospkg', 'files must not use ROS'),
     ('files.py', 'from img_recog.camera import urls', 'files may use'),
     ('settings.py', 'from img_recog import files', 'settings may use')])
 def test_a_planted_violation_is_found(tmp_path, path, line, words):
@@ -67,18 +69,18 @@ def test_a_planted_violation_is_found(tmp_path, path, line, words):
     ('replay/a.py', 'import rosbag, genpy\nfrom img_recog.simulation import body'),
     ('nodes/gazebo/a.py', 'from img_recog.nodes import color_parameters\nfrom . import view'),
     ('simulation/deeper/a.py', 'import pybullet\nfrom img_recog.simulation.body import Pose')])
-def test_what_is_allowed_is_not_found(tmp_path, path, line):
+def test_allowed_imports_are_not_reported(tmp_path, path, line):
     planted = tmp_path / path
     planted.parent.mkdir(parents=True)
     planted.write_text(line + '\n')
     assert violations(tmp_path) == []
 
 
-def test_every_folder_is_a_package_that_is_installed(tmp_path):
+def test_every_folder_is_an_installed_package(tmp_path):
     folders = {path.parent for path in (SOURCES / 'img_recog').rglob('*.py')}
     names = {'.'.join(folder.relative_to(SOURCES).parts) for folder in folders}
     assert set(find_packages(str(SOURCES))) == names
-    # setup.py asks setuptools, so a folder without __init__.py would be left out silently
+    # setup.py calls find_packages, which silently skips a folder without __init__.py
     shutil.copytree(str(SOURCES / 'img_recog' / 'ros'), str(tmp_path / 'ros'))
     (tmp_path / 'ros' / 'transport' / '__init__.py').unlink()
     assert find_packages(str(tmp_path)) == ['ros']

@@ -1,4 +1,4 @@
-"""Of the lines of each frame the terminal shows those at which something changes."""
+"""The terminal shows only lines about changes; other handlers get all lines."""
 import logging
 
 import pytest
@@ -9,13 +9,13 @@ from img_recog.ros.console import ConsoleThrottle
 
 
 @pytest.mark.parametrize('states, shown', [
-    # one state a tenth of a second
+    # one state per 0.1 s
     (['none'] * 50, [0]),
     (['none'] * 15 + ['blue'] * 20, [0, 15]),
     (['none'] * 5 + ['blue'] * 20, [0, 10]),
     (['none', 'blue'] * 25, [0, 11, 22, 33, 44]),
     (['none'] * 3 + ['blue'] * 3 + ['none'] * 20, [0])])
-def test_a_line_is_shown_at_a_change_and_at_most_one_a_second(clock, states, shown):
+def test_a_line_is_shown_at_a_change_and_at_most_one_per_second(clock, states, shown):
     throttle, found = ConsoleThrottle(1.0, clock), []
     for number, state in enumerate(states):
         if throttle.shows(state):
@@ -24,7 +24,7 @@ def test_a_line_is_shown_at_a_change_and_at_most_one_a_second(clock, states, sho
     assert found == shown
 
 
-def test_only_the_terminal_leaves_lines_out(monkeypatch, capsys):
+def test_lines_are_hidden_only_in_the_terminal(monkeypatch, capsys):
     class Kept(logging.Handler):
         lines = []
 

@@ -1,4 +1,4 @@
-"""Hooks are called once, whatever moment of a shutdown they come at."""
+"""Hooks are called once, also if they are added during or after a shutdown."""
 import threading
 
 import pytest
@@ -10,7 +10,10 @@ from img_recog_testing.waiting import DEADLINE_S
 
 @pytest.fixture
 def shutdown(monkeypatch):
-    """Shuts down a rospy of this test's own: as `shutdown(hook of rospy)`, in a thread."""
+    """A function that shuts down rospy in a thread; rospy's state is restored after the test.
+
+    Its argument is a pre-shutdown hook for rospy.
+    """
     for name in ('_client_shutdown_hooks', '_preshutdown_hooks', '_shutdown_hooks',
                  '_shutdown_threads'):
         monkeypatch.setattr(rospy.core, name, [])
@@ -38,7 +41,7 @@ def test_hook_before_the_shutdown_is_called_once(shutdown):
 
 
 class _Door:
-    """A lock at which those who come after the first are heard."""
+    """A lock that calls `on_knock` when a thread has to wait for it."""
 
     def __init__(self, on_knock):
         self._lock, self._on_knock = threading.Lock(), on_knock

@@ -1,4 +1,4 @@
-"""What callbacks leave for the loop, and what service handlers ask of it; events, no sleeps."""
+"""LatestValue and CallQueue between threads; synchronized by events, not by sleeps."""
 import concurrent.futures
 import queue
 import threading
@@ -8,11 +8,11 @@ import pytest
 from img_recog.ros import queues
 from img_recog.ros.queues import CallQueue, LatestValue
 
-GENEROUS_S = 20.0       # waited for only when something is broken
+GENEROUS_S = 20.0       # reached only if a test fails
 
 
 class Asker(threading.Thread):
-    """Asks in a thread of its own, as a service handler does, and keeps what came of it."""
+    """Makes a call in a separate thread, like a service handler, and keeps its result or error."""
 
     def __init__(self, requests, action, timeout_s=GENEROUS_S):
         super().__init__(daemon=True)
@@ -33,7 +33,7 @@ class Asker(threading.Thread):
 
 
 def future_that_first_calls(action):
-    """Return a class of futures that call `action` when their request stands in the queue."""
+    """Return a Future class that calls `action` after its call was put in the queue."""
     class Announced(concurrent.futures.Future):
         def result(self, timeout=None):
             action()
@@ -49,7 +49,7 @@ def serve_until_ended(requests, *askers):
     return [asker.end() for asker in askers]
 
 
-def test_newest_is_taken_once():
+def test_latest_value_is_taken_once():
     slot = LatestValue()
     assert slot.take() is None
     for item in (1, 2, 3):
@@ -60,7 +60,7 @@ def test_newest_is_taken_once():
     assert slot.take() == 0
 
 
-def test_newest_waits_until_there_is_one(monkeypatch):
+def test_latest_value_waits_until_there_is_one(monkeypatch):
     waiting, got = threading.Event(), []
 
     class Announced(queue.SimpleQueue):
@@ -79,15 +79,15 @@ def test_newest_waits_until_there_is_one(monkeypatch):
     waiting.clear()
     slot.put('next')
     assert slot.take(GENEROUS_S) == 'next'
-    assert not waiting.is_set()         # there was nothing to wait for
+    assert not waiting.is_set()         # a value was there already
 
 
-def test_newest_of_two_that_were_put_at_once(monkeypatch):
+def test_latest_of_two_values_that_are_put_at_once(monkeypatch):
     both = threading.Barrier(2, timeout=GENEROUS_S)
 
     class Meeting(queue.SimpleQueue):
         def put(self, item):
-            both.wait()         # each has seen that nothing is held
+            both.wait()         # both threads have seen that no value is stored
             super().put(item)
     monkeypatch.setattr(queues.queue, 'SimpleQueue', Meeting)
     slot = LatestValue()
@@ -100,18 +100,18 @@ def test_newest_of_two_that_were_put_at_once(monkeypatch):
     assert slot.take() is None
 
 
-def test_newest_gives_up_after_the_timeout():
+def test_latest_value_is_none_after_the_timeout():
     assert LatestValue().take(0.01) is None
 
 
-def test_result_comes_from_the_thread_of_the_loop():
+def test_the_call_runs_in_the_thread_of_the_loop():
     requests = CallQueue()
     asker, = serve_until_ended(requests, Asker(requests, lambda: (7, threading.get_ident())))
     assert asker.error is None
     assert asker.result == (7, threading.get_ident())
 
 
-def test_exception_goes_to_the_asker_and_leaves_the_loop_alone():
+def test_exception_is_raised_in_the_caller_and_not_in_the_loop():
     requests = CallQueue()
 
     def fail():
@@ -122,7 +122,7 @@ def test_exception_goes_to_the_asker_and_leaves_the_loop_alone():
     assert second.result == 'still there'
 
 
-def test_what_is_late_is_refused_and_not_done_later():
+def test_a_call_that_starts_late_fails_and_does_not_run_later():
     requests, done = CallQueue(), []
     with pytest.raises(concurrent.futures.TimeoutError):
         requests.call(lambda: done.append('late'), 0.01)
@@ -132,7 +132,7 @@ def test_what_is_late_is_refused_and_not_done_later():
     assert done == ['in time']
 
 
-def test_what_begins_in_time_and_ends_late_is_refused_and_harms_nobody(monkeypatch):
+def test_a_call_that_ends_late_fails_and_the_loop_continues(monkeypatch):
     requests, begun, go_on, after = CallQueue(), threading.Event(), threading.Event(), []
     monkeypatch.setattr(queues, 'Future', future_that_first_calls(
         lambda: begun.wait(GENEROUS_S)))
@@ -149,7 +149,7 @@ def test_what_begins_in_time_and_ends_late_is_refused_and_harms_nobody(monkeypat
     assert after == [True] and not loop.is_alive()
 
 
-def test_several_are_done_in_the_order_they_came(monkeypatch):
+def test_calls_run_in_the_order_they_were_made(monkeypatch):
     requests, order, arrived = CallQueue(), [], threading.Semaphore(0)
     monkeypatch.setattr(queues, 'Future', future_that_first_calls(arrived.release))
     askers = []
@@ -161,7 +161,7 @@ def test_several_are_done_in_the_order_they_came(monkeypatch):
     assert order == [0, 1, 2, 3, 4]
 
 
-def test_serve_without_requests_returns():
+def test_process_without_calls_returns():
     requests = CallQueue()
     requests.process(0.0)
     requests.process(0.01)

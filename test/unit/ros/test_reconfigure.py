@@ -1,4 +1,4 @@
-"""dynamic_reconfigure's config type made from settings, and changes of settings."""
+"""dynamic_reconfigure: the config type that is made from settings, and changes of settings."""
 import dataclasses
 import logging
 
@@ -64,7 +64,7 @@ def test_tools_read_the_description():
 
 def test_choices_are_a_list_to_choose_from():
     mode = {each['name']: each for each in config_type(Sample).config_description['parameters']}
-    enum = eval(mode['mode']['edit_method'])['enum']        # as the tools do
+    enum = eval(mode['mode']['edit_method'])['enum']        # like the tools
     assert [(each['name'], each['value'], each['type']) for each in enum] == [
         ('slow', 'slow', 'str'), ('fast', 'fast', 'str')]
 
@@ -101,7 +101,7 @@ def test_refusal_names_what_is_allowed(name, value, allowed):
 
 
 class Caller:
-    """In the place of the server: keeps what a request would call."""
+    """Replaces the server; keeps the function that a request would call."""
 
     def __init__(self, _kind, settings, change, namespace):
         self.settings, self.change, self.namespace = settings, change, namespace
@@ -125,7 +125,7 @@ def served(monkeypatch, on_change):
     return each, each._server.change
 
 
-def test_change_is_passed_on_and_in_force(monkeypatch, errors):
+def test_change_is_passed_to_the_receiver_and_applied(monkeypatch, errors):
     seen = []
     reconfigurable, change = served(monkeypatch, seen.append)
     assert reconfigurable.settings == Sample(width=2) and seen == []
@@ -134,7 +134,7 @@ def test_change_is_passed_on_and_in_force(monkeypatch, errors):
     assert seen == [Sample(width=5)] and errors == []
 
 
-def test_refused_value_leaves_the_old_ones_and_is_one_line(monkeypatch, errors):
+def test_refused_value_changes_nothing_and_logs_one_line(monkeypatch, errors):
     seen = []
     reconfigurable, change = served(monkeypatch, seen.append)
     assert change({'width': 801, 'count': 7}) == reconfigurable.settings == Sample(width=2)
@@ -143,7 +143,7 @@ def test_refused_value_leaves_the_old_ones_and_is_one_line(monkeypatch, errors):
                       'nothing is changed']
 
 
-def test_refusal_by_the_receiver_leaves_the_old_ones(monkeypatch, errors):
+def test_refusal_by_the_receiver_changes_nothing(monkeypatch, errors):
     def refuse(_):
         raise UserError('the camera\nis gone')
     reconfigurable, change = served(monkeypatch, refuse)

@@ -1,4 +1,4 @@
-"""What happens at most once in a period of wall time."""
+"""Actions and warnings at most once per period of wall time."""
 from img_recog.ros.throttle import Throttle, ThrottledWarning
 
 

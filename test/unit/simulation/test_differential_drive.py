@@ -1,4 +1,4 @@
-"""The ramp of the wheel speeds, without physics: ideal wheels."""
+"""The ramp of the wheel speeds, with ideal wheels in place of the physics."""
 import pytest
 
 from img_recog.simulation.differential_drive import DifferentialDrive
@@ -8,7 +8,7 @@ RADIUS = 0.033
 
 
 def follow(drive, updates, start=(0.0, 0.0)):
-    """Return the rim speeds in m/s after each of a number of updates."""
+    """Return the speeds of the wheel rims after each update, m/s."""
     velocities, history = start, []
     for _ in range(updates):
         velocities = drive.update(velocities)
@@ -16,7 +16,7 @@ def follow(drive, updates, start=(0.0, 0.0)):
     return history
 
 
-def test_ramp_is_one_metre_a_second_squared():
+def test_ramp_is_one_meter_per_second_squared():
     drive = DifferentialDrive(DriveSettings())
     drive.command(10.0, 0.0)
     speeds = follow(drive, 50)
@@ -38,7 +38,7 @@ def test_turning_left_drives_the_right_wheel_forward():
 
 def test_one_wheel_near_its_target_sets_both():
     drive = DifferentialDrive(DriveSettings())
-    drive.command(0.5, 0.5 / 0.08)      # left 0, right 1 m/s: left is there already
+    drive.command(0.5, 0.5 / 0.08)      # left 0 (reached already), right 1 m/s
     assert follow(drive, 1)[-1] == pytest.approx((0.0, 1.0))
 
 
@@ -69,7 +69,7 @@ def test_reset_forgets_the_command():
     ((1.0, 0.0), (0.22, 0.22)), ((-1.0, 0.0), (-0.22, -0.22)),
     ((0.0, 9.0), (-0.16, 0.16)), ((0.0, -9.0), (0.16, -0.16)),
     ((0.21, 1.9), (0.058, 0.362)), ((9.0, -9.0), (0.38, 0.06))])
-def test_speeds_are_cut_off_at_their_limits(command, wanted):
+def test_speeds_are_limited(command, wanted):
     drive = DifferentialDrive(DriveSettings(
         wheel_acceleration=0.0, max_linear_velocity=0.22, max_angular_velocity=2.0))
     drive.command(*command)
@@ -79,13 +79,13 @@ def test_speeds_are_cut_off_at_their_limits(command, wanted):
 @pytest.mark.parametrize('limits, wanted', [
     ({'max_linear_velocity': 0.22}, (-0.58, 1.02)), ({'max_angular_velocity': 2.0}, (8.84, 9.16)),
     ({}, (8.2, 9.8))])
-def test_limit_of_zero_is_none(limits, wanted):
+def test_zero_means_no_limit(limits, wanted):
     drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, **limits))
     drive.command(9.0, 10.0)
     assert follow(drive, 1)[-1] == pytest.approx(wanted)
 
 
-# 0.07 and 0.14 s are, as floats, a little more than 7 and 14 times 0.01 s
+# as floats, 0.07 and 0.14 are slightly larger than 7 * 0.01 and 14 * 0.01
 @pytest.mark.parametrize('timeout_s, updates', [
     (0.05, 5), (0.07, 7), (0.14, 14), (0.5, 50), (0.054, 6), (0.001, 1)])
 def test_command_ends_after_the_timeout(timeout_s, updates):
@@ -96,13 +96,13 @@ def test_command_ends_after_the_timeout(timeout_s, updates):
     assert speeds[updates:] == [(0.0, 0.0)] * 3
 
 
-def test_command_that_ends_is_braked_like_any_other():
+def test_after_the_timeout_the_robot_brakes_with_the_ramp():
     drive = DifferentialDrive(DriveSettings(cmd_vel_timeout=0.5))
     drive.command(0.3, 0.0)
     assert follow(drive, 60, start=(0.0, 0.0))[-1] == pytest.approx((0.2, 0.2))
 
 
-def test_new_command_begins_the_timeout_anew():
+def test_new_command_restarts_the_timeout():
     drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
     for _ in range(4):
         drive.command(0.2, 0.0)
@@ -112,7 +112,7 @@ def test_new_command_begins_the_timeout_anew():
     assert follow(drive, 1)[-1] == pytest.approx((0.1, 0.1))
 
 
-def test_timeout_of_zero_is_never():
+def test_timeout_of_zero_means_no_timeout():
     drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
     drive.command(0.2, 0.0)
     assert follow(drive, 100000)[-1] == pytest.approx((0.2, 0.2))

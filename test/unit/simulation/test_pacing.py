@@ -1,4 +1,4 @@
-"""The simulator's pacer and its measure on a clock that the test moves."""
+"""RealTimePacer and RealTimeFactor with a fake clock."""
 import pytest
 
 from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer
@@ -8,7 +8,7 @@ STEP_S = 0.0625
 
 
 def run(pacer, clock, steps, work_s=0.0):
-    """Simulate some steps of `work_s` each with the waits between; return the wall time."""
+    """Simulate steps that take `work_s` each, wait after each one; return the wall time."""
     start = clock.now_s
     for _ in range(steps):
         clock.advance(work_s)
@@ -42,7 +42,7 @@ def test_factor_zero_never_waits_and_is_never_late(clock):
     assert not pacer.late
 
 
-def test_little_lateness_is_caught_up_with(clock):
+def test_a_short_delay_is_made_up_for(clock):
     pacer, start = RealTimePacer(1.0, now=clock), clock.now_s
     clock.advance(0.5)
     assert [pacer.delay_s(STEP_S) for _ in range(8)] == [0.0] * 8
@@ -52,14 +52,14 @@ def test_little_lateness_is_caught_up_with(clock):
 
 
 @pytest.mark.parametrize('behind_s, late', [(0.5, False), (0.50390625, True), (60.0, True)])
-def test_late_flag_beyond_half_a_second(clock, behind_s, late):
+def test_late_flag_is_set_after_more_than_half_a_second(clock, behind_s, late):
     pacer = RealTimePacer(1.0, now=clock)
     clock.advance(STEP_S + behind_s)
     assert pacer.delay_s(STEP_S) == 0.0
     assert pacer.late is late
 
 
-def test_great_lateness_is_let_go(clock):
+def test_a_long_delay_is_not_made_up_for(clock):
     pacer = RealTimePacer(1.0, now=clock)
     clock.advance(60.0)
     assert pacer.delay_s(STEP_S) == 0.0
@@ -76,7 +76,7 @@ def test_late_flag_stays_until_cleared(clock):
     assert not pacer.late
 
 
-def test_restart_does_not_catch_up_with_a_pause(clock):
+def test_after_restart_a_pause_is_not_made_up_for(clock):
     pacer = RealTimePacer(1.0, now=clock)
     run(pacer, clock, 5)
     clock.advance(300.0)
@@ -96,13 +96,13 @@ def test_factor_is_none_until_a_second_is_over(clock):
     assert factor.last == 0.5
 
 
-def test_factor_is_over_the_time_that_really_went_by(clock):
+def test_factor_is_relative_to_the_elapsed_wall_time(clock):
     factor = RealTimeFactor(now=clock)
     clock.advance(4.0)
     assert factor.update(1.0) == 0.25
 
 
-def test_factor_counts_each_second_anew_and_keeps_the_last(clock):
+def test_factor_is_measured_per_second_and_the_last_one_is_kept(clock):
     factor, seen = RealTimeFactor(now=clock), []
     for simulated_s in (3.0, 0.5, 0.5, 0.0, 0.0):
         clock.advance(0.5)

@@ -1,4 +1,4 @@
-"""Topics of real rospy without a master: its classes, over a pair of sockets."""
+"""Topics with the real classes of rospy, without a master, connected by socket pairs."""
 import itertools
 
 import pytest
@@ -17,20 +17,20 @@ def _set(monkeypatch, value):
 
 @pytest.fixture(params=['', '1'], ids=['fast', 'plain'])
 def way(request, monkeypatch):
-    """For behavior: the fast way and the plain way must do the same."""
+    """Run the test with the fast transport and with plain rospy, which must behave the same."""
     _set(monkeypatch, request.param)
     return request.param
 
 
 @pytest.fixture
 def fast(monkeypatch):
-    """For what only the fast way has: reused buffers, or what plain rospy does not do."""
+    """Run the test only with the fast transport, for behavior that plain rospy does not have."""
     _set(monkeypatch, '')
 
 
 @pytest.fixture
 def name():
-    """A topic of which no other test knows."""
+    """The name of a topic that no other test uses."""
     return '/topic_{}'.format(next(_numbers))
 
 
@@ -46,7 +46,7 @@ def close_later():
 
 @pytest.fixture
 def subscribe(close_later):
-    """A function that subscribes to a topic of this process, as another process would."""
+    """A function that subscribes to a topic of this process, like another process would."""
     def connect(name, data_class):
         close_later.append(SubscriberEnd(name, data_class))
         return close_later[-1]

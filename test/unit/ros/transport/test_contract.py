@@ -1,6 +1,6 @@
-"""What ros/transport uses of rospy's internals is there, and does what it is used for.
+"""The internals of rospy that ros/transport uses exist and behave as expected.
 
-After an update of rospy, what has changed fails here by its name.
+After an update of rospy, the tests of the changed names fail.
 """
 import inspect
 import io
@@ -60,13 +60,13 @@ def test_a_publication(publication):
     assert isinstance(publication.publock, lock)
 
 
-def test_a_publication_without_a_queue_has_its_connections_bare(publication, name, subscribe):
+def test_without_a_queue_a_publication_has_plain_connections(publication, name, subscribe):
     end = subscribe(name, String)
     assert publication.connections == [end.transport]
     assert isinstance(end.transport.socket, socket.socket)
 
 
-def test_the_list_of_connections_is_replaced_never_changed(publication, name, subscribe):
+def test_the_list_of_connections_is_replaced_and_never_changed(publication, name, subscribe):
     before = publication.connections
     end = subscribe(name, String)
     during = publication.connections
@@ -74,7 +74,7 @@ def test_the_list_of_connections_is_replaced_never_changed(publication, name, su
     assert before == [] and during == [end.transport] and publication.connections == []
 
 
-def test_a_publication_with_a_queue_has_other_connections(name, subscribe):
+def test_with_a_queue_a_publication_has_queued_connections(name, subscribe):
     impl = rospy.Publisher(name, String, queue_size=1).impl
     subscribe(name, String)
     connection, = impl.connections
@@ -82,7 +82,7 @@ def test_a_publication_with_a_queue_has_other_connections(name, subscribe):
     assert not isinstance(connection, TCPROSTransport)
 
 
-def test_data_is_with_the_kernel_when_write_data_returns(publication, name, subscribe):
+def test_data_is_copied_when_write_data_returns(publication, name, subscribe):
     end = subscribe(name, String)
     data = bytearray(packet(String('x')))
     end.transport.write_data(data)
@@ -90,7 +90,7 @@ def test_data_is_with_the_kernel_when_write_data_returns(publication, name, subs
     assert end.receive() == packet(String('x'))
 
 
-def test_write_data_to_one_who_is_gone_raises_and_closes(publication, name, subscribe):
+def test_write_data_to_a_closed_subscriber_raises_and_closes(publication, name, subscribe):
     end = subscribe(name, String)
     end.sock.close()
     with pytest.raises(Exception):
@@ -98,7 +98,7 @@ def test_write_data_to_one_who_is_gone_raises_and_closes(publication, name, subs
     assert end.transport.done and end.transport.socket is None
 
 
-def test_publishing_counts_and_goes_to_one_connection(publication, name, subscribe):
+def test_publish_counts_messages_and_can_send_to_one_connection(publication, name, subscribe):
     ends = [subscribe(name, String) for _ in range(2)]
     publication.publish(String('x'), connection_override=ends[0].transport)
     assert publication.seq == 1
@@ -122,14 +122,14 @@ def test_a_connection_of_a_subscriber(subscription, name, publish_to):
     assert transport.protocol is None
 
 
-def test_rospy_adds_connections_by_the_attribute_of_the_topic():
+def test_rospy_calls_add_connection_of_the_topic():
     source = inspect.getsource(TCPROSHandler.create_transport)
     assert 'sub.add_connection(conn)' in source
     assert source.index('sub.add_connection(conn)') < source.index('t.start()')
 
 
-def test_a_connection_reads_by_the_attribute_of_its_protocol(subscription, name, publish_to):
-    """It calls with at least four bytes, and again until there is a message."""
+def test_rospy_calls_read_messages_of_the_protocol(subscription, name, publish_to):
+    """The buffer has at least four bytes; rospy calls again until there is a message."""
     publisher = publish_to(name, Image, begin=False)
     calls, protocol = [], publisher.transport.protocol
 
@@ -148,7 +148,7 @@ def test_a_connection_reads_by_the_attribute_of_its_protocol(subscription, name,
     assert message._connection_header is publisher.transport.header
 
 
-def test_its_own_read_messages_takes_what_is_in_the_buffer(subscription, name, publish_to):
+def test_read_messages_of_rospy_takes_all_messages_in_the_buffer(subscription, name, publish_to):
     protocol = publish_to(name, Image, begin=False).transport.protocol
     buffer, messages = io.BytesIO(), []
     buffer.write(packet(Image(height=7)) + struct.pack('<I', 1000) + b'begun')
@@ -157,7 +157,7 @@ def test_its_own_read_messages_takes_what_is_in_the_buffer(subscription, name, p
     assert buffer.tell() == 4 + len(b'begun')
 
 
-def test_the_protocol_of_a_publisher_is_bare():
+def test_the_protocol_of_a_publisher_can_be_made_from_topic_and_type():
     assert TCPROSPub('/topic', String).buff_size > 0
 
 
@@ -168,7 +168,7 @@ def test_a_callback_that_fails_is_logged(subscription, monkeypatch):
     assert len(lines) == 1 and 'ZeroDivisionError' in lines[0]
 
 
-def test_rosout_makes_its_publisher_and_its_handler_by_the_names_of_its_module(monkeypatch):
+def test_rosout_uses_publisher_and_handler_of_its_module(monkeypatch):
     made = []
     monkeypatch.setattr(rosout, 'Publisher', lambda *args, **kwargs: made.append((args, kwargs)))
     monkeypatch.setattr(rosout, '_rosout_pub', None)

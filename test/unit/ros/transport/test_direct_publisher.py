@@ -1,4 +1,4 @@
-"""Small messages to real connections of rospy, sent by the calling thread."""
+"""Small messages to real connections of rospy, sent in the calling thread."""
 import fcntl
 import resource
 import socket
@@ -39,7 +39,7 @@ def test_a_new_subscriber_gets_the_latched_message(way, name, subscribe):
 
 
 def fill(sock):
-    """Write into a socket until it has no room; return how much."""
+    """Write to a socket until its buffer is full; return the number of bytes."""
     sock.setblocking(False)
     count = 0
     try:
@@ -51,7 +51,7 @@ def fill(sock):
         sock.setblocking(True)
 
 
-def test_a_subscriber_that_does_not_read_holds_up_nobody(way, name, publisher, subscribe):
+def test_a_subscriber_that_does_not_read_does_not_block_others(way, name, publisher, subscribe):
     stuck, reading = subscribe(name, String), subscribe(name, String)
     fill(stuck.transport.socket)
     for number in range(10):
@@ -59,8 +59,8 @@ def test_a_subscriber_that_does_not_read_holds_up_nobody(way, name, publisher, s
         assert reading.receive() == packet(text(number))
 
 
-def test_a_subscriber_without_room_misses_messages(fast, name, publisher, subscribe):
-    """The plain way has a queue, which the last ten wait in."""
+def test_a_subscriber_whose_buffer_is_full_misses_messages(fast, name, publisher, subscribe):
+    """Plain rospy has a queue, where the last ten messages wait."""
     end = subscribe(name, String)
     count = fill(end.transport.socket)
     publisher.publish(text(1))
@@ -69,15 +69,14 @@ def test_a_subscriber_without_room_misses_messages(fast, name, publisher, subscr
     assert end.receive() == packet(text(2)) and end.is_idle()
 
 
-def test_the_latched_message_is_the_last_one_though_a_subscriber_has_no_room(
-        fast, name, subscribe):
+def test_the_latched_message_is_the_last_one_also_if_a_buffer_is_full(fast, name, subscribe):
     publisher = DirectPublisher(name, String, latch=True)
     fill(subscribe(name, String).transport.socket)
     publisher.publish(text(1))
     assert subscribe(name, String).receive() == packet(text(1))
 
 
-def test_a_subscriber_that_is_gone_is_removed(fast, name, publisher, subscribe):
+def test_a_closed_subscriber_is_removed(fast, name, publisher, subscribe):
     gone, there = subscribe(name, String), subscribe(name, String)
     gone.sock.close()
     publisher.publish(text(1))
@@ -87,7 +86,7 @@ def test_a_subscriber_that_is_gone_is_removed(fast, name, publisher, subscribe):
 
 @pytest.fixture
 def high():
-    """A function that gives a socket a descriptor that select.select refuses."""
+    """A function that moves a socket to a descriptor that select.select refuses."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if hard != resource.RLIM_INFINITY and hard <= _FIRST_TOO_HIGH_FOR_SELECT + 8:
         pytest.skip('this process may have {} descriptors only'.format(hard))
@@ -124,7 +123,7 @@ def test_a_closed_socket_has_no_room():
     assert not has_room(None)
 
 
-def test_a_message_is_on_its_way_when_publish_returns(fast, name, publisher, subscribe):
+def test_a_message_is_sent_when_publish_returns(fast, name, publisher, subscribe):
     end = subscribe(name, String)
     publisher.publish(text(1))
     end.sock.setblocking(False)

@@ -1,4 +1,4 @@
-"""Images to real connections of rospy: byte for byte what rospy sends, from reused buffers."""
+"""Images to real connections of rospy: the same bytes that rospy sends, from reused buffers."""
 import io
 import warnings
 
@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog_testing.waiting import wait_for
 
-LARGE = (480, 640, 3)       # does not fit into the buffers of a pair of sockets
+LARGE = (480, 640, 3)       # larger than the buffers of a socket pair
 
 
 def header(stamp=7):
@@ -30,7 +30,7 @@ def publish(publisher, image, encoding='bgr8'):
 
 
 def wire(image, seq, encoding='bgr8'):
-    """Return what rospy would send."""
+    """Return the bytes that rospy would send."""
     height, width = image.shape[:2]
     buffer = io.BytesIO()
     serialize_message(buffer, seq, Image(
@@ -46,7 +46,7 @@ def publisher(name):
 @pytest.mark.parametrize('shape, encoding', [
     ((48, 64, 3), 'bgr8'), ((1, 1, 3), 'rgb8'), ((5, 3, 1), 'mono8'), ((48, 64), 'mono8'), (
         LARGE, 'bgr8')])
-def test_the_bytes_are_those_of_rospy(way, name, publisher, subscribe, shape, encoding):
+def test_the_bytes_equal_those_of_rospy(way, name, publisher, subscribe, shape, encoding):
     subscriber = subscribe(name, Image)
     for seq in (1, 2):
         image = random_image(seq, shape)
@@ -58,19 +58,19 @@ def test_nothing_is_drawn_without_subscribers(way, publisher):
     publisher.publish_drawn(lambda _: 1 / 0, (4, 4, 3), 'bgr8', header())
 
 
-def test_an_image_is_drawn_where_it_is_sent_from(way, name, publisher, subscribe):
+def test_a_drawn_image_is_sent(way, name, publisher, subscribe):
     subscriber, image = subscribe(name, Image), random_image(1)
     publisher.publish_drawn(lambda result: np.copyto(result, image), image.shape, 'bgr8', header())
     assert subscriber.receive() == wire(image, 1)
 
 
-def test_rows_that_are_apart(way, name, publisher, subscribe):
+def test_an_image_whose_rows_are_not_contiguous(way, name, publisher, subscribe):
     subscriber, part = subscribe(name, Image), random_image(2, (48, 80, 3))[:, 3:67]
     publish(publisher, part)
     assert subscriber.receive() == wire(part, 1)
 
 
-def test_the_header_stays_as_it_is(way, name, publisher, subscribe):
+def test_the_header_is_not_changed(way, name, publisher, subscribe):
     subscribe(name, Image)
     given = header()
     given.seq = 99
@@ -86,13 +86,13 @@ def test_all_subscribers_get_each_image(way, name, publisher, subscribe):
             assert end.receive() == wire(random_image(seq, LARGE), seq)
 
 
-def test_a_subscriber_that_does_not_read_holds_up_nobody_and_gets_whole_images_later(
+def test_a_subscriber_that_does_not_read_blocks_no_other_and_gets_whole_images_later(
         way, name, publisher, subscribe):
     stuck, reading = subscribe(name, Image), subscribe(name, Image)
     for seq in range(1, 21):
         publish(publisher, random_image(seq, LARGE))
         assert reading.receive() == wire(random_image(seq, LARGE), seq)
-    # the one that was begun, though its buffer would have been free twenty times; then the newest
+    # first the image whose sending had started, not overwritten by later ones; then the newest
     assert stuck.receive() == wire(random_image(1, LARGE), 1)
     assert stuck.receive() == wire(random_image(20, LARGE), 20)
     publish(publisher, random_image(21, LARGE))
@@ -138,7 +138,7 @@ def test_a_buffer_is_free_only_after_the_last_connection_has_sent_it(
     wait_for(lambda: publisher._pool.free == [packet], 'the buffer')
 
 
-def test_a_buffer_is_free_again_when_its_subscriber_is_gone(
+def test_a_buffer_is_free_again_when_its_subscriber_closes(
         fast, name, publisher, subscribe, buffers):
     stuck = subscribe(name, Image)
     for seq in range(5):
@@ -165,7 +165,7 @@ def test_buffers_of_another_size_are_dropped(fast, name, publisher, subscribe):
         assert len(publisher._pool.free) == 1
 
 
-def test_a_subscriber_that_is_gone_is_removed_and_others_go_on(
+def test_a_closed_subscriber_is_removed_and_others_continue(
         way, name, publisher, subscribe):
     gone, there = subscribe(name, Image), subscribe(name, Image)
     gone.sock.close()
@@ -181,7 +181,7 @@ def test_a_subscriber_that_is_gone_is_removed_and_others_go_on(
 def test_a_queue_of_rospy_gets_images_that_do_not_change(fast, name, publisher, subscribe):
     with warnings.catch_warnings():
         warnings.simplefilter('error')
-        rospy.Publisher(name, Image, queue_size=1)      # of another part of the process
+        rospy.Publisher(name, Image, queue_size=1)      # in another part of the process
     stuck, reading = subscribe(name, Image), subscribe(name, Image)
     for seq in range(1, 6):
         publish(publisher, random_image(seq, LARGE))

@@ -23,7 +23,7 @@ def image(seed, height=48, width=64, encoding='rgb8', frame_id='camera'):
 
 
 class Receiver:
-    """An ImageSubscriber whose images wait in a queue."""
+    """An ImageSubscriber that puts its images in a queue."""
 
     def __init__(self, name):
         self._images = queue.Queue()
@@ -35,7 +35,7 @@ class Receiver:
         return self._images.get(timeout=DEADLINE_S)
 
     def is_idle(self):
-        """Return whether no image waits."""
+        """Return whether the queue is empty."""
         return self._images.empty()
 
     @property
@@ -66,7 +66,7 @@ def test_images_of_many_sizes_one_after_the_other(way, name, receiver, publish_t
         receiver.release(got)
 
 
-def test_texts_of_any_length(way, name, receiver, publish_to):
+def test_strings_of_any_length(way, name, receiver, publish_to):
     publisher = publish_to(name, Image)
     for number, (encoding, frame_id) in enumerate([('', ''), ('x' * 1000, 'ä/' * 500)]):
         sent = image(number, encoding=encoding, frame_id=frame_id)
@@ -74,7 +74,7 @@ def test_texts_of_any_length(way, name, receiver, publish_to):
         assert_equal(receiver.receive(), sent)
 
 
-def test_the_header_of_the_connection_is_there(way, name, receiver, publish_to):
+def test_images_have_the_header_of_the_connection(way, name, receiver, publish_to):
     publish_to(name, Image).send(image(1))
     assert receiver.receive()._connection_header == {'callerid': '/publisher'}
 
@@ -103,7 +103,7 @@ def test_an_error_in_the_callback_does_not_end_the_connection(way, name, publish
     assert subscriber.get_num_connections() == 1
 
 
-def test_a_connection_that_was_there_before(fast, name, publish_to):
+def test_a_connection_from_before_the_subscription(fast, name, publish_to):
     rospy.Subscriber(name, Image)
     publisher = publish_to(name, Image)
     receiver = Receiver(name)
@@ -111,9 +111,9 @@ def test_a_connection_that_was_there_before(fast, name, publish_to):
     assert_equal(receiver.receive(), image(1))
 
 
-# The plain way may drop what it has no time for: these messages come all at once.
+# Only the fast transport: plain rospy may drop some of these messages, which arrive at once.
 
-def test_what_was_read_with_the_handshake_counts(fast, name, receiver, publish_to):
+def test_data_that_was_read_with_the_handshake_is_used(fast, name, receiver, publish_to):
     sent = [image(1), image(2), image(3)]
     data = b''.join(map(packet, sent))
     publisher = publish_to(name, Image, begin=False)
@@ -135,7 +135,7 @@ def test_small_images_that_were_read_with_the_handshake(fast, name, receiver, pu
     assert_equal(receiver.receive(), image(3))
 
 
-# What follows is about reused buffers, which the plain way does not have.
+# Reused buffers, which plain rospy does not have
 
 def test_a_buffer_is_reused_only_after_release(fast, name, receiver, publish_to):
     publisher, held = publish_to(name, Image), []
@@ -153,7 +153,7 @@ def test_a_buffer_is_reused_only_after_release(fast, name, receiver, publish_to)
     assert_equal(third, image(2))
 
 
-def test_a_release_counts_once(fast, name, receiver, publish_to):
+def test_a_second_release_has_no_effect(fast, name, receiver, publish_to):
     publisher = publish_to(name, Image)
     publisher.send(image(0))
     msg = receiver.receive()
@@ -185,7 +185,7 @@ def test_the_buffer_of_a_huge_image_is_dropped(fast, name, receiver, publish_to)
     assert not receiver.inner._free
 
 
-def test_a_length_that_is_never_sent_takes_no_memory(fast, name, receiver, publish_to):
+def test_a_wrong_length_uses_no_memory(fast, name, receiver, publish_to):
     def kilobytes():
         with open('/proc/self/status') as file:
             return next(int(line.split()[1]) for line in file if line.startswith('VmRSS'))
@@ -197,17 +197,17 @@ def test_a_length_that_is_never_sent_takes_no_memory(fast, name, receiver, publi
     assert kilobytes() - before < 100000
 
 
-# the plain way ends the connection and makes a new one
+# plain rospy closes the connection and opens a new one
 @pytest.mark.parametrize('data', [
     b'', b'123', bytes(range(20)), b'\xff' * 64, packet(image(0))[4:-1],
     packet(image(0))[4:-48 * 64 * 3 - 4] + b'\xff\xff\xff\xff' + bytes(48 * 64 * 3)],
     ids=['empty', 'short', 'numbers', 'ones', 'truncated', 'too long'])
-def test_what_is_no_image_is_skipped_with_a_line_and_the_next_one_comes(
+def test_data_that_is_not_an_image_is_skipped_with_a_line_and_the_next_image_arrives(
         fast, name, receiver, publish_to, monkeypatch, data):
     lines = []
     monkeypatch.setattr(receiver.inner, '_warn', lambda text, *values: lines.append(text % values))
     publisher = publish_to(name, Image, begin=False)
-    publisher.transport.protocol.buff_size = 4      # as after the first message
+    publisher.transport.protocol.buff_size = 4      # like after the first message
     publisher.begin()
     publisher.send_bytes(struct.pack('<I', len(data)) + data + packet(image(1)))
     assert_equal(receiver.receive(), image(1))
@@ -216,7 +216,7 @@ def test_what_is_no_image_is_skipped_with_a_line_and_the_next_one_comes(
         publisher.transport.endpoint_id, len(data)) in lines[0]
 
 
-def test_a_publisher_that_ends_in_the_midst_of_an_image(way, name, receiver, publish_to):
+def test_a_publisher_that_closes_in_the_middle_of_an_image(way, name, receiver, publish_to):
     publisher = publish_to(name, Image)
     publisher.sock.sendall(packet(image(0))[:3000])
     publisher.sock.close()
@@ -224,7 +224,7 @@ def test_a_publisher_that_ends_in_the_midst_of_an_image(way, name, receiver, pub
     assert receiver.is_idle() and receiver.inner.get_num_connections() == 0
 
 
-# Others in the same process must never see a buffer that is reused.
+# Other subscribers in the same process must never get a reused buffer.
 
 def exchange(publisher, receiver, numbers):
     """Send images one after the other, each released before the next one."""
@@ -236,7 +236,7 @@ def exchange(publisher, receiver, numbers):
 
 
 @pytest.mark.parametrize('is_first', [True, False])
-def test_another_subscriber_of_the_process_may_keep_its_images(way, name, publish_to, is_first):
+def test_another_subscriber_in_the_process_may_keep_its_images(way, name, publish_to, is_first):
     kept = queue.Queue()
     receiver = None if is_first else Receiver(name)
     rospy.Subscriber(name, Image, kept.put)
@@ -246,7 +246,7 @@ def test_another_subscriber_of_the_process_may_keep_its_images(way, name, publis
         assert_equal(kept.get(timeout=DEADLINE_S), image(number))
 
 
-def test_another_subscriber_that_comes_between_two_images(way, name, receiver, publish_to):
+def test_another_subscriber_that_is_added_between_two_images(way, name, receiver, publish_to):
     kept = queue.Queue()
     publisher = publish_to(name, Image)
     exchange(publisher, receiver, range(3))
@@ -259,7 +259,7 @@ def test_another_subscriber_that_comes_between_two_images(way, name, receiver, p
         assert_equal(kept.get_nowait(), image(number))
 
 
-def test_another_subscriber_that_comes_while_an_image_is_handled(fast, name, publish_to):
+def test_another_subscriber_that_is_added_in_the_callback_of_an_image(fast, name, publish_to):
     kept, done = queue.Queue(), queue.Queue()
     entered, resume = threading.Event(), threading.Event()
 
@@ -277,10 +277,10 @@ def test_another_subscriber_that_comes_while_an_image_is_handled(fast, name, pub
     publisher.send(image(2))
     for _ in range(2):
         done.get(timeout=DEADLINE_S)
-    assert_equal(kept.get(timeout=DEADLINE_S), image(2))        # it came too late for the first
+    assert_equal(kept.get(timeout=DEADLINE_S), image(2))        # added too late for the first
 
 
-def test_a_latched_image_reaches_those_who_come_later(way, name, receiver, publish_to):
+def test_a_later_subscriber_gets_a_latched_image(way, name, receiver, publish_to):
     publisher = publish_to(name, Image, is_latched=True)
     exchange(publisher, receiver, range(3))
     wait_for(lambda: publisher.transport.latch is not None and

@@ -1,4 +1,4 @@
-"""The time of a node that publishes /clock."""
+"""Time in a node that publishes /clock."""
 import genpy
 import pytest
 import rospy
@@ -7,8 +7,8 @@ from img_recog.ros.transport import own_time
 
 
 @pytest.fixture(autouse=True)
-def time_as_before():
-    """Gives rospy its clock back after the test."""
+def restored_time():
+    """Restore the clock of rospy after the test."""
     was_initialized = rospy.rostime.is_rostime_initialized()
     rospy.rostime.set_rostime_initialized(True)
     yield
@@ -23,7 +23,7 @@ def test_the_node_has_the_time_that_it_sets(fast):
         assert rospy.Time.now() == rospy.Time(seconds, 7)
 
 
-def test_the_plain_way_leaves_the_time_to_the_topic(monkeypatch):
+def test_with_plain_rospy_the_time_comes_from_the_topic(monkeypatch):
     monkeypatch.setenv('IMG_RECOG_PLAIN_ROSPY', '1')
     assert own_time.follows_clock_topic()
     own_time.set_time(genpy.Time(5, 0))

@@ -1,4 +1,4 @@
-"""Lines of a node as messages on /rosout, by rospy's handler and by ours."""
+"""Log lines as messages on /rosout, from rospy's handler and from ours."""
 import logging
 from types import SimpleNamespace
 
@@ -13,7 +13,7 @@ from img_recog.ros.transport.direct_publisher import DirectPublisher
 
 @pytest.fixture
 def init_node(way, monkeypatch):
-    """A function that starts a node as rosout.init_node does, without a master."""
+    """A function that calls rosout.init_node without a master."""
     for name in ('Publisher', 'RosOutHandler', '_rosout_pub'):
         monkeypatch.setattr(rospy_rosout, name, getattr(rospy_rosout, name))
     monkeypatch.setattr(rospy, 'init_node', lambda *args, **options: rospy_rosout.init_rosout())
@@ -63,7 +63,7 @@ def test_the_message_of_a_line(logger, sent, level, expected):
     assert set(msg.topics) == rospy.topics.get_topic_manager().get_topics()
 
 
-def test_topics_are_left_out_on_request(logger, sent, monkeypatch):
+def test_topics_are_omitted_on_request(logger, sent, monkeypatch):
     monkeypatch.setattr(rosout.parameters, 'log_topics_are_wanted', lambda: False)
     monkeypatch.setattr(rospy, 'get_param_cached', lambda name, default: True)
     logger.error('a line')
@@ -72,7 +72,7 @@ def test_topics_are_left_out_on_request(logger, sent, monkeypatch):
 
 @pytest.mark.parametrize('error', [ConnectionRefusedError('no master'), UnicodeError('text'),
                                    rospy.ROSException('closed')])
-def test_an_error_on_the_way_does_not_reach_the_caller(logger, monkeypatch, error):
+def test_an_error_in_publishing_does_not_reach_the_caller(logger, monkeypatch, error):
     def refuse(_):
         raise error
     monkeypatch.setattr(rospy_rosout, '_rosout_pub', SimpleNamespace(publish=refuse))

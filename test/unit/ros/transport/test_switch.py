@@ -1,4 +1,4 @@
-"""The variable that turns to plain rospy."""
+"""The environment variable that selects plain rospy."""
 import pytest
 
 from img_recog.ros.transport import switch
@@ -15,7 +15,7 @@ def test_the_parts_that_are_plain(monkeypatch, value, plain):
 
 
 @pytest.mark.parametrize('value', ['yes', 'rosout,', 'rosout,images'])
-def test_a_value_that_is_not_allowed_is_refused_with_those_that_are(monkeypatch, value):
+def test_the_error_about_a_wrong_value_lists_the_allowed_ones(monkeypatch, value):
     monkeypatch.setenv(switch.VARIABLE, value)
     with pytest.raises(ValueError) as error:
         switch.is_plain('rosout')
