@@ -155,7 +155,7 @@ class Supervisor:
                                        time.monotonic() - _ESCALATION[self._sent][0])
 
     def _escalate(self, roslaunch):
-        """Send the next signal of _ESCALATION to all processes when its time has come."""
+        """Send the next signal of _ESCALATION to all processes when it is due."""
         if self._stopped_at is None:
             return
         if self._code is not None and self._sent == 0:      # only orphans are left

@@ -19,7 +19,7 @@ RUN_TIMEOUT_S = 180.0
 
 
 def copied(folder):
-    """Copy this package without this file, whose tests would run themselves again."""
+    """Copy this package without this file, because its tests would run themselves again."""
     path = str(folder / 'img_recog')
     shutil.copytree(ROOT, path, symlinks=True, ignore=shutil.ignore_patterns(
         'build', 'devel', '.git', '.venv', 'data', '__pycache__', os.path.basename(__file__)))

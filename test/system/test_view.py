@@ -1,4 +1,4 @@
-"""The images of the simulation: when they are drawn, what they show, and what if drawing fails."""
+"""The images of the simulation: when they are drawn, their content, and failures of the drawing process."""
 import os
 import signal
 

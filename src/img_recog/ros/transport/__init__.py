@@ -4,7 +4,7 @@ Checked with rospy 1.15.15 (Debian 12) and 1.16.0 (noetic-devel), whose tcpros a
 identical. test/unit/ros/transport/test_contract.py fails for another version of rospy if a name
 or a signature is different.
 
-What is used
+Names that are used
     image_publisher.py, packets.py
         `impl` of a Publisher: connections, seq. rospy.impl.tcpros_base.TCPROSTransport:
         write_data, close.
@@ -22,11 +22,11 @@ What is used
     own_time.py
         rospy.rostime._set_rostime.
 
-How to switch it off
+Switching it off
     With IMG_RECOG_PLAIN_ROSPY=1, all parts use only rospy's documented interface. With
     IMG_RECOG_PLAIN_ROSPY=rosout,own_time, only these parts do (the names are in switch.py).
 
-What it gains
+Gain
     ./run bench measures each part on and off. Ratio of CPU time without a part to CPU time with
     all parts, median and range, on two cores that other programs used too:
     a frame of color_extract, 640x480, both images viewed, 12 turns: image_subscriber 1.51 (1.30

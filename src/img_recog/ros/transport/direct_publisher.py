@@ -12,7 +12,7 @@ _QUEUE_SIZE = 10        # with plain rospy
 class DirectPublisher:
     """Publishes synchronously. A subscriber whose socket buffer is full misses the message.
 
-    With a queue, rospy hands each message to a thread for each subscriber, which takes four times
+    With a queue, rospy passes each message to a thread per subscriber, which takes four times
     as long as sending it; without one, a subscriber that does not read blocks the publisher
     forever. So this checks first which connections have room. Use it for messages much smaller
     than the buffer of a socket, and from one thread.
