@@ -1,4 +1,4 @@
-"""The images of the simulation: when they are drawn, their content, and failures of the drawing process."""
+"""The images of the simulation: when they are drawn, their content, and failures of drawing."""
 import os
 import signal
 
