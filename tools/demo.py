@@ -5,8 +5,10 @@ Forwards the output of roslaunch and the nodes, reports which node has ended wit
 why, and leaves no process behind: if roslaunch is interrupted while it starts nodes, it may wait
 for its own locks for minutes.
 """
+import contextlib
 import os
 import pty
+import select
 import selectors
 import signal
 import subprocess
@@ -24,19 +26,23 @@ PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_
 # before the first one to stop its nodes itself.
 _ESCALATION = ((4.5, signal.SIGINT), (7.0, signal.SIGTERM), (8.5, signal.SIGKILL))
 _POLL_PERIOD_S = 0.1
+_CHUNK_BYTES = 4096         # what a pipe that poll reports as writable takes without blocking
+_MAX_UNSENT_BYTES = 1 << 16
+_FLUSH_TIMEOUT_S = 1.0
 _NOTICE_DELAY_S = 0.3       # after the lines in which roslaunch reports the same
 
 
 class Channel:
     """An output of this process, and a pseudo terminal or pipe that is forwarded to it.
 
-    It is a pseudo terminal if the output is a terminal.
+    It is a pseudo terminal if the output is a terminal. A reader of the output that does not read
+    never blocks this process.
     """
 
     def __init__(self, target, read_line):
         self._target = target
         self._read_line = read_line
-        self._line = b''
+        self._line = self._unsent = b''
         if os.isatty(target):
             self.reader, self.writer = pty.openpty()
             attributes = termios.tcgetattr(self.writer)
@@ -52,7 +58,8 @@ class Channel:
         except OSError:         # how the end of a pseudo terminal is reported
             return False
         *lines, self._line = (self._line + data).split(b'\n')
-        self._write(data)
+        self._unsent += data
+        self.flush()
         for line in lines:
             self._read_line(line.decode(errors='replace'))
         return bool(data)
@@ -60,11 +67,28 @@ class Channel:
     def say(self, text):
         """Write a line with the prefix [run]."""
         start = '\n' if self._line else ''
-        self._write('{}[run] {}\n'.format(start, text).encode())
+        self._unsent += '{}[run] {}\n'.format(start, text).encode()
+        self.flush()
 
-    def _write(self, data):
-        while data:
-            data = data[os.write(self._target, data):]
+    def is_full(self):
+        """Return whether the reader of the output is too far behind to take more."""
+        return len(self._unsent) > _MAX_UNSENT_BYTES
+
+    def drop(self):
+        """Drop what could not be written yet."""
+        self._unsent = b''
+
+    def flush(self, timeout_s=0.0):
+        """Write what the output takes within a time; keep the rest."""
+        end = time.monotonic() + timeout_s
+        poll = select.poll()
+        poll.register(self._target, select.POLLOUT)
+        while self._unsent and poll.poll(max(0.0, end - time.monotonic()) * 1000):
+            try:
+                written = os.write(self._target, self._unsent[:_CHUNK_BYTES])
+            except BlockingIOError:     # a descriptor that somebody made non-blocking
+                return
+            self._unsent = self._unsent[written:]
 
 
 class Supervisor:
@@ -85,7 +109,7 @@ class Supervisor:
     def run(self, command):
         """Run `command`; return its exit code when none of its processes is left."""
         process_tree.adopt_orphans()
-        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             if signal.getsignal(signum) != signal.SIG_IGN:      # ignored under nohup
                 signal.signal(signum, lambda received, _: self._signals.append(received))
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
@@ -102,6 +126,11 @@ class Supervisor:
                 self._escalate(roslaunch)
                 self._give_notice()
         self._repeat_reasons()
+        for channel in self._channels:
+            with contextlib.suppress(OSError):
+                channel.flush(_FLUSH_TIMEOUT_S)
+        if self._code == 0 and any(death.required for death in self._deaths):
+            return 1                # for roslaunch this is not an error
         return self._code if self._code >= 0 else 128 + (self._stopped_by or -self._code)
 
     def _start(self, command):
@@ -132,6 +161,11 @@ class Supervisor:
         return False
 
     def _pass_on(self, selector, channel):
+        if channel.is_full():
+            if self._stopped_at is None:
+                channel.flush(_POLL_PERIOD_S)       # the nodes wait, as for the output itself
+                return
+            channel.drop()
         try:
             more = channel.pass_on()
         except OSError:             # the terminal or the pipe is closed
@@ -148,7 +182,8 @@ class Supervisor:
                 self._stopped_at = time.monotonic()
                 self._stopped_by = signum
                 # before roslaunch starts processes, it prints a traceback on SIGINT
-                process_tree.send(signum if self._output.launching else signal.SIGTERM,
+                gentle = signal.SIGINT if signum == signal.SIGQUIT else signum
+                process_tree.send(gentle if self._output.launching else signal.SIGTERM,
                                   [roslaunch])
             elif self._sent < len(_ESCALATION):     # another signal: next step now
                 self._stopped_at = min(self._stopped_at,
@@ -191,10 +226,8 @@ class Supervisor:
             self._say(launch_output.describe(death))
 
     def _say(self, text):
-        try:
+        with contextlib.suppress(OSError):
             self._channels[-1].say(text)
-        except OSError:
-            pass
 
 
 def main(launch_file, *words):

@@ -4,7 +4,6 @@
 roslaunch ignores arguments that the launch file does not have, passes any value to the nodes, and
 prints its usage when a colon is missing. Here each mistake gives one line.
 """
-import math
 import os
 import re
 import sys
@@ -16,6 +15,9 @@ OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
 URLS = ('http://', 'https://', 'rtmp://', 'rtsp://', 'rtsps://')
 TRUE_OR_FALSE = ('true', 'false', '1', '0')
+# as roslaunch and the nodes read numbers
+_WHOLE_NUMBER = re.compile(r'[+-]?\d+$')
+_NUMBER = re.compile(r'[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$')
 
 
 class ArgumentError(Exception):
@@ -30,7 +32,7 @@ class Arguments:
         self._defaults = {arg.get('name'): arg.get('default', '') for arg in root.iter('arg')}
         self._switches = {name for name in self._defaults if _is_switch(root, name)}
         self._checks = {'camera': _camera, 'camera_info_url': _calibration, 'colors': _file,
-                        'urdf': _file, 'world': _world}
+                        'urdf': _urdf, 'world': _world}
 
     def checked(self, words):
         """Return the words with absolute paths, for roslaunch; raise ArgumentError."""
@@ -41,6 +43,8 @@ class Arguments:
             following = words[position + 1] if position + 1 < len(words) else ''
             if word.startswith('-'):
                 if word in OPTIONS_WITH_VALUE:
+                    if not following:
+                        raise ArgumentError('{} needs a value'.format(word))
                     result.append(word)
                     position += 1
                     word = following
@@ -76,14 +80,13 @@ class Arguments:
             if value.lower() not in TRUE_OR_FALSE:
                 raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true'.format(
                     name, _shown(value), name))
-        elif _number(self._defaults[name]) is not None:
+        elif _NUMBER.match(self._defaults[name]):
             self._check_number(name, value)
         return value
 
     def _check_number(self, name, value):
         whole = '.' not in self._defaults[name] and name.startswith('image_')
-        number = _number(value)
-        if number is None or whole and number != int(number):
+        if not (_WHOLE_NUMBER if whole else _NUMBER).match(value):
             raise ArgumentError('{}: got {}, allowed is a {}number; write for example {}:={}'
                                 .format(name, _shown(value), 'whole ' if whole else '', name,
                                         self._defaults[name]))
@@ -101,15 +104,6 @@ def _is_value(word):
     return word != '' and ':=' not in word and not word.startswith('--')
 
 
-def _number(text):
-    """Return the finite number in a text, or None."""
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None
-
-
 def _shown(value):
     return repr(value) if value == '' or ' ' in value else value
 
@@ -124,6 +118,14 @@ def _file(name, value):
     if not os.path.isfile(path):
         raise ArgumentError('{}: there is no file {}; give the path of a file, or omit {}'
                             .format(name, _shown(value), name))
+    return path
+
+
+def _urdf(name, value):
+    path = _file(name, value)
+    if path.endswith('.xacro') and "'" in path:
+        raise ArgumentError('{}: roslaunch cannot pass on the apostrophe in {}; rename the file '
+                            'or its folder'.format(name, path))
     return path
 
 

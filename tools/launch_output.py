@@ -55,7 +55,9 @@ class LaunchOutput:
 
     def _death(self, node, required, code, command):
         log = re.search(r'__log:=(\S+)', command)
-        reason = (last_error(log.group(1)) if log else '') or self._exception or _described(code)
+        reason = _described(code)
+        if code >= 0:       # else its own messages are not the reason
+            reason = (last_error(log.group(1)) if log else '') or self._exception or reason
         self._required, self._exception = None, ''
         return Death(node, required, reason)
 
@@ -71,7 +73,8 @@ def last_error(path):
 
 def _described(code):
     if code < 0:
-        return 'killed by {}'.format(signal.Signals(-code).name)
+        names = {signum.value: signum.name for signum in signal.Signals}
+        return 'killed by {}'.format(names.get(-code, 'signal {}'.format(-code)))
     return 'exit code {}'.format(code)
 
 

@@ -5,14 +5,19 @@ import pathlib
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('errors', 'files', 'resources', 'robot_file', 'settings')
 # libraries that only one folder may use
-OWNERS = {'pybullet': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering'}
+OWNERS = {'pybullet': 'simulation', 'pybullet_data': 'simulation',
+          'pybullet_utils': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering'}
+# of rospy's objects
+PRIVATE_ATTRIBUTES = ('impl', '_connection_header', '_invoke_callback')
 ROS_SUFFIXES = ('_msgs', '_srvs')
-ROS_LIBRARIES = ('actionlib', 'catkin', 'cv_bridge', 'diagnostic_updater', 'dynamic_reconfigure',
-                 'genmsg', 'genpy', 'image_transport', 'message_filters', 'tf', 'tf2_ros')
+ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'diagnostic_updater',
+                 'dynamic_reconfigure', 'genmsg', 'genpy', 'image_geometry', 'image_transport',
+                 'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
     **{folder: ('errors', 'files', 'settings') for folder in PURE},
-    'errors': (), 'files': ('errors',), 'settings': ('errors',), 'resources': ('errors', 'files'),
+    '__init__': (), 'errors': (), 'files': ('errors',), 'settings': ('errors',),
+    'resources': ('errors', 'files'),
     'robot_file': ('errors',),
     'ros': ('errors', 'settings'),
     'conversions': PURE + ('errors', 'settings'),
@@ -59,20 +64,34 @@ def _imports(tree, name):
 
 
 def _internals(tree):
+    rospy_names = set(_names_of_rospy(tree))
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute):
             parts = _dotted(node)
-            private = parts[0] == 'rospy' and any(part.startswith('_') for part in parts[1:])
-            if node.attr == 'impl' or private:
+            is_private = any(part.startswith('_') for part in parts[1:])
+            if node.attr in PRIVATE_ATTRIBUTES or is_private and parts[0] in rospy_names:
                 yield node.lineno, '.'.join(parts)
         elif isinstance(node, ast.ImportFrom) and (node.module or '').split('.')[0] == 'rospy':
             for alias in node.names:
-                if alias.name.startswith('_') or 'impl' in (node.module + '.' + alias.name):
+                if alias.name.startswith(('_', '*')) or 'impl' in (
+                        node.module + '.' + alias.name):
                     yield node.lineno, '{}.{}'.format(node.module, alias.name)
         elif isinstance(node, ast.Import):
             for alias in node.names:
                 if alias.name.startswith('rospy.impl'):
                     yield node.lineno, alias.name
+
+
+def _names_of_rospy(tree):
+    """Yield the names that a file gives to rospy and to what it imports from rospy."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.split('.')[0] == 'rospy':
+                    yield alias.asname or 'rospy'
+        elif isinstance(node, ast.ImportFrom) and (node.module or '').split('.')[0] == 'rospy':
+            for alias in node.names:
+                yield alias.asname or alias.name
 
 
 def _called(node):
@@ -91,6 +110,8 @@ def _dotted(node):
 def _reason(name, module):
     """Return why a file may not import a module, None if it may."""
     part = name.parts[0][:-3] if len(name.parts) == 1 else name.parts[0]
+    if part not in ALLOWED:
+        return '{} is not a part of the package that the walls know'.format(part)
     library, _, rest = module.partition('.')
     if library == 'img_recog':
         return _reason_within(name, part, rest.split('.'))
@@ -100,17 +121,17 @@ def _reason(name, module):
         return '{} runs without a node'.format(part)
     is_ros = (library.startswith('ros') or library in ROS_LIBRARIES
               or library.endswith(ROS_SUFFIXES))
-    if is_ros and part in PURE + ('errors', 'files', 'settings'):
+    if is_ros and part in PURE + ('__init__', 'errors', 'files', 'settings'):
         return '{} must not use ROS'.format(part)
     return None
 
 
 def _reason_within(name, part, target):
-    if part == '__init__' or target[0] == part == '':
-        return None
+    if target[:3] == ['ros', 'transport', 'packets'] and part != 'ros':
+        return 'packets are for ros/transport alone'
     if target[0] == part:
-        if part == 'nodes' and len(name.parts) > 2 and target[1] not in (
-                name.parts[1], 'color_parameters'):
+        node = name.parts[1].replace('.py', '') if len(name.parts) > 1 else ''
+        if part == 'nodes' and target[1] not in (node, 'color_parameters'):
             return 'a node does not import another'
         return None
     if target[0] not in ALLOWED.get(part, ()):

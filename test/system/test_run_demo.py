@@ -1,7 +1,10 @@
 """./run demo: it ends within seconds, leaves no process behind, and prints why it ended."""
+import fcntl
 import os
 import re
 import signal
+import struct
+import termios
 import time
 import uuid
 
@@ -12,6 +15,7 @@ from img_recog_testing.waiting import wait_for
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 MARK = 'IMG_RECOG_TEST_RUN'
 END_S = 10.0
+F_SETPIPE_SZ, PIPE_BYTES = 1031, 4096       # fcntl.h of Linux
 
 
 @pytest.fixture
@@ -70,6 +74,38 @@ def test_roslaunch_ends_when_its_supervisor_is_killed(run_demo):
     wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output)
 
 
+@pytest.mark.parametrize('signum', [signal.SIGINT, signal.SIGQUIT])
+@pytest.mark.parametrize('blocking', [True, False])
+def test_output_that_nobody_reads_does_not_keep_it_from_ending(run_demo, blocking, signum):
+    reader, writer = os.pipe()
+    fcntl.fcntl(writer, F_SETPIPE_SZ, PIPE_BYTES)
+    os.set_blocking(writer, blocking)
+    try:
+        demo = run_demo('camera:=synthetic', stdout=writer, stderr=writer)
+        wait_for(lambda: unread(reader) == PIPE_BYTES, lambda: 'a full pipe')
+        wait_for(lambda: any(b'pybullet_sim' in command_line(pid)
+                             for pid in marked(run_demo.mark)),
+                 'the simulator')
+        os.kill(demo.pid, signum)
+        wait_for(lambda: not marked(run_demo.mark),
+                 lambda: 'the end of {}'.format(marked(run_demo.mark)), END_S)
+    finally:
+        os.close(reader)
+        os.close(writer)
+
+
+def unread(reader):
+    return struct.unpack('i', fcntl.ioctl(reader, termios.FIONREAD, bytes(4)))[0]
+
+
+def command_line(pid):
+    try:
+        with open('/proc/{}/cmdline'.format(pid), 'rb') as file:
+            return file.read()
+    except OSError:
+        return b''
+
+
 def test_ctrl_c_of_a_running_demo_is_clean(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
@@ -97,7 +133,7 @@ def test_simulator_that_cannot_start_ends_the_demo(run_demo, tmp_path):
     path = tmp_path / 'robot.urdf'
     path.write_text('<sdf/>')
     demo = run_demo('camera:=synthetic', 'urdf:={}'.format(path))
-    demo.wait()
+    assert demo.wait() == 1
     assert re.match(r'\[run\] the simulator \(gazebo\) has ended: .*root element <sdf>',
                     last_line(demo)), demo.output
 
@@ -106,7 +142,7 @@ def test_recognition_that_cannot_start_ends_the_demo(run_demo, tmp_path):
     path = tmp_path / 'colors.yaml'
     path.write_text('red_area_limit: -1\n')
     demo = run_demo('camera:=synthetic', 'colors:={}'.format(path))
-    demo.wait()
+    assert demo.wait() == 1
     assert re.match(r'\[run\] the recognition \(color_extract\) has ended: .*red_area_limit: '
                     r'got -1', last_line(demo)), demo.output
 

@@ -27,8 +27,12 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     """
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
-    rosout.init_node(name, disable_signals=True,
-                     disable_rostime=source_of_time and not own_time.follows_clock_topic())
+    try:
+        rosout.init_node(name, disable_signals=True,
+                         disable_rostime=source_of_time and not own_time.follows_clock_topic())
+    except UserError as error:      # there is no log yet
+        sys.stderr.write('[FATAL] {}: {}\n'.format(name, one_line(error)))
+        return 1
     console.install_filter()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup

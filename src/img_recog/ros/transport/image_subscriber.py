@@ -34,6 +34,9 @@ class ImageSubscriber:
     allocates memory four times per image, and takes longer than converting it. Here the kernel
     writes the data to its final place.
 
+    The callback must return soon, for example after storing the image in a LatestValue: the next
+    images wait in the socket meanwhile.
+
     Other subscribers to the topic in the same process get copies of the images.
     """
 

@@ -1,6 +1,7 @@
 """The environment variable that selects plain rospy."""
 import pytest
 
+from img_recog.errors import UserError
 from img_recog.ros.transport import switch
 
 
@@ -17,6 +18,6 @@ def test_the_parts_that_are_plain(monkeypatch, value, plain):
 @pytest.mark.parametrize('value', ['yes', 'rosout,', 'rosout,images'])
 def test_the_error_about_a_wrong_value_lists_the_allowed_ones(monkeypatch, value):
     monkeypatch.setenv(switch.VARIABLE, value)
-    with pytest.raises(ValueError) as error:
+    with pytest.raises(UserError) as error:
         switch.is_plain('rosout')
     assert repr(value) in str(error.value) and 'image_publisher' in str(error.value)
