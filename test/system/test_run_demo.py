@@ -2,9 +2,9 @@
 import fcntl
 import os
 import re
+import select
 import signal
-import struct
-import termios
+import subprocess
 import time
 import uuid
 
@@ -22,10 +22,12 @@ F_SETPIPE_SZ, PIPE_BYTES = 1031, 4096       # fcntl.h of Linux
 def run_demo(ros):
     """A function that starts ./run demo; `mark` of it is in the environment of all processes."""
     mark = str(uuid.uuid4())
+    env = dict(ros.env, **{MARK: mark})
 
     def start(*arguments, **popen):
         return ros.start(os.path.join(ROOT, 'run'), 'demo', *arguments, start_new_session=True,
-                         env=dict(ros.env, **{MARK: mark}), **popen)
+                         env=env, **popen)
+    start.env = env
     start.mark = '{}={}'.format(MARK, mark).encode()
     yield start
     for pid in marked(start.mark):
@@ -81,21 +83,20 @@ def test_output_that_nobody_reads_does_not_keep_it_from_ending(run_demo, blockin
     fcntl.fcntl(writer, F_SETPIPE_SZ, PIPE_BYTES)
     os.set_blocking(writer, blocking)
     try:
-        demo = run_demo('camera:=synthetic', stdout=writer, stderr=writer)
-        wait_for(lambda: unread(reader) == PIPE_BYTES, lambda: 'a full pipe')
+        demo = subprocess.Popen(
+            [os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic'], env=run_demo.env,
+            stdin=subprocess.DEVNULL, stdout=writer, stderr=writer, start_new_session=True)
+        wait_for(lambda: not select.select([], [writer], [], 0)[1], 'a full pipe')
         wait_for(lambda: any(b'pybullet_sim' in command_line(pid)
                              for pid in marked(run_demo.mark)),
                  'the simulator')
         os.kill(demo.pid, signum)
         wait_for(lambda: not marked(run_demo.mark),
                  lambda: 'the end of {}'.format(marked(run_demo.mark)), END_S)
+        demo.wait()
     finally:
         os.close(reader)
         os.close(writer)
-
-
-def unread(reader):
-    return struct.unpack('i', fcntl.ioctl(reader, termios.FIONREAD, bytes(4)))[0]
 
 
 def command_line(pid):
