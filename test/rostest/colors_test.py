@@ -157,7 +157,7 @@ class ColorsTest(unittest.TestCase):
         twist = Twist()
         twist.angular.z = float('nan')
         self.drive.publish(twist)
-        self._wait_warning('cmd_vel ignored', 'nan')
+        self._wait_warning('ignored a message on cmd_vel', 'nan')
         # a valid command afterwards is executed
         twist = Twist()
         twist.linear.x = 0.2

@@ -152,8 +152,9 @@ def test_interrupted_replay_leaves_no_files(ros, tmp_path):
         writer.write(np.zeros((48, 64, 3), np.uint8))
     writer.release()
     process = ros.start('rosrun', 'img_recog', 'replay.py', 'long.avi', cwd=str(tmp_path))
-    wait_for(lambda: [name for name in os.listdir(str(tmp_path)) if name.endswith(
-        '.csv.{}'.format(process.pid))], lambda: 'files to write to in ' + process.output)
+    wait_for(lambda: [name for name in os.listdir(str(tmp_path))
+                      if '.csv.{}.'.format(process.pid) in name],
+             lambda: 'files to write to in ' + process.output)
     assert process.interrupt() == 130, process.output
     assert 'Traceback' not in process.output, process.output
     assert [name for name in os.listdir(str(tmp_path)) if 'long' in name] == ['long.avi']

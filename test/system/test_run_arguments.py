@@ -101,7 +101,7 @@ RELATIVE = {
     'film or image': (CAMERA, 'camera:=photo.png', 'camera: .*image {}/photo.png'),
     'folder': (CAMERA, 'camera:=images', 'camera: .*{}/images'),
     'calibration': ((*CAMERA, 'camera:=synthetic'), 'camera_info_url:=file://my_camera.yaml',
-                    'camera is not calibrated: no {}/my_camera.yaml'),
+                    'camera is not calibrated: there is no file {}/my_camera.yaml'),
     'world': (SIMULATOR, 'world:=my_world.urdf', 'simulating .* in world .*my_world.urdf'),
     'robot': (SIMULATOR, 'urdf:=my.urdf', 'simulating 1.0017 kg'),
     'colors': (RECOGNITION, 'colors:=my_colors.yaml', r'blue=\d+, red=\d+'),
