@@ -84,7 +84,7 @@ class VideoTest(unittest.TestCase):
         self.assertEqual(FRAMES, len(number), 'all frames have different bytes')
         seen = [number[entry[1]] for entry in sorted(self.raw.values())]
         steps = {(b - a) % FRAMES for a, b in zip(seen, seen[1:])}
-        self.assertLessEqual(max(steps), 5, 'a busy machine may drop frames but not reorder them')
+        self.assertLess(max(steps), FRAMES / 2, 'a busy machine may drop frames, but not go back')
         self.assertNotIn(0, steps)
         self.assertGreater(len(set(seen)), 0.9 * FRAMES)
 
@@ -109,7 +109,7 @@ class VideoTest(unittest.TestCase):
         for start in range(FRAMES):
             numbers, position = [], start
             for line in lines:
-                ahead = next((n for n in range(6) if video[(position + n) % FRAMES] == line), None)
+                ahead = next((n for n in range(FRAMES // 4) if video[(position + n) % FRAMES] == line), None)
                 if ahead is None:
                     break
                 numbers.append((position + ahead) % FRAMES)
