@@ -109,7 +109,8 @@ class VideoTest(unittest.TestCase):
         for start in range(FRAMES):
             numbers, position = [], start
             for line in lines:
-                ahead = next((n for n in range(FRAMES // 4) if video[(position + n) % FRAMES] == line), None)
+                ahead = next((n for n in range(FRAMES // 4)
+                              if video[(position + n) % FRAMES] == line), None)
                 if ahead is None:
                     break
                 numbers.append((position + ahead) % FRAMES)
