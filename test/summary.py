@@ -9,7 +9,13 @@ def main(folder):
     """Read every result file below `folder`."""
     passed = failed = skipped = 0
     for path in sorted(pathlib.Path(folder).rglob('*.xml')):
-        for case in ElementTree.parse(path).getroot().iter('testcase'):
+        try:
+            root = ElementTree.parse(path).getroot()
+        except ElementTree.ParseError:      # its process ended while it wrote the file
+            failed += 1
+            sys.stdout.write('FAILED {}: no complete results\n'.format(path.name))
+            continue
+        for case in root.iter('testcase'):
             if case.find('failure') is not None or case.find('error') is not None:
                 failed += 1
                 sys.stdout.write('FAILED {}: {}\n'.format(path.name, case.get('name')))
