@@ -6,6 +6,7 @@ import rospy
 import rostest
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
+from std_srvs.srv import Empty
 
 from img_recog_testing.recording import Recorder, wait_for
 
@@ -35,6 +36,9 @@ class DriveTest(unittest.TestCase):
 
     def test_blue_red_and_nothing(self):
         self._wait_areas(False, True)
+        self._wait_areas(False, False)
+        # where it got to meanwhile, perhaps against the wall, depends on how busy the machine is
+        rospy.ServiceProxy('/gazebo/reset_world', Empty)()
         for blue, red, direction in ((True, False, 1), (False, True, -1)):
             self._wait_areas(blue, red)
             start = self.odometry.messages[-1].pose.pose.position
