@@ -1,8 +1,10 @@
 """Waits for a condition up to a deadline, so that tests need no fixed sleep."""
+import os
 import threading
 import time
 
-DEADLINE_S = 90.0           # wall time, generous: the machine may be busy
+DEADLINE_S = 90.0           # wall time on an idle machine, generous
+_MAX_STRETCH = 5.0
 _POLL = threading.Event()   # never set; waited for between two checks
 
 
@@ -10,12 +12,19 @@ def wait_for(condition, what, deadline_s=DEADLINE_S):
     """Return the first true value of `condition()`; raise AssertionError after the deadline.
 
     what: a description of what is waited for, or a function that returns it.
+    deadline_s: seconds of wall time on an idle machine; longer while other programs run, see
+    `stretch`.
     """
-    end = time.monotonic() + deadline_s
-    while time.monotonic() < end:
+    start = time.monotonic()
+    while time.monotonic() < start + deadline_s * stretch():
         value = condition()
         if value:
             return value
         _POLL.wait(0.02)
-    raise AssertionError('timeout after {} s waiting for {}'.format(
-        deadline_s, what() if callable(what) else what))
+    raise AssertionError('timeout after {:.0f} s waiting for {}'.format(
+        time.monotonic() - start, what() if callable(what) else what))
+
+
+def stretch():
+    """Return by which factor a busy machine is slower: its load per core, from 1 to 5."""
+    return min(max(os.getloadavg()[0] / (os.cpu_count() or 1), 1.0), _MAX_STRETCH)
