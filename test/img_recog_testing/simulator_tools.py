@@ -45,10 +45,10 @@ class Echo:
         self._process.close()
 
 
-def drive(ros, linear):
-    """Publish a command; return the process that does so."""
+def drive(ros, linear, angular=0.0):
+    """Publish a command in m/s and rad/s; return the process that does so."""
     return ros.start('rostopic', 'pub', '/cmd_vel', 'geometry_msgs/Twist',
-                     '{{linear: {{x: {}}}}}'.format(linear))
+                     '{{linear: {{x: {}}}, angular: {{z: {}}}}}'.format(linear, angular))
 
 
 def call(ros, service):

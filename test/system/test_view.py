@@ -52,13 +52,14 @@ def test_view_from_above_shows_the_robot_at_its_position(ros, simulate):
     x, y = images.wait(count=2)['dark']['middle']
     # 46 pixels per meter, the center is (0.8, 0), x points up
     assert (x, y) == pytest.approx((320 + 0.5 * 46.2, 240 + 2.8 * 46.2), abs=4)
-    driving = drive(ros, 0.5)
-    place.wait(lambda x, y, z: x > 0.0, 'the robot to drive')
+    # in a circle around (-2, 0.5): however long the next command takes, it stays in the picture
+    driving = drive(ros, 0.5, angular=0.5)
+    place.wait(lambda x, y, z: y > 0.5, 'the robot to drive')
     driving.close()
     drive(ros, 0.0)
-    x, _, _ = wait_for(lambda: place.rows[-1] if standing(place.rows[-30:]) else None, 'a halt')
+    x, y, _ = wait_for(lambda: place.rows[-1] if standing(place.rows[-30:]) else None, 'a halt')
     assert images.wait(count=3)['dark']['middle'] == pytest.approx(
-        (320 + 0.5 * 46.2, 240 + (0.8 - x) * 46.2), abs=4)
+        (320 - y * 46.2, 240 + (0.8 - x) * 46.2), abs=4)
 
 
 def test_following_keeps_the_robot_in_the_middle(ros, simulate):
