@@ -13,9 +13,9 @@ Names that are used
         _invoke_callback; add_connection, which is replaced. A connection's endpoint_id, header,
         _connection_header (of its messages), is_latched, stat_num_msg and protocol; of the
         protocol, buff_size, and read_messages, which is replaced.
-    direct_publisher.py
-        `impl` of a Publisher: connections, is_latch, latch, acquire, release,
-        publish(message, connection_override). A connection's socket.
+    direct_publisher.py, outbox.py
+        `impl` of a Publisher: c_lock, connections; add_connection, which is replaced. A
+        connection's socket, close, stat_bytes, stat_num_msg; write_data, which is replaced.
     rosout.py
         rospy.impl.rosout: Publisher and RosOutHandler, which are replaced, and _rosout_pub.
         rospy.impl.registration.get_topic_manager().get_topics().
