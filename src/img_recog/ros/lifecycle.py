@@ -10,7 +10,7 @@ import genpy
 import rospy
 
 from img_recog.errors import UserError, one_line
-from img_recog.ros import console
+from img_recog.ros import console, log_handlers, log_records
 from img_recog.ros.transport import own_time, rosout
 
 _JOIN_TIMEOUT_S = 0.5
@@ -25,6 +25,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     code 0. SIGINT, SIGTERM and SIGHUP (a terminal that is closed) shut it down; `serve` still
     runs while the hooks of `on_shutdown` do.
     """
+    log_records.install()
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
     try:
@@ -34,6 +35,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
         sys.stderr.write('[FATAL] {}: {}\n'.format(name, one_line(error)))
         return 1
     console.install_filter()
+    log_handlers.protect()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup
             signal.signal(number, _shut_down)
