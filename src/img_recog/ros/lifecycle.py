@@ -11,7 +11,7 @@ import rospy
 
 from img_recog.errors import UserError, one_line
 from img_recog.ros import console, log_handlers, log_records
-from img_recog.ros.transport import own_time, rosout
+from img_recog.ros.transport import handshakes, log_files, own_time, rosout
 
 _JOIN_TIMEOUT_S = 0.5
 
@@ -29,6 +29,8 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
     try:
+        handshakes.install()
+        log_files.install()
         rosout.init_node(name, disable_signals=True,
                          disable_rostime=source_of_time and not own_time.follows_clock_topic())
     except UserError as error:      # there is no log yet

@@ -16,13 +16,15 @@ _MAX_REASONS = 5
 
 
 def protect() -> None:
-    """Change the handlers of this process. Call it after rospy.init_node.
+    """Change the handlers of this process, once. Call it after rospy has made them.
 
     An error of a handler costs one line on the terminal, the first time; python's logging would
     print a traceback for each record, and rosgraph's handler would raise it in the caller. Log
     files are smaller than rosgraph's, unless the user has chosen a configuration.
     """
     for handler in ros_handlers():
+        if {'emit', 'handleError'} & set(vars(handler)):        # changed before
+            continue
         if isinstance(handler, RosStreamHandler):
             _guard(handler)
         elif isinstance(handler, logging.FileHandler):

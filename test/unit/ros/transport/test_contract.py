@@ -11,9 +11,11 @@ import threading
 import genpy
 import pytest
 import rospy
+from rosgraph import roslogging
 from rospy.impl import registration, rosout, simtime
-from rospy.impl.tcpros_base import TCPROSTransport
+from rospy.impl.tcpros_base import TCPROSServer, TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSHandler, TCPROSPub, TCPROSSub
+from rospy.impl.tcpros_service import service_connection_handler
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
@@ -210,6 +212,22 @@ def test_rosout_uses_publisher_and_handler_of_its_module(monkeypatch):
     assert made == [(('/rosout', rosout.Log), {'latch': True, 'queue_size': 100})]
     assert 'RosOutHandler()' in inspect.getsource(rosout.load_rosout_handlers)
     assert inspect.isclass(rosout.RosOutHandler)
+
+
+def test_the_server_of_incoming_connections():
+    server = TCPROSServer()
+    assert parameters(TCPROSServer._tcp_server_callback) == ['self', 'sock', 'client_addr']
+    for handler in (server.topic_connection_handler, server.service_connection_handler,
+                    service_connection_handler):
+        assert parameters(handler) == ['sock', 'client_addr', 'header']
+    assert 'TCPServer(self._tcp_server_callback' in inspect.getsource(TCPROSServer.start_server)
+
+
+def test_rospy_configures_logging_by_the_function_of_rosgraph():
+    assert parameters(roslogging.configure_logging) == ['logname', 'level', 'filename', 'env']
+    assert 'rosgraph.roslogging.configure_logging(' in inspect.getsource(
+        rospy.core.configure_logging)
+    assert parameters(roslogging.makedirs_with_parent_perms) == ['p']
 
 
 def test_the_topics_of_a_node(publication, name):
