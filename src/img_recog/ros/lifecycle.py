@@ -10,8 +10,8 @@ import genpy
 import rospy
 
 from img_recog.errors import UserError, one_line
-from img_recog.ros import console, log_handlers, log_records
-from img_recog.ros.transport import handshakes, log_files, own_time, rosout
+from img_recog.ros import console, log_files, log_handlers, log_records
+from img_recog.ros.transport import handshakes, own_time, rosout
 
 _JOIN_TIMEOUT_S = 0.5
 
@@ -26,11 +26,11 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     runs while the hooks of `on_shutdown` do.
     """
     log_records.install()
+    log_files.install()
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
     try:
         handshakes.install()
-        log_files.install()
         rosout.init_node(name, disable_signals=True,
                          disable_rostime=source_of_time and not own_time.follows_clock_topic())
     except UserError as error:      # there is no log yet

@@ -22,8 +22,6 @@ Names that are used
     handshakes.py
         rospy.impl.tcpros_base.TCPROSServer: topic_connection_handler, service_connection_handler;
         _tcp_server_callback, which is replaced.
-    log_files.py
-        rosgraph.roslogging.configure_logging, which is replaced.
     own_time.py
         rospy.rostime._set_rostime.
 
@@ -32,8 +30,8 @@ Switching it off
     IMG_RECOG_PLAIN_ROSPY=rosout,own_time, only these parts do (the names are in switch.py).
 
 Safety
-    handshakes keeps a connection that sends nothing from keeping subscribers out. log_files lets
-    a node run whose log file cannot be written. outbox.py never blocks the publisher.
+    A connection that sends nothing does not keep subscribers out (handshakes). A subscriber that
+    does not read never blocks the publisher (direct_publisher).
 
 Gain
     ./run bench measures each part on and off. Ratio of CPU time without a part to CPU time with

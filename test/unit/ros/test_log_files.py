@@ -7,11 +7,11 @@ import pytest
 import rospy
 from rosgraph import roslogging
 
-from img_recog.ros.transport import log_files
+from img_recog.ros import log_files
 
 
 @pytest.fixture
-def configure(monkeypatch, fast, tmp_path):
+def configure(monkeypatch, tmp_path):
     """A function that configures logging like rospy.init_node, with a ROS_HOME."""
     for name in (None, 'rosout'):
         monkeypatch.setattr(logging.getLogger(name), 'handlers', [])

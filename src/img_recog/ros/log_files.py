@@ -9,15 +9,13 @@ from rosgraph import roslogging
 
 from img_recog.errors import one_line, shortened
 from img_recog.ros import log_handlers
-from img_recog.ros.transport.switch import is_plain
 
 _configure = roslogging.configure_logging
 
 
 def install() -> None:
     """Let rospy.init_node continue without a log file, which would end it with a traceback."""
-    if not is_plain('log_files'):
-        roslogging.configure_logging = _configure_if_writable
+    roslogging.configure_logging = _configure_if_writable
 
 
 def _configure_if_writable(logname: str, level: int = logging.INFO, filename: Optional[str] = None,
