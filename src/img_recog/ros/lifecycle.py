@@ -9,7 +9,7 @@ from typing import Callable
 import genpy
 import rospy
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError, one_line, shortened
 from img_recog.ros import console, log_files, log_handlers, log_records
 from img_recog.ros.transport import handshakes, own_time, rosout
 
@@ -50,7 +50,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
             raise
     except ConnectionRefusedError:
         rospy.logfatal('no master answers at %s: start roscore or roslaunch first, or set '
-                       'ROS_MASTER_URI', os.environ.get('ROS_MASTER_URI', ''))
+                       'ROS_MASTER_URI', shortened(os.environ.get('ROS_MASTER_URI', '')))
         rospy.signal_shutdown('no master')
         return 1
     except UserError as error:

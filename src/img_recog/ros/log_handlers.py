@@ -29,15 +29,19 @@ def protect() -> None:
             _guard(handler)
         elif isinstance(handler, logging.FileHandler):
             setattr(handler, 'handleError', _Notice(handler.baseFilename))
-        if (isinstance(handler, RotatingFileHandler) and not os.environ.get(_CONFIGURATION)
-                and (handler.maxBytes, handler.backupCount) == _DEFAULT_SIZE):
-            handler.maxBytes, handler.backupCount = _SIZE
+        if isinstance(handler, RotatingFileHandler) and not os.environ.get(_CONFIGURATION):
+            _limit(handler)
 
 
 def ros_handlers() -> Iterator[logging.Handler]:
     """Yield the handlers of rospy's log: for the file, the terminal and /rosout."""
     for name in ('rosout', None):
         yield from logging.getLogger(name).handlers
+
+
+def _limit(handler: RotatingFileHandler) -> None:
+    if (handler.maxBytes, handler.backupCount) == _DEFAULT_SIZE:
+        vars(handler).update(zip(('maxBytes', 'backupCount'), _SIZE))
 
 
 class _Notice:
