@@ -30,7 +30,8 @@ def kind_of(topic: str) -> type:
     except (OSError, ValueError, rosgraph.MasterException) as error:
         raise TopicError('there is no file {0}, and no master at {1} to ask for a topic {0}: {2}; '
                          'start roscore or roslaunch first, or set ROS_MASTER_URI'.format(
-                             topic, shortened(os.environ.get('ROS_MASTER_URI', '')), one_line(error)))
+                             topic, shortened(os.environ.get('ROS_MASTER_URI', '')),
+                             one_line(error)))
     found = published.get(topic)
     if found in _KINDS:
         return _KINDS[found]

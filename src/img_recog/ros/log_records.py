@@ -26,11 +26,7 @@ class SafeRecord(logging.LogRecord):
             text = text % self.args
         if len(text) <= MAX_LINE and text.isprintable() and _FIELD not in text:
             return text
-        text = _lines(text) if _TRACEBACK in text else shortened(text, MAX_LINE)
-        # rosgraph's handler would replace them, and raise an exception where it cannot
-        for field in _TIME_FIELDS:
-            text = text.replace(field, field.replace(_FIELD, '$ {'))
-        return text
+        return _lines(text) if _TRACEBACK in text else _without_fields(shortened(text, MAX_LINE))
 
     @property
     def exc_text(self) -> Optional[str]:
@@ -54,4 +50,11 @@ def _lines(text: str) -> str:
     if dropped > 0:
         half = _MAX_LINES // 2
         lines[half:-half] = ['... {} lines ...'.format(dropped)]
-    return ('\n' + _INDENT).join(shortened(line) for line in lines)
+    return _without_fields(('\n' + _INDENT).join(shortened(line) for line in lines))
+
+
+def _without_fields(text: str) -> str:
+    """Change fields that rosgraph's handler would replace; it fails if one has no end."""
+    for field in _TIME_FIELDS:
+        text = text.replace(field, field.replace(_FIELD, '$ {'))
+    return text

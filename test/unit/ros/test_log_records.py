@@ -94,4 +94,10 @@ def test_a_traceback_of_many_and_long_lines_is_shortened(logger):
 def test_fields_of_the_format_of_rosconsole_are_only_text(logger, text):
     """rosgraph's handler replaces them in the message too, and fails without a brace."""
     logger.warning('parameter %s is unknown', text)
-    assert lines(logger) == ['parameter {} is unknown'.format(text.replace('${', '$ {'))]
+    try:
+        raise ValueError(text)
+    except ValueError:
+        logger.exception('failed')
+    found = lines(logger)
+    assert found[0] == 'parameter {} is unknown'.format(text.replace('${', '$ {'))
+    assert found[-1] == '    ValueError: ' + text.replace('${', '$ {')
