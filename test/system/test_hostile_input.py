@@ -7,8 +7,10 @@ import pytest
 from rosgraph import network
 from rosgraph_msgs.msg import Log
 
+from img_recog.ros.transport.switch import is_plain
 from img_recog_testing.waiting import DEADLINE_S
 
+_IDLE = 20
 FORGED = 'x\n[FATAL] forged'
 HOSTILE_IMAGES = '''
 import numpy, rospy
@@ -37,7 +39,10 @@ print('{} commands'.format(count[0]))
 
 @pytest.fixture
 def silent_subscriber(shared_ros):
-    """A function that subscribes to a topic of a node and never reads."""
+    """A function that subscribes to a topic of a node and never reads.
+
+    More connections to the port of the node send nothing at all.
+    """
     socks = []
 
     def subscribe(node, topic, message_type):
@@ -52,6 +57,8 @@ def silent_subscriber(shared_ros):
             'topic': topic, 'type': message_type._type, 'md5sum': message_type._md5sum,
             'callerid': '/silent'})
         assert socks[-1].recv(1)        # of the header
+        for _ in range(0 if is_plain('handshakes') else _IDLE):
+            socks.append(socket.create_connection((host, port), DEADLINE_S))
     yield subscribe
     for sock in socks:
         sock.close()
