@@ -1,4 +1,7 @@
-"""The exception that every module raises for a problem that the user can fix."""
+"""The exception for problems that the user can fix, and safe texts for messages."""
+
+MAX_FOREIGN, MAX_LINE = 200, 2000       # characters of a text from outside, and of a whole line
+_GAP = ' ... '
 
 
 class UserError(Exception):
@@ -15,9 +18,30 @@ class UserError(Exception):
 
 
 def one_line(error: object) -> str:
-    """Return the text of an error, or of anything else, as one line.
+    """Return the text of an error, or of anything else, as one line; see `shortened`.
 
-    For an OSError this is the message of the operating system, without number and path.
+    For an OSError this is the message of the operating system, without number and path. A
+    UserError may be as long as a line, any other text as long as a text from outside.
     """
     text = getattr(error, 'strerror', None) or str(error)
-    return ' '.join(text.split()) or type(error).__name__
+    return shortened(' '.join(text.split()) or type(error).__name__,
+                     MAX_LINE if isinstance(error, UserError) else MAX_FOREIGN)
+
+
+def shortened(value: object, limit: int = MAX_FOREIGN) -> str:
+    """Return a text from outside as it may be part of a message or of a line of the log.
+
+    Line breaks and all other characters that cannot be printed, which could forge a line or
+    control the terminal, are written as in Python: `\\n`, `\\x1b`. Of a text that is longer than
+    `limit` characters, only the beginning and the end remain.
+    """
+    text = str(value)
+    if len(text) > 2 * limit:
+        text = text[:limit] + text[-limit:]
+    if not text.isprintable():
+        text = ''.join(each if each.isprintable() else each.encode('unicode_escape').decode()
+                       for each in text)
+    if len(text) <= limit:
+        return text
+    end = limit // 4
+    return text[:limit - end - len(_GAP)] + _GAP + text[-end:]

@@ -5,7 +5,7 @@ import math
 from typing import (Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional, Tuple, Type,
                     TypeVar)
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, shortened
 
 
 class SettingError(UserError):
@@ -16,8 +16,8 @@ class SettingError(UserError):
     """
 
     def __init__(self, name: str, value: Any, allowed: str):
-        got = 'nothing' if value is None else repr(value)
-        super().__init__('{}: got {}, allowed is {}'.format(name, got, allowed))
+        got = 'nothing' if value is None else shortened(repr(value))
+        super().__init__('{}: got {}, allowed is {}'.format(shortened(name), got, allowed))
         self.name = name
         self.value = value
         self.got = got
@@ -142,10 +142,11 @@ def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
 
     known: the names that exist; full_name: the name to show in place of `name`.
     """
-    similar = difflib.get_close_matches(name, sorted(known), 1)
+    similar = difflib.get_close_matches(shortened(name), sorted(known), 1)
     advice = ('did you mean {}?'.format(similar[0]) if similar else
               'known are {}'.format(', '.join(sorted(known)) or 'none'))
-    return 'parameter {} is unknown to this node: {}'.format(full_name or name, advice)
+    return 'parameter {} is unknown to this node: {}'.format(
+        shortened(full_name or name), advice)
 
 
 def _number(text: str) -> Any:

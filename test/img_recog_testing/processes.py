@@ -37,6 +37,14 @@ class Process:
         self._reader.join(5)
         return self._popen.returncode
 
+    def is_running(self):
+        """Return whether the program has not ended."""
+        return self._popen.poll() is None
+
+    def send_signal(self, number):
+        """Send a signal."""
+        self._popen.send_signal(number)
+
     def interrupt(self):
         """Send SIGINT, as Ctrl-C does; wait for the end and return the exit code."""
         self._popen.send_signal(signal.SIGINT)

@@ -7,7 +7,7 @@ import pytest
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.errors import UserError
 from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,
-                                one_of, setting, setting_fields)
+                                one_of, setting, setting_fields, unknown)
 from img_recog.teleoperation.settings import TeleopSettings
 
 
@@ -54,7 +54,7 @@ def test_whole_float_becomes_int_for_an_int_field():
 @pytest.mark.parametrize('name, value, allowed', [
     ('count', 10 ** 12, 'a whole number at least 0, within 32 bits'),
     ('count', 1e12, 'a whole number at least 0'),
-    ('rate', 10 ** 400, 'a finite number above 0, within 32 bits'),
+    ('rate', 10 ** 199, 'a finite number above 0, within 32 bits'),
     ('width', 0, 'a whole number from 1 to 800'),
     ('width', 801, 'a whole number from 1 to 800'),
     ('width', 640.5, 'a whole number from 1 to 800'),
@@ -87,6 +87,14 @@ def test_error_names_field_value_and_allowed_values(name, value, allowed):
     assert (refused.value.name, refused.value.allowed) == (name, allowed)
     assert refused.value.value is value
     assert isinstance(refused.value, UserError)
+
+
+def test_a_value_of_8_mb_and_a_hostile_name_are_shortened():
+    with pytest.raises(SettingError) as refused:
+        Sample(mode='\x1b' * (8 << 20))
+    assert len(str(refused.value)) < 300 and str(refused.value).isprintable()
+    line = unknown('x\n[FATAL] forged\x1b[2J' + 'y' * (8 << 20), ['rate'], '')
+    assert len(line) < 300 and r'x\n[FATAL] forged\x1b[2J' in line
 
 
 def test_replacing_a_field_checks_it_again():

@@ -12,7 +12,7 @@ from std_msgs.msg import Header
 
 from img_recog.conversions import image_msgs
 from img_recog.conversions.image_msgs import ImageError
-from img_recog.errors import one_line
+from img_recog.errors import one_line, shortened
 from img_recog.settings import Settings, between, one_of, setting
 
 _PIXEL_SHAPES = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}
@@ -101,5 +101,5 @@ def _encoding_of(image: np.ndarray, msg_format: str) -> str:
 
 
 def _image_error(msg: CompressedImage, reason: object) -> ImageError:
-    return ImageError('cannot decode a compressed image of format {!r}, {} bytes: {}'.format(
-        msg.format, len(msg.data), one_line(reason)))
+    return ImageError('cannot decode a compressed image of format {}, {} bytes: {}'.format(
+        shortened(repr(msg.format)), len(msg.data), one_line(reason)))

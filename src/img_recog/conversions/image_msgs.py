@@ -9,7 +9,7 @@ from cv_bridge import CvBridge, CvBridgeError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError, one_line, shortened
 
 _bridge = CvBridge()
 # The conversions of cv_bridge to bgr8: encoding -> (channels, code of cv2.cvtColor). Those that
@@ -90,9 +90,10 @@ def _image_errors(msg: Image, encoding: str) -> Iterator[None]:
     try:
         yield
     except (CvBridgeError, cv2.error, KeyError, RuntimeError, TypeError, ValueError) as error:
-        raise ImageError('cannot convert an image of {}x{}, encoding {!r}, step {}, {} bytes to '
-                         '{}: {}'.format(msg.width, msg.height, msg.encoding, msg.step,
-                                         len(msg.data), encoding, one_line(error)))
+        raise ImageError('cannot convert an image of {}x{}, encoding {}, step {}, {} bytes to '
+                         '{}: {}'.format(
+                             msg.width, msg.height, shortened(repr(msg.encoding)), msg.step,
+                             len(msg.data), encoding, one_line(error)))
 
 
 def _view(msg: Image, channels: int) -> np.ndarray:

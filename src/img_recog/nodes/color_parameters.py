@@ -5,6 +5,7 @@ from typing import Any, List, Sequence, Type
 import rosgraph.names
 import rospy
 
+from img_recog.errors import shortened
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC, unknown_color
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
                                             color_names, with_colors)
@@ -53,6 +54,6 @@ def warn_of_unknown(settings: RecognitionSettings, *others: Type[Settings]) -> N
         color = color_in(name)
         if color is not None and color not in settings.color_names:
             of_unknown_colors.append(name)
-            rospy.logwarn('parameter %s: %s', rospy.resolve_name('~' + name),
+            rospy.logwarn('parameter %s: %s', shortened(rospy.resolve_name('~' + name)),
                           unknown_color(color, settings.color_names))
     parameters.warn_of_unknown(type(settings), *others, also_known=known + of_unknown_colors)

@@ -3,7 +3,7 @@ from typing import Any, Dict, Sequence
 
 import yaml
 
-from img_recog.errors import one_line
+from img_recog.errors import one_line, shortened
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
                                             color_names, with_colors)
 from img_recog.settings import ParameterError, SettingError, from_mapping, setting_fields, unknown
@@ -40,6 +40,7 @@ def read(path: str) -> RecognitionSettings:
 
 def unknown_color(color: str, names: Sequence[str]) -> str:
     """Return a message about a parameter of a color that is not in the parameter `colors`."""
+    color = shortened(color)
     return 'there is no color {}, the colors are {}; add it to {}: [{}]'.format(
         color, ', '.join(names), COLORS, ', '.join([*names, color]))
 

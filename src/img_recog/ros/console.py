@@ -5,6 +5,8 @@ from typing import Any, Callable, Optional
 
 from rosgraph.roslogging import RosStreamHandler
 
+from img_recog.ros import log_handlers
+
 _ON_CONSOLE = 'on_console'      # attribute of a LogRecord
 
 
@@ -37,10 +39,9 @@ def mark(shown: bool) -> dict:
 
 def install_filter() -> None:
     """Hide the lines with `mark(False)` in the terminal. Call it after rospy.init_node."""
-    for name in ('rosout', None):
-        for handler in logging.getLogger(name).handlers:
-            if isinstance(handler, RosStreamHandler):
-                handler.addFilter(_is_on_console)
+    for handler in log_handlers.ros_handlers():
+        if isinstance(handler, RosStreamHandler):
+            handler.addFilter(_is_on_console)
 
 
 def _is_on_console(record: logging.LogRecord) -> bool:

@@ -5,7 +5,7 @@ import rosgraph
 import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line, shortened
 
 _KINDS = {kind._type: kind for kind in (Image, CompressedImage)}
 
@@ -30,7 +30,8 @@ def kind_of(topic: str) -> type:
     except (OSError, ValueError, rosgraph.MasterException) as error:
         raise TopicError('there is no file {0}, and no master at {1} to ask for a topic {0}: {2}; '
                          'start roscore or roslaunch first, or set ROS_MASTER_URI'.format(
-                             topic, os.environ.get('ROS_MASTER_URI', ''), error))
+                             topic, shortened(os.environ.get('ROS_MASTER_URI', '')),
+                             one_line(error)))
     found = published.get(topic)
     if found in _KINDS:
         return _KINDS[found]

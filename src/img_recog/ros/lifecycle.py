@@ -9,9 +9,9 @@ from typing import Callable
 import genpy
 import rospy
 
-from img_recog.errors import UserError, one_line
-from img_recog.ros import console
-from img_recog.ros.transport import own_time, rosout
+from img_recog.errors import UserError, one_line, shortened
+from img_recog.ros import console, log_files, log_handlers, log_records
+from img_recog.ros.transport import handshakes, own_time, rosout
 
 _JOIN_TIMEOUT_S = 0.5
 
@@ -25,15 +25,19 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     code 0. SIGINT, SIGTERM and SIGHUP (a terminal that is closed) shut it down; `serve` still
     runs while the hooks of `on_shutdown` do.
     """
+    log_records.install()
+    log_files.install()
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the
     # main thread, both wait for the same lock for ever
     try:
+        handshakes.install()
         rosout.init_node(name, disable_signals=True,
                          disable_rostime=source_of_time and not own_time.follows_clock_topic())
     except UserError as error:      # there is no log yet
         sys.stderr.write('[FATAL] {}: {}\n'.format(name, one_line(error)))
         return 1
     console.install_filter()
+    log_handlers.protect()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup
             signal.signal(number, _shut_down)
@@ -46,7 +50,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
             raise
     except ConnectionRefusedError:
         rospy.logfatal('no master answers at %s: start roscore or roslaunch first, or set '
-                       'ROS_MASTER_URI', os.environ.get('ROS_MASTER_URI', ''))
+                       'ROS_MASTER_URI', shortened(os.environ.get('ROS_MASTER_URI', '')))
         rospy.signal_shutdown('no master')
         return 1
     except UserError as error:

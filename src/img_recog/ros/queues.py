@@ -1,35 +1,48 @@
 """Queues between the callbacks of a node and its loop."""
-import queue
 import threading
 from concurrent.futures import Future
 from typing import Any, Callable, Optional
 
 
 class LatestValue:
-    """Holds the newest item only. A callback puts, the loop takes."""
+    """Holds the newest item only. Callbacks put, one loop takes.
+
+    The loop does not wait in a queue.SimpleQueue: in CPython 3.11, `get` with a timeout waits
+    forever after a signal handler that takes longer than the rest of the timeout. A lock measures
+    the rest again. Do not call the methods in a signal handler, which may interrupt one of them.
+    """
 
     def __init__(self):
-        self._items = queue.SimpleQueue()
+        self._lock = threading.Lock()
+        self._item: Optional[Any] = None
+        # a binary semaphore, faster than a Condition: free after `put` and `wake`
+        self._changed = threading.Lock()
+        self._changed.acquire()
 
     def put(self, item: Any) -> Optional[Any]:
         """Store the item; return the previous one if it was never taken."""
-        replaced = self.take()
-        self._items.put(item)
+        with self._lock:
+            replaced, self._item = self._item, item
+            self._notify()
         return replaced
 
     def take(self, timeout_s: float = 0.0) -> Optional[Any]:
         """Remove and return the item, waiting up to `timeout_s` for it; None if there is none."""
-        item = self._next(timeout_s)
-        while not self._items.empty():      # two callbacks put at the same time
-            newer = self._next()
-            item = item if newer is None else newer
+        if self._item is None and timeout_s > 0:
+            self._changed.acquire(timeout=timeout_s)
+        with self._lock:
+            item, self._item = self._item, None
+            self._changed.acquire(blocking=False)
         return item
 
-    def _next(self, timeout_s: float = 0.0) -> Optional[Any]:
-        try:
-            return self._items.get(timeout_s > 0, timeout_s)
-        except queue.Empty:
-            return None
+    def wake(self) -> None:
+        """End the wait of the loop now; if it does not wait, its next wait ends immediately."""
+        with self._lock:
+            self._notify()
+
+    def _notify(self) -> None:
+        if self._changed.locked():
+            self._changed.release()
 
 
 class CallQueue:

@@ -7,7 +7,7 @@ import rospy
 from dynamic_reconfigure.encoding import Config
 from dynamic_reconfigure.server import Server
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError, one_line, shortened
 from img_recog.settings import SettingError, Settings, SettingsType, setting_fields
 
 # dynamic_reconfigure's names for the types, and its bounds where a field has none.
@@ -87,7 +87,7 @@ class Reconfigurable(Generic[SettingsType]):
                 self._settings = settings
         except SettingError as error:
             rospy.logerr('parameter %s/%s: got %s, allowed is %s; nothing is changed',
-                         self._namespace, error.name, error.got, error.allowed)
+                         self._namespace, shortened(error.name), error.got, error.allowed)
         except UserError as error:
             rospy.logerr('parameters of %s: %s; nothing is changed', self._namespace,
                          one_line(error))

@@ -4,6 +4,8 @@ from typing import Callable, Dict
 
 import rospy
 
+from img_recog.errors import MAX_LINE, shortened
+
 
 class Throttle:
     """Lets something happen at most once in `period_s` of wall time.
@@ -35,7 +37,7 @@ class ThrottledWarning:
         self._logged: Dict[str, float] = {}         # when, by line
 
     def __call__(self, text: str, *values) -> None:
-        line, now = text % values, self._now()
+        line, now = shortened(text % values, MAX_LINE), self._now()
         self._logged = {other: then for other, then in self._logged.items()
                         if now - then < self._PERIOD_S}
         if line not in self._logged and len(self._logged) < self._MAX_LINES:

@@ -1,7 +1,8 @@
 """LatestValue and CallQueue between threads; synchronized by events, not by sleeps."""
 import concurrent.futures
-import queue
+import signal
 import threading
+import time
 
 import pytest
 
@@ -60,44 +61,83 @@ def test_latest_value_is_taken_once():
     assert slot.take() == 0
 
 
-def test_latest_value_waits_until_there_is_one(monkeypatch):
-    waiting, got = threading.Event(), []
+class AnnouncedLock:
+    """A lock that calls `on_wait` when a thread is about to wait in it with a timeout."""
 
-    class Announced(queue.SimpleQueue):
-        def get(self, block=True, timeout=None):
-            if block and self.empty():
-                waiting.set()
-            return super().get(block, timeout)
-    monkeypatch.setattr(queues.queue, 'SimpleQueue', Announced)
-    slot = LatestValue()
+    def __init__(self, on_wait):
+        self._lock, self._on_wait = threading.Lock(), on_wait
+        self.locked, self.release = self._lock.locked, self._lock.release
+
+    def acquire(self, blocking=True, timeout=-1):
+        if timeout > 0 and self._lock.locked():
+            self._on_wait()
+        return self._lock.acquire(blocking, timeout)
+
+
+def announced(slot, on_wait):
+    """Return a LatestValue whose loop calls `on_wait` before it waits."""
+    slot._changed = AnnouncedLock(on_wait)
+    slot._changed.acquire()
+    return slot
+
+
+@pytest.mark.parametrize('end, result', [(lambda slot: slot.put('frame'), 'frame'),
+                                         (lambda slot: slot.wake(), None)], ids=['put', 'wake'])
+def test_the_wait_ends_when_there_is_a_value_and_when_it_is_woken(end, result):
+    waiting, got = threading.Event(), []
+    slot = announced(LatestValue(), waiting.set)
     taker = threading.Thread(target=lambda: got.append(slot.take(3 * GENEROUS_S)), daemon=True)
     taker.start()
     assert waiting.wait(GENEROUS_S)
-    slot.put('frame')
+    end(slot)
     taker.join(GENEROUS_S)
-    assert got == ['frame']
+    assert got == [result]
     waiting.clear()
     slot.put('next')
     assert slot.take(GENEROUS_S) == 'next'
     assert not waiting.is_set()         # a value was there already
+    assert slot.take(0.001) is None and waiting.is_set()        # and not woken by the last value
 
 
-def test_latest_of_two_values_that_are_put_at_once(monkeypatch):
-    both = threading.Barrier(2, timeout=GENEROUS_S)
-
-    class Meeting(queue.SimpleQueue):
-        def put(self, item):
-            both.wait()         # both threads have seen that no value is stored
-            super().put(item)
-    monkeypatch.setattr(queues.queue, 'SimpleQueue', Meeting)
+def test_it_can_be_woken_before_it_waits():
     slot = LatestValue()
-    putters = [threading.Thread(target=slot.put, args=(item,), daemon=True) for item in 'ab']
+    slot.wake()
+    slot.wake()
+    begin_s = time.monotonic()
+    assert slot.take(GENEROUS_S) is None
+    assert time.monotonic() - begin_s < GENEROUS_S / 2
+
+
+def test_values_of_many_threads_are_replaced_or_taken_once():
+    slot, numbers, replaced = LatestValue(), range(3000), []
+
+    def put(first):
+        for number in numbers[first::3]:
+            replaced.append(slot.put(number))
+    putters = [threading.Thread(target=put, args=(first,), daemon=True) for first in range(3)]
     for putter in putters:
         putter.start()
-    for putter in putters:
-        putter.join(GENEROUS_S)
-    assert slot.take() in 'ab'
-    assert slot.take() is None
+    taken = []
+    while any(putter.is_alive() for putter in putters):
+        taken.append(slot.take(0.01))
+    taken.append(slot.take())
+    assert sorted(item for item in taken + replaced if item is not None) == list(numbers)
+
+
+def test_a_signal_handler_that_outlasts_the_timeout_does_not_make_the_wait_endless():
+    """In CPython 3.11, SimpleQueue.get waits forever then."""
+    slot = LatestValue()
+    watchdog = threading.Timer(GENEROUS_S, slot.put, ('endless',))
+    before = signal.signal(signal.SIGALRM, lambda *_: time.sleep(0.1))
+    watchdog.start()
+    try:
+        for _ in range(3):
+            signal.setitimer(signal.ITIMER_REAL, 0.02)
+            assert slot.take(0.06) is None
+    finally:
+        watchdog.cancel()
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def test_latest_value_is_none_after_the_timeout():

@@ -24,8 +24,12 @@ class RawInput:
             self._subscriber.release(replaced)
 
     def take(self, timeout_s: float) -> Optional[Image]:
-        """Return the newest message, None if there is none within the timeout."""
+        """Return the newest message, None if there is none within the timeout or before `wake`."""
         return self._latest.take(timeout_s)
+
+    def wake(self) -> None:
+        """End the wait in `take` now."""
+        self._latest.wake()
 
     def decode(self, msg: Image) -> Tuple[np.ndarray, str]:
         """Return the image and its encoding, one of areas.ENCODINGS; it is valid until `done`.
@@ -51,8 +55,12 @@ class CompressedInput:
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
 
     def take(self, timeout_s: float) -> Optional[CompressedImage]:
-        """Return the newest message, None if there is none within the timeout."""
+        """Return the newest message, None if there is none within the timeout or before `wake`."""
         return self._latest.take(timeout_s)
+
+    def wake(self) -> None:
+        """End the wait in `take` now."""
+        self._latest.wake()
 
     def decode(self, msg: CompressedImage) -> Tuple[np.ndarray, str]:
         """Return the image in bgr8, and its encoding.

@@ -83,6 +83,7 @@ class ColorExtract:
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
         self._input = INPUTS[given.image_transport](_CAMERA)
+        lifecycle.on_shutdown(self._input.wake)
 
     def spin(self) -> None:
         """Process frames until the node is shut down."""

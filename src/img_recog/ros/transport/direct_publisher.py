@@ -1,21 +1,21 @@
 """A publisher for small messages at high rates."""
-import select
 import warnings
 
 import rospy
 
+from img_recog.ros.transport.outbox import Outbox
 from img_recog.ros.transport.switch import is_plain
 
 _QUEUE_SIZE = 10        # with plain rospy
 
 
 class DirectPublisher:
-    """Publishes synchronously. A subscriber whose socket buffer is full misses the message.
+    """Publishes synchronously, and never blocks.
 
     With a queue, rospy passes each message to a thread per subscriber, which takes four times
     as long as sending it; without one, a subscriber that does not read blocks the publisher
-    forever. So this checks first which connections have room. Use it for messages much smaller
-    than the buffer of a socket, and from one thread.
+    forever. Here an Outbox sends to each subscriber: one whose socket buffer is full misses
+    messages and gets the newest when it reads again.
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False):
@@ -23,12 +23,12 @@ class DirectPublisher:
 
         latch: whether a new subscriber gets the last message.
         """
-        self._is_plain = is_plain('direct_publisher')
-        if self._is_plain:
+        if is_plain('direct_publisher'):
             self._publisher = rospy.Publisher(name, data_class, latch=latch,
                                               queue_size=_QUEUE_SIZE)
         else:
             self._publisher = synchronous_publisher(name, data_class, latch)
+            _use_outboxes(self._publisher.impl)
 
     def get_num_connections(self) -> int:
         """Return the number of subscribers."""
@@ -36,23 +36,7 @@ class DirectPublisher:
 
     def publish(self, msg) -> None:
         """Send the message to all subscribers that have room for it."""
-        if self._is_plain:
-            self._publisher.publish(msg)
-            return
-        topic = self._publisher.impl
-        connections = topic.connections
-        ready = [each for each in connections if has_room(each.socket)]
-        if len(ready) == len(connections):
-            self._publisher.publish(msg)
-            return
-        topic.acquire()
-        try:
-            if topic.is_latch:
-                topic.latch = msg
-            for connection in ready:
-                topic.publish(msg, connection_override=connection)
-        finally:
-            topic.release()
+        self._publisher.publish(msg)
 
 
 def synchronous_publisher(name: str, data_class: type, latch: bool = False) -> rospy.Publisher:
@@ -62,14 +46,16 @@ def synchronous_publisher(name: str, data_class: type, latch: bool = False) -> r
         return rospy.Publisher(name, data_class, latch=latch, queue_size=None)
 
 
-def has_room(sock) -> bool:
-    """Return whether a socket accepts data without blocking; False if it is closed.
+def _use_outboxes(topic) -> None:
+    """Give an Outbox to each connection of a topic before rospy sends the latched message."""
+    with topic.c_lock:
+        if 'add_connection' in vars(topic):     # another DirectPublisher of this topic
+            return
+        add_connection = topic.add_connection
 
-    sock: a socket.socket, or None, which rospy sets in a closed connection.
-    """
-    poll = select.poll()        # unlike select.select, it supports descriptors from 1024 on
-    try:
-        poll.register(sock, select.POLLOUT)
-    except (TypeError, ValueError):
-        return False
-    return any(not event & select.POLLNVAL for _, event in poll.poll(0))
+        def connect(connection):
+            connection.write_data = Outbox(connection).write_data
+            return add_connection(connection)
+        topic.add_connection = connect
+        for connection in topic.connections:
+            connection.write_data = Outbox(connection).write_data

@@ -10,6 +10,7 @@ import rospy
 from rospy.exceptions import TransportTerminated
 from sensor_msgs.msg import Image
 
+from img_recog.errors import one_line, shortened
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.switch import is_plain
 
@@ -106,7 +107,7 @@ class ImageSubscriber:
             except (genpy.DeserializationError, struct.error, ValueError) as error:
                 self._free.append(memory)
                 self._warn('image of %s skipped: its %d bytes are no sensor_msgs/Image: %s',
-                           connection.endpoint_id, length, error)
+                           shortened(connection.endpoint_id), length, one_line(error))
             else:
                 self._deliver(msg, view, connection, messages)
         protocol.read_messages = read_messages

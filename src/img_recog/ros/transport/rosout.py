@@ -6,6 +6,7 @@ import rospy
 from rosgraph_msgs.msg import Log
 from rospy.impl import registration, rosout
 
+from img_recog.errors import one_line
 from img_recog.ros import parameters
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.switch import is_plain
@@ -50,7 +51,8 @@ class _RosoutHandler(logging.Handler):
         except rospy.ROSException:      # the topic is closed during shutdown
             pass
         except Exception as error:
-            logging.getLogger('rospy.rosout').warning('a line does not reach /rosout: %s', error)
+            logging.getLogger('rospy.rosout').warning('a line does not reach /rosout: %s',
+                                                      one_line(error))
         finally:
             self._is_publishing = False
 

@@ -11,9 +11,11 @@ import threading
 import genpy
 import pytest
 import rospy
+from rosgraph import roslogging
 from rospy.impl import registration, rosout, simtime
-from rospy.impl.tcpros_base import TCPROSTransport
+from rospy.impl.tcpros_base import TCPROSServer, TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSHandler, TCPROSPub, TCPROSSub
+from rospy.impl.tcpros_service import service_connection_handler
 from sensor_msgs.msg import Image
 from std_msgs.msg import String
 
@@ -41,8 +43,7 @@ def subscription(name):
 
 def test_signatures():
     impl, handler = rospy.topics._PublisherImpl, rospy.topics._SubscriberImpl
-    assert parameters(impl.publish) == ['self', 'message', 'connection_override']
-    assert parameters(impl.acquire) == parameters(impl.release) == ['self']
+    assert parameters(impl.add_connection) == ['self', 'c']
     assert parameters(handler.add_connection) == ['self', 'c']
     assert parameters(handler.add_callback) == ['self', 'cb', 'cb_args']
     assert parameters(handler._invoke_callback) == ['self', 'msg', 'cb', 'cb_args']
@@ -54,10 +55,9 @@ def test_signatures():
 
 
 def test_a_publication(publication):
-    lock = type(threading.RLock())
     assert publication.connections == [] and publication.seq == 0
-    assert publication.is_latch is False and publication.latch is None
-    assert isinstance(publication.publock, lock)
+    assert isinstance(publication.c_lock, type(threading.RLock()))
+    assert 'add_connection' not in vars(publication)
 
 
 def test_without_a_queue_a_publication_has_plain_connections(publication, name, subscribe):
@@ -98,11 +98,47 @@ def test_write_data_to_a_closed_subscriber_raises_and_closes(publication, name, 
     assert end.transport.done and end.transport.socket is None
 
 
-def test_publish_counts_messages_and_can_send_to_one_connection(publication, name, subscribe):
-    ends = [subscribe(name, String) for _ in range(2)]
-    publication.publish(String('x'), connection_override=ends[0].transport)
-    assert publication.seq == 1
-    assert ends[0].receive() == packet(String('x')) and ends[1].is_idle()
+def test_publish_calls_write_data_of_the_connection_and_closes_it_after_an_error(
+        publication, name, subscribe):
+    calls, failing, other = [], *(subscribe(name, String).transport for _ in range(2))
+
+    def fail(data):
+        raise BrokenPipeError('closed')
+    failing.write_data, other.write_data = fail, calls.append
+    publication.publish(String('x'))
+    assert calls == [packet(String('x'))] and publication.connections == [other]
+    assert failing.done and failing.socket is None
+
+
+def test_a_connection_counts_its_messages(publication, name, subscribe):
+    transport = subscribe(name, String).transport
+    assert (transport.stat_bytes, transport.stat_num_msg) == (0, 0)
+    transport.write_data(b'1234')
+    assert (transport.stat_bytes, transport.stat_num_msg) == (4, 1)
+
+
+def test_add_connection_of_a_latched_topic_sends_by_write_data(publication, name):
+    publication.enable_latch()
+    publication.publish(String('x'))
+    written = []
+    sock, theirs = socket.socketpair()
+    with sock, theirs:
+        transport = TCPROSTransport(TCPROSPub(name, String), name)
+        transport.set_socket(theirs, '/subscriber')
+        transport.write_data = written.append
+        assert publication.add_connection(transport) is True
+    assert len(written) == 1
+
+
+def test_rospy_adds_subscribers_by_add_connection_of_the_topic():
+    source = inspect.getsource(TCPROSHandler.topic_connection_handler)
+    assert source.count('topic.add_connection(transport)') == 1
+
+
+def test_publish_counts_messages(publication, name, subscribe):
+    end = subscribe(name, String)
+    publication.publish(String('x'))
+    assert publication.seq == 1 and end.receive() == packet(String('x'))
 
 
 def test_a_subscription(subscription):
@@ -176,6 +212,22 @@ def test_rosout_uses_publisher_and_handler_of_its_module(monkeypatch):
     assert made == [(('/rosout', rosout.Log), {'latch': True, 'queue_size': 100})]
     assert 'RosOutHandler()' in inspect.getsource(rosout.load_rosout_handlers)
     assert inspect.isclass(rosout.RosOutHandler)
+
+
+def test_the_server_of_incoming_connections():
+    server = TCPROSServer()
+    assert parameters(TCPROSServer._tcp_server_callback) == ['self', 'sock', 'client_addr']
+    for handler in (server.topic_connection_handler, server.service_connection_handler,
+                    service_connection_handler):
+        assert parameters(handler) == ['sock', 'client_addr', 'header']
+    assert 'TCPServer(self._tcp_server_callback' in inspect.getsource(TCPROSServer.start_server)
+
+
+def test_rospy_configures_logging_by_the_function_of_rosgraph():
+    assert parameters(roslogging.configure_logging) == ['logname', 'level', 'filename', 'env']
+    assert 'rosgraph.roslogging.configure_logging(' in inspect.getsource(
+        rospy.core.configure_logging)
+    assert parameters(roslogging.makedirs_with_parent_perms) == ['p']
 
 
 def test_the_topics_of_a_node(publication, name):

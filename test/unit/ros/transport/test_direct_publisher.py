@@ -2,12 +2,14 @@
 import fcntl
 import resource
 import socket
+import threading
 
 import pytest
 from std_msgs.msg import String
 
-from img_recog.ros.transport.direct_publisher import DirectPublisher, has_room
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog_testing.tcpros import packet
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 _FIRST_TOO_HIGH_FOR_SELECT = 1024
 
@@ -59,14 +61,83 @@ def test_a_subscriber_that_does_not_read_does_not_block_others(way, name, publis
         assert reading.receive() == packet(text(number))
 
 
-def test_a_subscriber_whose_buffer_is_full_misses_messages(fast, name, publisher, subscribe):
+def ends(function, *arguments):
+    """Call a function in a thread, so that a test fails if it blocks; return its result."""
+    results = []
+    thread = threading.Thread(target=lambda: results.append(function(*arguments)), daemon=True)
+    thread.start()
+    thread.join(DEADLINE_S)
+    assert not thread.is_alive(), 'it blocks'
+    return results[0]
+
+
+def test_a_subscriber_whose_buffer_is_full_misses_all_but_two_messages(fast, name, publisher,
+                                                                       subscribe):
     """Plain rospy has a queue, where the last ten messages wait."""
     end = subscribe(name, String)
     count = fill(end.transport.socket)
-    publisher.publish(text(1))
+    for number in range(10):
+        publisher.publish(text(number))
     end._read(count)
-    publisher.publish(text(2))
-    assert end.receive() == packet(text(2)) and end.is_idle()
+    assert end.receive() == packet(text(0))     # was begun; then the newest
+    assert end.receive() == packet(text(9)) and end.is_idle()
+    for number in range(10):
+        publisher.publish(text(number))
+        assert end.receive() == packet(text(number))
+
+
+def large(letter):
+    """Return a message that is larger than the buffers of a socket."""
+    return String(letter * (8 << 20))
+
+
+def test_a_message_larger_than_the_buffer_does_not_block(fast, name, publisher, subscribe):
+    """A socket has room for its beginning only."""
+    stuck, reading = subscribe(name, String), subscribe(name, String)
+    for msg in (large('a'), text(1), text(2)):
+        ends(publisher.publish, msg)
+        assert reading.receive() == packet(msg)
+    assert stuck.receive() == packet(large('a'))
+    assert stuck.receive() == packet(text(2)) and stuck.is_idle()
+
+
+def test_a_latched_message_larger_than_the_buffer_does_not_block(fast, name, subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    publisher.publish(large('a'))
+    end = ends(subscribe, name, String)
+    ends(publisher.publish, text(1))
+    assert end.receive() == packet(large('a')) and end.receive() == packet(text(1))
+
+
+def test_a_connection_that_is_closed_while_a_message_waits_is_removed(fast, name, publisher,
+                                                                      subscribe):
+    before = threading.active_count()
+    gone, closed = subscribe(name, String), subscribe(name, String)
+    ends(publisher.publish, large('a'))
+    ends(publisher.publish, large('b'))
+    gone.sock.close()               # by the subscriber
+    closed.transport.close()        # by rospy
+    wait_for(lambda: publisher.get_num_connections() == 0, 'the end of both connections')
+    wait_for(lambda: threading.active_count() <= before, 'the end of the threads')
+
+
+def test_a_slow_subscriber_gets_whole_messages_in_order_and_the_last_one(fast, name, publisher,
+                                                                         subscribe):
+    end, received = subscribe(name, String), []
+    end.transport.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1)     # the minimum
+    messages = [String('{} '.format(number) * 3000) for number in range(300)]
+    sent = [packet(msg) for msg in messages]
+
+    def read():
+        while not received or received[-1] != sent[-1]:
+            received.append(end.receive())
+    reader = threading.Thread(target=read, daemon=True)
+    reader.start()
+    for msg in messages:
+        publisher.publish(msg)
+    reader.join(DEADLINE_S)
+    assert received[-1] == sent[-1]
+    assert received == sorted(received, key=sent.index)
 
 
 def test_the_latched_message_is_the_last_one_also_if_a_buffer_is_full(fast, name, subscribe):
@@ -109,18 +180,10 @@ def test_descriptors_above_1023(fast, name, publisher, subscribe, high):
     publisher.publish(text(1))
     assert end.receive() == packet(text(1))
     count = fill(end.transport.socket)
-    assert not has_room(end.transport.socket)
     publisher.publish(text(2))
     end._read(count)
-    assert end.is_idle()
+    assert end.receive() == packet(text(2))
     end.transport.socket.close()
-
-
-def test_a_closed_socket_has_no_room():
-    sock = socket.socket()
-    sock.close()
-    assert not has_room(sock)
-    assert not has_room(None)
 
 
 def test_a_message_is_sent_when_publish_returns(fast, name, publisher, subscribe):

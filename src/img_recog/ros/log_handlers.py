@@ -1,0 +1,75 @@
+"""Handlers of the log that keep a node running: a full disk, a closed terminal, large files."""
+import logging
+import os
+import sys
+from logging.handlers import RotatingFileHandler
+from typing import Iterator, Set
+
+from rosgraph.roslogging import RosStreamHandler
+
+from img_recog.errors import one_line, shortened
+
+_CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
+_DEFAULT_SIZE = 50000000, 4     # rosgraph's limit: bytes of a file, number of older files
+_SIZE = 10000000, 4             # ours, 50 MB for a node, which is five hours of color_extract
+_MAX_REASONS = 5
+
+
+def protect() -> None:
+    """Change the handlers of this process, once. Call it after rospy has made them.
+
+    An error of a handler costs one line on the terminal, the first time; python's logging would
+    print a traceback for each record, and rosgraph's handler would raise it in the caller. Log
+    files are smaller than rosgraph's, unless the user has chosen a configuration.
+    """
+    for handler in ros_handlers():
+        if {'emit', 'handleError'} & set(vars(handler)):        # changed before
+            continue
+        if isinstance(handler, RosStreamHandler):
+            _guard(handler)
+        elif isinstance(handler, logging.FileHandler):
+            setattr(handler, 'handleError', _Notice(handler.baseFilename))
+        if isinstance(handler, RotatingFileHandler) and not os.environ.get(_CONFIGURATION):
+            _limit(handler)
+
+
+def ros_handlers() -> Iterator[logging.Handler]:
+    """Yield the handlers of rospy's log: for the file, the terminal and /rosout."""
+    for name in ('rosout', None):
+        yield from logging.getLogger(name).handlers
+
+
+def _limit(handler: RotatingFileHandler) -> None:
+    if (handler.maxBytes, handler.backupCount) == _DEFAULT_SIZE:
+        vars(handler).update(zip(('maxBytes', 'backupCount'), _SIZE))
+
+
+class _Notice:
+    """Replaces `handleError` of a handler: says once for each reason what is not written."""
+
+    def __init__(self, target: str):
+        self._target = target
+        self._said: Set[str] = set()
+
+    def __call__(self, _: logging.LogRecord) -> None:
+        reason = one_line(sys.exc_info()[1])
+        if reason in self._said or len(self._said) == _MAX_REASONS:
+            return
+        self._said.add(reason)
+        try:
+            sys.stderr.write('[WARN] cannot write to {}: {}; lines of the log are missing there '
+                             'until it can be written again\n'.format(
+                                 shortened(self._target), reason))
+        except (OSError, ValueError):       # the terminal is gone too
+            pass
+
+
+def _guard(handler: logging.Handler) -> None:
+    emit, notice = handler.emit, _Notice('the terminal')
+
+    def guarded(record: logging.LogRecord) -> None:
+        try:
+            emit(record)
+        except Exception:
+            notice(record)
+    setattr(handler, 'emit', guarded)

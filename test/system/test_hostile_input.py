@@ -1,0 +1,90 @@
+"""Recognition goes on with hostile parameters, images and subscribers."""
+import socket
+import sys
+import xmlrpc.client
+
+import pytest
+from rosgraph import network
+from rosgraph_msgs.msg import Log
+
+from img_recog.ros.transport.switch import is_plain
+from img_recog_testing.waiting import DEADLINE_S
+
+_IDLE = 20
+FORGED = 'x\n[FATAL] forged'
+HOSTILE_IMAGES = '''
+import numpy, rospy
+from geometry_msgs.msg import Twist
+from sensor_msgs.msg import Image
+count = [0]
+
+def received(_):
+    count[0] += 1
+rospy.init_node('hostile', anonymous=True)
+rospy.Subscriber('/cmd_vel', Twist, received)
+images = rospy.Publisher('/usb_cam/image_raw', Image, queue_size=1)
+blue = numpy.zeros((48, 64, 3), numpy.uint8)
+blue[:] = (255, 0, 0)
+good = Image(height=48, width=64, step=192, encoding='bgr8', data=blue.tobytes())
+bad = Image(height=48, width=64, step=192, data=good.data, encoding=ENCODING)
+bad.header.frame_id = ENCODING
+turn = 0
+while count[0] < 20 and not rospy.is_shutdown():
+    images.publish(bad if turn % 4 == 0 else good)
+    turn += 1
+    rospy.sleep(0.1)
+print('{} commands'.format(count[0]))
+'''
+
+
+@pytest.fixture
+def silent_subscriber(shared_ros):
+    """A function that subscribes to a topic of a node and never reads.
+
+    More connections to the port of the node send nothing at all.
+    """
+    socks = []
+
+    def subscribe(node, topic, message_type):
+        master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
+        api = xmlrpc.client.ServerProxy(master.lookupNode('/test', node)[2])
+        _, host, port = api.requestTopic('/test', topic, [['TCPROS']])[2]
+        socks.append(socket.socket())
+        socks[-1].setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)        # the minimum
+        socks[-1].settimeout(DEADLINE_S)
+        socks[-1].connect((host, port))
+        network.write_ros_handshake_header(socks[-1], {
+            'topic': topic, 'type': message_type._type, 'md5sum': message_type._md5sum,
+            'callerid': '/silent'})
+        assert socks[-1].recv(1)        # of the header
+        for _ in range(0 if is_plain('handshakes') else _IDLE):
+            socks.append(socket.create_connection((host, port), DEADLINE_S))
+    yield subscribe
+    for sock in socks:
+        sock.close()
+
+
+def test_recognition_goes_on(shared_ros, silent_subscriber):
+    master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
+    master.setParam('/test', '/color_extract', {FORGED: 1, 'blue_image_topi': 'x' * (8 << 20)})
+    node = shared_ros.start('rosrun', 'img_recog', 'color_img_recog.py')
+    node.wait_output(r'parameter /color_extract/x\\n\[FATAL\] forged is unknown')
+    node.wait_output('parameter /color_extract/blue_image_topi is unknown')
+    silent_subscriber('/color_extract', '/rosout', Log)
+    hostile = shared_ros.start(sys.executable, '-c', HOSTILE_IMAGES.replace(
+        'ENCODING', repr(FORGED + '\x1b[2J') + ' + "x" * (8 << 20)'))
+    hostile.wait_output('commands')
+    node.wait_output(r'frame skipped: .*encoding .x\\n\[FATAL\] forged\\x1b\[2J')
+    assert node.interrupt() == 0
+    assert '\n[FATAL]' not in node.output and '\x1b' not in node.output.replace('\x1b[33m', '') \
+        .replace('\x1b[0m', '')
+    assert max(map(len, node.output.splitlines())) < 2200
+
+
+def test_a_node_runs_without_a_log_folder(shared_ros, tmp_path):
+    (tmp_path / 'file').write_text('')
+    node = shared_ros.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
+                            env=dict(shared_ros.env, ROS_HOME=str(tmp_path / 'file' / 'home')))
+    node.wait_output('camera: synthetic scene')
+    assert node.interrupt() == 0
+    assert node.output.count('there is no log file') == 1 and 'Traceback' not in node.output
