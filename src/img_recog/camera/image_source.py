@@ -5,9 +5,12 @@ from typing import List, Optional
 import cv2
 import numpy as np
 
+from img_recog import still_images
 from img_recog.camera.pixels import convert
-from img_recog.camera.source import FrameSkipped, FrameSource, SourceEnded, SourceError
+from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
+                                     SourceTooLarge)
 from img_recog.errors import one_line
+from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
 
 # Only these are opened in a folder: another file may be a pipe, which blocks on open.
 EXTENSIONS = ('.bmp', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm', '.tif', '.tiff',
@@ -38,14 +41,12 @@ class FolderSource(FrameSource):
     Images that do not have the size of the first one are skipped.
     """
 
-    def __init__(self, path: str, rate_hz: float, loop: bool = True):
-        self.name, self._loop = path, loop
+    def __init__(self, path: str, rate_hz: float, loop: bool = True,
+                 max_pixels: int = DEFAULT_MAX_PIXELS):
+        """Open a folder; skip images of more than `max_pixels` pixels."""
+        self.name, self._loop, self._max_pixels = path, loop, max_pixels
         self._paths = image_paths(path)
-        first = next(filter(lambda image: image is not None, map(read_image, self._paths)), None)
-        if first is None:
-            raise SourceError(
-                'cannot open {}: neither a device nor a file, nor a folder with images'.format(
-                    path), 'set video_device to one, or to synthetic')
+        first = self._first_image()
         self.height, self.width = first.shape[:2]
         self.rate_hz = self.expected_hz = rate_hz
         self._next_index = self._good_count = 0
@@ -64,7 +65,10 @@ class FolderSource(FrameSource):
             self._next_index = self._good_count = 0
         path = self._paths[self._next_index]
         self._next_index += 1
-        image = read_image(path)
+        try:
+            image = read_image(path, self._max_pixels)
+        except SourceTooLarge as error:
+            raise FrameSkipped(str(error))
         if image is None:
             raise FrameSkipped('cannot read the image {}'.format(path))
         if image.shape[:2] != (self.height, self.width):
@@ -72,6 +76,20 @@ class FolderSource(FrameSource):
                 path, image.shape[1], image.shape[0], self.width, self.height))
         self._good_count += 1
         return convert(image, self.encoding)
+
+    def _first_image(self) -> np.ndarray:
+        refused = SourceError(
+            'cannot open {}: neither a device nor a file, nor a folder with images'.format(
+                self.name), 'set video_device to one, or to synthetic')
+        for path in self._paths:
+            try:
+                image = read_image(path, self._max_pixels)
+            except SourceTooLarge as error:
+                refused = error
+                continue
+            if image is not None:
+                return image
+        raise refused
 
 
 def image_paths(folder: str) -> List[str]:
@@ -88,13 +106,18 @@ def image_paths(folder: str) -> List[str]:
     return [path for path in paths if os.path.isfile(path)]
 
 
-def read_image(path: str) -> Optional[np.ndarray]:
-    """Return an image file as bgr8, or None when OpenCV cannot read it or it is truncated."""
+def read_image(path: str, max_pixels: int = DEFAULT_MAX_PIXELS) -> Optional[np.ndarray]:
+    """Return an image file as bgr8, or None when OpenCV cannot read it or it is truncated.
+
+    Raises SourceTooLarge for an image of more than `max_pixels` pixels.
+    """
     try:
         if not cv2.haveImageReader(path) or is_truncated(path):
             return None
-        return cv2.imread(path, cv2.IMREAD_COLOR)
-    except cv2.error:       # its header claims more pixels than OpenCV allows
+        return still_images.read(path, cv2.IMREAD_COLOR, max_pixels)
+    except ImageTooLarge as error:
+        raise SourceTooLarge('cannot read {}: {}'.format(path, error.problem), error.advice)
+    except cv2.error:       # damaged
         return None
 
 

@@ -4,14 +4,17 @@ import os
 import stat
 from typing import Callable, Sequence
 
+import cv2
+
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import FolderSource, ImageSource, is_truncated, read_image
 from img_recog.camera.pixels import convert
 from img_recog.camera.settings import CameraSettings
-from img_recog.camera.source import FrameSource, SourceError
+from img_recog.camera.source import FrameSource, SourceError, SourceTooLarge
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.url_source import open_url
 from img_recog.camera.video_source import VideoSource, not_playable
+from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge, check_size
 
 DEFAULT_DEVICE = '/dev/video0'
 
@@ -38,15 +41,16 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
     settings = resolve_auto(settings)
     name = settings.video_device
     if name == 'synthetic':
+        _check_synthetic(settings)
         return SyntheticSource(settings.image_width, settings.image_height, settings.framerate)
     if '://' in name:
-        return open_url(name, settings.framerate, settings.loop, warn)
+        return open_url(name, settings.framerate, settings.loop, warn, settings.max_image_pixels)
     path = _find(name, folders)
     mode = os.stat(path).st_mode
     if stat.S_ISREG(mode):
-        return open_file(path, settings.framerate, settings.loop, warn)
+        return open_file(path, settings.framerate, settings.loop, warn, settings.max_image_pixels)
     if stat.S_ISDIR(mode):
-        return FolderSource(path, settings.framerate, settings.loop)
+        return FolderSource(path, settings.framerate, settings.loop, settings.max_image_pixels)
     if stat.S_ISCHR(mode):
         return DeviceSource(dataclasses.replace(settings, video_device=path))
     raise SourceError('cannot open {}: neither a device nor a file'.format(path),
@@ -54,21 +58,31 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
 
 
 def open_file(path: str, rate_hz: float, loop: bool = True,
-              warn: Callable[[str], None] = lambda _: None) -> FrameSource:
+              warn: Callable[[str], None] = lambda _: None,
+              max_pixels: int = DEFAULT_MAX_PIXELS) -> FrameSource:
     """Open an image (repeated at `rate_hz`) or a video (at its own rate).
 
-    Raises SourceError when OpenCV reads the file as neither.
+    Raises SourceError when OpenCV reads the file as neither, or it has more than `max_pixels`
+    pixels.
     """
     if not os.access(path, os.R_OK):
         raise SourceError('cannot read {}: permission denied'.format(path))
-    image = read_image(path)
+    image = read_image(path, max_pixels)
     if image is not None:
         return ImageSource(path, convert(image, 'rgb8'), rate_hz)
     if is_truncated(path):
         raise SourceError('cannot read {}: the image is truncated'.format(path))
-    if _is_text(path):
+    # ffmpeg plays images too, of any size, and text files
+    if cv2.haveImageReader(path) or _is_text(path):
         raise not_playable(path)
-    return VideoSource(path, loop, warn)
+    return VideoSource(path, loop, warn, max_pixels)
+
+
+def _check_synthetic(settings: CameraSettings) -> None:
+    try:
+        check_size(settings.image_width, settings.image_height, settings.max_image_pixels)
+    except ImageTooLarge as error:
+        raise SourceTooLarge('cannot draw the synthetic scene: ' + error.problem, error.advice)
 
 
 def _find(name: str, folders: Sequence[str]) -> str:
@@ -82,7 +96,7 @@ def _find(name: str, folders: Sequence[str]) -> str:
 
 
 def _is_text(path: str) -> bool:
-    # ffmpeg plays a text file as a video of its characters
+    # a text file would be a video of its characters
     with open(path, 'rb') as file:
         start = file.read(4096)
     return bool(start) and all(byte >= 32 or byte in b'\t\n\f\r\x1b' for byte in start)

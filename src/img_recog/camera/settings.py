@@ -4,6 +4,7 @@ from typing import Any, Mapping
 
 from img_recog.settings import (SettingError, Settings, at_least, between, not_empty, one_of,
                                 setting)
+from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
 # All pixel formats of usb_cam 0.3.7, and the V4L2 FOURCC of each (linux/videodev2.h)
 FOURCC = {
@@ -29,6 +30,7 @@ class CameraSettings(Settings):
     framerate: rate requested from a device, in Hz, and the limit for one that gives more; the
         rate of the synthetic scene and of images. A video plays at its own rate, a stream as its
         frames arrive.
+    max_image_pixels: an image or a video with more pixels is refused before it is decoded.
     loop: whether videos and folders start again at their end, or else the node ends.
     create_suspended: whether the camera stays closed until ~start_capture is called.
     """
@@ -43,6 +45,7 @@ class CameraSettings(Settings):
     camera_name: str = setting('head_camera', not_empty())
     camera_info_url: str = setting('')
     create_suspended: bool = setting(False)
+    max_image_pixels: int = setting(DEFAULT_MAX_PIXELS, ALLOWED_MAX_PIXELS)
     loop: bool = setting(True)
 
 

@@ -11,6 +11,10 @@ class SourceError(UserError):
     """A frame source cannot be opened or gives no more frames."""
 
 
+class SourceTooLarge(SourceError):
+    """A frame source has more pixels than are allowed."""
+
+
 class SourceEnded(Exception):
     """A video or folder has no more frames; the text is one line for the log."""
 

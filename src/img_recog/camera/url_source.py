@@ -8,8 +8,9 @@ import numpy as np
 from img_recog.camera import urls
 from img_recog.camera.image_source import EXTENSIONS, ImageSource
 from img_recog.camera.pixels import convert
-from img_recog.camera.source import FrameSkipped, FrameSource, SourceError
-from img_recog.camera.video_source import VideoSource
+from img_recog.camera.source import FrameSkipped, FrameSource, SourceError, SourceTooLarge
+from img_recog.camera.video_source import VideoSource, check_capture, check_frame
+from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 # When a read times out, ffmpeg may return a frame made from the data that has arrived.
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
@@ -23,10 +24,12 @@ _VIDEO_EXTENSIONS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.
 
 
 def open_url(url: str, rate_hz: float, loop: bool = True,
-             warn: Callable[[str], None] = lambda _: None) -> FrameSource:
+             warn: Callable[[str], None] = lambda _: None,
+             max_pixels: int = DEFAULT_MAX_PIXELS) -> FrameSource:
     """Open a live stream, a video (at its own rate) or an image (fetched once, for `rate_hz`).
 
-    Raises SourceError when it is none of these, or when the server does not answer.
+    Raises SourceError when it is none of these, when it has more than `max_pixels` pixels, or when
+    the server does not answer.
     """
     scheme, url = urls.split(url)
     name = urls.redacted(url)
@@ -38,13 +41,18 @@ def open_url(url: str, rate_hz: float, loop: bool = True,
         capture.release()
         raise SourceError('cannot open {}: no stream that OpenCV plays, or not within {:g} s'
                           .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
+    try:
+        check_capture(capture, name, max_pixels)
+    except SourceError:
+        capture.release()
+        raise
     if not scheme.startswith('http'):       # the other protocols send at the rate of the video
-        return StreamSource(name, capture, announces_rate=True)
+        return StreamSource(name, capture, announces_rate=True, max_pixels=max_pixels)
     # the frame count of a video is known; for a live stream ffmpeg gives 0 or a negative number
     count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
     if count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS):
-        return RemoteVideoSource(url, capture, loop, warn)
-    stream = StreamSource(name, capture)
+        return RemoteVideoSource(url, capture, loop, warn, max_pixels=max_pixels)
+    stream = StreamSource(name, capture, max_pixels=max_pixels)
     if count == 1 or urls.ends_with(url, EXTENSIONS):
         return _image_or_stream(stream, rate_hz)
     return stream
@@ -64,6 +72,9 @@ def _image_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
             images.append(stream.read())
         except FrameSkipped:
             continue
+        except SourceTooLarge:
+            stream.close()
+            raise
         except SourceError:
             stream.close()
             return ImageSource(stream.name, images[0], rate_hz)
@@ -77,13 +88,14 @@ class RemoteVideoSource(VideoSource):
     _incomplete = 'truncated or damaged, or its server closed the connection'
 
     def __init__(self, url: str, capture: cv2.VideoCapture, loop: bool,
-                 warn: Callable[[str], None], now: Callable[[], float] = time.monotonic):
+                 warn: Callable[[str], None], now: Callable[[], float] = time.monotonic,
+                 max_pixels: int = DEFAULT_MAX_PIXELS):
         """Play the video that `capture` has just opened at `url`."""
         self._opened: Optional[cv2.VideoCapture] = capture
         self._now = now
         self.reconnects = loop      # a video that plays once must not start again
         self.stall_timeout_s = _STALL_TIMEOUT_S if loop else None
-        super().__init__(url, loop, warn)
+        super().__init__(url, loop, warn, max_pixels)
 
     def _open(self) -> cv2.VideoCapture:
         opened, self._opened = self._opened, None
@@ -115,15 +127,20 @@ class StreamSource(FrameSource):
     stall_timeout_s = _STALL_TIMEOUT_S
 
     def __init__(self, name: str, capture: cv2.VideoCapture, announces_rate: bool = False,
-                 now: Callable[[], float] = time.monotonic):
+                 now: Callable[[], float] = time.monotonic,
+                 max_pixels: int = DEFAULT_MAX_PIXELS):
         """Play the stream that `capture` has just opened.
 
         announces_rate: whether its protocol announces the rate; otherwise OpenCV's is a guess.
+        max_pixels: a frame with more pixels ends the stream.
         """
-        self.name, self._capture, self._now = name, capture, now
+        self.name, self._capture, self._now, self._max_pixels = name, capture, now, max_pixels
         self._count = 0
         try:
             first, self._damaged_count = self._read_good_frame()
+        except SourceTooLarge:
+            capture.release()
+            raise
         except SourceError:
             capture.release()
             raise SourceError('cannot open {}: no frame arrives that OpenCV reads'.format(name))
@@ -157,6 +174,7 @@ class StreamSource(FrameSource):
             now_s = self._now()
             in_time = now_s - before_s < _READ_TIMEOUT_S
             if decoded and in_time and frame is not None and frame.size > 0:
+                check_frame(self.name, frame.shape[1], frame.shape[0], self._max_pixels)
                 self._count += 1
                 return frame, damaged_count
             damaged_count += 1

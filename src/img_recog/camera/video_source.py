@@ -5,12 +5,30 @@ import cv2
 import numpy as np
 
 from img_recog.camera.pixels import convert
-from img_recog.camera.source import FrameSource, SourceEnded, SourceError
+from img_recog.camera.source import FrameSource, SourceEnded, SourceError, SourceTooLarge
 from img_recog.camera.urls import redacted
+from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge, check_size
 
 # The frame count in a video's index may differ by a few from what its decoder gives.
 _MISSING_SHARE = 0.02
 _MISSING_FRAMES = 2
+
+
+def check_capture(capture: cv2.VideoCapture, name: str, max_pixels: int) -> None:
+    """Check the size that an open video states; to be called before a frame is decoded.
+
+    Raises SourceTooLarge when it has more than `max_pixels` pixels; `name` is named.
+    """
+    check_frame(name, capture.get(cv2.CAP_PROP_FRAME_WIDTH),
+                capture.get(cv2.CAP_PROP_FRAME_HEIGHT), max_pixels)
+
+
+def check_frame(name: str, width: float, height: float, max_pixels: int) -> None:
+    """Raise SourceTooLarge for a frame of more than `max_pixels` pixels in the video `name`."""
+    try:
+        check_size(width, height, max_pixels)
+    except ImageTooLarge as error:
+        raise SourceTooLarge('cannot play {}: {}'.format(name, error.problem), error.advice)
 
 
 def not_playable(name: str) -> SourceError:
@@ -30,15 +48,18 @@ class VideoSource(FrameSource):
     _unreadable = '{} can no longer be read: moved or replaced while it played'
     _incomplete = 'truncated or damaged'
 
-    def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None):
+    def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None,
+                 max_pixels: int = DEFAULT_MAX_PIXELS):
         """Open a video; raise SourceError when it cannot be played.
 
         warn: called with one line when the video turns out to be incomplete.
+        max_pixels: a video whose frames have more pixels cannot be played.
         """
-        self._path, self._loop, self._warn = path, loop, warn
+        self._path, self._loop, self._warn, self._max_pixels = path, loop, warn, max_pixels
         self.name = redacted(path)
         self._capture = self._open()
         try:
+            check_capture(self._capture, self.name, max_pixels)
             self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
             self._stated_frames = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
             self.expected_frames = max(0, int(self._stated_frames))
@@ -76,12 +97,16 @@ class VideoSource(FrameSource):
 
     def _read_frame(self) -> Optional[np.ndarray]:
         decoded, image = self._capture.read()
-        return image if decoded else None
+        if not decoded:
+            return None
+        check_frame(self.name, image.shape[1], image.shape[0], self._max_pixels)
+        return image
 
     def _rewind(self) -> np.ndarray:
         # reopened, because seeking is inexact in many containers
         self._capture.release()
         self._capture = self._open()
+        check_capture(self._capture, self.name, self._max_pixels)
         image = self._read_frame()
         if image is None or image.shape[:2] != (self.height, self.width):
             raise SourceError(self._unreadable.format(self.name))

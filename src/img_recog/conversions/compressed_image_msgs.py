@@ -10,10 +10,12 @@ import numpy as np
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Header
 
+from img_recog import still_images
 from img_recog.conversions import image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import one_line, shortened
 from img_recog.settings import Settings, between, one_of, setting
+from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
 
 _PIXEL_SHAPES = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}
 _COLOR_PREFIXES = ('rgb', 'bgr')
@@ -56,17 +58,18 @@ def to_msg(image: np.ndarray, encoding: str, header: Header,
     return CompressedImage(header=header, data=data.tobytes(), format=text)
 
 
-def from_msg(msg: CompressedImage, encoding: str = 'bgr8') -> np.ndarray:
+def from_msg(msg: CompressedImage, encoding: str = 'bgr8',
+             max_pixels: int = DEFAULT_MAX_PIXELS) -> np.ndarray:
     """Return the image of a message, converted to `encoding`.
 
     The order of the colors follows the field format: with a color encoding but without
     'compressed bgr', the message is from an old publisher, which swapped red and blue in the
     compressed data. A format without a semicolon has no such information: nothing is swapped.
-    Raises ImageError naming the format, size and reason.
+    Raises ImageError naming the format, size and reason, also for more than `max_pixels` pixels.
     """
     try:
-        image = cv2.imdecode(np.frombuffer(msg.data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
+        image = still_images.decode(msg.data, cv2.IMREAD_UNCHANGED, max_pixels)
+    except (cv2.error, ImageTooLarge) as error:
         raise _image_error(msg, error)
     if image is None:
         raise _image_error(msg, 'no image that OpenCV can read')

@@ -11,7 +11,7 @@ from img_recog.settings import ParameterError, SettingError, from_mapping, setti
 COLORS = 'colors'
 IMAGE_TOPIC = '{}_image_topic'
 # parameters of the node color_extract that do not affect the recognition itself
-_NODE_ONLY = ('colors_file', 'image_transport')
+_NODE_ONLY = ('colors_file', 'image_transport', 'max_image_pixels')
 
 
 def read(path: str) -> RecognitionSettings:

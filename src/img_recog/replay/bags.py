@@ -1,5 +1,6 @@
 """Reads the frames of a bag."""
 import struct
+from functools import partial
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 import genpy
@@ -13,6 +14,7 @@ from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, one_line
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.replay.inputs import DEFAULT_TOPICS, WANTED
+from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 _MAX_GAP_S = 3600           # between two stamps
 _MESSAGE_TYPES = {message_type._type: message_type for message_type in (Image, CompressedImage)}
@@ -36,10 +38,11 @@ class BagFrames:
     the warnings are known after the last frame.
     """
 
-    def __init__(self, path: str, topic: str = ''):
+    def __init__(self, path: str, topic: str = '', max_pixels: int = DEFAULT_MAX_PIXELS):
         """Open a bag.
 
         topic: topic of the images; if empty, one of DEFAULT_TOPICS or the only topic with images.
+        max_pixels: compressed images with more pixels are skipped.
         Raises UserError if the file cannot be read as a bag or has no such images.
         """
         self._path = path
@@ -50,8 +53,9 @@ class BagFrames:
         except UserError:
             self._bag.close()
             raise
-        self._decode: Callable[[Any], Decoded] = (
-            _decode_raw if types[self.topic] == Image._type else _decode_compressed)
+        self._decode: Callable[[Any], Decoded] = _decode_raw
+        if types[self.topic] != Image._type:
+            self._decode = partial(_decode_compressed, max_pixels=max_pixels)
         self.expected = self._bag.get_message_count(self.topic)
         self.period_ns = 0
         self.warnings: List[str] = []
@@ -160,5 +164,5 @@ def _decode_raw(msg: Any) -> Decoded:
     return Decoded(*image_msgs.ColorImages().from_msg(msg))
 
 
-def _decode_compressed(msg: Any) -> Decoded:
-    return Decoded(compressed_image_msgs.from_msg(msg, 'bgr8'), 'bgr8')
+def _decode_compressed(msg: Any, max_pixels: int) -> Decoded:
+    return Decoded(compressed_image_msgs.from_msg(msg, 'bgr8', max_pixels), 'bgr8')

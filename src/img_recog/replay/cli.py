@@ -3,7 +3,7 @@ import argparse
 import os
 from typing import Sequence
 
-from img_recog import resources
+from img_recog import resources, still_images
 from img_recog.errors import UserError
 from img_recog.replay.inputs import DEFAULT_TOPICS
 from img_recog.settings import SettingError
@@ -11,7 +11,8 @@ from img_recog.simulation.settings import SpawnSettings
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the options: input, topic, colors, output, teleop, world, urdf and initial pose."""
+    """Return the options: input, max_image_pixels, topic, colors, output, teleop, world, urdf, pose.
+    """
     return _parser().parse_args(arguments)
 
 
@@ -40,6 +41,7 @@ def _parser() -> argparse.ArgumentParser:
                         help='a video file, or a bag with images')
     parser.add_argument('--topic', default='', help='topic of the images in a bag (default: {}, '
                         'or the only topic with images)'.format(' or '.join(DEFAULT_TOPICS)))
+    still_images.add_option(parser)
     parser.add_argument('--colors', default='', metavar='YAML',
                         help='parameter file of color_extract (default: the article\'s colors)')
     parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',

@@ -8,10 +8,11 @@ from std_msgs.msg import Header
 
 from img_recog.camera.selection import open_file
 from img_recog.camera.settings import CameraSettings
-from img_recog.camera.source import SourceEnded, SourceError
+from img_recog.camera.source import SourceEnded, SourceError, SourceTooLarge
 from img_recog.camera.video_source import VideoSource
 from img_recog.errors import UserError
 from img_recog.replay.chain import SECOND_NS, Frame
+from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 WANTED = 'give a video that OpenCV plays, or a bag with images'
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
@@ -32,12 +33,15 @@ class VideoFrames:
     warnings: messages for the user, complete after the last frame.
     """
 
-    def __init__(self, path: str):
-        """Open a video; raise UserError if it cannot be played."""
+    def __init__(self, path: str, max_pixels: int = DEFAULT_MAX_PIXELS):
+        """Open a video; raise UserError if it cannot be played or has more pixels."""
         self._path = path
         self._truncated: List[str] = []
         try:
-            source = open_file(path, 1.0, loop=False, warn=self._truncated.append)
+            source = open_file(path, 1.0, loop=False, warn=self._truncated.append,
+                               max_pixels=max_pixels)
+        except SourceTooLarge:
+            raise
         except SourceError as error:
             # the advice of the camera, to set one of its parameters, does not help here
             raise UserError(error.problem, WANTED)

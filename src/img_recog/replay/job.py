@@ -71,7 +71,8 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     interrupts: handles the signals that end the program.
     Raises UserError if it is not possible; no file is written then.
     """
-    frames = _open_input(os.path.expanduser(options.input), options.topic)
+    frames = _open_input(os.path.expanduser(options.input), options.topic,
+                         options.max_image_pixels)
     settings = _recognition_settings(options.colors)
     paths = files.output_paths(os.path.expanduser(options.input),
                                os.path.expanduser(options.output), _EXTENSIONS)
@@ -119,17 +120,17 @@ def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, mot
                     motion.position[0], motion.position[1], motion.yaw, ', '.join(paths)))
 
 
-def _open_input(path: str, topic: str) -> Frames:
+def _open_input(path: str, topic: str, max_pixels: int) -> Frames:
     if not os.path.isfile(path):
         raise UserError('cannot replay {}: {}'.format(
             path, 'it is not a file' if os.path.exists(path) else 'no such file'), inputs.WANTED)
     if is_bag(path):
         # imported here because loading rosbag takes time
         from img_recog.replay.bags import BagFrames
-        return BagFrames(path, topic)
+        return BagFrames(path, topic, max_pixels)
     if topic:
         raise UserError('cannot replay {}: --topic is for a bag, and it is not a bag'.format(path))
-    return VideoFrames(path)
+    return VideoFrames(path, max_pixels)
 
 
 def _recognition_settings(path: str) -> RecognitionSettings:

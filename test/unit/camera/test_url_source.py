@@ -101,6 +101,27 @@ def test_stream_without_a_first_frame_is_refused_and_closed(clock):
     assert capture.released
 
 
+@pytest.mark.parametrize('url', ['rtsp://camera/live', 'http://camera/live',
+                                 'http://camera/still.jpg', 'http://camera/video.mp4'])
+@pytest.mark.parametrize('stated', [True, False])
+def test_stream_with_too_many_pixels_is_refused_and_closed(clock, monkeypatch, url, stated):
+    properties = dict(FRAME_WIDTH=64.0, FRAME_HEIGHT=48.0) if stated else {}
+    capture = FakeCapture(clock, [] if stated else [True], FPS=25.0, **properties)
+    with pytest.raises(SourceError, match='^cannot play {}: 64x48 are 3072 pixels, more than '
+                       'max_image_pixels = 3071; set'.format(url)):
+        at_url(monkeypatch, capture, url, max_image_pixels=3071)
+    assert capture.released
+
+
+def test_stream_that_grows_midway_ends(clock):
+    capture = FakeCapture(clock, [True] * 3, FPS=25.0)
+    source = StreamSource('rtsp://camera/live', capture, now=clock, max_pixels=3072)
+    source.read()
+    capture.read = lambda: (True, np.zeros((49, 64, 3), np.uint8))
+    with pytest.raises(SourceError, match='64x49 are 3136 pixels, more than max_image_pixels'):
+        source.read()
+
+
 def test_rate_of_a_stream_is_known_if_it_is_announced(clock):
     assert stream(clock, True, announces_rate=True).expected_hz == 25.0
     assert stream(clock, True).expected_hz is None

@@ -14,7 +14,8 @@ from img_recog.ros.transport.image_subscriber import ImageSubscriber
 class RawInput:
     """Subscribes to raw images and keeps the newest."""
 
-    def __init__(self, topic: str):
+    def __init__(self, topic: str, _max_pixels: int):
+        """Subscribe; a raw image is never larger than its message."""
         self._latest, self._images = LatestValue(), image_msgs.ColorImages()
         self._subscriber = ImageSubscriber(topic, self._store)
 
@@ -47,9 +48,11 @@ class CompressedInput:
     """Subscribes to compressed images and keeps the newest.
 
     topic: of the raw images; the compressed ones are on topic/compressed.
+    max_pixels: larger images are refused before they are decoded.
     """
 
-    def __init__(self, topic: str):
+    def __init__(self, topic: str, max_pixels: int):
+        self._max_pixels = max_pixels
         self._latest = LatestValue()
         rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._latest.put,
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
@@ -67,7 +70,7 @@ class CompressedInput:
 
         Raises ImageError naming format, size and reason.
         """
-        return compressed_image_msgs.from_msg(msg), 'bgr8'
+        return compressed_image_msgs.from_msg(msg, max_pixels=self._max_pixels), 'bgr8'
 
     def done(self, msg: CompressedImage) -> None:
         """Do nothing: the message has no reused buffer."""

@@ -8,10 +8,10 @@ header of the frame: the frame with all other pixels black), then cmd_vel (geome
 one message for each color above its area limit: linear.x 10 m/s for blue, then -10 m/s for red).
 Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
 color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands).
-Reads ~image_transport (raw or compressed), ~colors_file (the file from which the parameters were
-loaded, to check it), ~colors (names), ~NAME_image_topic for each color, and RecognitionSettings
-with these colors. The latter can be changed by dynamic_reconfigure (~set_parameters,
-~parameter_descriptions, ~parameter_updates).
+Reads ~image_transport (raw or compressed), ~max_image_pixels, ~colors_file (the file from which
+the parameters were loaded, to check it), ~colors (names), ~NAME_image_topic for each color, and
+RecognitionSettings with these colors. The latter can be changed by dynamic_reconfigure
+(~set_parameters, ~parameter_descriptions, ~parameter_updates).
 """
 import threading
 import time
@@ -41,6 +41,7 @@ from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import Settings, one_of, setting
+from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
 _CAMERA = 'usb_cam/image_raw'
 _TOPICS = (_CAMERA, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')
@@ -54,10 +55,12 @@ class InputSettings(Settings):
     image_transport: name of the transport of the images, as in image_transport.
     colors_file: the file from which a launch file has loaded the parameters. It is checked because
     roslaunch silently loads nothing from an empty file.
+    max_image_pixels: a compressed image with more pixels is refused before it is decoded.
     """
 
     image_transport: str = setting('raw', one_of(*INPUTS))
     colors_file: str = setting('')
+    max_image_pixels: int = setting(DEFAULT_MAX_PIXELS, ALLOWED_MAX_PIXELS)
 
 
 class ColorExtract:
@@ -82,7 +85,7 @@ class ColorExtract:
         self._frame_lock = threading.Lock()
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = INPUTS[given.image_transport](_CAMERA)
+        self._input = INPUTS[given.image_transport](_CAMERA, given.max_image_pixels)
         lifecycle.on_shutdown(self._input.wake)
 
     def spin(self) -> None:

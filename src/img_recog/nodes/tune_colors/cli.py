@@ -14,10 +14,10 @@ import numpy as np
 import rosgraph
 import rospy
 
-from img_recog import files
+from img_recog import files, still_images
 from img_recog.camera import selection
 from img_recog.camera.image_source import read_image
-from img_recog.camera.source import SourceEnded, SourceError
+from img_recog.camera.source import SourceEnded, SourceError, SourceTooLarge
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.tune_colors.node import TuneColorsNode
 from img_recog.nodes.tune_colors.output import PictureOutput
@@ -38,17 +38,17 @@ def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -
         raise UserError('--watch needs a topic, but {} is a file'.format(path))
     settings = (parameter_file.read(files.find_user_path(options.colors)) if options.colors
                 else with_colors()())
-    picture.begin(_image_in(path, options.frame or 0), settings)
+    picture.begin(_image_in(path, options.frame or 0, options.max_image_pixels), settings)
     if picture.window is not None:
         picture.window.wait()
 
 
-def _image_in(path: str, number: int) -> np.ndarray:
+def _image_in(path: str, number: int, max_pixels: int) -> np.ndarray:
     """Return an image file, or frame `number` of a video file, in bgr8.
 
     Raises UserError if the file cannot be read or has no such frame.
     """
-    image = read_image(path)
+    image = read_image(path, max_pixels)
     if image is not None:
         if number:
             raise UserError('{} is an image and has no frame {}'.format(path, number))
@@ -57,7 +57,9 @@ def _image_in(path: str, number: int) -> np.ndarray:
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
     cv2.setLogLevel(_LOG_SILENT)
     try:
-        video = selection.open_file(path, _ANY_RATE_HZ, loop=False)
+        video = selection.open_file(path, _ANY_RATE_HZ, loop=False, max_pixels=max_pixels)
+    except SourceTooLarge:
+        raise
     except SourceError as error:        # its own advice is for a camera node
         raise SourceError(error.problem, _ADVICE)
     try:
@@ -111,6 +113,7 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
                         'parameters, the article\'s colors)')
     parser.add_argument('--timeout', type=_seconds, default=_TIMEOUT_S, metavar='S',
                         help='how long to wait for an image on a topic (default: %(default)g s)')
+    still_images.add_option(parser)
     parser.add_argument('--output', type=_png, default=_OUTPUT, metavar='PATH.png',
                         help='where to write the picture (default: %(default)s)')
     parser.add_argument('--watch', action='store_true',

@@ -2,7 +2,8 @@
 import argparse
 import os
 import time
-from typing import Optional
+from functools import partial
+from typing import Any, Callable, Optional
 
 import numpy as np
 import rospy
@@ -38,11 +39,15 @@ class TuneColorsNode:
         """Read the colors and subscribe.
 
         topic: a resolved name; message_type: Image or CompressedImage.
-        options: timeout in s, watch, colors (a path or None) and node (a name or None).
+        options: timeout in s, watch, max_image_pixels, colors (a path or None) and node (a name or
+        None).
         Raises ParameterError if the colors cannot be read.
         """
         self._topic, self._options, self._picture = topic, options, picture
-        self._decode = (image_msgs if message_type is Image else compressed_image_msgs).from_msg
+        self._decode: Callable[[Any, str], np.ndarray] = image_msgs.from_msg
+        if message_type is not Image:
+            self._decode = partial(compressed_image_msgs.from_msg,
+                                   max_pixels=options.max_image_pixels)
         self._settings = self._read_settings()
         self._latest = LatestValue()
         self._warn = ThrottledWarning()

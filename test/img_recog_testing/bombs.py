@@ -1,0 +1,58 @@
+"""Small files that state, or hold, enormous images."""
+import struct
+import zlib
+
+import cv2
+import numpy as np
+
+SIDE = 20000        # pixels, width and height of each
+
+
+def png(width=SIDE, height=SIDE):
+    """Return a valid PNG of 1 bit per pixel, all black."""
+    def chunk(name, data):
+        return (struct.pack('>I', len(data)) + name + data
+                + struct.pack('>I', zlib.crc32(name + data)))
+    rows = zlib.compressobj(1)
+    row = bytes(1 + (width + 7) // 8)
+    data = b''.join([rows.compress(row * height), rows.flush()])
+    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', width, height, 1, 0, 0,
+                                                              0, 0))
+            + chunk(b'IDAT', data) + chunk(b'IEND', b''))
+
+
+def jpeg(width=SIDE, height=SIDE):
+    """Return a JPEG whose data ends early: OpenCV fills the rest with grey."""
+    data = _encoded('.jpg')
+    frame = data.index(b'\xff\xc0') + 5
+    return data[:frame] + struct.pack('>HH', height, width) + data[frame + 4:]
+
+
+def headers():
+    """Return images of other formats by their extension; only the headers are enormous."""
+    bmp, tiff, webp, raster = map(_encoded, ('.bmp', '.tiff', '.webp', '.ras'))
+    jp2 = _encoded('.jp2')
+    box = jp2.index(b'ihdr') + 4
+    size = struct.pack('>II', SIDE, SIDE)
+    for tag in (256, 257):      # ImageWidth, ImageLength of TIFF 6.0
+        entry = next(struct.pack('<HHI', tag, kind, 1) for kind in (3, 4)
+                     if struct.pack('<HHI', tag, kind, 1) in tiff)
+        start = tiff.index(entry)
+        tiff = tiff[:start] + struct.pack('<HHII', tag, 4, 1, SIDE) + tiff[start + 12:]
+    # VP8L: a signature, then 14 bits for width - 1 and 14 bits for height - 1
+    bits = 16383 - 1 | 16383 - 1 << 14
+    return {
+        'bmp': bmp[:18] + struct.pack('<ii', SIDE, SIDE) + bmp[26:],
+        'jp2': jp2[:box] + size + jp2[box + 8:],
+        'jpg': jpeg(),
+        'pgm': 'P5 {0} {0} 255\n'.format(SIDE).encode(),
+        'ppm': 'P6 {0} {0} 255\n'.format(SIDE).encode(),
+        'ras': raster[:4] + size + raster[12:],
+        'tiff': tiff,
+        'webp': webp[:21] + struct.pack('<I', bits) + webp[25:],
+    }
+
+
+def _encoded(extension):
+    flags = [cv2.IMWRITE_WEBP_QUALITY, 101] if extension == '.webp' else []     # lossless
+    return cv2.imencode(extension, np.zeros((64, 64, 3), np.uint8), flags)[1].tobytes()
