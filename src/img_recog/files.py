@@ -1,12 +1,19 @@
 """Files: how a path that a user types is resolved, and files that are written atomically."""
 import contextlib
+import fcntl
 import io
+import logging
 import os
-import threading
+import re
+import stat
+import uuid
 from typing import Callable, Iterator, List, Optional, Sequence, Tuple
 
 from img_recog.errors import UserError, one_line
 
+_log = logging.getLogger(__name__)
+# a hidden file, until it replaces the file NAME: .NAME.12 hexadecimal digits.img_recog
+_PART, _DIGITS, _SUFFIX = '.{}.{}{}', 12, '.img_recog'
 # Maps the URI of a file to its path, or to None when there is no such file.
 FindFile = Callable[[str], Optional[str]]
 
@@ -67,7 +74,8 @@ def atomic_write(paths: Sequence[str],
     """Yield a binary file for each path; replace the files at `paths` when the block succeeds.
 
     When anything fails, the old files stay. Symlinks stay and their targets are replaced; folders,
-    devices and pipes are never replaced.
+    devices and pipes are never replaced. The yielded files are hidden; those that a killed program
+    has left are removed first, with a warning in the log.
     Raises UserError naming the path that cannot be written, with `advice`; its cause is the
     OSError of the system, if there was one. An error that is raised in the block is passed on.
     """
@@ -76,16 +84,18 @@ def atomic_write(paths: Sequence[str],
             raise UserError('cannot write {}: it is a {}'.format(
                 path, 'folder' if os.path.isdir(path) else 'device or pipe'), advice)
     targets = [os.path.realpath(path) for path in paths]
+    for target in targets:
+        for line in remove_leftovers(target):
+            _log.warning('%s', line)
     # threads may write the same file: two calls of a service of rospy do
-    suffix = '{}.{}'.format(os.getpid(), threading.get_ident())
-    parts = [os.path.join(os.path.dirname(target), '.{}.{}'.format(os.path.basename(target),
-                                                                   suffix))
-             for target in targets]
+    parts = [os.path.join(os.path.dirname(target), _PART.format(
+        os.path.basename(target), uuid.uuid4().hex[:_DIGITS], _SUFFIX)) for target in targets]
     files: List[io.BufferedRandom] = []
+    locks: List[int] = []
     try:
         for path, part in zip(paths, parts):
             with _refusal(path, advice):
-                files.append(open(part, 'w+b'))
+                files.append(_create(part, locks))
         yield files
         for path, part, target, file in zip(paths, parts, targets, files):
             with _refusal(path, advice):
@@ -98,6 +108,58 @@ def atomic_write(paths: Sequence[str],
         for part in parts:      # one more than `files` if a signal arrived between open and append
             with contextlib.suppress(OSError):
                 os.remove(part)
+        for lock in locks:
+            os.close(lock)
+
+
+def remove_leftovers(path: str) -> List[str]:
+    """Remove the hidden files of programs that were killed while they wrote `path`.
+
+    Returns one line for the log for each. Files that a program still writes stay: it locks them.
+    """
+    folder, name = os.path.split(os.path.realpath(path))
+    pattern = re.compile(re.escape(_PART.format(name, '#', _SUFFIX)).replace(
+        re.escape('#'), '[0-9a-f]{{{}}}'.format(_DIGITS)))
+    try:
+        names = sorted(filter(pattern.fullmatch, os.listdir(folder)))
+    except OSError:         # the error of opening the file is clearer
+        return []
+    paths = [os.path.join(folder, each) for each in names]
+    return ['removed {}, which a program that was killed has left'.format(each)
+            for each in filter(_removed_if_unlocked, paths)]
+
+
+def _create(part: str, locks: List[int]) -> io.BufferedRandom:
+    """Create a hidden file, and lock it until the descriptor that is added to `locks` is closed.
+
+    The kernel releases the lock of a program that is killed. The process id would not tell: it may
+    be used again, or be of another container.
+    """
+    while True:
+        file = open(part, 'x+b')        # never through a symlink
+        locks.append(os.dup(file.fileno()))     # the caller may close the file
+        with contextlib.suppress(OSError):      # a file system without locks
+            fcntl.flock(locks[-1], fcntl.LOCK_EX)
+        if os.path.exists(part):
+            return file
+        file.close()        # another program removed it before it was locked
+
+
+def _removed_if_unlocked(path: str) -> bool:
+    try:
+        lock = os.open(path, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK)
+    except OSError:
+        return False
+    try:
+        if not stat.S_ISREG(os.fstat(lock).st_mode):
+            return False
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        os.remove(path)
+        return True
+    except OSError:
+        return False
+    finally:
+        os.close(lock)
 
 
 @contextlib.contextmanager

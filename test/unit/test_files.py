@@ -1,5 +1,9 @@
 """Paths that users type, and output files that are written whole or not at all."""
+import logging
 import os
+import signal
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -120,6 +124,104 @@ def test_threads_that_write_the_same_file_do_not_disturb_each_other(folder):
         thread.join()
         assert written and (folder / 'a').read_text() == 'inner'
     assert (folder / 'a').read_text() == 'outer' and os.listdir('.') == ['a']
+
+
+WRITER = '''
+import sys
+from img_recog import files
+with files.atomic_write(sys.argv[1:]) as outputs:
+    for file in outputs:
+        file.write(b'half')
+        file.flush()
+    outputs[0].close()      # as rosbag does
+    print('written', flush=True)
+    sys.stdin.read()
+'''
+
+
+@pytest.fixture
+def writer(folder):
+    """A process that has begun to write a and b, and finishes when its stdin is closed."""
+    with subprocess.Popen([sys.executable, '-c', WRITER, 'a', 'b'], stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b'written\n'
+        yield process
+        process.kill()
+
+
+def write(*names):
+    with files.atomic_write(names) as outputs:
+        for file in outputs:
+            file.write(b'new')
+
+
+def test_files_of_a_killed_program_are_removed_by_the_next_one(folder, writer, caplog):
+    (folder / 'there').mkdir()
+    (folder / 'there' / 'a').symlink_to('../a')
+    writer.kill()
+    assert writer.wait() == -signal.SIGKILL
+    hidden_a, hidden_b = sorted(os.listdir('.'))[:2]
+    assert (hidden_a[:3], hidden_b[:3]) == ('.a.', '.b.')
+    with caplog.at_level(logging.WARNING):
+        write('there/a')
+        assert sorted(os.listdir('.')) == [hidden_b, 'a', 'there']
+        write('b')
+    assert sorted(os.listdir('.')) == ['a', 'b', 'there']
+    assert [record.getMessage() for record in caplog.records] == [
+        'removed {}, which a program that was killed has left'.format(folder / name)
+        for name in (hidden_a, hidden_b)]
+
+
+def test_files_of_a_running_program_stay(folder, writer, caplog):
+    write('a', 'b')
+    assert len(os.listdir('.')) == 4 and (folder / 'a').read_text() == 'new'
+    writer.stdin.close()
+    assert writer.wait() == 0 and not caplog.records
+    assert sorted(os.listdir('.')) == ['a', 'b'] and (folder / 'a').read_text() == 'half'
+
+
+def test_only_our_hidden_files_are_removed(folder, tmp_path_factory):
+    ours = '.a.0123456789ab.img_recog'
+    other = tmp_path_factory.mktemp('other') / 'precious'
+    other.write_text('precious')
+    names = ['.a', '.a.1.2', '.b.0123456789ab.img_recog', '.a.0123456789ag.img_recog',
+             'x.a.0123456789ab.img_recog', '.aa.0123456789ab.img_recog',
+             '.a.b.0123456789ab.img_recog', '.a.0123456789ab.img_recog.bag']
+    for name in names + [ours]:
+        (folder / name).write_text('')
+    links = ['.a.00000000000{}.img_recog'.format(digit) for digit in range(3)]
+    os.symlink(str(other), links[0])
+    os.mkfifo(links[1])
+    os.mkdir(links[2])
+    assert files.remove_leftovers('a') == [
+        'removed {}, which a program that was killed has left'.format(folder / ours)]
+    assert sorted(os.listdir('.')) == sorted(names + links) and other.read_text() == 'precious'
+    assert files.remove_leftovers('no/such/folder') == []
+
+
+def test_a_planted_symlink_is_not_followed(folder, monkeypatch):
+    (folder / 'precious').write_text('precious')
+    numbers = iter(['0' * 12, '0' * 12])
+
+    class Fixed:
+        hex = property(lambda self: next(numbers))
+    monkeypatch.setattr(files.uuid, 'uuid4', Fixed)
+    os.symlink('precious', '.a.000000000000.img_recog')
+    with pytest.raises(UserError, match='cannot write a: file exists'):
+        write('a')
+    assert (folder / 'precious').read_text() == 'precious'
+
+
+def test_file_that_is_taken_for_a_leftover_before_it_is_locked(folder, monkeypatch):
+    removed = []
+
+    def lock(descriptor, how):
+        if not removed:
+            removed.extend(name for name in os.listdir('.') if name.startswith('.'))
+            os.remove(removed[0])
+    monkeypatch.setattr(files.fcntl, 'flock', lock)
+    write('a')
+    assert len(removed) == 1 and os.listdir('.') == ['a']
 
 
 def test_symlink_stays_and_its_target_is_written(folder):

@@ -118,7 +118,7 @@ def test_camera_defaults_are_those_of_usb_cam():
         'video_device': '/dev/video0', 'io_method': 'mmap', 'pixel_format': 'mjpeg',
         'image_width': 640, 'image_height': 480, 'framerate': 30.0,
         'camera_frame_id': 'head_camera', 'camera_name': 'head_camera', 'camera_info_url': '',
-        'create_suspended': False, 'loop': True}
+        'create_suspended': False, 'loop': True, 'max_image_pixels': 50000000}
 
 
 @pytest.mark.parametrize('name, value', [

@@ -1,9 +1,10 @@
 """Settings of the camera, with the names and defaults of usb_cam."""
+import re
 from dataclasses import dataclass
 from typing import Any, Mapping
 
-from img_recog.settings import (SettingError, Settings, at_least, between, not_empty, one_of,
-                                setting)
+from img_recog.settings import (Allowed, SettingError, Settings, at_least, between, not_empty,
+                                one_of, setting)
 from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
 # All pixel formats of usb_cam 0.3.7, and the V4L2 FOURCC of each (linux/videodev2.h)
@@ -16,6 +17,11 @@ FOURCC = {
     'yuyv': 'YUYV',
 }
 GREY_FORMATS = ('grey', 'yuvmono10')
+
+
+# like camera_info_manager: the name is part of the path of the calibration file
+_CAMERA_NAME = Allowed('a name of letters, digits and _',
+                       lambda name: re.fullmatch('[a-zA-Z0-9_]+', name) is not None)
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,7 @@ class CameraSettings(Settings):
     image_height: int = setting(480, between(1, 16384))
     framerate: float = setting(30.0, between(0.1, 1000))
     camera_frame_id: str = setting('head_camera', not_empty())
-    camera_name: str = setting('head_camera', not_empty())
+    camera_name: str = setting('head_camera', _CAMERA_NAME)
     camera_info_url: str = setting('')
     create_suspended: bool = setting(False)
     max_image_pixels: int = setting(DEFAULT_MAX_PIXELS, ALLOWED_MAX_PIXELS)

@@ -11,8 +11,7 @@ from img_recog.simulation.settings import SpawnSettings
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the options: input, max_image_pixels, topic, colors, output, teleop, world, urdf, pose.
-    """
+    """Return the options: those below, and the input and the initial pose."""
     return _parser().parse_args(arguments)
 
 

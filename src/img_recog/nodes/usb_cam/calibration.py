@@ -9,6 +9,7 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfo, SetCameraInfoRequest, SetCameraInfoResponse
 from std_msgs.msg import Header
 
+from img_recog import files
 from img_recog.camera import calibration, calibration_file
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
@@ -30,6 +31,8 @@ class CameraCalibration:
         self._name = settings.camera_name
         self._path = parameters.read_one(
             'camera_info_url', '', lambda url: path_of_url(url, self._name))
+        for line in files.remove_leftovers(self._path):
+            rospy.logwarn('%s', line)
         self._loaded = _load(self._path, self._name)
         # for the current image size; None when it is not calibrated
         self._current: Optional[Calibration] = None
@@ -91,7 +94,7 @@ def path_of_url(url: str, camera_name: str) -> str:
 
     url: file:///PATH, package://PACKAGE/PATH, or empty for camera_info/CAMERA_NAME.yaml in
     ROS_HOME; ${NAME} is replaced by the name of the camera and ${ROS_HOME} by that folder.
-    Raises SettingError for another scheme or an unknown package.
+    Raises SettingError for another scheme, an unknown package or a path outside of it.
     """
     url = url or 'file://${ROS_HOME}/camera_info/${NAME}.yaml'
     resolved = url.replace('${NAME}', camera_name).replace('${ROS_HOME}', rospkg.get_ros_home())
@@ -101,10 +104,15 @@ def path_of_url(url: str, camera_name: str) -> str:
     if scheme == 'package' and '/' in rest:
         package, _, path = rest.partition('/')
         try:
-            return os.path.join(rospkg.RosPack().get_path(package), path)
+            folder = rospkg.RosPack().get_path(package)
         except rospkg.ResourceNotFound:
             raise SettingError('camera_info_url', url, '{} (there is no package {})'.format(
                 _URLS, package))
+        resolved = os.path.normpath(os.path.join(folder, path))
+        if not resolved.startswith(os.path.join(os.path.normpath(folder), '')):
+            raise SettingError('camera_info_url', url,
+                               '{} (the path leaves the package {})'.format(_URLS, package))
+        return resolved
     raise SettingError('camera_info_url', url, _URLS)
 
 

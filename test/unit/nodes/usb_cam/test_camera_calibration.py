@@ -13,7 +13,7 @@ from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.nodes.usb_cam import calibration as camera_calibration
 from img_recog.ros import parameters
-from img_recog.settings import ParameterError
+from img_recog.settings import ParameterError, SettingError
 
 GIVEN = {
     'width': 640, 'height': 480, 'distortion_model': 'plumb_bob', 'D': [0.1] * 5,
@@ -161,3 +161,29 @@ def test_size_of_the_synthetic_scene_is_known_before_it_is_open(make, tmp_path):
     assert answer(made, width=320, height=240).success
     with open(str(tmp_path / 'calibration.yaml')) as file:
         assert yaml.safe_load(file)['image_width'] == 320
+
+
+@pytest.mark.parametrize('name', ['../../evil', 'a/b', 'a.b', 'a b', '/a', '..', '', ' ', 'a\n',
+                                  '${ROS_HOME}', 'caf\u00e9', 'a:b', '~a', 'a\0'])
+def test_camera_names_that_could_be_paths_are_refused(name):
+    with pytest.raises(SettingError) as refused:
+        CameraSettings(camera_name=name)
+    assert str(refused.value) == ('camera_name: got {!r}, allowed is a name of letters, digits '
+                                  'and _'.format(name))
+
+
+@pytest.mark.parametrize('name', ['head_camera', '0', '_Front2'])
+def test_a_calibration_is_written_nowhere_else(make, ros, tmp_path, monkeypatch, name):
+    monkeypatch.setenv('ROS_HOME', str(tmp_path / 'home'))
+    answer(make(url='', camera_name=name))
+    written = [path for path in tmp_path.rglob('*') if not path.is_dir()]
+    assert written == [tmp_path / 'home' / 'camera_info' / (name + '.yaml')]
+
+
+def test_what_a_killed_node_has_left_is_removed_with_one_line(make, ros, tmp_path):
+    left = tmp_path / '.calibration.yaml.0123456789ab.img_recog'
+    left.write_text('half')
+    make()
+    assert not left.exists()
+    assert ros.lines[0] == ('warn', 'removed {}, which a program that was killed has left'.format(
+        left))
