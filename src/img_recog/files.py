@@ -84,9 +84,9 @@ def atomic_write(paths: Sequence[str],
             raise UserError('cannot write {}: it is a {}'.format(
                 path, 'folder' if os.path.isdir(path) else 'device or pipe'), advice)
     targets = [os.path.realpath(path) for path in paths]
-    for target in targets:
-        for line in remove_leftovers(target):
-            _log.warning('%s', line)
+    removed = remove_leftovers(targets)
+    if removed:
+        _log.warning('%s', removed)
     # threads may write the same file: two calls of a service of rospy do
     parts = [os.path.join(os.path.dirname(target), _PART.format(
         os.path.basename(target), uuid.uuid4().hex[:_DIGITS], _SUFFIX)) for target in targets]
@@ -112,11 +112,19 @@ def atomic_write(paths: Sequence[str],
             os.close(lock)
 
 
-def remove_leftovers(path: str) -> List[str]:
-    """Remove the hidden files of programs that were killed while they wrote `path`.
+def remove_leftovers(paths: Sequence[str]) -> str:
+    """Remove the hidden files of programs that were killed while they wrote one of `paths`.
 
-    Returns one line for the log for each. Files that a program still writes stay: it locks them.
+    Returns a line for the log, empty if there are none. Files that a program still writes stay: it
+    locks them.
     """
+    removed = [each for path in paths for each in _hidden(path) if _removed_if_unlocked(each)]
+    return ('removed what a program that was killed has left: ' + ', '.join(removed)
+            if removed else '')
+
+
+def _hidden(path: str) -> List[str]:
+    """Return the hidden files that `atomic_write` has made for `path`."""
     folder, name = os.path.split(os.path.realpath(path))
     pattern = re.compile(re.escape(_PART.format(name, '#', _SUFFIX)).replace(
         re.escape('#'), '[0-9a-f]{{{}}}'.format(_DIGITS)))
@@ -124,9 +132,7 @@ def remove_leftovers(path: str) -> List[str]:
         names = sorted(filter(pattern.fullmatch, os.listdir(folder)))
     except OSError:         # the error of opening the file is clearer
         return []
-    paths = [os.path.join(folder, each) for each in names]
-    return ['removed {}, which a program that was killed has left'.format(each)
-            for each in filter(_removed_if_unlocked, paths)]
+    return [os.path.join(folder, each) for each in names]
 
 
 def _create(part: str, locks: List[int]) -> io.BufferedRandom:

@@ -153,7 +153,7 @@ def test_interrupted_replay_leaves_no_files(ros, tmp_path):
     writer.release()
     process = ros.start('rosrun', 'img_recog', 'replay.py', 'long.avi', cwd=str(tmp_path))
     wait_for(lambda: [name for name in os.listdir(str(tmp_path))
-                      if '.csv.{}.'.format(process.pid) in name],
+                      if '.csv.' in name and name.endswith('.img_recog')],
              lambda: 'files to write to in ' + process.output)
     assert process.interrupt() == 130, process.output
     assert 'Traceback' not in process.output, process.output

@@ -163,13 +163,22 @@ def test_files_of_a_killed_program_are_removed_by_the_next_one(folder, writer, c
     hidden_a, hidden_b = sorted(os.listdir('.'))[:2]
     assert (hidden_a[:3], hidden_b[:3]) == ('.a.', '.b.')
     with caplog.at_level(logging.WARNING):
+        write('c', 'b')
+        assert sorted(os.listdir('.')) == [hidden_a, 'b', 'c', 'there']
         write('there/a')
-        assert sorted(os.listdir('.')) == [hidden_b, 'a', 'there']
-        write('b')
-    assert sorted(os.listdir('.')) == ['a', 'b', 'there']
+    assert sorted(os.listdir('.')) == ['a', 'b', 'c', 'there']
     assert [record.getMessage() for record in caplog.records] == [
-        'removed {}, which a program that was killed has left'.format(folder / name)
-        for name in (hidden_a, hidden_b)]
+        'removed what a program that was killed has left: {}'.format(folder / name)
+        for name in (hidden_b, hidden_a)]
+
+
+def test_all_files_of_a_killed_program_are_one_line(folder, caplog):
+    left = [folder / '.{}.0123456789ab.img_recog'.format(name) for name in 'ab']
+    for path in left:
+        path.write_text('half')
+    write('a', 'b')
+    assert [record.getMessage() for record in caplog.records] == [
+        'removed what a program that was killed has left: {}, {}'.format(*left)]
 
 
 def test_files_of_a_running_program_stay(folder, writer, caplog):
@@ -193,10 +202,10 @@ def test_only_our_hidden_files_are_removed(folder, tmp_path_factory):
     os.symlink(str(other), links[0])
     os.mkfifo(links[1])
     os.mkdir(links[2])
-    assert files.remove_leftovers('a') == [
-        'removed {}, which a program that was killed has left'.format(folder / ours)]
+    assert files.remove_leftovers(['a']) == (
+        'removed what a program that was killed has left: {}'.format(folder / ours))
     assert sorted(os.listdir('.')) == sorted(names + links) and other.read_text() == 'precious'
-    assert files.remove_leftovers('no/such/folder') == []
+    assert files.remove_leftovers(['no/such/folder']) == ''
 
 
 def test_a_planted_symlink_is_not_followed(folder, monkeypatch):

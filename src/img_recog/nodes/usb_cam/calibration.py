@@ -31,8 +31,9 @@ class CameraCalibration:
         self._name = settings.camera_name
         self._path = parameters.read_one(
             'camera_info_url', '', lambda url: path_of_url(url, self._name))
-        for line in files.remove_leftovers(self._path):
-            rospy.logwarn('%s', line)
+        removed = files.remove_leftovers([self._path])
+        if removed:
+            rospy.logwarn('%s', removed)
         self._loaded = _load(self._path, self._name)
         # for the current image size; None when it is not calibrated
         self._current: Optional[Calibration] = None

@@ -185,5 +185,5 @@ def test_what_a_killed_node_has_left_is_removed_with_one_line(make, ros, tmp_pat
     left.write_text('half')
     make()
     assert not left.exists()
-    assert ros.lines[0] == ('warn', 'removed {}, which a program that was killed has left'.format(
-        left))
+    assert ros.lines[0] == (
+        'warn', 'removed what a program that was killed has left: {}'.format(left))
