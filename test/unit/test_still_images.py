@@ -3,21 +3,23 @@ import os
 import subprocess
 import sys
 import textwrap
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
-from img_recog_testing import bombs
-from sensor_msgs.msg import CompressedImage
+from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog import still_images
 from img_recog.camera.image_source import FolderSource, read_image
 from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceError
+from img_recog.conversions import image_msgs
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.settings import SettingError
+from img_recog_testing import bombs
 
 HEADERS = bombs.headers()
 TOO_LARGE = '20000x20000 are 400000000 pixels, more than max_image_pixels = 50000000'
@@ -67,6 +69,16 @@ def test_a_video_that_states_a_large_size_is_not_decoded(tmp_path):
                        r'more than max_image_pixels = 307199; set max_image_pixels'):
         open_source(CameraSettings(video_device=path, max_image_pixels=307199))
     assert open_source(CameraSettings(video_device=path, max_image_pixels=307200)).width == 640
+
+
+def test_a_video_that_grows_midway_ends(make_video, monkeypatch):
+    source = open_source(CameraSettings(video_device=make_video(), max_image_pixels=96 * 64))
+    assert source.read().shape == (64, 96, 3)
+    grown = SimpleNamespace(read=lambda: (True, np.zeros((65, 96, 3), np.uint8)),
+                            release=lambda: None)
+    monkeypatch.setattr(source, '_capture', grown)
+    with pytest.raises(SourceError, match='video.avi: 96x65 are 6240 pixels, more than max_image'):
+        source.read()
 
 
 @pytest.mark.parametrize('name', HEADERS)
@@ -144,3 +156,21 @@ def test_opencv_has_the_upper_end_as_its_own_limit(tmp_path):
     done = subprocess.run([sys.executable, '-c', code], stdout=subprocess.PIPE, check=True,
                           universal_newlines=True)
     assert 'CV_IO_MAX_IMAGE_PIXELS' in done.stdout
+
+
+MOST = 2 ** 32 - 1
+
+
+@pytest.mark.parametrize('height, width, step, data', [
+    (MOST, MOST, 0, b''), (1, MOST, MOST, b'1'), (MOST, 1, 0, b'1'), (MOST, 1, 1, b'1234'),
+    (2, 2, MOST, bytes(100)), (MOST, 0, 0, b''), (0, MOST, 0, b'')])
+@pytest.mark.parametrize('encoding', ['bgr8', 'mono8', 'rgba16', 'yuv422', 'bayer_rggb8', '8UC1',
+                                      '64FC4', '8UC0', '8UC9999', '8UC-1', ''])
+def test_raw_images_are_bounded_by_their_data(height, width, step, data, encoding):
+    for is_bigendian in (0, 1):
+        msg = Image(height=height, width=width, step=step, data=data, encoding=encoding,
+                    is_bigendian=is_bigendian)
+        for convert in (image_msgs.from_msg, image_msgs.ColorImages().from_msg):
+            with pytest.raises(ImageError, match='cannot convert an image of {}x{}, encoding'
+                               .format(width, height)):
+                convert(msg)
