@@ -11,6 +11,7 @@ from typing import Iterator, List, Optional
 import rospkg
 
 from img_recog.errors import UserError, one_line
+from img_recog.markup import MarkupError, check_xml, read_bytes
 
 _XACRO = '.xacro'
 _TIMEOUT_S = 60.0
@@ -24,15 +25,23 @@ def read(path: str, option: str = 'urdf') -> str:
     Raises UserError when it cannot be read, or xacro is missing or fails.
     """
     try:
-        with open(path, encoding='utf-8') as file:
-            text = file.read()
+        text = read_bytes(path).decode()
+    except MarkupError as error:
+        raise UserError('cannot read the robot in {}: {}'.format(path, error.problem),
+                        'set {} to a URDF file'.format(option))
     except OSError as error:
         raise UserError('cannot read the robot in {}: {}'.format(path, one_line(error)),
                         'set {} to a URDF file'.format(option))
     except ValueError:
         raise UserError('cannot read the robot in {}: it is not a text file'.format(path),
                         'set {} to a URDF file'.format(option))
-    return _expanded(path) if path.endswith(_XACRO) else text
+    if not path.endswith(_XACRO):
+        return text
+    try:
+        check_xml(text)
+    except MarkupError as error:
+        raise _failed(path, error)
+    return _expanded(path)
 
 
 def main() -> int:

@@ -10,9 +10,9 @@ from img_recog.camera.calibration import (MATRICES, Calibration, CalibrationErro
                                           find_problem, short_repr)
 from img_recog.errors import UserError, one_line
 from img_recog.files import atomic_write
+from img_recog.markup import MarkupError, load_yaml, read_bytes
 
 _MAX_BYTES = 1 << 20        # a calibration file has some 2,000 bytes
-_MAX_REASON_LENGTH = 200    # of what an error of PyYAML quotes from the file
 _MODE = 0o644
 
 
@@ -23,14 +23,11 @@ def load(path: str) -> Calibration:
     entry when it is not a calibration, or not one that `check` accepts.
     """
     try:
-        content = yaml.safe_load(_read(path))
+        content = load_yaml(_read(path))
     except FileNotFoundError:
         raise
-    except RecursionError:
-        raise CalibrationError('cannot read calibration {}: nested too deeply'.format(path))
-    # ValueError: bytes that are not text, and dates that do not exist
-    except (OSError, ValueError, yaml.YAMLError) as error:
-        raise CalibrationError('cannot read calibration {}: {}'.format(path, _reason(error)))
+    except (OSError, MarkupError) as error:
+        raise CalibrationError('cannot read calibration {}: {}'.format(path, one_line(error)))
     if not isinstance(content, Mapping):
         raise CalibrationError(
             'calibration {} has no camera_matrix and other entries'.format(path),
@@ -75,22 +72,13 @@ def save(path: str, calibration: Calibration) -> None:
 
 def _read(path: str) -> bytes:
     _refuse_special(path)       # opening a pipe would wait for its writer
-    with open(path, 'rb') as file:
-        text = file.read(_MAX_BYTES + 1)
-    if len(text) > _MAX_BYTES:
-        raise ValueError('larger than {} bytes'.format(_MAX_BYTES))
-    return text
+    return read_bytes(path, _MAX_BYTES)
 
 
 def _refuse_special(path: str) -> None:
     """Raise OSError for a device, pipe, folder or the like."""
     if os.path.lexists(path) and not stat.S_ISREG(os.stat(path).st_mode):
         raise OSError(errno.EINVAL, 'not a regular file')
-
-
-def _reason(error: Exception) -> str:
-    line = one_line(error)
-    return line if len(line) <= _MAX_REASON_LENGTH else line[:_MAX_REASON_LENGTH] + '...'
 
 
 def _parse(content: Mapping[str, Any]) -> Calibration:

@@ -1,15 +1,16 @@
 """A YAML file with the parameters of the color recognition."""
+import reprlib
 from typing import Any, Dict, Sequence
 
-import yaml
-
 from img_recog.errors import one_line, shortened
+from img_recog.markup import MarkupError, load_yaml, read_bytes
 from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_in,
                                             color_names, with_colors)
 from img_recog.settings import ParameterError, SettingError, from_mapping, setting_fields, unknown
 
 COLORS = 'colors'
 IMAGE_TOPIC = '{}_image_topic'
+_MAX_BYTES, _MAX_LENGTH = 1 << 20, 1000     # of the file, and of a name or text in it
 # parameters of the node color_extract that do not affect the recognition itself
 _NODE_ONLY = ('colors_file', 'image_transport', 'max_image_pixels')
 
@@ -47,16 +48,28 @@ def unknown_color(color: str, names: Sequence[str]) -> str:
 
 def _mapping(path: str) -> Dict[str, Any]:
     try:
-        with open(path) as file:
-            values = yaml.safe_load(file)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        values = load_yaml(read_bytes(path, _MAX_BYTES))
+    except (OSError, MarkupError) as error:
         raise ParameterError('cannot read the parameters in {}: {}'.format(path, one_line(error)))
     if not isinstance(values, dict) or not values:
         raise ParameterError('cannot use the parameters in {}: got {}, expected lines like '
                              'colors: [blue, red] and blue_hue_min: 50'.format(
                                  path, 'nothing' if not values else type(values).__name__))
-    for name in values:
-        if not isinstance(name, str):
-            raise ParameterError('{}: got {!r} where the name of a parameter is expected'.format(
-                path, name))
+    for name, value in values.items():
+        if not isinstance(name, str) or len(name) > _MAX_LENGTH:
+            raise ParameterError('{}: got {} where the name of a parameter is expected'.format(
+                path, reprlib.repr(name)))
+        # not printed whole: aliases can make a few lines a tree of any size
+        parts = value if isinstance(value, list) else [value]
+        if not all(map(_is_simple, parts)):
+            raise ParameterError('{}: parameter {}: got {}, allowed is one value or a list of '
+                                 'names'.format(path, name, reprlib.repr(value)))
     return values
+
+
+def _is_simple(value: Any) -> bool:
+    if isinstance(value, str):
+        return len(value) <= _MAX_LENGTH
+    if isinstance(value, int):
+        return abs(value) < 10 ** _MAX_LENGTH
+    return value is None or isinstance(value, float)

@@ -1,11 +1,14 @@
 """Settings that can be changed at runtime, by dynamic_reconfigure without a .cfg file."""
 import dataclasses
+from itertools import chain
 from types import SimpleNamespace
-from typing import Any, Callable, Generic, Mapping, Optional, Type
+from typing import Any, Callable, Generic, Mapping, Optional, Sequence, Type
 
 import rospy
-from dynamic_reconfigure.encoding import Config
+from dynamic_reconfigure.encoding import Config, encode_config
+from dynamic_reconfigure.msg import Config as ConfigMsg
 from dynamic_reconfigure.server import Server
+from dynamic_reconfigure.srv import ReconfigureRequest
 
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.settings import SettingError, Settings, SettingsType, setting_fields
@@ -65,7 +68,7 @@ class Reconfigurable(Generic[SettingsType]):
         self._settings, self._on_change = settings, on_change
         self._namespace = namespace or rospy.get_name()
         self._server = _Server(config_type(type(settings)), settings, self._change,
-                               self._namespace)
+                               self._log_refusal, self._namespace)
 
     @property
     def settings(self) -> SettingsType:
@@ -85,25 +88,30 @@ class Reconfigurable(Generic[SettingsType]):
             if settings != self._settings:
                 self._on_change(settings)
                 self._settings = settings
-        except SettingError as error:
+        except UserError as error:
+            self._log_refusal(error)
+        return self._settings
+
+    def _log_refusal(self, error: UserError) -> None:
+        if isinstance(error, SettingError):
             rospy.logerr('parameter %s/%s: got %s, allowed is %s; nothing is changed',
                          self._namespace, shortened(error.name), error.got, error.allowed)
-        except UserError as error:
+        else:
             rospy.logerr('parameters of %s: %s; nothing is changed', self._namespace,
                          one_line(error))
-        return self._settings
 
 
 class _Server(Server):
     """The distribution's server, without its own checks.
 
-    It would read the parameter server again, and would clamp a value that is out of bounds
-    instead of refusing it.
+    It would read the parameter server again, would clamp a value that is out of bounds instead of
+    refusing it, and fails on groups that it does not have.
     """
 
     def __init__(self, kind: SimpleNamespace, settings: Settings,
-                 change: Callable[[Mapping[str, Any]], Settings], namespace: str):
-        self._initial, self._change = _values(settings), change
+                 change: Callable[[Mapping[str, Any]], Settings],
+                 log_refusal: Callable[[UserError], None], namespace: str):
+        self._initial, self._change, self._log_refusal = _values(settings), change, log_refusal
         super().__init__(kind, self._called, namespace)
 
     def _copy_from_parameter_server(self) -> None:
@@ -112,6 +120,14 @@ class _Server(Server):
     def _clamp(self, config: Config) -> None:
         pass
 
+    def _set_callback(self, request: ReconfigureRequest) -> ConfigMsg:
+        values: Mapping[str, Any] = {}
+        try:
+            values = _requested(request.config, list(self._initial))
+        except UserError as error:
+            self._log_refusal(error)
+        return encode_config(self.update_configuration(values))
+
     def _called(self, config: Config, _level: int) -> Config:
         values = {name: value for name, value in config.items() if name != 'groups'}
         current = _values(self._change(values))
@@ -119,6 +135,24 @@ class _Server(Server):
                         if name in current or name == 'groups')
         result.update(current)
         return result
+
+
+def _requested(config: ConfigMsg, names: Sequence[str]) -> Mapping[str, Any]:
+    """Return the values in a request; raise UserError if it does not fit this server."""
+    for group in config.groups:
+        if group.id != 0 or group.parent != 0:
+            raise UserError("got a group '{}' with the id {} in the group {}, but the only one is "
+                            'Default, 0 in 0'.format(
+                                shortened(group.name), group.id, group.parent),
+                            'leave groups out of the request')
+    values = {}
+    for each in chain(config.bools, config.ints, config.strs, config.doubles):
+        if each.name not in names:
+            raise SettingError(each.name, each.value, 'one of the parameters ' + ', '.join(names))
+        if each.name in values:
+            raise UserError('got two values of {}'.format(shortened(each.name)), 'give one')
+        values[each.name] = each.value
+    return values
 
 
 def _values(settings: Settings) -> dict:

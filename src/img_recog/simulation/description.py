@@ -14,6 +14,7 @@ from typing import Dict, NamedTuple, Optional, Sequence
 import numpy as np
 
 from img_recog.files import FindFile, find_in
+from img_recog.markup import MarkupError, parse_xml
 from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
                                            to_rpy)
 from img_recog.simulation.meshes import resolve
@@ -102,9 +103,9 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
 def root_of(urdf: str) -> ElementTree.Element:
     """Return the <robot> of a URDF's text; SimulationError when it is not a URDF."""
     try:
-        robot = ElementTree.fromstring(urdf)
-    except ElementTree.ParseError as error:
-        raise SimulationError('not XML: {}'.format(error), 'check the file given as urdf')
+        robot = parse_xml(urdf)
+    except MarkupError as error:
+        raise SimulationError(error.problem, error.advice or 'check the file given as urdf')
     if robot.tag != 'robot':
         raise SimulationError('got the root element <{}>, expected <robot> (URDF)'.format(
             robot.tag))

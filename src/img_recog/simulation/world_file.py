@@ -5,6 +5,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import Dict, List, NamedTuple, Tuple
 
 from img_recog.files import FindFile, find_in, find_user_path
+from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation import meshes
 from img_recog.simulation.geometry import Transform, from_rpy, to_rpy
 from img_recog.simulation.settings import SimulationError
@@ -143,13 +144,13 @@ def _parsed(world: str, path: str, worlds: Dict[str, str]) -> ElementTree.Elemen
     allowed = 'allowed is {}, {} or the path of a URDF or SDF file'.format(
         ', '.join(sorted(worlds)), EMPTY)
     try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ValueError, LookupError) as error:     # the last: an unknown encoding
+        root = parse_xml(read_bytes(path))
+    except (OSError, ValueError) as error:
         raise SimulationError('world: got {!r}, which cannot be read as a file ({})'.format(
             world, error), allowed)
-    except ElementTree.ParseError as error:
-        raise SimulationError('world: got {!r}, which is not XML ({})'.format(world, error),
-                              allowed)
+    except MarkupError as error:
+        raise SimulationError('world: got {!r}, which cannot be used ({})'.format(
+            world, error.problem), error.advice or allowed)
     if root.tag not in ('robot', 'sdf'):
         raise SimulationError('world: got {!r}, whose root element is <{}>, not <robot> (URDF) or '
                               '<sdf>'.format(world, root.tag), allowed)

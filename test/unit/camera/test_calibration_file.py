@@ -185,8 +185,8 @@ LONG = {
        for key in ('image_width', 'camera_name')},
     'long model': FOREIGN.replace('plumb_bob', 'p' * 9999),
     'long number': FOREIGN.replace('[500', '[' + 'x' * 9999),
-    'deep lists': '[' * 2000,
-    'deep maps': 'a: ' + '{' * 2000,
+    'deep lists': '[' * 500,
+    'deep maps': 'a: ' + '{' * 500,
     'long directive': '%' + 'x' * 5000,
     'long anchor': '&' + 'y' * 9999 + ' a: [',
 }

@@ -1,9 +1,15 @@
 """dynamic_reconfigure: the config type that is made from settings, and changes of settings."""
 import dataclasses
 import logging
+from types import SimpleNamespace
 
 import pytest
-from dynamic_reconfigure.encoding import decode_description, encode_description, extract_params
+from dynamic_reconfigure import server
+from dynamic_reconfigure.encoding import (decode_config, decode_description, encode_description,
+                                          extract_params)
+from dynamic_reconfigure.msg import (BoolParameter, Config, DoubleParameter, GroupState,
+                                     IntParameter, StrParameter)
+from dynamic_reconfigure.srv import ReconfigureRequest
 
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.errors import UserError
@@ -103,7 +109,7 @@ def test_refusal_names_what_is_allowed(name, value, allowed):
 class Caller:
     """Replaces the server; keeps the function that a request would call."""
 
-    def __init__(self, _kind, settings, change, namespace):
+    def __init__(self, _kind, settings, change, _log_refusal, namespace):
         self.settings, self.change, self.namespace = settings, change, namespace
 
 
@@ -149,3 +155,60 @@ def test_refusal_by_the_receiver_changes_nothing(monkeypatch, errors):
     reconfigurable, change = served(monkeypatch, refuse)
     assert change({'width': 5}) == reconfigurable.settings == Sample(width=2)
     assert errors == ['parameters of /camera: the camera is gone; nothing is changed']
+
+
+@pytest.fixture
+def request_of(monkeypatch):
+    """A function that sends a Config to a Reconfigurable, and returns settings and reply."""
+    topic = SimpleNamespace(publish=lambda msg: None)
+    monkeypatch.setattr(server, 'rospy', SimpleNamespace(
+        Publisher=lambda *_, **__: topic, Service=lambda *_: None, set_param=lambda *_: None))
+    reconfigurable = Reconfigurable(Sample(width=2), lambda settings: None, '/camera')
+
+    def request(config):
+        reply = reconfigurable._server._set_callback(ReconfigureRequest(config))
+        assert reply.groups == [GROUP]
+        return reconfigurable.settings, decode_config(reply)
+    return request
+
+
+GROUP = GroupState('Default', True, 0, 0)
+MALFORMED = {
+    'group id': (Config(groups=[GroupState('x', True, 7, 0)]), 'got a group \'x\' with the id 7'),
+    'group parent': (Config(groups=[GroupState('', False, 0, -1)]), 'in the group -1'),
+    'groups': (Config(groups=[GROUP, GroupState('y', True, -2 ** 31, 2 ** 31 - 1)]),
+               'got a group \'y\''),
+    'group as a value': (Config(ints=[IntParameter('groups', 5)]),
+                         '/camera/groups: got 5, allowed is one of the parameters width'),
+    'unknown name': (Config(bools=[BoolParameter('', True)]), 'got True, allowed is one of'),
+    'twice': (Config(ints=[IntParameter('width', 5), IntParameter('width', 6)]),
+              'got two values of width; give one'),
+    'in two lists': (Config(ints=[IntParameter('width', 5)], strs=[StrParameter('width', '6')]),
+                     'got two values of width'),
+    'wrong list': (Config(strs=[StrParameter('width', '6')]), "got '6', allowed is a whole"),
+    'number for a bool': (Config(ints=[IntParameter('enabled', 1)]), 'got 1, allowed is true'),
+    'NaN': (Config(doubles=[DoubleParameter('rate', float('nan'))]), 'got nan, allowed is a fin'),
+    'infinite': (Config(doubles=[DoubleParameter('gain', -INFINITY)]), 'got -inf, allowed is'),
+    'one of several': (Config(ints=[IntParameter('count', 3), IntParameter('width', 0)]),
+                       'width: got 0, allowed is a whole number from 1 to 800'),
+}
+
+
+@pytest.mark.parametrize('config, words', list(MALFORMED.values()), ids=list(MALFORMED))
+def test_malformed_request_is_one_line_and_the_next_one_works(request_of, errors, config, words):
+    settings, reply = request_of(config)
+    assert settings == Sample(width=2) and reply['width'] == 2
+    line, = errors
+    assert words in line and line.endswith('nothing is changed') and '/camera' in line
+    settings, reply = request_of(Config(ints=[IntParameter('width', 5)], groups=[GROUP]))
+    assert settings == Sample(width=5) and reply['width'] == 5 and len(errors) == 1
+    assert {name: reply[name] for name in EXPECTED} == {
+        **{name: expected[1] for name, expected in EXPECTED.items()}, 'width': 5}
+
+
+def test_empty_request_and_states_of_the_group_change_nothing(request_of, errors):
+    for config in (Config(), Config(groups=[GROUP]),
+                   Config(groups=[GroupState('Default', False, 0, 0)] * 3)):
+        settings, reply = request_of(config)
+        assert settings == Sample(width=2) and reply['width'] == 2
+    assert errors == []

@@ -190,9 +190,10 @@ def test_include_of_another_model_is_warned_of(read):
 
 
 @pytest.mark.parametrize('content, words', [
-    (None, 'which cannot be read as a file'), (b'robot:', 'which is not XML'), (b'', 'not XML'),
-    (b'<robot', 'which is not XML'), (bytes(range(256)), 'which is not XML'),
-    (b'<?xml version="1.0" encoding="klingon"?><robot/>', 'cannot be read as a file'),
+    (None, 'which cannot be read as a file'), (b'robot:', 'not XML'), (b'', 'not XML'),
+    (b'<robot', 'not XML'), (bytes(range(256)), 'not XML'),
+    (b'<?xml version="1.0" encoding="klingon"?><robot/>', 'unknown encoding'),
+    (b'<a>' * 200 + b'</a>' * 200, 'nested too deeply: more than 100 levels at line 1'),
     (b'<world/>', 'whose root element is <world>, not <robot> (URDF) or <sdf>')])
 def test_refusals_name_the_value_and_what_is_allowed(tmp_path, content, words):
     path = tmp_path / 'mars.world'

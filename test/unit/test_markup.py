@@ -1,0 +1,116 @@
+"""XML and YAML of others: hostile files are one line each, wherever they are read."""
+import os
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from img_recog import markup, robot_file
+from img_recog.camera import calibration_file
+from img_recog.errors import UserError
+from img_recog.recognition import parameter_file
+from img_recog.simulation import assembly, description, world_file
+
+LAUGHS = ('<!DOCTYPE robot [<!ENTITY a "ha">'
+          + ''.join('<!ENTITY {} "{}">'.format(name, '&{};'.format(other) * 10)
+                    for other, name in zip('abcdefghi', 'bcdefghij')) + ']><robot>&j;</robot>')
+DEEP = '<robot name="r">{}{}</robot>'.format('<a>' * 200000, '</a>' * 200000)
+HOSTILE_XML = {
+    'deep': (DEEP, 'nested too deeply: more than 100 levels at line 1'),
+    'deep without an end': ('<robot>' * 200000, 'nested too deeply'),
+    'laughs': (LAUGHS, 'it declares entities, which are not supported'),
+    'foreign entity': ('<!DOCTYPE robot [<!ENTITY x SYSTEM "file:///etc/hostname">]>'
+                       '<robot name="&x;"/>', 'it declares entities'),
+    'attribute': ('<robot\nname="{}"/>'.format('x' * 3000000),
+                  'attribute name at line 1 has 3000000 characters, allowed are 10000'),
+    'attribute name': ('<robot {}="1">'.format('x' * 3000000), 'not XML'),
+    'text': ('<robot>{}</robot>'.format('x' * 3000000),
+             'a text before line 2 has more than 100000 characters'),
+    'NUL': ('<robot>\0</robot>', 'not XML: not well-formed (invalid token): line 1'),
+    'empty': ('', 'not XML: no element found'),
+    'tag that is not closed': ('<robot' + ' ' * 3000000, 'not XML'),
+    'surrogate': ('<robot name="\ud800"/>', 'not XML'),
+}
+
+
+def refusal(read, *arguments):
+    """Return the line of the UserError that `read` raises."""
+    with pytest.raises(UserError) as refused:
+        read(*arguments)
+    line = str(refused.value)
+    assert '\n' not in line and '\0' not in line and len(line) < 700
+    return line
+
+
+@pytest.mark.parametrize('text, words', list(HOSTILE_XML.values()), ids=list(HOSTILE_XML))
+def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, text, words):
+    assert words in refusal(markup.parse_xml, text)
+    assert words in refusal(description.parse, text)
+    line = refusal(assembly.read_robot, text, 0.001, lambda uri: None, 'robot_description')
+    assert line.startswith('cannot use the robot in robot_description: ') and words in line
+    for name in ('robot.world', 'robot.xacro', 'robot.urdf'):
+        (tmp_path / name).write_bytes(text.encode('utf-8', 'surrogatepass'))
+    line = refusal(world_file.read, str(tmp_path / 'robot.world'), {})
+    assert str(tmp_path / 'robot.world') in line and words in line
+    line = refusal(robot_file.read, str(tmp_path / 'robot.xacro'))
+    assert 'robot.xacro: ' in line and (words in line or 'not a text file' in line)
+
+
+@pytest.mark.parametrize('text', [
+    '<robot name="r"><a><b>c</b>d</a><!-- e --></robot>',
+    '<robot xmlns:x="http://x" x:name="r"><x:a/></robot>',
+    '<?xml version="1.0" encoding="utf-8"?><!DOCTYPE robot><robot name="\u00e9">&lt;</robot>',
+    '<a>' * 100 + '</a>' * 100, '<a>{}</a>'.format('<b>{}</b>'.format('x' * 1000) * 200),
+    '<a b="{}">{}</a>'.format('x' * 10000, 'x' * 100000)],
+    ids=['children', 'namespace', 'entities of XML', 'deepest', 'many texts', 'longest'])
+def test_other_xml_is_read_like_by_elementtree(text):
+    for each in (text, text.encode()):
+        assert ElementTree.tostring(markup.parse_xml(each)) == ElementTree.tostring(
+            ElementTree.fromstring(each))
+
+
+def test_encodings():
+    text = '<?xml version="1.0" encoding="{}"?><robot name="\u00e9"/>'
+    for encoding in ('iso-8859-1', 'utf-16', 'utf-8'):
+        root = markup.parse_xml(text.format(encoding).encode(encoding))
+        assert root.get('name') == '\u00e9'
+    assert 'not XML' in refusal(markup.parse_xml, b'<robot name="\xe9"/>')
+    # the declaration is checked, whatever the encoding
+    assert 'entities' in refusal(markup.parse_xml, LAUGHS.encode('utf-16'))
+
+
+@pytest.mark.parametrize('kind', ['urdf', 'xacro', 'world', 'yaml'])
+def test_files_that_are_too_large(tmp_path, monkeypatch, kind):
+    path = tmp_path / ('large.' + kind)
+    path.write_bytes(b'')
+    os.truncate(str(path), (1 << 26) + 1)
+    read = {'world': lambda name: world_file.read(name, {}), 'yaml': parameter_file.read}.get(
+        kind, robot_file.read)
+    line = refusal(read, str(path))
+    assert str(path) in line and 'larger than {} bytes'.format(
+        1 << (20 if kind == 'yaml' else 26)) in line
+
+
+ALIASES = 'a: &a [x, x, x, x, x, x, x, x, x]\n' + ''.join(
+    '{1}: &{1} [{0}]\n'.format(', '.join(['*' + other] * 9), name)
+    for other, name in zip('abcdefgh', 'bcdefghi'))
+HOSTILE_YAML = {
+    'deep': '[' * 500, 'deep maps': '{a: ' * 500, 'deep blocks': '- ' * 5000 + 'x',
+    'aliases': ALIASES + 'colors: *i\n', 'aliases as a name': ALIASES + '? *i\n: 1\n',
+    'only aliases': ALIASES, 'itself': 'colors: &a [*a]\n',
+    'map of itself': 'colors: &a {b: *a}\n', 'long text': 'colors: {}\n'.format('x' * 100000),
+    'long name': '? {}\n: 1\n'.format('x' * 100000), 'date': 'colors: 2020-01-01\n',
+    'empty integer': 'colors: !!int ""\n', 'no date': 'colors: 2020-99-99\n',
+    'no timestamp': 'colors: !!timestamp x\n', 'no truth': 'colors: !!bool x\n',
+    'code': 'colors: !!python/object/apply:os.system [exit]\n', 'NUL': 'colors: "\0"\n',
+    'not text': b'colors: \xff\xfe\n', 'list as a name': '? [a]\n: 1\n',
+    'many digits': 'colors: {}\n'.format('9' * 20000),
+    'name': '{}: 1\n'.format('x' * 100), 'number as a name': '1: 2\n',
+}
+
+
+@pytest.mark.parametrize('text', list(HOSTILE_YAML.values()), ids=list(HOSTILE_YAML))
+def test_hostile_yaml_is_one_line_wherever_it_is_read(tmp_path, text):
+    path = tmp_path / 'hostile.yaml'
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    assert str(path) in refusal(parameter_file.read, str(path))
+    assert str(path) in refusal(calibration_file.load, str(path))
