@@ -162,8 +162,9 @@ def test_shell_has_our_python_first_and_the_wrappers(env, tmp_path):
     ({'ROS_MASTER_URI': 'http://robot:11311'}, '', 'http://robot:11311')])
 def test_the_demo_is_local_unless_the_user_says_otherwise(given, hostname, master):
     done = subprocess.run(
-        ['bash', '-c', 'eval "$(sed -n "/^set_environment()/,/^}/p" run)"; build=build venv=.venv; '
-         'set -eu; set_environment; echo "${ROS_HOSTNAME:-},$ROS_MASTER_URI,${ROS_IP:-}"'],
+        ['bash', '-c', 'eval "$(sed -n "/^set_environment()/,/^}/p" run)"; '
+         'build=build venv=.venv; set -eu; '
+         'set_environment; echo "${ROS_HOSTNAME:-},$ROS_MASTER_URI,${ROS_IP:-}"'],
         cwd=ROOT, env={'PATH': '/usr/bin:/bin', **given}, stdout=subprocess.PIPE, check=True)
     assert done.stdout.decode() == '{},{},{}\n'.format(hostname, master, given.get('ROS_IP', ''))
 
