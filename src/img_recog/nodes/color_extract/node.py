@@ -77,6 +77,9 @@ class ColorExtract:
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings
         self._warn, self._console = ThrottledWarning(), ConsoleThrottle()
+        transport = given.image_transport
+        self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
+            '' if transport == 'raw' else '/' + transport))
         self._velocity = DirectPublisher('cmd_vel', Twist)
         self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
@@ -85,12 +88,9 @@ class ColorExtract:
         self._frame_lock = threading.Lock()
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        transport = given.image_transport
-        self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
-            '' if transport == 'raw' else '/' + transport))
-        NodeDiagnostics('recognition', 'none', counts.report)
         self._input = INPUTS[transport](_CAMERA, counts.received, counts.replaced)
         lifecycle.on_shutdown(self._input.wake)
+        NodeDiagnostics('recognition', 'none', counts.report)
 
     def spin(self) -> None:
         """Process frames until the node is shut down."""
