@@ -9,12 +9,12 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from img_recog.errors import shortened
 from img_recog.ros import lifecycle
 from img_recog.ros.transport.subscribers import SubscriberCheck
 
 _PERIOD_S = 1.0
 _WINDOW_S = 3.0             # in which rates are measured
-_MAX_REASON = 200           # characters
 _MAX_NAMED = 5              # of the subscribers that do not read
 
 Report = Callable[[DiagnosticStatusWrapper], None]
@@ -59,7 +59,7 @@ class Refusals:
         """Count a refused input."""
         with self._lock:
             self.total += 1
-            self.last_reason = _shortened(str(reason))
+            self.last_reason = shortened(reason)
 
     def take_recent(self) -> int:
         """Return the number of inputs that were refused since the last call."""
@@ -170,10 +170,3 @@ def add_subscribers(status: DiagnosticStatusWrapper, names: Optional[Tuple[str, 
     if names:
         status.mergeSummary(DiagnosticStatus.WARN, '{} do not read and miss messages: restart '
                             'them, or use a smaller image or rate'.format(listed))
-
-
-def _shortened(text: str) -> str:
-    text = ' '.join(text[:2 * _MAX_REASON].split())
-    if not text.isprintable():
-        text = ''.join(each if each.isprintable() else '?' for each in text)
-    return text if len(text) <= _MAX_REASON else text[:_MAX_REASON - 3] + '...'

@@ -68,13 +68,11 @@ def test_new_refusals_are_a_warning_once(status):
     assert add_refusals(status, 'images', refusals) == 0 and status.level == OK
 
 
-@pytest.mark.parametrize('reason, kept', [
-    ('a\n b\x1b[2J', 'a b?[2J'), ('x' * 200, 'x' * 200), ('x' * 201, 'x' * 197 + '...'),
-    ('x' * 10 ** 7, 'x' * 197 + '...')])
-def test_a_reason_is_one_short_line(reason, kept):
+def test_a_reason_is_one_short_line():
     refusals = Refusals()
-    refusals.add(reason)
-    assert refusals.last_reason == kept
+    refusals.add('a\nb\x1b[2J' + 'x' * 10 ** 7)
+    assert len(refusals.last_reason) == 200 and refusals.last_reason.isprintable()
+    assert refusals.last_reason.startswith('a\\nb\\x1b[2Jxxx')
 
 
 def test_durations_are_those_of_the_last_period(status):
