@@ -144,7 +144,7 @@ def add_refusals(status: DiagnosticStatusWrapper, name: str, refusals: Refusals)
     status.add('last reason', reason)
     if recent:
         status.mergeSummary(DiagnosticStatus.WARN,
-                            '{} {} refused: {}'.format(recent, name, reason))
+                            '{} refused: {}, the last: {}'.format(name, recent, reason))
     return recent
 
 

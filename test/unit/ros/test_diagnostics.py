@@ -62,7 +62,7 @@ def test_new_refusals_are_a_warning_once(status):
     refusals.add(ValueError('no step'))
     status.values = []
     assert add_refusals(status, 'images', refusals) == 2
-    assert (status.level, status.message) == (WARN, '2 images refused: no step')
+    assert (status.level, status.message) == (WARN, 'images refused: 2, the last: no step')
     assert values(status) == {'images refused': '2', 'last reason': 'no step'}
     status.summary(OK, 'fine')
     assert add_refusals(status, 'images', refusals) == 0 and status.level == OK

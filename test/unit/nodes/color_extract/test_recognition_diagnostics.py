@@ -40,7 +40,7 @@ def test_all_values(counts, clock):
     counts.count_latency(100.5, 100.496)
     counts.commands.add()
     level, message, values = run(counts, clock, 1, 10, 9, 1)
-    assert (level, message) == (WARN, '1 images refused: no such encoding')
+    assert (level, message) == (WARN, 'images refused: 1, the last: no such encoding')
     assert values == {
         'images received': '10', 'images received (Hz)': '10.00',
         'images replaced by newer ones': '0', 'images processed': '9',

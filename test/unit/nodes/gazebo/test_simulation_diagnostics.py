@@ -60,7 +60,8 @@ def test_values_of_a_robot(status, clock):
         'age of the last command (s)': '2.0', 'watchdog': 'stops the robot after 0.5 s',
         'commands refused': '1', 'last reason': 'linear.x is nan', 'sensor messages': '1',
         'sensor messages (Hz)': '0.50'}
-    assert (status.level, status.message) == (WARN, '1 commands refused: linear.x is nan')
+    assert (status.level, status.message) == (
+        WARN, 'commands refused: 1, the last: linear.x is nan')
 
 
 @pytest.mark.parametrize('timeout_s, timed_out, level, watchdog', [
