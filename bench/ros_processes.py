@@ -22,7 +22,7 @@ class Master:
             probe.bind(('127.0.0.1', 0))
             port = probe.getsockname()[1]
         self.env = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:{}'.format(port),
-                        ROS_HOSTNAME='127.0.0.1')
+                        ROS_HOSTNAME='localhost')
         self._processes = []
         self.start('roscore', '-p', str(port))
 

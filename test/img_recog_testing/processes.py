@@ -68,7 +68,7 @@ class Ros:
             probe.bind(('127.0.0.1', 0))
             self.port = probe.getsockname()[1]
         self.env = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:{}'.format(self.port),
-                        ROS_HOSTNAME='127.0.0.1', ROS_HOME=str(tmp_path / 'ros'),
+                        ROS_HOSTNAME='localhost', ROS_HOME=str(tmp_path / 'ros'),
                         PYTHONUNBUFFERED='1')
         self.env.pop('DISPLAY', None)
         self._processes = []

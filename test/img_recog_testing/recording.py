@@ -19,6 +19,10 @@ class Recorder:
         if self._accept(msg):
             self.messages.append(msg)
 
+    def get_num_connections(self):
+        """Return the number of publishers."""
+        return self._subscriber.get_num_connections()
+
     def close(self):
         """Unsubscribe."""
         self._subscriber.unregister()

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
@@ -56,6 +57,7 @@ class ColorsTest(unittest.TestCase):
         cls.images = {'blue': Recorder('/blue_image', Image), 'red': Recorder('/red_image', Image)}
         cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
         cls.warnings = Recorder('/rosout', Log, lambda msg: msg.level >= Log.WARN)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.odometry = Recorder('/odom', Odometry)
         cls.odometry.wait()
         wait_for(lambda: cls.camera.get_num_connections() == 1, 'color_extract to subscribe')
@@ -148,6 +150,25 @@ class ColorsTest(unittest.TestCase):
         self._wait_warning('frame skipped')
         self._check_images(message(picture(5000, 3000), 'bgr8'), picture(5000, 3000))
 
+        def is_complete(values):
+            received, *rest = (int(values['images ' + key]) for key in (
+                'received', 'processed', 'refused', 'replaced by newer ones'))
+            return received == sum(rest) and rest[1] > 0
+        values = self._wait_diagnostics('color_extract: recognition', is_complete)
+        self.assertRegex(values['last reason'], 'image')
+
+    def _wait_diagnostics(self, name, accept):
+        """Return the values of the first status of this name that is accepted."""
+        def found():
+            for msg in self.diagnostics.messages:
+                for status in msg.status:
+                    values = {each.key: each.value for each in status.values}
+                    # the first message of a node has no values
+                    if status.name == name and values and accept(values):
+                        return values
+            return None
+        return wait_for(found, lambda: '{} in {}'.format(name, self.diagnostics.messages[-2:]))
+
     def test_nan_and_infinite_twists_are_ignored(self):
         self.drive.publish(Twist())
         for value in (float('nan'), float('inf'), -float('inf')):
@@ -158,6 +179,9 @@ class ColorsTest(unittest.TestCase):
         twist.angular.z = float('nan')
         self.drive.publish(twist)
         self._wait_warning('ignored a message on cmd_vel', 'nan')
+        values = self._wait_diagnostics('gazebo: simulation',
+                                        lambda values: values['commands refused'] == '4')
+        self.assertIn('nan', values['last reason'])
         # a valid command afterwards is executed
         twist = Twist()
         twist.linear.x = 0.2

@@ -7,6 +7,7 @@ import rospy
 import rostest
 import tf2_ros
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray
 
 from img_recog_testing.recording import wait_for
 
@@ -16,6 +17,7 @@ TOPICS = {
     '/blue_image': 'sensor_msgs/Image',
     '/clock': 'rosgraph_msgs/Clock',
     '/cmd_vel': 'geometry_msgs/Twist',
+    '/diagnostics': 'diagnostic_msgs/DiagnosticArray',
     '/imu': 'sensor_msgs/Imu',
     '/joint_states': 'sensor_msgs/JointState',
     '/odom': 'nav_msgs/Odometry',
@@ -41,6 +43,11 @@ ARROWS = {('/usb_cam', '/usb_cam/image_raw', '/color_extract'),
 PARENTS = {'base_footprint': 'odom', 'base_link': 'base_footprint',
            'wheel_left_link': 'base_link', 'wheel_right_link': 'base_link',
            'caster_back_link': 'base_link', 'imu_link': 'base_link', 'base_scan': 'base_link'}
+# a status of each node, and a counter in it that increases
+COUNTERS = {'usb_cam: camera': 'frames',
+            'color_extract: recognition': 'images processed',
+            'gazebo: simulation': 'sensor messages',
+            'turtlebot3_teleop_keyboard: teleop': 'commands'}
 
 
 class NamesTest(unittest.TestCase):
@@ -83,6 +90,28 @@ class NamesTest(unittest.TestCase):
         frames = yaml.safe_load(buffer.all_frames_as_yaml())
         tree = {child: entry['parent'] for child, entry in frames.items()}
         self.assertEqual(PARENTS, tree)
+
+    def test_every_node_reports_its_state(self):
+        found = {}
+
+        def store(msg):
+            for status in msg.status:
+                found.setdefault(status.name, []).append(
+                    {value.key: value.value for value in status.values})
+        subscriber = rospy.Subscriber('/diagnostics', DiagnosticArray, store)
+        for name, counter in COUNTERS.items():
+            wait_for(lambda: int(found.get(name, [{}])[-1].get(counter, 0)) >
+                     int(found.get(name, [{}])[0].get(counter, 0)), name + ' to count ' + counter)
+        subscriber.unregister()
+        for name in COUNTERS:
+            self.assertIn(found[name][-1]['subscribers that do not read'], ('none', 'unknown'))
+        for name, key in (('color_extract: recognition', 'processing, max (ms)'),
+                          ('color_extract: recognition', 'stamp to commands, max (ms)'),
+                          ('usb_cam: camera', 'publishing a frame, max (ms)'),
+                          ('gazebo: simulation', 'clock period, max (ms)')):
+            measured = [values[key] for values in found[name] if values.get(key) != 'none']
+            self.assertTrue(measured and all(0 <= float(value) < 60000 for value in measured),
+                            (name, key, found[name]))
 
     def test_use_sim_time(self):
         self.assertIs(True, rospy.get_param('/use_sim_time'))

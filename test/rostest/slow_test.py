@@ -4,6 +4,7 @@ import unittest
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import Image
 from std_srvs.srv import Empty
@@ -27,6 +28,16 @@ class SlowTest(unittest.TestCase):
         self.assertLess(max(ages), MAX_AGE_S)
         self.assertGreater(min(ages), 0.2)
         self.assertGreater(len(frames.messages), 4 * len(ages))     # most frames were dropped
+
+    def test_it_says_that_it_is_too_slow(self):
+        states = Recorder('/diagnostics', DiagnosticArray, lambda msg: any(
+            status.level == DiagnosticStatus.WARN and 'too slow' in status.message
+            for status in msg.status if status.name == 'color_extract: recognition'))
+        wait_for(lambda: states.messages, 'a warning')
+        values = {each.key: each.value for each in states.messages[0].status[0].values}
+        self.assertLess(float(values['images processed (Hz)']), 6)
+        self.assertGreater(int(values['images replaced by newer ones']), 4)
+        self.assertGreater(float(values['stamp to commands, max (ms)']), 200)
 
     def test_at_most_two_more_commands_after_the_input_ends(self):
         twists, frames = Recorder('/cmd_vel', Twist), Recorder('/usb_cam/image_raw', Image)

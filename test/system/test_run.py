@@ -151,6 +151,24 @@ def test_shell_has_our_python_first_and_the_wrappers(env, tmp_path):
     assert '\ncode 0\n' in output and 'usage: replay.py' in output, output
 
 
+@pytest.mark.parametrize('given, hostname, master', [
+    ({}, 'localhost', 'http://localhost:11311'),
+    # what setup.bash of ROS sets
+    ({'ROS_MASTER_URI': 'http://localhost:11311'}, 'localhost', 'http://localhost:11311'),
+    ({'ROS_MASTER_URI': 'http://127.0.0.1:12345/'}, 'localhost', 'http://127.0.0.1:12345/'),
+    ({'ROS_IP': '192.0.2.7'}, '', 'http://localhost:11311'),
+    ({'ROS_HOSTNAME': 'robot'}, 'robot', 'http://localhost:11311'),
+    ({'ROS_MASTER_URI': 'http://localhost.example:1'}, '', 'http://localhost.example:1'),
+    ({'ROS_MASTER_URI': 'http://robot:11311'}, '', 'http://robot:11311')])
+def test_the_demo_is_local_unless_the_user_says_otherwise(given, hostname, master):
+    done = subprocess.run(
+        ['bash', '-c', 'eval "$(sed -n "/^set_environment()/,/^}/p" run)"; '
+         'build=build venv=.venv; set -eu; '
+         'set_environment; echo "${ROS_HOSTNAME:-},$ROS_MASTER_URI,${ROS_IP:-}"'],
+        cwd=ROOT, env={'PATH': '/usr/bin:/bin', **given}, stdout=subprocess.PIPE, check=True)
+    assert done.stdout.decode() == '{},{},{}\n'.format(hostname, master, given.get('ROS_IP', ''))
+
+
 # Installation
 
 APT = """#!/bin/sh

@@ -6,15 +6,20 @@ import select
 import signal
 import subprocess
 import time
+import urllib.parse
 import uuid
+import xmlrpc.client
 
 import pytest
 
+from img_recog_testing.sockets import listening, open_doors
 from img_recog_testing.waiting import wait_for
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 MARK = 'IMG_RECOG_TEST_RUN'
 END_S = 10.0
+NODES = ('rosout', 'robot_state_publisher', 'gazebo', 'color_extract', 'usb_cam',
+         'turtlebot3_teleop_keyboard')
 F_SETPIPE_SZ, PIPE_BYTES = 1031, 4096       # fcntl.h of Linux
 
 
@@ -23,6 +28,7 @@ def run_demo(ros):
     """A function that starts ./run demo; `mark` of it is in the environment of all processes."""
     mark = str(uuid.uuid4())
     env = dict(ros.env, **{MARK: mark})
+    del env['ROS_HOSTNAME']         # ./run sets it
 
     def start(*arguments, **popen):
         return ros.start(os.path.join(ROOT, 'run'), 'demo', *arguments, start_new_session=True,
@@ -107,9 +113,20 @@ def command_line(pid):
         return b''
 
 
-def test_ctrl_c_of_a_running_demo_is_clean(run_demo):
+def xml_rpc_port(ros, name):
+    master = xmlrpc.client.ServerProxy(ros.env['ROS_MASTER_URI'])
+    uri = wait_for(lambda: master.lookupNode('/test', name)[2], 'the node ' + name)
+    return urllib.parse.urlparse(uri).port
+
+
+def test_a_running_demo_is_closed_to_other_machines_and_ends_cleanly(run_demo, ros):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
+    # roscpp opens its XML-RPC port on all addresses, see doc/security.md
+    known = {('tcp', xml_rpc_port(ros, name)) for name in ('/rosout', '/robot_state_publisher')}
+    pids = marked(run_demo.mark)
+    assert len(listening(pids)) >= 2 * len(NODES)
+    assert open_doors(pids) == known
     os.killpg(demo.pid, signal.SIGINT)
     assert demo.wait() == 0
     for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]', 'has ended'):

@@ -1,17 +1,21 @@
 """The node turtlebot3_teleop_keyboard: drives the robot by the keys of a terminal.
 
 Publishes cmd_vel (geometry_msgs/Twist) at 10 Hz, zeros while no key was pressed, and a last zero
-on shutdown. Subscribes to nothing. Reads ~linear_step, ~angular_step, ~max_linear_velocity,
-~max_angular_velocity (TeleopSettings).
+on shutdown; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time. Subscribes to
+nothing. Reads ~linear_step, ~angular_step, ~max_linear_velocity, ~max_angular_velocity
+(TeleopSettings).
 """
 import threading
 import time
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import Twist
 
 from img_recog.conversions import twist_msgs
 from img_recog.ros import lifecycle, parameters
+from img_recog.ros.diagnostics import Counter, NodeDiagnostics, add_counter
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile
 from img_recog.teleoperation.settings import TeleopSettings
@@ -34,11 +38,14 @@ class TeleopKey:
         self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
         self._publish_lock = threading.Lock()
         self._is_stopped = False
+        self._sent, self._keys, self._has_terminal = Counter(), Counter(), False
         lifecycle.on_shutdown(self._stop_robot)
+        NodeDiagnostics('teleop', 'none', self._report)
 
     def spin(self) -> None:
         """Read keys and publish commands until the node is shut down."""
         with Keyboard() as keyboard:
+            self._has_terminal = keyboard.present
             rospy.loginfo(_HELP if keyboard.present else _NO_TERMINAL)
             deadline = time.monotonic()
             while not rospy.is_shutdown():
@@ -50,6 +57,8 @@ class TeleopKey:
         remaining = deadline - time.monotonic()
         while remaining > 0 and not rospy.is_shutdown():
             key = keyboard.key(remaining)
+            if key is not None:
+                self._keys.add()
             if key is not None and self._profile.press(key):
                 rospy.loginfo('target: linear %.2f m/s, angular %.2f rad/s',
                               self._profile.target_linear, self._profile.target_angular)
@@ -59,6 +68,22 @@ class TeleopKey:
         with self._publish_lock:
             if not self._is_stopped:
                 self._velocity.publish(twist_msgs.to_msg(linear, angular))
+                self._sent.add()
+
+    def _report(self, status: DiagnosticStatusWrapper) -> None:
+        """Fill in the status of /diagnostics; runs in its thread."""
+        subscribers = self._velocity.get_num_connections()
+        if subscribers:
+            status.summary(DiagnosticStatus.OK, 'reading keys' if self._has_terminal
+                           else 'no terminal: publishing zeros')
+        else:
+            status.summary(DiagnosticStatus.WARN, 'nobody subscribes to {}: start the simulator '
+                           'or the robot'.format(self._velocity.resolved_name))
+        add_counter(status, 'commands', self._sent)
+        status.add('subscribers', str(subscribers))
+        status.add('keys', str(self._keys.total))
+        status.add('target linear (m/s)', '{:.2f}'.format(self._profile.target_linear))
+        status.add('target angular (rad/s)', '{:.2f}'.format(self._profile.target_angular))
 
     def _stop_robot(self) -> None:
         with self._publish_lock:

@@ -52,6 +52,9 @@ class CallQueue:
         self._condition = threading.Condition()
         self._waiting = []
 
+    def __len__(self) -> int:
+        return len(self._waiting)
+
     def call(self, action: Callable[[], Any], timeout_s: float) -> Any:
         """Have the loop call `action`; return what it returns, raise what it raises.
 

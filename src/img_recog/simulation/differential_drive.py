@@ -9,7 +9,10 @@ _ROUNDING_PERIODS = 1e-6        # 0.07 s divided by 0.01 s is a little more than
 
 
 class DifferentialDrive:
-    """Turns a Twist into wheel speeds that change no faster than `wheel_acceleration`."""
+    """Turns a Twist into wheel speeds that change no faster than `wheel_acceleration`.
+
+    timed_out: whether `cmd_vel_timeout` has ended the last command, which was not a stop.
+    """
 
     def __init__(self, settings: DriveSettings):
         self._half_separation = settings.wheel_separation / 2
@@ -25,6 +28,7 @@ class DifferentialDrive:
         self._target: Tuple[float, float] = (0.0, 0.0)
         self._sent: Tuple[float, float] = (0.0, 0.0)
         self._age = 0
+        self.timed_out = False
 
     def command(self, linear_x: float, angular_z: float) -> None:
         """Set the velocity of the root link that holds until the next command: m/s and rad/s."""
@@ -34,6 +38,7 @@ class DifferentialDrive:
         difference = angular_z * self._half_separation
         self._target = (linear_x - difference, linear_x + difference)
         self._age = 0
+        self.timed_out = False
 
     def update(self, velocities: Tuple[float, float]) -> Tuple[float, float]:
         """Return the target angular velocities of the left and right wheel, in rad/s.
@@ -41,6 +46,7 @@ class DifferentialDrive:
         velocities: the measured ones, in rad/s. To be called once a drive period.
         """
         if self._timeout and self._age > self._timeout - _ROUNDING_PERIODS:
+            self.timed_out = self.timed_out or self._target != (0.0, 0.0)
             self._target = (0.0, 0.0)
         self._age += 1
         near = any(abs(target - velocity * self._radius) < _RAMP_END_TOLERANCE

@@ -97,6 +97,11 @@ class Vehicle:
         """Drive at linear_x m/s and angular_z rad/s until the next command."""
         self._drive.command(linear_x, angular_z)
 
+    @property
+    def command_timed_out(self) -> bool:
+        """Whether the robot stops because no command came for `cmd_vel_timeout`."""
+        return self._drive.timed_out
+
     def before_step(self, steps: int) -> None:
         """Set the motors if the drive is due after `steps` steps of the physics."""
         if steps % self._drive_steps == 0:

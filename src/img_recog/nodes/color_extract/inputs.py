@@ -7,21 +7,28 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.ros import image_topics
+from img_recog.ros.diagnostics import Counter
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
 class RawInput:
-    """Subscribes to raw images and keeps the newest."""
+    """Subscribes to raw images and keeps the newest.
 
-    def __init__(self, topic: str, _max_pixels: int):
-        """Subscribe; a raw image is never larger than its message."""
+    received, replaced: counters of the images that arrived, and of those that were not taken.
+    A raw image is never larger than its message, so that it needs no limit.
+    """
+
+    def __init__(self, topic: str, received: Counter, replaced: Counter, _max_pixels: int):
+        self._received, self._replaced = received, replaced
         self._latest, self._images = LatestValue(), image_msgs.ColorImages()
         self._subscriber = ImageSubscriber(topic, self._store)
 
     def _store(self, msg: Image) -> None:
+        self._received.add()
         replaced = self._latest.put(msg)
         if replaced is not None:
+            self._replaced.add()
             self._subscriber.release(replaced)
 
     def take(self, timeout_s: float) -> Optional[Image]:
@@ -48,14 +55,20 @@ class CompressedInput:
     """Subscribes to compressed images and keeps the newest.
 
     topic: of the raw images; the compressed ones are on topic/compressed.
+    received, replaced: as of RawInput.
     max_pixels: larger images are refused before they are decoded.
     """
 
-    def __init__(self, topic: str, max_pixels: int):
-        self._max_pixels = max_pixels
+    def __init__(self, topic: str, received: Counter, replaced: Counter, max_pixels: int):
+        self._received, self._replaced, self._max_pixels = received, replaced, max_pixels
         self._latest = LatestValue()
-        rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._latest.put,
+        rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._store,
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
+
+    def _store(self, msg: CompressedImage) -> None:
+        self._received.add()
+        if self._latest.put(msg) is not None:
+            self._replaced.add()
 
     def take(self, timeout_s: float) -> Optional[CompressedImage]:
         """Return the newest message, None if there is none within the timeout or before `wake`."""

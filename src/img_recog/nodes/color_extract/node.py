@@ -7,7 +7,8 @@ Publishes for each processed frame: blue_image and red_image (sensor_msgs/Image,
 header of the frame: the frame with all other pixels black), then cmd_vel (geometry_msgs/Twist,
 one message for each color above its area limit: linear.x 10 m/s for blue, then -10 m/s for red).
 Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
-color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands).
+color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands). /diagnostics
+(diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time.
 Reads ~image_transport (raw or compressed), ~max_image_pixels, ~colors_file (the file from which
 the parameters were loaded, to check it), ~colors (names), ~NAME_image_topic for each color, and
 RecognitionSettings with these colors. The latter can be changed by dynamic_reconfigure
@@ -29,6 +30,7 @@ from img_recog import files
 from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.nodes import color_parameters
+from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
 from img_recog.nodes.color_extract.inputs import INPUTS
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
@@ -36,6 +38,7 @@ from img_recog.recognition.commands import Command, Commander, commands_for
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import console, lifecycle, parameters
 from img_recog.ros.console import ConsoleThrottle
+from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
@@ -77,6 +80,9 @@ class ColorExtract:
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings
         self._warn, self._console = ThrottledWarning(), ConsoleThrottle()
+        transport = given.image_transport
+        self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
+            '' if transport == 'raw' else '/' + transport))
         self._velocity = DirectPublisher('cmd_vel', Twist)
         self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
@@ -85,8 +91,10 @@ class ColorExtract:
         self._frame_lock = threading.Lock()
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = INPUTS[given.image_transport](_CAMERA, given.max_image_pixels)
+        self._input = INPUTS[transport](_CAMERA, counts.received, counts.replaced,
+                                        given.max_image_pixels)
         lifecycle.on_shutdown(self._input.wake)
+        NodeDiagnostics('recognition', 'none', counts.report)
 
     def spin(self) -> None:
         """Process frames until the node is shut down."""
@@ -104,9 +112,11 @@ class ColorExtract:
 
     def handle(self, msg: Union[Image, CompressedImage]) -> None:
         """Recognize the colors in a frame and publish the results."""
+        begin_s = time.perf_counter()
         try:
             image, encoding = self._input.decode(msg)
         except ImageError as error:
+            self._counts.refused.add(error)
             self._warn('frame skipped: %s', error)
             return
         areas_px = self._extractor.measure(image, encoding)
@@ -120,7 +130,10 @@ class ColorExtract:
         rospy.loginfo(line, extra=console.mark(is_shown))
         commands = self._commander.decide(areas_px, time.monotonic())
         self._publish_commands(commands)
+        self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
         self._publish_details(msg.header, areas_px, commands)
+        self._counts.processed.add()
+        self._counts.processing.add(time.perf_counter() - begin_s)
 
     def _publish_details(self, header: Header, areas_px: Sequence[int],
                          commands: Sequence[Command]) -> None:
@@ -136,6 +149,7 @@ class ColorExtract:
     def _publish_commands(self, commands: List[Command]) -> None:
         for command in commands:
             self._velocity.publish(twist_msgs.to_msg(*command))
+            self._counts.commands.add()
 
     def _configure(self, settings: RecognitionSettings) -> None:
         if settings is not self._settings:

@@ -6,7 +6,8 @@ odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_sta
 (sensor_msgs/JointState, 30 Hz), imu (sensor_msgs/Imu, frame imu_link, 200 Hz), scan
 (sensor_msgs/LaserScan, frame base_scan, 5 Hz), ~real_time_factor (std_msgs/Float64, measured,
 1 Hz of wall time), ~view/image_raw (sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
-~model_states (gazebo_msgs/ModelStates, 100 Hz) if gazebo_msgs is installed.
+~model_states (gazebo_msgs/ModelStates, 100 Hz) if gazebo_msgs is installed, /diagnostics
+(diagnostic_msgs/DiagnosticArray, 1 Hz of wall time).
 Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), and
 ~get_model_state, ~set_model_state (gazebo_msgs) if that is installed.
 Reads: robot_description, and the fields of all settings of the simulation as private parameters.
@@ -16,16 +17,19 @@ from typing import Optional, Tuple
 
 import rosgraph
 import rospy
+from diagnostic_updater import DiagnosticStatusWrapper
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 
 from img_recog import resources
 from img_recog.conversions import robot_msgs
 from img_recog.nodes.gazebo import model_services
+from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics, State
 from img_recog.nodes.gazebo.physics_services import PhysicsServices, ServiceCalls
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.ros import lifecycle, parameters
+from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly, world_file
@@ -63,6 +67,8 @@ class PybulletSim:
         self._view = ViewTopic(built.scene, view)
         self._topics = {vehicle.robot.name: RobotTopics(vehicle, topics)
                         for vehicle in self._simulator.vehicles}
+        self._diagnostics = SimulationDiagnostics()
+        NodeDiagnostics('simulation', 'none', self._report)
         _warn_of_other_clocks()
         for vehicle in self._simulator.vehicles:
             rospy.loginfo('simulating %.4f kg with root link %s in world %s',
@@ -101,6 +107,7 @@ class PybulletSim:
 
     def _advance(self) -> None:
         """Simulate one clock period and publish what the sensors measured in it."""
+        begin_s = time.perf_counter()
         for topics in self._topics.values():
             topics.apply_command()
         readings = self._simulator.advance(self._clock_steps)
@@ -110,6 +117,15 @@ class PybulletSim:
             self._topics[reading.robot].publish(reading)
         if self._models is not None:
             self._models.update()
+        self._diagnostics.steps.add(time.perf_counter() - begin_s)
+
+    def _report(self, status: DiagnosticStatusWrapper) -> None:
+        """Fill in the status of /diagnostics; runs in its thread and only reads."""
+        self._diagnostics.report(status, State(
+            self._simulator.time_s, self._paused, self._factor.last, self._wanted_factor,
+            self._calls.waiting, self._calls.late.total))
+        for topics in self._topics.values():
+            topics.report(status)
 
     def _publish_clock(self) -> None:
         now = robot_msgs.stamp_of(self._simulator.time_s)

@@ -5,6 +5,7 @@ from typing import Any, Callable, Mapping
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
+from img_recog.ros.diagnostics import Counter
 from img_recog.ros.queues import CallQueue
 from img_recog.simulation.settings import SimulationError
 
@@ -12,10 +13,19 @@ _TIMEOUT_S = 5.0
 
 
 class ServiceCalls:
-    """Lets the loop that steps the simulation do what service handlers need done."""
+    """Lets the loop that steps the simulation do what service handlers need done.
+
+    late: counts the calls that the loop did not do in time.
+    """
 
     def __init__(self):
         self._queue = CallQueue()
+        self.late = Counter()
+
+    @property
+    def waiting(self) -> int:
+        """The number of calls that the loop has not begun."""
+        return len(self._queue)
 
     def call(self, action: Callable[[], Any]) -> Any:
         """Have the loop call `action`; return what it returns, raise what it raises.
@@ -25,6 +35,7 @@ class ServiceCalls:
         try:
             return self._queue.call(action, _TIMEOUT_S)
         except CallTimeoutError:
+            self.late.add()
             raise SimulationError('the simulation does not answer')
 
     def process(self, timeout_s: float) -> None:

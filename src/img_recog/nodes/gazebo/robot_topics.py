@@ -4,11 +4,13 @@ from typing import Any, Callable, NamedTuple
 
 import rospy
 import tf2_ros
+from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
 from img_recog.conversions import robot_msgs, twist_msgs
+from img_recog.nodes.gazebo.diagnostics import CommandCounts
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
@@ -41,6 +43,7 @@ class RobotTopics:
 
     def __init__(self, vehicle: Vehicle, names: TopicSettings):
         self._vehicle = vehicle
+        self._counts = CommandCounts()
         settings = vehicle.settings
         odometry = settings.odometry
         base_frame = odometry.base_frame or vehicle.robot.root
@@ -69,9 +72,12 @@ class RobotTopics:
     def _keep_command(self, msg: Twist) -> None:
         try:
             # checked here, so that a bad command does not replace a good one
-            self._commands.put(twist_msgs.from_msg(msg))
+            replaced = self._commands.put(twist_msgs.from_msg(msg))
         except twist_msgs.TwistError as error:
+            self._counts.refused.add(error)
             self._warn('ignored a message on %s: %s', self._command_topic, error)
+        else:
+            self._counts.count_received(replaced is not None)
 
     def apply_command(self) -> None:
         """Apply the newest command, and disable the sensors that have no subscriber."""
@@ -87,10 +93,16 @@ class RobotTopics:
         output = self._outputs[reading.sensor]
         msg = output.to_msg(reading.value, robot_msgs.stamp_of(reading.time_s))
         output.publisher.publish(msg)
+        self._counts.readings.add()
         if reading.sensor == 'odometry':
             self._log_motion_change(reading)
             if self._publishes_tf:
                 self._transforms.sendTransform(robot_msgs.transform_of(msg))
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Add the counters to a status; to be called once in each period."""
+        self._counts.report(status, self._vehicle.settings.drive.cmd_vel_timeout,
+                            self._vehicle.command_timed_out)
 
     def discard_command(self) -> None:
         """Drop a command that was not applied yet: after a reset it is out of date."""

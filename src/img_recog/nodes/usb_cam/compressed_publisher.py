@@ -10,6 +10,7 @@ from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.ros import image_topics, parameters
+from img_recog.ros.diagnostics import Counter
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
@@ -27,6 +28,8 @@ class CompressedImages:
 
     A separate thread compresses the newest image: PNG may take longer than the period of the
     camera; then images are dropped here, and the raw ones are not delayed.
+
+    sent, dropped: counters of the published and the dropped images.
     """
 
     def __init__(self, topic: str):
@@ -39,6 +42,7 @@ class CompressedImages:
         parameters.warn_of_unknown(CompressionSettings, namespace=name)
         self._images, self._closed = LatestValue(), threading.Event()
         self._warn = ThrottledWarning()
+        self.sent, self.dropped = Counter(), Counter()
         self._publisher = rospy.Publisher(name, CompressedImage, queue_size=1)
         self._parameters = Reconfigurable(settings, lambda _: None, name)
         self._worker = threading.Thread(target=self._work, daemon=True)
@@ -53,7 +57,8 @@ class CompressedImages:
         if self._publisher.get_num_connections() > 0:
             # a copy, because rospy writes the sequence number of each topic into the header
             copy = Header(seq=header.seq, stamp=header.stamp, frame_id=header.frame_id)
-            self._images.put((image, encoding, copy))
+            if self._images.put((image, encoding, copy)) is not None:
+                self.dropped.add()
 
     def close(self) -> None:
         """Remove the topics and the service."""
@@ -76,6 +81,7 @@ class CompressedImages:
             return
         try:
             self._publisher.publish(msg)
+            self.sent.add()
         except rospy.ROSException:      # the topic was closed because the node shuts down
             if not rospy.core.is_shutdown_requested():
                 raise

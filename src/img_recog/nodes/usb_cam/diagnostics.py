@@ -1,37 +1,36 @@
-"""The state of the camera on /diagnostics, by diagnostic_updater."""
+"""The state of the camera, as in /diagnostics."""
 import threading
 import time
 from typing import Callable, List, Optional, Tuple
 
-import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.camera.source import FrameSource
+from img_recog.ros.diagnostics import Durations, Refusals, add_durations
 
-_PERIOD_S = 1.0
 _WINDOW_S = 3.0         # in which the rate is measured
 _MIN_SHARE = 0.8        # of the expected rate: below is a warning
 
 
 class CameraDiagnostics:
-    """Counts frames, and publishes the counts and the rate once per second of wall time.
+    """Counts frames, and reports the counts and the rate.
 
-    Publishes: /diagnostics (diagnostic_msgs/DiagnosticArray, one status NODE: camera).
+    ages: of the frames when they are captured, where the source knows it.
+    publishing: how long it takes to publish a frame.
     """
 
     def __init__(self, device: str, now: Callable[[], float] = time.monotonic):
         self._device, self._now = device, now
         self._lock = threading.Lock()
         self._source: Optional[FrameSource] = None
-        self._frames = self._skipped = self._dropped = self._losses = 0
+        self._frames = self._dropped = self._losses = 0
+        self._skipped = Refusals()
+        self.ages, self.publishing = Durations(), Durations()
         self._lost: Optional[str] = None
         self._active = False
         # (time, frame count at that time) within the window
         self._samples: List[Tuple[float, int]] = []
-        self._next_s = now()
-        self._updater = diagnostic_updater.Updater()
-        self._updater.setHardwareID(device)
-        self._updater.add('camera', self.report)
 
     def opened(self, source: FrameSource) -> None:
         """Store the source that was opened, and start to measure its rate."""
@@ -44,10 +43,9 @@ class CameraDiagnostics:
         with self._lock:
             self._frames += 1
 
-    def count_skipped(self) -> None:
+    def count_skipped(self, reason: str) -> None:
         """Count a frame that could not be used."""
-        with self._lock:
-            self._skipped += 1
+        self._skipped.add(reason)
 
     def count_dropped(self) -> None:
         """Count a frame that was dropped to keep the rate."""
@@ -64,23 +62,14 @@ class CameraDiagnostics:
         with self._lock:
             self._lost = None
 
-    def update(self, active: bool) -> None:
-        """Publish when a second has passed; the node has to call this several times a second.
-
-        active: whether the camera is capturing, not suspended.
-        """
-        now_s = self._now()
-        if now_s < self._next_s:
-            return
-        self._next_s = max(self._next_s + _PERIOD_S, now_s)
+    def set_active(self, active: bool) -> None:
+        """Store whether the camera is capturing, not suspended; to be called again and again."""
         with self._lock:
             if active != self._active:
-                self._active, self._samples = active, [(now_s, self._frames)]
-        self._updater.force_update()
+                self._active, self._samples = active, [(self._now(), self._frames)]
 
-    def report(self, status: diagnostic_updater.DiagnosticStatusWrapper
-               ) -> diagnostic_updater.DiagnosticStatusWrapper:
-        """Fill in the status and return it."""
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Fill in the status; to be called once in each period."""
         with self._lock:
             source, rate_hz = self._source, self._rate_hz()
             expected_hz = source.expected_hz if source else None
@@ -93,25 +82,30 @@ class CameraDiagnostics:
                        else '{:.2f}'.format(rate_hz))
             status.add('expected rate (Hz)', '{:.2f}'.format(expected_hz) if expected_hz
                        else 'unknown')
-            for name, count in (('frames', self._frames), ('failed reads', self._skipped),
+            for name, count in (('frames', self._frames), ('failed reads', self._skipped.total),
                                 ('frames dropped', self._dropped),
                                 ('losses of the device', self._losses)):
                 status.add(name, str(count))
-        return status
+        status.add('last failed read', self._skipped.last_reason)
+        add_durations(status, 'age of a frame', self.ages)
+        add_durations(status, 'publishing a frame', self.publishing)
+        if self._skipped.take_recent():
+            status.mergeSummary(DiagnosticStatus.WARN, 'failed read: ' + self._skipped.last_reason)
 
     def _summary(self, rate_hz: Optional[float],
                  expected_hz: Optional[float]) -> Tuple[int, str]:
         if not self._active:
             return DiagnosticStatus.OK, 'suspended'
         if self._lost is not None:
-            return DiagnosticStatus.ERROR, self._lost
+            return DiagnosticStatus.ERROR, '{}; connect the camera again'.format(self._lost)
         if rate_hz is None:
             return DiagnosticStatus.OK, 'starting'
         if rate_hz == 0:
-            return DiagnosticStatus.WARN, 'no frames'
+            return DiagnosticStatus.WARN, 'no frames: check the camera and its cable'
         if expected_hz and rate_hz < _MIN_SHARE * expected_hz:
-            return DiagnosticStatus.WARN, '{:.1f} Hz instead of {:g} Hz'.format(
-                rate_hz, expected_hz)
+            return DiagnosticStatus.WARN, ('{:.1f} Hz instead of {:g} Hz: more light, a smaller '
+                                           'image or fewer subscribers may help'.format(
+                                               rate_hz, expected_hz))
         return DiagnosticStatus.OK, '{:.1f} Hz'.format(rate_hz)
 
     def _rate_hz(self) -> Optional[float]:

@@ -17,6 +17,7 @@ from typing import List, Optional
 
 import numpy as np
 import rospy
+from diagnostic_updater import DiagnosticStatusWrapper
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
@@ -32,6 +33,7 @@ from img_recog.nodes.usb_cam.compressed_publisher import CompressedImages
 from img_recog.nodes.usb_cam.controls import CameraControls
 from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
 from img_recog.ros import lifecycle, parameters
+from img_recog.ros.diagnostics import NodeDiagnostics, add_counter
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.image_publisher import ImagePublisher
@@ -73,6 +75,7 @@ class UsbCam(Listener):
         self._diagnostics = CameraDiagnostics(self._name)
         self._capture = Capture(self._open, self)
         self._capture.start_thread()
+        NodeDiagnostics('camera', self._name, self._report)
 
     def spin(self) -> None:
         """Publish frames until the node is shut down; raise the error that ends it earlier."""
@@ -89,7 +92,7 @@ class UsbCam(Listener):
         try:
             while not self._ended.wait(_CHECK_PERIOD_S):
                 self._capture.check()
-                self._diagnostics.update(self._capture.wanted)
+                self._diagnostics.set_active(self._capture.wanted)
         finally:
             self.is_blocked = not self._capture.shut_down()
         if self._failure is not None:
@@ -109,6 +112,9 @@ class UsbCam(Listener):
         self._opened_or_ended.set()
 
     def frame(self, source: FrameSource, image: np.ndarray) -> None:
+        begin_s = time.perf_counter()
+        if source.age_s:
+            self._diagnostics.ages.add(source.age_s)
         # the age is measured by the wall clock, and cannot be subtracted from simulated time
         age_s = source.age_s if rospy.rostime.is_wallclock() else 0.0
         stamp_ns = self._stamps.stamp_ns(rospy.Time.now().to_nsec(), age_s)
@@ -117,9 +123,10 @@ class UsbCam(Listener):
         self._compressed.publish(image, source.encoding, header)
         self._infos.publish(self._calibration.to_msg(header))
         self._diagnostics.count_frame()
+        self._diagnostics.publishing.add(time.perf_counter() - begin_s)
 
     def skipped(self, reason: str) -> None:
-        self._diagnostics.count_skipped()
+        self._diagnostics.count_skipped(reason)
         self._warn('frame skipped: %s', reason)
 
     def dropped(self) -> None:
@@ -149,6 +156,11 @@ class UsbCam(Listener):
     def _end(self) -> None:
         self._ended.set()
         self._opened_or_ended.set()
+
+    def _report(self, status: DiagnosticStatusWrapper) -> None:
+        self._diagnostics.report(status)
+        add_counter(status, 'compressed images', self._compressed.sent)
+        status.add('frames not compressed', str(self._compressed.dropped.total))
 
     def _start_capture(self, _: EmptyRequest) -> EmptyResponse:
         self._capture.start()

@@ -24,6 +24,9 @@ Names that are used
         _tcp_server_callback, which is replaced.
     own_time.py
         rospy.rostime._set_rostime.
+    subscribers.py
+        rospy.impl.registration.get_topic_manager().pubs; of a topic in it, connections and
+        resolved_name; a connection's endpoint_id and socket.
 
 Switching it off
     With IMG_RECOG_PLAIN_ROSPY=1, all parts use only rospy's documented interface. With

@@ -1,40 +1,24 @@
-"""The diagnostics of the camera, with a fake of diagnostic_updater."""
+"""The counters of the camera, and their report."""
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.camera.synthetic import SyntheticSource
-from img_recog.nodes.usb_cam import diagnostics as camera_diagnostics
-
-
-class FakeUpdater:
-    """Counts how often it publishes."""
-
-    def __init__(self):
-        self.published = 0
-
-    def setHardwareID(self, name):
-        self.hardware_id = name
-
-    def add(self, name, task):
-        self.name, self.task = name, task
-
-    def force_update(self):
-        self.published += 1
+from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
 
 
 @pytest.fixture
-def diagnostics(clock, monkeypatch):
+def diagnostics(clock):
     """Diagnostics of a camera that is capturing at 10 Hz."""
-    monkeypatch.setattr(camera_diagnostics.diagnostic_updater, 'Updater', FakeUpdater)
-    made = camera_diagnostics.CameraDiagnostics('/dev/video5', clock)
+    made = CameraDiagnostics('/dev/video5', clock)
     made.opened(SyntheticSource(64, 48, 10.0))
-    made.update(True)
+    made.set_active(True)
     return made
 
 
 def report(diagnostics):
-    status = diagnostics.report(DiagnosticStatusWrapper())
+    status = DiagnosticStatusWrapper()
+    diagnostics.report(status)
     return status.level, status.message, {each.key: each.value for each in status.values}
 
 
@@ -56,13 +40,18 @@ def test_rate_is_compared_with_the_expected_one(diagnostics, clock):
     assert values == {
         'device': '/dev/video5', 'format': 'synthetic scene, 64x48, 10 Hz',
         'frame rate (Hz)': '10.00', 'expected rate (Hz)': '10.00', 'frames': '50',
-        'failed reads': '0', 'frames dropped': '0', 'losses of the device': '0'}
+        'failed reads': '0', 'frames dropped': '0', 'losses of the device': '0',
+        'last failed read': '', 'age of a frame, mean (ms)': 'none',
+        'age of a frame, max (ms)': 'none', 'publishing a frame, mean (ms)': 'none',
+        'publishing a frame, max (ms)': 'none'}
 
 
 def test_rate_that_is_too_low_is_a_warning(diagnostics, clock):
     run(diagnostics, clock, 3, 10)
-    assert run(diagnostics, clock, 5, 6)[:2] == (DiagnosticStatus.WARN, '6.0 Hz instead of 10 Hz')
-    assert run(diagnostics, clock, 5, 0)[:2] == (DiagnosticStatus.WARN, 'no frames')
+    level, message, _ = run(diagnostics, clock, 5, 6)
+    assert level == DiagnosticStatus.WARN and message.startswith('6.0 Hz instead of 10 Hz: ')
+    level, message, _ = run(diagnostics, clock, 5, 0)
+    assert level == DiagnosticStatus.WARN and message.startswith('no frames: ')
     assert run(diagnostics, clock, 5, 10)[:2] == (DiagnosticStatus.OK, '10.0 Hz')
 
 
@@ -70,7 +59,8 @@ def test_lost_device_is_an_error_until_it_is_back(diagnostics, clock):
     run(diagnostics, clock, 3, 10)
     diagnostics.lost('unplugged')
     level, message, values = report(diagnostics)
-    assert (level, message) == (DiagnosticStatus.ERROR, 'unplugged')
+    assert (level, message) == (
+        DiagnosticStatus.ERROR, 'unplugged; connect the camera again')
     assert values['losses of the device'] == '1'
     diagnostics.reconnected()
     assert report(diagnostics)[0] == DiagnosticStatus.OK
@@ -78,22 +68,28 @@ def test_lost_device_is_an_error_until_it_is_back(diagnostics, clock):
 
 def test_suspended_camera_is_ok(diagnostics, clock):
     clock.advance(1.0)
-    diagnostics.update(False)
+    diagnostics.set_active(False)
     assert report(diagnostics)[:2] == (DiagnosticStatus.OK, 'suspended')
 
 
-def test_skipped_and_dropped_frames_are_counted(diagnostics):
-    for _ in range(3):
-        diagnostics.count_skipped()
+def test_skipped_and_dropped_frames_are_counted(diagnostics, clock):
+    run(diagnostics, clock, 5, 10)
+    for number in range(3):
+        diagnostics.count_skipped('cannot decode frame {}'.format(number))
     diagnostics.count_dropped()
-    values = report(diagnostics)[2]
+    level, message, values = run(diagnostics, clock, 1, 10)
     assert (values['failed reads'], values['frames dropped']) == ('3', '1')
+    assert (level, message) == (DiagnosticStatus.WARN, 'failed read: cannot decode frame 2')
+    level, _, values = run(diagnostics, clock, 1, 10)
+    assert (level, values['last failed read']) == (DiagnosticStatus.OK, 'cannot decode frame 2')
 
 
-def test_published_once_per_second_with_the_device_as_hardware_id(diagnostics, clock):
-    for _ in range(50):
-        clock.advance(0.2)
-        diagnostics.update(True)
-    updater = diagnostics._updater
-    assert (updater.name, updater.hardware_id) == ('camera', '/dev/video5')
-    assert 10 <= updater.published <= 11
+def test_age_and_time_of_publishing(diagnostics):
+    for milliseconds in (10, 30):
+        diagnostics.ages.add(milliseconds / 1000)
+        diagnostics.publishing.add(milliseconds / 10000)
+    values = report(diagnostics)[2]
+    assert [values['age of a frame, {} (ms)'.format(part)] for part in ('mean', 'max')] == [
+        '20.00', '30.00']
+    assert [values['publishing a frame, {} (ms)'.format(part)] for part in ('mean', 'max')] == [
+        '2.00', '3.00']

@@ -234,6 +234,13 @@ def test_the_topics_of_a_node(publication, name):
     assert name in registration.get_topic_manager().get_topics()
 
 
+def test_the_publications_of_a_node(publication, name, subscribe):
+    assert registration.get_topic_manager().pubs[name] is publication
+    assert publication.resolved_name == name
+    end = subscribe(name, String)
+    assert publication.connections[0].endpoint_id == end.transport.endpoint_id
+
+
 def test_the_time_of_a_node(monkeypatch):
     monkeypatch.setattr(rospy.rostime, '_rostime_initialized', True)
     try:

@@ -1,0 +1,101 @@
+"""The state of the simulation, as in /diagnostics."""
+import time
+from typing import Callable, NamedTuple, Optional, Tuple
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from img_recog.ros.diagnostics import (Counter, Durations, Refusals, add_counter, add_durations,
+                                       add_refusals)
+
+_MIN_SHARE = 0.8        # of the wanted real time factor: below is a warning
+
+
+class CommandCounts:
+    """Counters of one robot.
+
+    received: commands that arrived and can be used; refused: the others; replaced: those that a
+    newer one replaced before the loop used them; readings: published messages of sensors.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic):
+        self._now = now
+        self.received, self.replaced, self.refused = Counter(now), Counter(now), Refusals()
+        self.readings = Counter(now)
+        self._last_s: Optional[float] = None
+
+    def count_received(self, is_replacing: bool) -> None:
+        """Count a command that can be used."""
+        self._last_s = self._now()
+        self.received.add()
+        if is_replacing:
+            self.replaced.add()
+
+    def age_s(self) -> Optional[float]:
+        """Return the wall seconds since the newest command, None before the first."""
+        return None if self._last_s is None else self._now() - self._last_s
+
+    def report(self, status: DiagnosticStatusWrapper, timeout_s: float, timed_out: bool) -> None:
+        """Add the values to the status; to be called once in each period.
+
+        timeout_s: the setting cmd_vel_timeout; timed_out: whether it has stopped the robot.
+        """
+        age_s = self.age_s()
+        add_counter(status, 'commands', self.received)
+        status.add('commands replaced by newer ones', str(self.replaced.total))
+        status.add('age of the last command (s)', 'none' if age_s is None
+                   else '{:.1f}'.format(age_s))
+        status.add('watchdog', 'off' if not timeout_s else '{} after {:g} s'.format(
+            'stopped the robot' if timed_out else 'stops the robot', timeout_s))
+        if timed_out:
+            status.mergeSummary(DiagnosticStatus.WARN, (
+                'no command for {:g} s: the robot is stopped; check color_extract and the '
+                'teleop'.format(timeout_s)))
+        add_refusals(status, 'commands', self.refused)
+        add_counter(status, 'sensor messages', self.readings)
+
+
+class State(NamedTuple):
+    """The state of the simulation.
+
+    factor: measured real time factor, 0 before the first measurement; wanted_factor: 0 is as fast
+    as possible.
+    waiting_calls, late_calls: service calls that wait for the loop, and those that timed out.
+    """
+
+    time_s: float
+    is_paused: bool
+    factor: float
+    wanted_factor: float
+    waiting_calls: int
+    late_calls: int
+
+
+class SimulationDiagnostics:
+    """Measures the loop and reports the state of the simulation.
+
+    steps: how long the loop takes for a clock period of simulated time, without waiting.
+    """
+
+    def __init__(self) -> None:
+        self.steps = Durations()
+
+    def report(self, status: DiagnosticStatusWrapper, state: State) -> None:
+        """Fill in the status; to be called once in each period."""
+        status.summary(*_summary(state))
+        status.add('simulated time (s)', '{:.2f}'.format(state.time_s))
+        status.add('real time factor', '{:.2f}'.format(state.factor))
+        status.add('wanted real time factor', '{:g}'.format(state.wanted_factor))
+        add_durations(status, 'clock period', self.steps)
+        status.add('waiting service calls', str(state.waiting_calls))
+        status.add('service calls that timed out', str(state.late_calls))
+
+
+def _summary(state: State) -> Tuple[int, str]:
+    if state.is_paused:
+        return DiagnosticStatus.OK, 'paused'
+    if 0 < state.factor < _MIN_SHARE * state.wanted_factor:
+        return DiagnosticStatus.WARN, (
+            'too slow: real time factor {:.2f} instead of {:g}; use a smaller real_time_factor, '
+            'or close windows'.format(state.factor, state.wanted_factor))
+    return DiagnosticStatus.OK, 'real time factor {:.2f}'.format(state.factor)

@@ -1,0 +1,172 @@
+"""Counters of a node, and their report on /diagnostics."""
+import threading
+import time
+from collections import deque
+from typing import Callable, Deque, Optional, Tuple
+
+import diagnostic_updater
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from img_recog.errors import shortened
+from img_recog.ros import lifecycle
+from img_recog.ros.transport.subscribers import SubscriberCheck
+
+_PERIOD_S = 1.0
+_WINDOW_S = 3.0             # in which rates are measured
+_MAX_NAMED = 5              # of the subscribers that do not read
+
+Report = Callable[[DiagnosticStatusWrapper], None]
+
+
+class Counter:
+    """Counts events. Any thread counts, one thread calls `rate_hz`."""
+
+    def __init__(self, now: Callable[[], float] = time.monotonic):
+        self._now, self._lock = now, threading.Lock()
+        self.total = 0
+        # (time, total at that time) within the window
+        self._samples: Deque[Tuple[float, int]] = deque([(now(), 0)])
+
+    def add(self) -> None:
+        """Count an event."""
+        with self._lock:
+            self.total += 1
+
+    def rate_hz(self) -> float:
+        """Return the rate in the last seconds; to be called once in each period."""
+        now_s, total = self._now(), self.total
+        while len(self._samples) > 1 and self._samples[1][0] <= now_s - _WINDOW_S:
+            self._samples.popleft()
+        begin_s, begin = self._samples[0]
+        self._samples.append((now_s, total))
+        return (total - begin) / (now_s - begin_s) if now_s > begin_s else 0.0
+
+
+class Refusals:
+    """Counts inputs that were refused, and keeps the newest reason.
+
+    recent: refused since the last call of `take_recent`.
+    """
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self.total, self.last_reason = 0, ''
+        self._reported = 0
+
+    def add(self, reason: object) -> None:
+        """Count a refused input."""
+        with self._lock:
+            self.total += 1
+            self.last_reason = shortened(reason)
+
+    def take_recent(self) -> int:
+        """Return the number of inputs that were refused since the last call."""
+        total = self.total
+        recent, self._reported = total - self._reported, total
+        return recent
+
+
+class Durations:
+    """Mean and maximum of durations in a period, in seconds."""
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._count, self._sum_s, self._max_s = 0, 0.0, 0.0
+
+    def add(self, seconds: float) -> None:
+        """Count a duration."""
+        with self._lock:
+            self._count += 1
+            self._sum_s += seconds
+            if seconds > self._max_s:
+                self._max_s = seconds
+
+    def take(self) -> Optional[Tuple[float, float]]:
+        """Return mean and maximum since the last call; None if there was no duration."""
+        with self._lock:
+            count, sum_s, max_s = self._count, self._sum_s, self._max_s
+            self._count, self._sum_s, self._max_s = 0, 0.0, 0.0
+        return (sum_s / count, max_s) if count else None
+
+
+class NodeDiagnostics:
+    """Publishes the status of a node once a second of wall time, in a separate thread.
+
+    Publishes: /diagnostics (diagnostic_msgs/DiagnosticArray, one status NODE: NAME). A loop that
+    hangs does not keep it from being published, and is not delayed by it.
+    """
+
+    def __init__(self, name: str, hardware_id: str, report: Report):
+        """Start to publish.
+
+        report: fills in level, message and values of the status; it is called in the thread.
+        """
+        self._report, self._subscribers = report, SubscriberCheck()
+        self._ended = threading.Event()
+        self._updater = diagnostic_updater.Updater()
+        self._updater.setHardwareID(hardware_id)
+        self._updater.add(name, self._fill)
+        lifecycle.on_shutdown(self._ended.set)
+        threading.Thread(target=self._run, daemon=True).start()
+
+    def _run(self) -> None:
+        while not self._ended.wait(_PERIOD_S):
+            try:
+                self._updater.force_update()
+            except rospy.ROSException:      # the topic is closed because the node shuts down
+                if not rospy.core.is_shutdown_requested():
+                    raise
+
+    def _fill(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        status.summary(DiagnosticStatus.OK, '')
+        self._report(status)
+        add_subscribers(status, self._subscribers.not_reading())
+        return status
+
+
+def add_counter(status: DiagnosticStatusWrapper, name: str, counter: Counter) -> float:
+    """Add total and rate of a counter to a status; return the rate in Hz."""
+    rate_hz = counter.rate_hz()
+    status.add(name, str(counter.total))
+    status.add(name + ' (Hz)', '{:.2f}'.format(rate_hz))
+    return rate_hz
+
+
+def add_refusals(status: DiagnosticStatusWrapper, name: str, refusals: Refusals) -> int:
+    """Add refused inputs to a status, with a warning if there are new ones; return their number.
+
+    name: of the inputs, in the plural.
+    """
+    recent, reason = refusals.take_recent(), refusals.last_reason
+    status.add(name + ' refused', str(refusals.total))
+    status.add('last reason', reason)
+    if recent:
+        status.mergeSummary(DiagnosticStatus.WARN,
+                            '{} refused: {}, the last: {}'.format(name, recent, reason))
+    return recent
+
+
+def add_durations(status: DiagnosticStatusWrapper, name: str, durations: Durations) -> None:
+    """Add mean and maximum of the last period to a status, in milliseconds."""
+    taken = durations.take()
+    for part, index in (('mean', 0), ('max', 1)):
+        status.add('{}, {} (ms)'.format(name, part),
+                   '{:.2f}'.format(1000 * taken[index]) if taken else 'none')
+
+
+def add_subscribers(status: DiagnosticStatusWrapper, names: Optional[Tuple[str, ...]]) -> None:
+    """Add the subscribers that do not read to a status, with a warning if there are some.
+
+    names: as from `SubscriberCheck.not_reading`.
+    """
+    key = 'subscribers that do not read'
+    if names is None:
+        status.add(key, 'unknown')
+        return
+    listed = ', '.join(names[:_MAX_NAMED]) + (' ...' if len(names) > _MAX_NAMED else '')
+    status.add(key, listed or 'none')
+    if names:
+        status.mergeSummary(DiagnosticStatus.WARN, '{} do not read and miss messages: restart '
+                            'them, or use a smaller image or rate'.format(listed))

@@ -1,0 +1,73 @@
+"""The counters of the simulator, and their report."""
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from img_recog.nodes.gazebo.diagnostics import CommandCounts, SimulationDiagnostics, State
+
+OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
+RUNNING = State(12.345, False, 0.99, 1.0, 0, 0)
+
+
+@pytest.fixture
+def status():
+    made = DiagnosticStatusWrapper()
+    made.summary(OK, 'fine')
+    return made
+
+
+def values(status):
+    return {each.key: each.value for each in status.values}
+
+
+@pytest.mark.parametrize('state, level, message', [
+    (RUNNING, OK, 'real time factor 0.99'),
+    (RUNNING._replace(factor=0.81), OK, 'real time factor 0.81'),
+    (RUNNING._replace(factor=0.79), WARN, 'too slow: real time factor 0.79 instead of 1; '
+     'use a smaller real_time_factor, or close windows'),
+    (RUNNING._replace(factor=0.0), OK, 'real time factor 0.00'),            # not measured yet
+    (RUNNING._replace(factor=25.0, wanted_factor=0.0), OK, 'real time factor 25.00'),
+    (RUNNING._replace(factor=0.0, is_paused=True), OK, 'paused')])
+def test_the_level_and_what_to_do(status, state, level, message):
+    SimulationDiagnostics().report(status, state)
+    assert (status.level, status.message) == (level, message)
+
+
+def test_values_of_the_simulation(status):
+    diagnostics = SimulationDiagnostics()
+    diagnostics.steps.add(0.002)
+    diagnostics.report(status, RUNNING._replace(waiting_calls=2, late_calls=3))
+    assert values(status) == {
+        'simulated time (s)': '12.35', 'real time factor': '0.99', 'wanted real time factor': '1',
+        'clock period, mean (ms)': '2.00', 'clock period, max (ms)': '2.00',
+        'waiting service calls': '2', 'service calls that timed out': '3'}
+
+
+def test_values_of_a_robot(status, clock):
+    counts = CommandCounts(clock)
+    counts.report(status, 0.0, False)
+    assert status.level == OK
+    assert values(status)['age of the last command (s)'] == 'none'
+    for is_replacing in (False, True):
+        counts.count_received(is_replacing)
+    counts.refused.add('linear.x is nan')
+    counts.readings.add()
+    clock.advance(2.0)
+    status.values = []
+    counts.report(status, 0.5, False)
+    assert values(status) == {
+        'commands': '2', 'commands (Hz)': '1.00', 'commands replaced by newer ones': '1',
+        'age of the last command (s)': '2.0', 'watchdog': 'stops the robot after 0.5 s',
+        'commands refused': '1', 'last reason': 'linear.x is nan', 'sensor messages': '1',
+        'sensor messages (Hz)': '0.50'}
+    assert (status.level, status.message) == (
+        WARN, 'commands refused: 1, the last: linear.x is nan')
+
+
+@pytest.mark.parametrize('timeout_s, timed_out, level, watchdog', [
+    (0.0, False, OK, 'off'), (0.5, False, OK, 'stops the robot after 0.5 s'),
+    (0.5, True, WARN, 'stopped the robot after 0.5 s')])
+def test_the_watchdog(status, timeout_s, timed_out, level, watchdog):
+    CommandCounts().report(status, timeout_s, timed_out)
+    assert (status.level, values(status)['watchdog']) == (level, watchdog)
+    assert ('no command for 0.5 s' in status.message) == timed_out
