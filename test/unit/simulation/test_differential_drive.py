@@ -112,6 +112,21 @@ def test_new_command_restarts_the_timeout():
     assert follow(drive, 1)[-1] == pytest.approx((0.1, 0.1))
 
 
+@pytest.mark.parametrize('speed', [0.2, 0.0])
+def test_a_timeout_is_reported_if_it_stops_the_robot(speed):
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    drive.command(speed, 0.0)
+    follow(drive, 5)
+    assert not drive.timed_out
+    follow(drive, 10)
+    assert drive.timed_out is (speed != 0.0)
+    drive.command(0.2, 0.0)
+    assert not drive.timed_out
+    follow(drive, 6)
+    drive.reset()
+    assert not drive.timed_out
+
+
 def test_timeout_of_zero_means_no_timeout():
     drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
     drive.command(0.2, 0.0)

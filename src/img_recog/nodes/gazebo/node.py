@@ -73,6 +73,9 @@ class PybulletSim:
         for vehicle in self._simulator.vehicles:
             rospy.loginfo('simulating %.4f kg with root link %s in world %s',
                           vehicle.robot.mass(), vehicle.robot.root, physics.world)
+            spawn = vehicle.settings.spawn
+            rospy.loginfo('the robot is at the start: x %.2f m, y %.2f m, yaw %.2f rad; time '
+                          'starts at 0', spawn.x_pos, spawn.y_pos, spawn.yaw)
 
     def _model_services(self) -> 'Optional[model_services.ModelServices]':
         if model_services.AVAILABLE:

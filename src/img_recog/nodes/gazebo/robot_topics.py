@@ -52,6 +52,7 @@ class RobotTopics:
         self._warn = ThrottledWarning()
         self._command_topic = names.command_topic
         self._commands = LatestValue()
+        self._timed_out = False
         self._transforms = tf2_ros.TransformBroadcaster()
         self._outputs = {
             'odometry': _Output(
@@ -81,6 +82,7 @@ class RobotTopics:
 
     def apply_command(self) -> None:
         """Apply the newest command, and disable the sensors that have no subscriber."""
+        self._log_timeout()
         command = self._commands.take()
         if command is not None:
             self._vehicle.command(*command)
@@ -107,6 +109,13 @@ class RobotTopics:
     def discard_command(self) -> None:
         """Drop a command that was not applied yet: after a reset it is out of date."""
         self._commands.take()
+
+    def _log_timeout(self) -> None:
+        timed_out = self._vehicle.command_timed_out
+        if timed_out and not self._timed_out:
+            rospy.logwarn('no command on %s for %g s of simulated time: the robot is stopped',
+                          self._command_topic, self._vehicle.settings.drive.cmd_vel_timeout)
+        self._timed_out = timed_out
 
     def _log_motion_change(self, reading: Reading) -> None:
         if self._log_throttle.ready():
