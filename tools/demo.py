@@ -207,7 +207,11 @@ class Supervisor:
         death = self._output.read(line)
         if death is None or self._stopped_by is not None:
             return
-        if not any(earlier.required for earlier in self._deaths):
+        if not death.is_over:
+            # roslaunch has reported the death of the same node in the line before
+            self._deaths = [each for each in self._deaths if each.node != death.node]
+            self._noticed = min(self._noticed, len(self._deaths))
+        elif not any(earlier.required for earlier in self._deaths):
             self._deaths.append(death)
             self._notice_at = time.monotonic() + _NOTICE_DELAY_S
 

@@ -29,7 +29,8 @@ class Arguments:
 
     def __init__(self, launch_file):
         root = ElementTree.parse(launch_file).getroot()
-        self._defaults = {arg.get('name'): arg.get('default', '') for arg in root.iter('arg')}
+        self._defaults = {arg.get('name'): arg.get('default', '') for arg in root.iter('arg')
+                          if arg.get('value') is None}      # else a constant
         self._switches = {name for name in self._defaults if _is_switch(root, name)}
         self._checks = {'camera': _camera, 'camera_info_url': _calibration, 'colors': _file,
                         'urdf': _urdf, 'world': _world}

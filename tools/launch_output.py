@@ -15,16 +15,25 @@ _REQUIRED = re.compile(r'REQUIRED process \[(\S+)-\d+\] has died!')
 _FINISHED = 'process has finished cleanly'
 _DIED = re.compile(r'process has died \[pid \d+, exit code (-?\d+), cmd (.*)\]\.$')
 _NODE = re.compile(r'^\[(\S+)-\d+\] ')
+# of scripts/respawn.py
+_GAVE_UP = re.compile(r'^\[respawn\] (\S+): ended(, and the demo with it| and is not started '
+                      r'again): (.*)')
+_NO_ERROR = ('it has finished', 'another node has taken its name')
+_STARTED_AGAIN = re.compile(r'^\[respawn\] (\S+): (.*), started again')
+_RESTARTING = re.compile(r'^\[(\S+)-\d+\] restarting process')
 _NO_NODE = re.compile(r'ERROR: (cannot launch node of type \[\S+/(\S+)\]: .*)')
 _LOGGED = re.compile(r'^\[rosout\]\[(?:CRITICAL|ERROR)\] \S+ \S+ (.*)')
 _ON_SCREEN = re.compile(r'^\[(?:FATAL|ERROR)\] \[[^]]*\]: (.*)')
 _EXCEPTION = re.compile(r'^[\w.]*(?:Error|Exception|Interrupt)\b.*')
 
-Death = collections.namedtuple('Death', 'node required reason')
+Death = collections.namedtuple('Death', 'node required reason is_over', defaults=(True,))
 
 
 class LaunchOutput:
-    """Reads the output line by line and finds the nodes that have ended with an error."""
+    """Reads the output line by line and finds the nodes that have ended with an error.
+
+    A Death whose `is_over` is False is one after which the node is started again.
+    """
 
     def __init__(self):
         self.launching = False      # whether roslaunch has started a process
@@ -37,6 +46,9 @@ class LaunchOutput:
         self.launching = self.launching or line.startswith('process[')
         if _EXCEPTION.match(line):
             self._exception = line
+        respawn = self._read_respawn(line)
+        if respawn:
+            return respawn
         required = _REQUIRED.search(line)
         if required:
             self._required = required.group(1)
@@ -51,6 +63,27 @@ class LaunchOutput:
             return self._death(name, not node, int(died.group(1)), died.group(2))
         if self._required and line == _FINISHED:
             return self._death(self._required, True, 0, '')
+        return None
+
+    def _read_respawn(self, line):
+        """Return the Death that a line of respawn.py, or of roslaunch's respawn, reports."""
+        gave_up = _GAVE_UP.match(line)
+        if gave_up:
+            node, end, reason = gave_up.groups()
+            is_required = end.startswith(',')
+            if reason in _NO_ERROR and not is_required:
+                return None
+            if reason.startswith('exit code'):
+                reason = self._exception or reason
+            self._exception = ''
+            return Death(node, is_required, reason)
+        again = _STARTED_AGAIN.match(line)
+        if again:
+            self._exception = ''
+            return Death(again.group(1), False, again.group(2), False)
+        restarting = _RESTARTING.match(line)
+        if restarting:
+            return Death(restarting.group(1), False, 'its process died', False)
         return None
 
     def _death(self, node, required, code, command):

@@ -69,7 +69,7 @@ def test_ros_tools_find_the_names_and_no_error(ros):
 
 
 def test_after_the_camera_is_killed_the_robot_stops_and_the_others_run(ros):
-    demo = ros.demo()
+    demo = ros.demo('respawn:=false')
     demo.wait_output('the robot drives forward')
     pids = node_pids(ros)
     os.kill(pids['usb_cam'], signal.SIGKILL)

@@ -178,7 +178,27 @@ def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(run_d
 
 
 def test_a_killed_node_is_reported(run_demo):
-    demo = run_demo('camera:=synthetic')
+    demo = run_demo('camera:=synthetic', 'respawn:=false')
     demo.wait_output('the robot drives forward')
     os.kill(node(demo, 'usb_cam'), signal.SIGKILL)
     demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: killed by SIGKILL; the other')
+
+
+def test_nodes_that_were_killed_come_back_and_are_not_reported_at_the_end(run_demo):
+    demo = run_demo('camera:=synthetic')
+    demo.wait_output('the robot drives forward')
+    # the process that roslaunch knows, and the node below it
+    os.kill(node(demo, 'color_extract'), signal.SIGKILL)
+    demo.wait_output(r'\[color_extract-\d+\] restarting process')
+    simulator, = children(node(demo, 'gazebo'))
+    os.kill(simulator, signal.SIGKILL)
+    demo.wait_output(r'(?s)gazebo: killed by SIGKILL, started again.*the robot is at the start: '
+                     r'x -2.00 m, y -0.50 m.*the robot drives')
+    os.killpg(demo.pid, signal.SIGINT)
+    assert demo.wait() == 0
+    assert 'has ended' not in demo.output and 'Traceback' not in demo.output, demo.output
+
+
+def children(pid):
+    with open('/proc/{0}/task/{0}/children'.format(pid)) as file:
+        return list(map(int, file.read().split()))

@@ -4,16 +4,23 @@ import os
 import signal
 import sys
 import threading
+import traceback
 from typing import Callable
 
 import genpy
 import rospy
 
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.ros import console, log_files, log_handlers, log_records
-from img_recog.ros.transport import handshakes, own_time, rosout
+from img_recog.ros import console, log_files, log_handlers, log_records, master_watch
+from img_recog.ros.transport import handshakes, own_time, registration, rosout
+
+EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
+# Only under scripts/respawn.py, which decides by them whether to start the node again
+_SUPERVISED = 'IMG_RECOG_RESPAWN'
+EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN = 75, 76, 77
 
 _JOIN_TIMEOUT_S = 0.5
+_REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
 
 def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> int:
@@ -21,9 +28,10 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
 
     source_of_time: whether it publishes /clock itself; it then calls `set_time` too.
 
-    An error that a user can fix ends the node with one line at FATAL and code 1; a shutdown is
-    code 0. SIGINT, SIGTERM and SIGHUP (a terminal that is closed) shut it down; `serve` still
-    runs while the hooks of `on_shutdown` do.
+    An error that a user can fix ends the node with one line at FATAL and code 1; an unexpected
+    exception is printed and is EXIT_UNEXPECTED; a shutdown is code 0. SIGINT, SIGTERM and SIGHUP
+    (a terminal that is closed) shut it down; `serve` still runs while the hooks of `on_shutdown`
+    do.
     """
     log_records.install()
     log_files.install()
@@ -31,6 +39,7 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     # main thread, both wait for the same lock for ever
     try:
         handshakes.install()
+        registration.limit_calls()
         rosout.init_node(name, disable_signals=True,
                          disable_rostime=source_of_time and not own_time.follows_clock_topic())
     except UserError as error:      # there is no log yet
@@ -38,25 +47,56 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
         return 1
     console.install_filter()
     log_handlers.protect()
+    master_watch.start(on_shutdown)
+    reason = _Reason()
+    rospy.core.add_preshutdown_hook(reason.put)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup
             signal.signal(number, _shut_down)
+    code = _run(serve)
+    if code == 0 and _SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
+        return reason.code()
+    return code
+
+
+class _Reason:
+    """Why rospy shuts the node down."""
+
+    def __init__(self):
+        self._text, self._known = '', threading.Event()
+
+    def put(self, text: str) -> None:
+        self._text = text
+        self._known.set()
+
+    def code(self) -> int:
+        """Wait for the reason of a shutdown that has begun; return the exit code for it."""
+        self._known.wait(_REASON_TIMEOUT_S)
+        # rosmaster's words when another node of the same name registers
+        is_replaced = 'registered with same name' in self._text
+        return EXIT_REPLACED if is_replaced else EXIT_SHUT_DOWN
+
+
+def _run(serve: Callable[[], None]) -> int:
     try:
         serve()
-    except rospy.ROSException:
-        # when a node is shut down from outside, its topics are closed while it publishes, before
-        # is_shutdown returns True
-        if not rospy.core.is_shutdown_requested():
-            raise
     except ConnectionRefusedError:
         rospy.logfatal('no master answers at %s: start roscore or roslaunch first, or set '
                        'ROS_MASTER_URI', shortened(os.environ.get('ROS_MASTER_URI', '')))
         rospy.signal_shutdown('no master')
-        return 1
+        return EXIT_NO_MASTER if _SUPERVISED in os.environ else 1
     except UserError as error:
         rospy.logfatal('%s', one_line(error))
         rospy.signal_shutdown('cannot go on')
         return 1
+    except Exception as error:
+        # when a node is shut down from outside, its topics are closed while it publishes, before
+        # is_shutdown returns True
+        if isinstance(error, rospy.ROSException) and rospy.core.is_shutdown_requested():
+            return 0
+        traceback.print_exc()
+        rospy.signal_shutdown('unexpected exception')
+        return EXIT_UNEXPECTED
     return 0
 
 

@@ -1,9 +1,11 @@
 """Hooks are called once, also if they are added during or after a shutdown."""
 import threading
+from unittest.mock import MagicMock
 
 import pytest
 import rospy
 
+from img_recog.errors import UserError
 from img_recog.ros import lifecycle
 from img_recog_testing.waiting import DEADLINE_S
 
@@ -75,3 +77,37 @@ def test_hook_after_the_shutdown_is_called_once(shutdown):
     shutdown().join()
     lifecycle.on_shutdown(lambda: calls.append(1))
     assert calls == [1]
+
+
+@pytest.fixture
+def exit_code(shutdown, monkeypatch):
+    """A function that runs a node without a master; it returns the exit code."""
+    for module in ('handshakes', 'log_files', 'log_handlers', 'log_records', 'master_watch',
+                   'registration', 'rosout', 'signal'):
+        monkeypatch.setattr(lifecycle, module, MagicMock())
+    return lambda serve: lifecycle.run('node', serve)
+
+
+def _raise(error):
+    raise error
+
+
+@pytest.mark.parametrize('is_supervised', [False, True])
+@pytest.mark.parametrize('serve, alone, supervised', [
+    (lambda: None, 0, 0),
+    (lambda: _raise(UserError('no file')), 1, 1),
+    (lambda: _raise(KeyError('a mistake')), 70, 70),
+    (lambda: _raise(rospy.ROSException('a mistake')), 70, 70),
+    (lambda: _raise(ConnectionRefusedError()), 1, 75),
+    (lambda: rospy.signal_shutdown('signal 2'), 0, 77),
+    (lambda: rospy.signal_shutdown('external shutdown request from [/rosnode]: [user request]'),
+     0, 77),
+    (lambda: rospy.signal_shutdown('external shutdown request from [/master]: [[/node] Reason: '
+                                   'new node registered with same name]'), 0, 76)])
+def test_exit_code_tells_a_supervisor_whether_to_start_again(
+        exit_code, monkeypatch, is_supervised, serve, alone, supervised):
+    if is_supervised:
+        monkeypatch.setenv('IMG_RECOG_RESPAWN', '1')
+    else:
+        monkeypatch.delenv('IMG_RECOG_RESPAWN', raising=False)
+    assert exit_code(serve) == (supervised if is_supervised else alone)

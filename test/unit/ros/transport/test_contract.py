@@ -7,6 +7,7 @@ import io
 import socket
 import struct
 import threading
+import xmlrpc.client
 
 import genpy
 import pytest
@@ -232,6 +233,31 @@ def test_rospy_configures_logging_by_the_function_of_rosgraph():
 
 def test_the_topics_of_a_node(publication, name):
     assert name in registration.get_topic_manager().get_topics()
+
+
+def test_calls_to_the_master(monkeypatch):
+    proxy = rospy.core._LockedServerProxy('http://127.0.0.1:1')
+    assert isinstance(proxy, xmlrpc.client.ServerProxy)
+    assert isinstance(rospy.core._xmlrpc_lock, type(threading.Lock()))
+    monkeypatch.setitem(rospy.core._xmlrpc_cache, 'http://127.0.0.1:1', proxy)
+    assert rospy.core.xmlrpcapi('http://127.0.0.1:1') is proxy
+
+
+def test_registrations_of_a_node(publication, subscription, name):
+    assert registration.get_registration_listeners().listeners == []
+    manager = registration.RegManager
+    assert issubclass(manager, registration.RegistrationListener)
+    assert parameters(manager.publisher_update) == ['self', 'resolved_name', 'uris']
+    topics = registration.get_topic_manager()
+    assert [name, String._type] in map(list, topics.get_publications())
+    assert [name, Image._type] in map(list, topics.get_subscriptions())
+    assert registration.get_service_manager().get_services() == []
+
+
+def test_a_node_is_unregistered_by_the_proxy_and_survives_a_refused_connection():
+    source = inspect.getsource(registration.RegManager.cleanup)
+    assert 'master = xmlrpcapi(self.master_uri)' in source
+    assert 'errno.ECONNREFUSED' in source
 
 
 def test_the_publications_of_a_node(publication, name, subscribe):

@@ -1,0 +1,173 @@
+#!/usr/bin/env python3
+"""Start a node again when it dies, but not when it ends because of what the user gave.
+
+usage: respawn.py [--required] NODE [ARGUMENT ...]
+
+The launch-prefix of the nodes in demo.launch, which also have respawn="true": roslaunch starts
+this program again if it is killed itself. The node is a child process that ends with this one.
+
+The node is started again after a signal (kill -9, a crash), after an unexpected exception (exit
+code 70), when no master answers (75), and after a shutdown from outside (77, as by rosnode kill).
+After any other exit code it is not: the reason is printed, and with --required, roslaunch is
+interrupted. Else this program waits for roslaunch to end it, because roslaunch would start it
+again whatever its exit code is.
+"""
+import ctypes
+import os
+import re
+import signal
+import sys
+import time
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# those of img_recog.ros.lifecycle, which this program does not import: it must start fast, and
+# also when a package is missing
+_STARTED_AGAIN = {70: 'unexpected exception', 75: 'no master answers',
+                  77: 'shut down from outside'}
+_FINISHED = {0: 'it has finished', 76: 'another node has taken its name'}
+_LONG_LIFE_S = 4.0              # a node that lived so long is started again at once
+_FIRST_DELAY_S, _MAX_DELAY_S = 0.5, 5.0
+_POLL_PERIOD_S = 0.1
+# roslaunch that is interrupted while it starts nodes may wait for its own locks
+_MIN_AGE_TO_INTERRUPT_S = 2.0
+_PR_SET_PDEATHSIG = 1
+_ERROR = re.compile(r'^\[rosout\]\[(?:CRITICAL|ERROR)\] \S+ \S+ (.*)')
+
+
+class Respawner:
+    """Runs a command again and again."""
+
+    def __init__(self, command, required):
+        self._command, self._required = command, required
+        self._name = _value('__name:=', command) or os.path.basename(command[0])
+        self._libc = ctypes.CDLL(None)
+        self._began_s = time.monotonic()
+        self._parent = os.getppid()
+        self._child = 0
+        self._signum = 0        # the signal that this process got
+
+    def run(self):
+        """Return the exit code after a signal to this process, once the command has ended."""
+        for signum in _SIGNALS:
+            if signal.getsignal(signum) != signal.SIG_IGN:      # ignored under nohup
+                signal.signal(signum, self._forward)
+        delay_s = 0.0
+        while True:
+            started_s = time.monotonic()
+            status = self._run_once()
+            if self._signum:
+                return status if status >= 0 else 128 - status
+            if time.monotonic() - started_s > _LONG_LIFE_S:
+                delay_s = 0.0
+            if status >= 0 and status not in _STARTED_AGAIN:
+                self._give_up(status)
+                return status
+            self._say('{}, started again{}'.format(
+                _STARTED_AGAIN.get(status) or _killed_by(-status),
+                ' in {:g} s'.format(delay_s) if delay_s else ''))
+            self._wait(delay_s)
+            if self._signum:
+                return 0
+            delay_s = min(_MAX_DELAY_S, max(_FIRST_DELAY_S, 2 * delay_s))
+
+    def _run_once(self):
+        """Run the command; return its exit code, or the negative number of its signal."""
+        # no signal may come between fork and the assignment
+        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+        if self._signum:
+            return 0
+        own = os.getpid()
+        pid = os.fork()
+        if pid == 0:
+            self._become_node(own)
+        self._child = pid
+        try:
+            os.setpgid(pid, pid)
+        except OSError:         # the child has done that itself
+            pass
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+        _, status = os.waitpid(pid, 0)
+        self._child = 0
+        return -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
+
+    def _become_node(self, parent):
+        try:
+            # its own group: roslaunch signals the whole group, and the node gets a signal once
+            os.setpgid(0, 0)
+            self._libc.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+            if os.getppid() != parent:          # it was killed before
+                os._exit(1)
+            for signum in _SIGNALS:
+                if signal.getsignal(signum) != signal.SIG_IGN:
+                    signal.signal(signum, signal.SIG_DFL)
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+            os.environ['IMG_RECOG_RESPAWN'] = '1'
+            os.execvp(self._command[0], self._command)
+        except OSError as error:
+            sys.stderr.write('{}: {}\n'.format(self._command[0], error.strerror))
+        finally:
+            os._exit(127)
+
+    def _forward(self, signum, _):
+        self._signum = signum
+        if self._child:
+            try:
+                os.killpg(self._child, signum)
+            except ProcessLookupError:
+                pass
+
+    def _give_up(self, code):
+        reason = (_FINISHED.get(code) or _last_error(_value('__log:=', self._command))
+                  or 'exit code {}'.format(code))
+        if self._required:
+            self._say('ended, and the demo with it: {}'.format(reason))
+            self._wait(self._began_s + _MIN_AGE_TO_INTERRUPT_S - time.monotonic())
+            if not self._signum and os.getppid() == self._parent:
+                os.kill(self._parent, signal.SIGINT)
+        else:
+            self._say('ended and is not started again: {}'.format(reason))
+        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+        if not self._signum:
+            signal.sigwait(_SIGNALS)
+
+    def _wait(self, delay_s):
+        end_s = time.monotonic() + delay_s
+        while time.monotonic() < end_s and not self._signum:
+            time.sleep(_POLL_PERIOD_S)
+
+    def _say(self, text):
+        sys.stderr.write('[respawn] {}: {}\n'.format(self._name, text))
+        sys.stderr.flush()
+
+
+def _value(prefix, words):
+    return next((word[len(prefix):] for word in words if word.startswith(prefix)), '')
+
+
+def _killed_by(signum):
+    names = {each.value: each.name for each in signal.Signals}
+    return 'killed by {}'.format(names.get(signum, 'signal {}'.format(signum)))
+
+
+def _last_error(path):
+    """Return the last message at ERROR or above in the log file of a node, or ''."""
+    try:
+        with open(path, errors='replace') as file:
+            found = [match.group(1) for match in map(_ERROR.match, file) if match]
+    except OSError:
+        return ''
+    return found[-1] if found else ''
+
+
+def main(words):
+    """Run the command line; return the exit code."""
+    required = words[:1] == ['--required']
+    command = words[1:] if required else words
+    if not command:
+        sys.stderr.write('usage: respawn.py [--required] NODE [ARGUMENT ...]\n')
+        return 2
+    return Respawner(command, required).run()
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,136 @@
+"""Notices a new master and makes the node known to it."""
+import http.client
+import threading
+import xmlrpc.client
+from typing import Any, Callable, Dict, Optional
+
+import rosgraph
+import rospy
+
+from img_recog.errors import one_line
+from img_recog.ros.transport import registration
+
+_PERIOD_S = 1.0
+_TIMEOUT_S = 1.0        # of a call
+_MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once
+_STOP_TIMEOUT_S = 0.5
+_GLOBAL = '/use_sim_time'
+
+
+class MasterWatch:
+    """Polls the master; registers the node again when the master does not know it.
+
+    That is so after a restart of the master. Its parameters are lost then: the private ones of
+    this node, /use_sim_time and robot_description are kept here and set again, except those that
+    the new master has.
+    """
+
+    def __init__(self) -> None:
+        self._uri, self._name = rosgraph.get_master_uri(), rospy.get_name()
+        self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=_Transport())
+        self._private: Dict[str, Any] = {}
+        self._shared: Optional[Dict[str, Any]] = None
+        self._failures = 0
+        self._is_gone = self._is_registering = False
+        self._ended = threading.Event()
+        self._lock = threading.Lock()       # held during a poll
+
+    def start(self) -> None:
+        """Watch in a separate thread."""
+        threading.Thread(target=self._run, name='master watch', daemon=True).start()
+
+    def stop(self) -> None:
+        """End; nothing is registered after this."""
+        self._ended.set()
+        if self._lock.acquire(timeout=_STOP_TIMEOUT_S):
+            self._lock.release()
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            with self._lock:
+                if not self._ended.is_set() and not rospy.core.is_shutdown_requested():
+                    self._poll_safely()
+            self._ended.wait(_PERIOD_S)
+
+    def _poll_safely(self) -> None:
+        try:
+            self._poll()
+        except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
+            self._failures += 1
+            is_slow = isinstance(error, TimeoutError) or 'timed out' in str(error)
+            if not self._is_gone and (not is_slow or self._failures >= _MAX_TIMEOUTS):
+                self._is_gone = True
+                rospy.logwarn('the master at %s does not answer: %s; this node goes on, and '
+                              'registers again when there is a master', self._uri, one_line(error))
+
+    def _poll(self) -> None:
+        multi = xmlrpc.client.MultiCall(self._proxy)
+        multi.lookupNode(self._name, self._name)
+        multi.getParam(self._name, self._name)
+        results: Any = multi()
+        (code, _, uri), (has_private, _, private) = results
+        self._failures = 0
+        if code == 1 and uri != rospy.get_node_uri():
+            self._ended.set()       # another node has this name, and this one is shut down
+        elif code == 1 and not self._is_registering:
+            self._keep(private if has_private == 1 and isinstance(private, dict) else {})
+            if self._is_gone:
+                rospy.loginfo('the master at %s answers again', self._uri)
+            self._is_gone = False
+        else:
+            self._register()
+
+    def _keep(self, private: Dict[str, Any]) -> None:
+        self._private = private
+        if self._shared is None:
+            self._shared = {}
+            found = self._get('searchParam', 'robot_description')
+            for name in filter(None, (_GLOBAL, found)):
+                value = self._get('getParam', name)
+                if value is not None:
+                    self._shared[name] = value
+
+    def _register(self) -> None:
+        self._is_registering = True         # until all of it has succeeded
+        values = {'{}/{}'.format(self._name, key): value for key, value in self._private.items()}
+        values.update(self._shared or {})
+        missing = [name for name in values if not self._call('hasParam', name)]
+        for name in missing:
+            self._call('setParam', name, values[name])
+        registered = registration.register_again(self._call)
+        self._is_registering = self._is_gone = False
+        rospy.loginfo('a new master answers at %s: registered again, topics %d, services %d, '
+                      'parameters %d', self._uri, registered.topics, registered.services,
+                      len(missing))
+
+    def _call(self, method: str, *arguments: Any) -> Any:
+        code, message, value = getattr(self._proxy, method)(self._name, *arguments)
+        if code != 1:
+            raise xmlrpc.client.Error('{}: {}'.format(method, message))
+        return value
+
+    def _get(self, method: str, name: str) -> Optional[Any]:
+        """Return a parameter's value or name, None if there is none."""
+        code, _, value = getattr(self._proxy, method)(self._name, name)
+        return value if code == 1 else None
+
+
+class _Transport(xmlrpc.client.Transport):
+    """Calls with a time limit."""
+
+    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = _TIMEOUT_S
+        return connection
+
+
+def start(on_shutdown: Callable[[Callable[[], None]], None]) -> None:
+    """Watch the master from now on, unless plain rospy is wanted; for lifecycle.run.
+
+    on_shutdown: registers a hook for the begin of the shutdown.
+    """
+    if registration.is_watched():
+        watch = MasterWatch()
+        on_shutdown(registration.end_calls)
+        on_shutdown(watch.stop)
+        watch.start()

@@ -1,0 +1,139 @@
+"""The demo after the death of a part: the robot stops, and the chain works again."""
+import os
+import re
+import signal
+
+import pytest
+
+from img_recog.ros.transport.switch import is_plain
+from img_recog_testing.processes import Ros
+from img_recog_testing.simulator_tools import alive, descendants
+from img_recog_testing.waiting import wait_for
+
+# with plain rospy, nodes do not know whether there is a master
+WATCHED = pytest.mark.skipif(is_plain('registration'), reason='plain rospy')
+PROGRAMS = {'usb_cam': 'usb_cam_node.py', 'color_extract': 'color_img_recog.py',
+            'gazebo': 'pybullet_sim.py', 'turtlebot3_teleop_keyboard': 'teleop_key.py'}
+
+
+class Demo:
+    """The demo with a master that can be killed on its own."""
+
+    def __init__(self, ros):
+        self.ros = ros
+        self.start_master()
+        self.process = ros.demo()
+        self.wait('the robot drives forward')
+
+    def start_master(self):
+        """Start a master."""
+        self.core = self.ros.start('roscore', '-p', self.ros.port)
+        self.core.wait_output('started core service')
+
+    def kill_master(self):
+        """Kill the master, and rosout."""
+        for pid in [self.core.pid, *descendants(self.core.pid)]:
+            os.kill(pid, signal.SIGKILL)
+        self.core.wait()
+
+    def node(self, name):
+        """Return the process id of a node."""
+        def pids():
+            return [pid for pid, line in descendants(self.process.pid).items()
+                    if PROGRAMS[name] in line and 'respawn.py' not in line]
+        return wait_for(pids, name)[0]
+
+    @property
+    def output(self):
+        return self.process.output
+
+    def wait(self, pattern, after=0, count=1):
+        """Wait until a pattern is found `count` times in the output after a position."""
+        wait_for(lambda: len(re.findall(pattern, self.output[after:])) >= count,
+                 lambda: '{} of {!r} in:\n{}'.format(count, pattern, self.output[after:]))
+
+    def wait_chain(self, after):
+        """Wait until the recognition moves the robot, and it stands again in between."""
+        self.wait('(?s)the robot stands.*the robot drives', after)
+
+
+@pytest.fixture(scope='module')
+def demo(tmp_path_factory):
+    """One demo for all tests of this module: each leaves it running."""
+    ros = Ros(tmp_path_factory.mktemp('faults'))
+    try:
+        yield Demo(ros)
+    finally:
+        ros.close()
+
+
+def test_robot_stands_while_recognition_and_teleop_give_no_sign(demo):
+    demo.wait('the robot drives', len(demo.output))
+    after = len(demo.output)
+    # first the teleop, whose zeros would stop the robot
+    pids = [demo.node('turtlebot3_teleop_keyboard'), demo.node('color_extract')]
+    for pid in pids:
+        os.kill(pid, signal.SIGSTOP)
+    try:
+        demo.wait(r'\[WARN\].*no command on cmd_vel for 0.5 s of simulated time: the robot is '
+                  'stopped', after)
+        demo.wait('the robot stands', after)
+    finally:
+        for pid in pids:
+            os.kill(pid, signal.SIGCONT)
+    demo.wait_chain(after)
+
+
+@pytest.mark.parametrize('name', list(PROGRAMS))
+def test_killed_node_comes_back(demo, name):
+    pid, after = demo.node(name), len(demo.output)
+    os.kill(pid, signal.SIGKILL)
+    demo.wait(r'\[respawn\] {}: killed by SIGKILL, started again'.format(name), after)
+    if name == 'gazebo':
+        demo.wait('the robot is at the start: x -2.00 m, y -0.50 m', after)
+    demo.wait_chain(after)
+    assert demo.node(name) != pid
+    assert 'Traceback' not in demo.output[after:] and 'has died' not in demo.output[after:]
+
+
+def test_node_that_was_shut_down_from_outside_comes_back(demo):
+    pid, after = demo.node('usb_cam'), len(demo.output)
+    demo.ros.run('rosnode', 'kill', '/usb_cam')
+    demo.wait(r'usb_cam: shut down from outside, started again', after)
+    wait_for(lambda: demo.node('usb_cam') != pid, 'another usb_cam')
+    demo.wait_chain(after)
+
+
+@WATCHED
+def test_new_master_knows_nodes_and_parameters(demo):
+    before = demo.ros.run('rosparam', 'get', '/usb_cam')
+    after = len(demo.output)
+    demo.kill_master()
+    demo.wait(r'the master at \S+ does not answer: Connection refused', after, len(PROGRAMS))
+    demo.start_master()
+    demo.wait(r'a new master answers at \S+: registered again', after, len(PROGRAMS))
+    assert set(demo.ros.run('rosnode', 'list').split()) >= {'/' + name for name in PROGRAMS}
+    assert demo.ros.run('rosparam', 'get', '/usb_cam') == before and 'synthetic' in before
+    assert demo.ros.run('rosparam', 'get', '/use_sim_time').strip() == 'true'
+    assert '<robot' in demo.ros.run('rosparam', 'get', '/robot_description')
+    assert demo.ros.run('rosservice', 'call', '/gazebo/unpause_physics').strip() == ''
+    # a camera that starts now finds its parameters, and is found by the recognition
+    back = len(demo.output)
+    os.kill(demo.node('usb_cam'), signal.SIGKILL)
+    demo.wait('camera: synthetic scene', back)
+    demo.wait_chain(back)
+    assert 'Traceback' not in demo.output[after:]
+
+
+@WATCHED
+def test_nodes_end_while_the_master_does_not_answer(demo):
+    pids = [demo.node(name) for name in PROGRAMS]
+    master = next(pid for pid, line in descendants(demo.core.pid).items() if 'rosmaster' in line)
+    os.kill(master, signal.SIGSTOP)         # it accepts connections, and that is all
+    try:
+        for pid in pids:
+            os.kill(pid, signal.SIGINT)
+        wait_for(lambda: not any(map(alive, pids)), lambda: 'the end of {} in:\n{}'.format(
+            [pid for pid in pids if alive(pid)], demo.output), 30.0)
+    finally:
+        os.kill(master, signal.SIGCONT)

@@ -1,0 +1,171 @@
+"""scripts/respawn.py: which ends of a command are followed by a new start, and how it ends."""
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from img_recog_testing.waiting import wait_for
+
+PROGRAM = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
+                                        'scripts', 'respawn.py'))
+# writes a line with its id, then runs the code that the test gives
+NODE = '''
+import os, signal, sys, time
+with open(sys.argv[1], 'a') as file:
+    file.write('{}\\n'.format(os.getpid()))
+with open(sys.argv[1]) as file:
+    starts = len(file.readlines())
+def wait():
+    while True:
+        time.sleep(0.05)
+'''
+# calls respawn.py as roslaunch does, and writes what it gets
+PARENT = '''
+import signal, subprocess, sys
+signal.signal(signal.SIGINT, lambda *_: print('interrupted', flush=True))
+process = subprocess.Popen(sys.argv[1:], start_new_session=True)
+print('child', process.pid, flush=True)
+process.wait()
+'''
+
+
+class Run:
+    """respawn.py with a node."""
+
+    def __init__(self, path, code, *options, arguments=()):
+        self._starts = path / 'starts'
+        self._errors = path / 'errors'
+        command = [sys.executable, PROGRAM, *options, sys.executable, '-c', NODE + code,
+                   str(self._starts), '__name:=node', *arguments]
+        with open(str(self._errors), 'w') as file:
+            self.process = subprocess.Popen([sys.executable, '-c', PARENT, *command], stderr=file,
+                                            stdout=subprocess.PIPE, universal_newlines=True)
+        self.pid = int(self.process.stdout.readline().split()[1])
+
+    @property
+    def pids(self):
+        return list(map(int, self._starts.read_text().split())) if self._starts.exists() else []
+
+    @property
+    def errors(self):
+        return self._errors.read_text()
+
+    def wait_starts(self, count):
+        wait_for(lambda: len(self.pids) >= count, lambda: '{} starts: {}'.format(
+            count, self.errors))
+        return self.pids[count - 1]
+
+    def wait_errors(self, text):
+        wait_for(lambda: text in self.errors, lambda: '{!r} in {!r}'.format(text, self.errors))
+
+    def signal(self, signum):
+        os.kill(self.pid, signum)
+        self.process.wait()
+
+
+@pytest.fixture
+def run(tmp_path):
+    """A function that starts respawn.py with the code of a node."""
+    runs = []
+
+    def start(code, *options, **more):
+        runs.append(Run(tmp_path, code, *options, **more))
+        return runs[-1]
+    yield start
+    for each in runs:
+        if each.process.poll() is None:
+            for pid in (each.pid, each.process.pid):
+                try:
+                    os.kill(pid, signal.SIGKILL)
+                except ProcessLookupError:
+                    pass
+            each.process.wait()
+        each.process.stdout.close()
+
+
+def is_alive(pid):
+    try:
+        with open('/proc/{}/stat'.format(pid)) as file:
+            return file.read().rpartition(')')[2].split()[0] not in 'ZX'
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize('end, reason', [
+    ('os.kill(os.getpid(), signal.SIGKILL)', 'killed by SIGKILL'),
+    ('os.kill(os.getpid(), signal.SIGSEGV)', 'killed by SIGSEGV'),
+    ('sys.exit(70)', 'unexpected exception'), ('sys.exit(75)', 'no master answers'),
+    ('sys.exit(77)', 'shut down from outside')])
+def test_is_started_again(run, end, reason):
+    process = run('if starts == 1: {}\nwait()'.format(end))
+    process.wait_starts(2)
+    assert process.errors == '[respawn] node: {}, started again\n'.format(reason)
+
+
+@pytest.mark.parametrize('code, reason', [
+    (0, 'it has finished'), (1, 'exit code 1'), (2, 'exit code 2'),
+    (76, 'another node has taken its name')])
+def test_is_not_started_again(run, code, reason):
+    process = run('sys.exit({})'.format(code))
+    process.wait_errors('again')
+    assert process.errors == '[respawn] node: ended and is not started again: {}\n'.format(reason)
+    assert len(process.pids) == 1 and is_alive(process.pid)     # or roslaunch would start it again
+    process.signal(signal.SIGINT)
+    assert len(process.pids) == 1
+
+
+def test_the_reason_is_the_last_error_in_the_log_file(run, tmp_path):
+    log = tmp_path / 'node.log'
+    log.write_text('[rosout][ERROR] 2026-11-22 01:00:00,000: first\n'
+                   '[rosout][CRITICAL] 2026-11-22 01:00:00,000: there is no file x\n'
+                   '[rosout][INFO] 2026-11-22 01:00:00,000: more\n')
+    process = run('sys.exit(1)', arguments=['__log:={}'.format(log)])
+    process.wait_errors('not started again: there is no file x\n')
+
+
+def test_a_required_node_interrupts_roslaunch(run):
+    process = run('sys.exit(1)', '--required')
+    assert process.process.stdout.readline() == 'interrupted\n'
+    assert process.errors == '[respawn] node: ended, and the demo with it: exit code 1\n'
+
+
+def test_a_node_that_dies_at_once_again_is_started_later_and_later(run):
+    process = run('sys.exit(70)')
+    process.wait_starts(3)
+    assert process.errors.startswith(''.join(
+        '[respawn] node: unexpected exception, started again{}\n'.format(delay)
+        for delay in ('', ' in 0.5 s')))
+
+
+@pytest.mark.parametrize('signum', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_are_forwarded_once_and_end_it(run, signum):
+    process = run('signal.signal({0}, lambda *_: (print("got it", flush=True), sys.exit(0)))\n'
+                  'wait()'.format(int(signum)))
+    child = process.wait_starts(1)
+    wait_for(lambda: handles(child, signum), 'the handler')
+    os.killpg(process.pid, signum)          # as roslaunch does
+    assert process.process.stdout.readline() == 'got it\n'
+    process.process.wait()
+    assert process.process.stdout.read() == '' and process.errors == ''
+    assert process.pids == [child]
+
+
+def handles(pid, signum):
+    with open('/proc/{}/status'.format(pid)) as file:
+        mask = next(line for line in file if line.startswith('SigCgt'))
+    return int(mask.split()[1], 16) >> (signum - 1) & 1
+
+
+def test_the_node_does_not_outlive_it(run):
+    process = run('wait()')
+    child = process.wait_starts(1)
+    process.signal(signal.SIGKILL)
+    wait_for(lambda: not is_alive(child), 'the end of the node')
+
+
+def test_without_a_command_it_prints_its_usage():
+    result = subprocess.run([sys.executable, PROGRAM], stderr=subprocess.PIPE,
+                            universal_newlines=True)
+    assert result.returncode == 2 and result.stderr.startswith('usage: respawn.py')
