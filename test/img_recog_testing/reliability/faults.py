@@ -1,0 +1,191 @@
+"""Faults of a running demo: what they do, and how their details are drawn at random."""
+import contextlib
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
+
+from img_recog_testing.reliability import chain, usage, wire
+from img_recog_testing.reliability.demo import NODES, Demo
+
+_BUSY = 'while True: pass'
+_GARBAGE_BYTES = 4096
+# what can be subscribed to at each node; the image is the largest
+_TOPICS = {'usb_cam': chain.CAMERA, 'color_extract': chain.COMMAND, 'gazebo': chain.ODOMETRY,
+           'turtlebot3_teleop_keyboard': chain.TELEOP, 'robot_state_publisher': chain.JOINTS}
+# roscpp is not ours: a reader that stalls, or a connection that says nothing, is its own matter
+_OURS = tuple(name for name in NODES if name != 'robot_state_publisher')
+
+
+class Fault(NamedTuple):
+    """What happens to which node; `details` are the arguments of its kind."""
+
+    kind: str
+    node: str
+    details: Tuple[Any, ...] = ()
+
+    def __str__(self) -> str:
+        return ' '.join([self.kind, self.node, *map(str, self.details)])
+
+
+Undo = Iterator[None]
+
+
+@contextlib.contextmanager
+def kill(demo: Demo, fault: Fault) -> Undo:
+    """End a node by a signal, or as `rosnode kill` does."""
+    pid, (how,) = demo.pid(fault.node), fault.details
+    if how == 'rosnode':
+        wire.call(wire.node_uri(demo.master, '/' + fault.node), 'shutdown', 'by chaos')
+    else:
+        os.kill(pid, getattr(signal, how))
+    yield
+
+
+@contextlib.contextmanager
+def pause(demo: Demo, fault: Fault) -> Undo:
+    """Stop a node for some seconds, then let it run on."""
+    pid, (duration_s,) = demo.pid(fault.node), fault.details
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        time.sleep(duration_s)
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    yield
+
+
+@contextlib.contextmanager
+def starve(demo: Demo, fault: Fault) -> Undo:
+    """Let a node share one core with busy loops, which have a higher priority if that is allowed."""
+    pid, (duration_s, loops) = demo.pid(fault.node), fault.details
+    cores = os.sched_getaffinity(pid)
+    core = {min(cores)}
+    _pin(pid, core)
+    busy = [subprocess.Popen([sys.executable, '-c', _BUSY], env=demo.env) for _ in range(loops)]
+    try:
+        for each in busy:
+            os.sched_setaffinity(each.pid, core)
+            with contextlib.suppress(PermissionError):
+                os.setpriority(os.PRIO_PROCESS, each.pid, -10)
+        time.sleep(duration_s)
+    finally:
+        for each in busy:
+            each.kill()
+            each.wait()
+        _pin(pid, cores)
+    yield
+
+
+def _pin(pid: int, cores) -> None:
+    for thread in os.listdir('/proc/{}/task'.format(pid)):
+        with contextlib.suppress(ProcessLookupError):
+            os.sched_setaffinity(int(thread), cores)
+
+
+@contextlib.contextmanager
+def cut(demo: Demo, fault: Fault) -> Undo:
+    """Cut all connections of a node, from outside."""
+    how, = fault.details
+    usage.cut(demo.pid(fault.node), how == 'reset')
+    yield
+
+
+@contextlib.contextmanager
+def master(demo: Demo, fault: Fault) -> Undo:
+    """End the master, and start another one that knows nothing."""
+    how, down_s = fault.details
+    demo.stop_master(getattr(signal, how))
+    time.sleep(down_s)
+    demo.start_master()
+    yield
+
+
+@contextlib.contextmanager
+def readers(demo: Demo, fault: Fault) -> Undo:
+    """Subscribe many times and never read; the chain has to work while they are there."""
+    stream, (count,) = _TOPICS[fault.node], fault.details
+    connections: List[wire.Subscription] = []
+    try:
+        for _ in range(count):
+            connections.append(wire.Subscription(demo.master, stream.node, stream.topic,
+                                                 stream.data_class, 5.0, buffer_bytes=4096))
+        yield
+    finally:
+        for each in connections:
+            each.close()
+
+
+@contextlib.contextmanager
+def idle(demo: Demo, fault: Fault) -> Undo:
+    """Connect to both ports of a node and say nothing; the chain has to work meanwhile."""
+    (count,) = fault.details
+    sockets: List[socket.socket] = []
+    try:
+        for address in _addresses(demo, fault.node):
+            for _ in range(count):
+                sockets.append(socket.create_connection(address, 5.0))
+        yield
+    finally:
+        for each in sockets:
+            each.close()
+
+
+@contextlib.contextmanager
+def garbage(demo: Demo, fault: Fault) -> Undo:
+    """Send random bytes to both ports of a node, some of them after a valid start."""
+    count, seed = fault.details
+    rng = random.Random(seed)
+    starts = (b'', b'POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n', b'GET / HTTP/1.0\r\n\r\n',
+              b'\xff\xff\xff\xff', b'\x00\x00\x00\x00', b'\x04\x00\x00\x00\xff\xff\xff\x7f')
+    sockets: List[socket.socket] = []
+    try:
+        for address in _addresses(demo, fault.node):
+            for _ in range(count):
+                sock = socket.create_connection(address, 5.0)
+                sockets.append(sock)
+                with contextlib.suppress(OSError):      # it may hang up at once
+                    sock.sendall(rng.choice(starts) + bytes(
+                        rng.randrange(256) for _ in range(rng.randrange(_GARBAGE_BYTES))))
+                if rng.random() < 0.7:
+                    sock.close()
+        yield
+    finally:
+        for sock in sockets:
+            sock.close()
+
+
+def _addresses(demo: Demo, node: str) -> List[Tuple[str, int]]:
+    """Return the addresses of the XML-RPC server and of the data of a node."""
+    stream = _TOPICS[node]
+    host, _, port = wire.node_uri(demo.master, stream.node).strip('/').rpartition('/')[2] \
+        .partition(':')
+    return [(host, int(port)), wire.data_address(demo.master, stream.node, stream.topic)]
+
+
+APPLY: Dict[str, Callable] = {each.__name__: each for each in (
+    kill, pause, starve, cut, master, readers, idle, garbage)}
+KINDS = tuple(APPLY)
+
+
+def draw(rng: random.Random, kinds: Tuple[str, ...] = KINDS) -> Fault:
+    """Return a fault with everything about it drawn at random."""
+    kind = rng.choice(kinds)
+    node = rng.choice(_OURS if kind in ('readers', 'idle', 'garbage') else NODES)
+    if kind == 'kill':
+        return Fault(kind, node, (rng.choice(('SIGKILL', 'SIGTERM', 'rosnode')),))
+    if kind == 'pause':
+        return Fault(kind, node, (round(rng.uniform(1.0, 10.0), 1),))
+    if kind == 'starve':
+        return Fault(kind, node, (round(rng.uniform(2.0, 6.0), 1), rng.randint(1, 4)))
+    if kind == 'cut':
+        return Fault(kind, node, (rng.choice(('reset', 'close')),))
+    if kind == 'master':
+        return Fault(kind, 'master', (rng.choice(('SIGKILL', 'SIGINT')),
+                                      round(rng.uniform(0.0, 4.0), 1)))
+    if kind == 'garbage':
+        return Fault(kind, node, (rng.randint(5, 30), rng.randrange(1 << 30)))
+    return Fault(kind, node, (rng.randint(10, 100),))

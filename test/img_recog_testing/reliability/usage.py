@@ -1,0 +1,126 @@
+"""What processes use, from /proc: threads, descriptors, memory, connections."""
+import ctypes
+import os
+import re
+import signal
+import socket
+from typing import Dict, List, NamedTuple, Optional
+
+_PIDFD_OPEN, _PIDFD_GETFD = 434, 438        # the same numbers on all architectures
+_NAME = re.compile(r'__name:=([\w/]+)')
+_PAGE_BYTES = os.sysconf('SC_PAGE_SIZE')
+
+
+class Usage(NamedTuple):
+    """What a process uses: numbers of threads and descriptors, resident memory in MB."""
+
+    pid: int
+    threads: int
+    descriptors: int
+    rss_mb: float
+
+
+def marked(marker: str) -> Dict[int, str]:
+    """Return the command lines of the processes that have inherited an environment entry.
+
+    marker: the entry, 'NAME=value'. Zombies do not count.
+    """
+    found = {}
+    for entry in filter(str.isdigit, os.listdir('/proc')):
+        if int(entry) == os.getpid():
+            continue
+        try:
+            with open('/proc/{}/environ'.format(entry), 'rb') as file:
+                if marker.encode() not in file.read().split(b'\0'):
+                    continue
+            with open('/proc/{}/cmdline'.format(entry), 'rb') as file:
+                line = file.read().replace(b'\0', b' ').decode(errors='replace').strip()
+        except OSError:             # the process has ended, or belongs to another user
+            continue
+        if line:
+            found[int(entry)] = line
+    return found
+
+
+def node_name(line: str) -> Optional[str]:
+    """Return the name that roslaunch gave to a node, from its command line.
+
+    None for another process, also for the one that starts the node again (scripts/respawn.py).
+    """
+    match = None if 'respawn.py' in line else _NAME.search(line)
+    return match.group(1) if match else None
+
+
+def nodes(marker: str) -> Dict[str, List[int]]:
+    """Return the process ids of each node, by its name."""
+    found: Dict[str, List[int]] = {}
+    for pid, line in marked(marker).items():
+        name = node_name(line)
+        if name is not None:
+            found.setdefault(name, []).append(pid)
+    return found
+
+
+def of(pid: int) -> Usage:
+    """Return what a process uses; raises OSError if it has ended."""
+    threads = len(os.listdir('/proc/{}/task'.format(pid)))
+    descriptors = len(os.listdir('/proc/{}/fd'.format(pid)))
+    with open('/proc/{}/statm'.format(pid)) as file:
+        pages = int(file.read().split()[1])
+    return Usage(pid, threads, descriptors, pages * _PAGE_BYTES / 1e6)
+
+
+def end_all(marker: str) -> None:
+    """Kill all processes with this marker."""
+    for pid in marked(marker):
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except OSError:
+            pass
+
+
+def cut(pid: int, reset: bool) -> int:
+    """Cut all TCP connections of a process, as if its network had gone; return how many.
+
+    reset: whether both ends get an error; otherwise both see the end of the stream.
+
+    The process does not take part: its sockets are duplicated into this one by pidfd_getfd (Linux
+    5.6), which needs the rights of a debugger. Listening sockets remain. Raises OSError.
+    """
+    libc = ctypes.CDLL(None, use_errno=True)
+    pidfd = libc.syscall(_PIDFD_OPEN, pid, 0)
+    if pidfd < 0:
+        raise OSError(ctypes.get_errno(), 'pidfd_open')
+    count = 0
+    try:
+        for entry in os.listdir('/proc/{}/fd'.format(pid)):
+            path = '/proc/{}/fd/{}'.format(pid, entry)
+            try:
+                if not os.readlink(path).startswith('socket:'):
+                    continue
+            except OSError:         # closed meanwhile
+                continue
+            descriptor = libc.syscall(_PIDFD_GETFD, pidfd, int(entry), 0)
+            if descriptor >= 0:
+                with socket.socket(fileno=descriptor) as sock:
+                    count += _cut(sock, reset, libc)
+            elif os.path.exists(path):
+                raise OSError(ctypes.get_errno(), 'pidfd_getfd')
+    finally:
+        os.close(pidfd)
+    return count
+
+
+def _cut(sock: socket.socket, reset: bool, libc) -> int:
+    if sock.family not in (socket.AF_INET, socket.AF_INET6) or sock.type != socket.SOCK_STREAM \
+            or sock.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN):
+        return 0
+    try:
+        sock.getpeername()
+        if not reset:
+            sock.shutdown(socket.SHUT_RDWR)
+            return 1
+    except OSError:                 # not connected
+        return 0
+    # connecting to no address ends a connection at once, and sends a reset to the other end
+    return 1 if libc.connect(sock.fileno(), b'\0' * 16, 16) == 0 else 0

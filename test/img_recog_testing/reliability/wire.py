@@ -1,0 +1,238 @@
+"""ROS 1 over plain sockets: subscribers and publishers that do what rospy never would.
+
+They also do not depend on a master that has to stay alive, as a node of rospy does.
+"""
+import http.client
+import io
+import socket
+import struct
+import threading
+import xmlrpc.client
+from socketserver import ThreadingMixIn
+from typing import Dict, List, Optional, Tuple
+from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
+
+CALLER = '/reliability'
+_LENGTH = struct.Struct('<I')
+_MAX_HEADER_BYTES = 1 << 16
+# everything that a node or a master may do to a caller while it is stopped, started or killed
+ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, EOFError)
+
+
+class _Transport(xmlrpc.client.Transport):
+    def __init__(self, timeout_s: float):
+        super().__init__()
+        self._timeout_s = timeout_s
+
+    def make_connection(self, host):
+        connection = super().make_connection(host)
+        connection.timeout = self._timeout_s
+        return connection
+
+
+def call(uri: str, method: str, *arguments, timeout_s: float = 1.0):
+    """Call a method of a master or node; return its value. Raises one of ERRORS."""
+    with xmlrpc.client.ServerProxy(uri, _Transport(timeout_s), allow_none=True) as server:
+        code, text, value = getattr(server, method)(CALLER, *arguments)
+    if code != 1:
+        raise ValueError('{} of {}: {}'.format(method, uri, text))
+    return value
+
+
+def publishers(master: str, topic: str) -> List[str]:
+    """Return the names of the nodes that publish a topic."""
+    return dict(call(master, 'getSystemState')[0]).get(topic, [])
+
+
+def node_uri(master: str, node: str) -> str:
+    """Return the address of the XML-RPC server of a node."""
+    return call(master, 'lookupNode', node)
+
+
+def data_address(master: str, node: str, topic: str) -> Tuple[str, int]:
+    """Return host and port where a node sends a topic."""
+    protocol = call(node_uri(master, node), 'requestTopic', topic, [['TCPROS']])
+    if not protocol:
+        raise ValueError('{} does not publish {}'.format(node, topic))
+    return protocol[1], protocol[2]
+
+
+def pack_header(fields: Dict[str, str]) -> bytes:
+    """Return a TCPROS header."""
+    lines = ['{}={}'.format(*item).encode() for item in fields.items()]
+    body = b''.join(_LENGTH.pack(len(line)) + line for line in lines)
+    return _LENGTH.pack(len(body)) + body
+
+
+def unpack_header(body: bytes) -> Dict[str, str]:
+    """Return the fields of a TCPROS header without its length."""
+    fields, begin = {}, 0
+    while begin < len(body):
+        end = begin + 4 + _LENGTH.unpack_from(body, begin)[0]
+        name, _, value = body[begin + 4:end].decode(errors='replace').partition('=')
+        fields[name], begin = value, end
+    return fields
+
+
+def packet(msg) -> bytes:
+    """Return what goes over the wire for a message."""
+    buffer = io.BytesIO()
+    msg.serialize(buffer)
+    return _LENGTH.pack(buffer.tell()) + buffer.getvalue()
+
+
+def _receive(sock: socket.socket, size: int) -> bytes:
+    data = b''
+    while len(data) < size:
+        piece = sock.recv(size - len(data))
+        if not piece:
+            raise EOFError('connection closed')
+        data += piece
+    return data
+
+
+def _read_header(sock: socket.socket) -> Dict[str, str]:
+    length = _LENGTH.unpack(_receive(sock, 4))[0]
+    if length > _MAX_HEADER_BYTES:
+        raise ValueError('a header of {} bytes'.format(length))
+    return unpack_header(_receive(sock, length))
+
+
+class Subscription:
+    """A connection to one publisher of a topic. It reads only when it is asked to."""
+
+    def __init__(self, master: str, node: str, topic: str, data_class: type,
+                 timeout_s: float = 1.0, buffer_bytes: Optional[int] = None):
+        """Connect; raises one of ERRORS.
+
+        buffer_bytes: size of the receive buffer, to fill it sooner.
+        """
+        self.topic, self.node, self._class = topic, node, data_class
+        self._data = b''
+        self.sock = socket.socket()
+        try:
+            if buffer_bytes is not None:
+                self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer_bytes)
+            self.sock.settimeout(timeout_s)
+            self.sock.connect(data_address(master, node, topic))
+            self.sock.sendall(pack_header({
+                'callerid': CALLER, 'topic': topic, 'type': data_class._type,
+                'md5sum': data_class._md5sum, 'tcp_nodelay': '1'}))
+            answer = _read_header(self.sock)
+            if 'error' in answer:
+                raise ValueError(answer['error'])
+        except BaseException:
+            self.sock.close()
+            raise
+        self.sock.setblocking(False)
+
+    def read(self) -> list:
+        """Return the messages that have arrived; raises one of ERRORS at the end."""
+        try:
+            while True:
+                piece = self.sock.recv(1 << 18)
+                if not piece:
+                    raise EOFError('{} has closed {}'.format(self.node, self.topic))
+                self._data += piece
+        except BlockingIOError:
+            pass
+        messages = []
+        while len(self._data) >= 4:
+            end = 4 + _LENGTH.unpack_from(self._data)[0]
+            if len(self._data) < end:
+                break
+            messages.append(self._class().deserialize(self._data[4:end]))
+            self._data = self._data[end:]
+        return messages
+
+    def close(self) -> None:
+        self.sock.close()
+
+
+class _Server(ThreadingMixIn, SimpleXMLRPCServer):
+    daemon_threads = True
+
+
+class _Handler(SimpleXMLRPCRequestHandler):
+    rpc_paths = ()          # any
+
+
+class RawPublisher:
+    """Publishes a topic, and sends to its subscribers any bytes at all."""
+
+    def __init__(self, master: str, topic: str, data_class: type, caller: str = CALLER):
+        self._master, self.topic, self._caller = master, topic, caller
+        self._header = pack_header({
+            'callerid': caller, 'type': data_class._type, 'md5sum': data_class._md5sum,
+            'message_definition': data_class._full_text, 'latching': '0', 'topic': topic})
+        self._subscribers: List[socket.socket] = []
+        self._listener = socket.create_server(('127.0.0.1', 0))
+        self._xmlrpc = _Server(('127.0.0.1', 0), _Handler, logRequests=False, allow_none=True)
+        self._xmlrpc.register_function(self._request_topic, 'requestTopic')
+        for name in ('publisherUpdate', 'paramUpdate', 'shutdown'):
+            self._xmlrpc.register_function(lambda *_: [1, '', 0], name)
+        self._xmlrpc.register_function(lambda *_: [1, '', 0], 'getPid')
+        self._uri = 'http://127.0.0.1:{}/'.format(self._xmlrpc.server_address[1])
+        for target in (self._xmlrpc.serve_forever, self._accept):
+            threading.Thread(target=target, daemon=True).start()
+        self.register()
+
+    def register(self) -> None:
+        """Tell the master about this topic."""
+        with xmlrpc.client.ServerProxy(self._master) as master:
+            master.registerPublisher(self._caller, self.topic, '*', self._uri)
+
+    def _request_topic(self, *_):
+        return [1, '', ['TCPROS', '127.0.0.1', self._listener.getsockname()[1]]]
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                sock, _ = self._listener.accept()
+            except OSError:         # closed
+                return
+            try:
+                sock.settimeout(10.0)
+                sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                _read_header(sock)
+                sock.sendall(self._header)
+            except ERRORS:
+                sock.close()
+            else:
+                self._subscribers.append(sock)
+
+    def get_num_connections(self) -> int:
+        return len(self._subscribers)
+
+    def send(self, data: bytes) -> int:
+        """Send bytes to all subscribers; return the number of them that took them."""
+        count = 0
+        for sock in list(self._subscribers):
+            try:
+                sock.sendall(data)
+                count += 1
+            except OSError:
+                self._subscribers.remove(sock)
+                sock.close()
+        return count
+
+    def publish(self, msg) -> int:
+        """Send a message; return the number of subscribers that took it."""
+        return self.send(packet(msg))
+
+    def disconnect(self) -> None:
+        """Close the connections to all subscribers."""
+        while self._subscribers:
+            self._subscribers.pop().close()
+
+    def close(self) -> None:
+        """Unregister and close everything."""
+        try:
+            with xmlrpc.client.ServerProxy(self._master) as master:
+                master.unregisterPublisher(self._caller, self.topic, self._uri)
+        except ERRORS:
+            pass                # the master has gone
+        self._listener.close()
+        self.disconnect()
+        self._xmlrpc.shutdown()
+        self._xmlrpc.server_close()
