@@ -18,7 +18,7 @@ _GARBAGE_BYTES = 4096
 _TOPICS = {'usb_cam': chain.CAMERA, 'color_extract': chain.COMMAND, 'gazebo': chain.ODOMETRY,
            'turtlebot3_teleop_keyboard': chain.TELEOP, 'robot_state_publisher': chain.JOINTS}
 # roscpp is not ours: a reader that stalls, or a connection that says nothing, is its own matter
-_OURS = tuple(name for name in NODES if name != 'robot_state_publisher')
+OURS = tuple(name for name in NODES if name != 'robot_state_publisher')
 
 
 class Fault(NamedTuple):
@@ -174,7 +174,7 @@ KINDS = tuple(APPLY)
 def draw(rng: random.Random, kinds: Tuple[str, ...] = KINDS) -> Fault:
     """Return a fault with everything about it drawn at random."""
     kind = rng.choice(kinds)
-    node = rng.choice(_OURS if kind in ('readers', 'idle', 'garbage') else NODES)
+    node = rng.choice(OURS if kind in ('readers', 'idle', 'garbage') else NODES)
     if kind == 'kill':
         return Fault(kind, node, (rng.choice(('SIGKILL', 'SIGTERM', 'rosnode')),))
     if kind == 'pause':

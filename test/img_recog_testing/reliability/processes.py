@@ -8,6 +8,10 @@ from img_recog_testing.processes import Process, Ros
 from img_recog_testing.reliability import usage, wire
 from img_recog_testing.waiting import wait_for
 
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
+                                      '..'))
+_URDF = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
+
 
 class Nodes:
     """A master on a free port, and nodes that are started on it; use it in a with statement."""
@@ -43,9 +47,18 @@ class Nodes:
         if script == 'pybullet_sim.py':
             with open(_URDF) as file:
                 wire.call(self.master, 'setParam', '/robot_description', file.read())
-        process = Process([_script(script), *arguments], dict(self.env, **(env or {})), **popen)
+        return self.start_command([_script(script), *arguments], env, **popen)
+
+    def start_command(self, command: List[str], env: Optional[Dict[str, str]] = None,
+                      **popen) -> Process:
+        """Start any command."""
+        process = Process(command, dict(self.env, **(env or {})), **popen)
         self._processes.append(process)
         return process
+
+    def forget(self, process: Process) -> None:
+        """Drop a process that has ended, and its output."""
+        self._processes.remove(process)
 
     def set_parameter(self, name: str, value) -> None:
         wire.call(self.master, 'setParam', name, value)
@@ -83,11 +96,6 @@ class Nodes:
     def output(self) -> str:
         """Return what the nodes have printed, one after the other."""
         return ''.join(process.output for process in self._processes)
-
-
-_ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
-                                      '..'))
-_URDF = os.path.join(_ROOT, 'urdf', 'turtlebot3_burger.urdf')
 
 
 def _script(name: str) -> str:

@@ -1,0 +1,213 @@
+"""Stops and kills of each program at random moments of its start and run."""
+import contextlib
+import os
+import queue
+import random
+import signal
+import sys
+import threading
+import time
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+
+from sensor_msgs.msg import Image
+
+from img_recog_testing.processes import Process
+from img_recog_testing.reliability import chain, usage, wire
+from img_recog_testing.reliability.processes import ROOT, Nodes
+from img_recog_testing.waiting import wait_for
+
+NODE_LIMIT_S, DEMO_LIMIT_S = 5.0, 12.0      # from the signal until nothing is left
+_MAX_DELAY_S, _MAX_DEMO_DELAY_S = 3.0, 8.0
+_DEMO_SHARE = 25                            # one of so many stops is one of the whole demo
+_REPLAY_SHARE = 20                          # one of so many kills is one of replay.py
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_VIEW = '/gazebo/view/image_raw'
+_SCRIPTS: Dict[str, Tuple[str, ...]] = {
+    'usb_cam_node.py': ('_video_device:=synthetic',), 'color_img_recog.py': (),
+    'pybullet_sim.py': (), 'teleop_key.py': ()}
+
+
+class Ending(NamedTuple):
+    """What is ended, how, and how long after its start."""
+
+    program: str
+    signum: int
+    delay_s: float
+    viewed: bool = False        # the view of the simulator is drawn, by another process
+
+
+class Endings:
+    """Times and failures by program; several threads add to them."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self.times_s: Dict[str, List[float]] = {}
+        self.failures: List[str] = []
+
+    def add(self, program: str, time_s: float) -> None:
+        with self._lock:
+            self.times_s.setdefault(program, []).append(time_s)
+
+    def fail(self, ending: Ending, error: BaseException) -> None:
+        with self._lock:
+            self.failures.append('{}: {}'.format(ending, error))
+
+    def count(self) -> int:
+        return sum(map(len, self.times_s.values()))
+
+
+def draw_stop(rng: random.Random) -> Ending:
+    """Return a stop with everything drawn at random."""
+    if rng.randrange(_DEMO_SHARE) == 0:
+        return Ending('demo', rng.choice(_SIGNALS), rng.uniform(0.0, _MAX_DEMO_DELAY_S))
+    return Ending(rng.choice(sorted(_SCRIPTS)), rng.choice(_SIGNALS),
+                  rng.uniform(0.0, _MAX_DELAY_S), rng.random() < 0.3)
+
+
+def draw_kill(rng: random.Random) -> Ending:
+    """Return a kill with everything drawn at random."""
+    if rng.randrange(_REPLAY_SHARE) == 0:
+        return Ending('replay.py', signal.SIGKILL, rng.uniform(0.0, _MAX_DELAY_S))
+    return Ending(rng.choice(sorted(_SCRIPTS)), signal.SIGKILL, rng.uniform(0.0, _MAX_DELAY_S),
+                  rng.random() < 0.3)
+
+
+def run(draw: Callable[[random.Random], Ending], count: int, seed: int, factor: float = 1.0,
+        lanes: int = 2) -> Endings:
+    """End `count` programs, some at the same time, each with a master of its lane."""
+    rng, endings = random.Random(seed), Endings()
+    waiting: 'queue.Queue[Ending]' = queue.Queue()
+    for _ in range(count):
+        waiting.put(draw(rng))
+
+    def work():
+        with Nodes() as nodes, _images(nodes):
+            while True:
+                try:
+                    ending = waiting.get_nowait()
+                except queue.Empty:
+                    return
+                try:
+                    endings.add(ending.program, _end(nodes, ending, factor))
+                except (AssertionError, OSError) as error:
+                    endings.fail(ending, error)
+                    usage.end_all(nodes.marker)
+    threads = [threading.Thread(target=work) for _ in range(min(lanes, count))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert endings.count() + len(endings.failures) == count, 'a lane has failed'
+    return endings
+
+
+@contextlib.contextmanager
+def _images(nodes: Nodes) -> Iterator[None]:
+    """Publish images that stop and go on: a node may be stopped just after the last one."""
+    image = chain.frame('blue')
+    packet = wire.packet(Image(height=image.shape[0], width=image.shape[1], encoding='bgr8',
+                               step=image.shape[1] * 3, data=image.tobytes()))
+    publisher = wire.RawPublisher(nodes.master, '/usb_cam/image_raw', Image, '/images')
+    ended = threading.Event()
+
+    def publish():
+        rng = random.Random(1)
+        while not ended.wait(rng.choice((0.03,) * 30 + (0.3, 1.0))):
+            publisher.send(packet)
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+        publisher.close()
+
+
+def _end(nodes: Nodes, ending: Ending, factor: float) -> float:
+    """Start a program, end it, and return the seconds until nothing of it was left."""
+    process = _start(nodes, ending)
+    view = _wait(nodes, ending)
+    is_up = _is_up(nodes, ending, process)
+    begin = time.monotonic()
+    if process._popen.poll() is None:
+        send = os.killpg if ending.program == 'demo' and ending.signum == signal.SIGINT \
+            else os.kill                    # a terminal sends Ctrl-C to all
+        send(process.pid, ending.signum)
+    limit_s = (DEMO_LIMIT_S if ending.program == 'demo' else NODE_LIMIT_S) * factor
+    try:
+        wait_for(lambda: not usage.marked(nodes.marker),
+                 lambda: 'the end of {}\n{}'.format(usage.marked(nodes.marker),
+                                                    process.output[-2000:]), limit_s)
+        took_s = time.monotonic() - begin
+        code = process.wait()
+    finally:
+        if view is not None:
+            view.close()
+        nodes.forget(process)
+    if ending.signum != signal.SIGKILL:
+        _check_stop(nodes, ending, process, code, is_up)
+    if ending.program == 'replay.py':
+        _check_replay(nodes)
+    return took_s
+
+
+def _start(nodes: Nodes, ending: Ending) -> Process:
+    if ending.program == 'demo':
+        return nodes.start_command(
+            [sys.executable, os.path.join(ROOT, 'tools', 'demo.py'),
+             os.path.join(ROOT, 'launch', 'demo.launch'), 'camera:=synthetic', 'world:=empty',
+             'gui:=false', 'image_view:=false'], start_new_session=True)
+    if ending.program == 'replay.py':
+        film = os.path.join(nodes.folder, 'film.avi')
+        if not os.path.exists(film):
+            chain.write_film(film)
+        return nodes.start('replay.py', film, '--output', os.path.join(nodes.folder, 'replay'))
+    return nodes.start(ending.program, *_SCRIPTS[ending.program])
+
+
+def _wait(nodes: Nodes, ending: Ending) -> Optional[wire.Subscription]:
+    """Let the delay pass; return the subscription to the view, if it was possible."""
+    end, view = time.monotonic() + ending.delay_s, None
+    while time.monotonic() < end:
+        if view is None and ending.viewed and ending.program == 'pybullet_sim.py':
+            with contextlib.suppress(*wire.ERRORS):
+                view = wire.Subscription(nodes.master, '/gazebo', _VIEW, Image)
+        time.sleep(min(0.05, max(0.0, end - time.monotonic())))
+    return view
+
+
+_NODES = {'usb_cam_node.py': ('/usb_cam', 'camera: '), 'teleop_key.py': (
+    '/turtlebot3_teleop_keyboard', 'no terminal'), 'pybullet_sim.py': ('/gazebo', 'simulating'),
+    'color_img_recog.py': ('/color_extract', 'blue=')}
+
+
+def _is_up(nodes: Nodes, ending: Ending, process: Process) -> bool:
+    """Return whether a node has started; before, Python itself handles signals."""
+    return ending.program in _NODES and _NODES[ending.program][1] in process.output
+
+
+def _check_stop(nodes: Nodes, ending: Ending, process: Process, code: int, is_up: bool) -> None:
+    """Raise AssertionError if a program did not end as it should, or left something."""
+    text = 'exit code {}\n{}'.format(code, process.output[-2000:])
+    if is_up:
+        assert code == 0, text
+        assert 'Traceback' not in process.output, text
+        uri = None
+        with contextlib.suppress(*wire.ERRORS):
+            uri = wire.node_uri(nodes.master, _NODES[ending.program][0])
+        assert uri is None, 'it is still registered, at {}\n{}'.format(uri, text)
+    assert os.listdir(nodes.temporary) == [], os.listdir(nodes.temporary)
+
+
+def _check_replay(nodes: Nodes) -> None:
+    """Run a replay to its end: it has to remove what a killed one has left."""
+    done = nodes.start('replay.py', os.path.join(nodes.folder, 'film.avi'), '--output',
+                       os.path.join(nodes.folder, 'replay'))
+    code = done.wait()
+    nodes.forget(done)
+    assert code == 0, done.output[-2000:]
+    left = [name for name in os.listdir(nodes.folder) if name.startswith('.')]
+    assert left == [], left
+    assert os.listdir(nodes.temporary) == [], os.listdir(nodes.temporary)
+

@@ -1,0 +1,77 @@
+"""Soak: a demo that runs for a long time must not use more and more."""
+import statistics
+import tempfile
+import time
+from typing import Callable, Dict, List, NamedTuple
+
+from img_recog_testing.reliability.demo import NODES, Demo
+from img_recog_testing.reliability.usage import Usage
+
+_SAMPLE_S = 1.0
+_CHECK_SHARE = 10           # the chain is checked after so many samples
+_CHAIN_LIMIT_S, _START_LIMIT_S, _STOP_LIMIT_S = 5.0, 60.0, 15.0
+MAX_GROWTH_MB = 10.0        # from the second quarter of the samples to the last one
+
+
+class Growth(NamedTuple):
+    """Medians of the second and of the last quarter of the samples of one node."""
+
+    rss_mb: float
+    rss_growth_mb: float
+    threads: int
+    threads_growth: int
+    descriptors: int
+    descriptors_growth: int
+
+
+class Soak(NamedTuple):
+    """How much each node uses, and the times in which the chain answered."""
+
+    growth: Dict[str, Growth]
+    chain_s: List[float]
+
+
+def run(duration_s: float, factor: float = 1.0, say: Callable[[str], None] = lambda line: None
+        ) -> Soak:
+    """Run a demo and check it; raise AssertionError if it fails or uses more and more."""
+    with tempfile.TemporaryDirectory(prefix='img_recog_soak_') as folder:
+        demo = Demo(folder)
+        samples: Dict[str, List[Usage]] = {name: [] for name in NODES}
+        chain_s: List[float] = []
+        try:
+            demo.start()
+            demo.chain.wait(_START_LIMIT_S * factor)
+            pids = {name: demo.pid(name) for name in NODES}
+            end, count = time.monotonic() + duration_s, 0
+            while time.monotonic() < end:
+                # just before a check, the connections of the one before have gone
+                if count % _CHECK_SHARE == 0:
+                    chain_s.append(demo.chain.wait(_CHAIN_LIMIT_S * factor).recovered_s)
+                count += 1
+                time.sleep(_SAMPLE_S)
+                for name, used in demo.usage().items():
+                    samples[name].append(used)
+            assert pids == {name: demo.pid(name) for name in NODES}, 'a node was started again'
+            demo.stop(_STOP_LIMIT_S * factor)
+        finally:
+            demo.close()
+    result = Soak({name: _growth(each) for name, each in samples.items()}, chain_s)
+    for name, growth in result.growth.items():
+        say('{}: {}'.format(name, growth))
+    problems = [name for name, growth in result.growth.items()
+                if growth.rss_growth_mb > MAX_GROWTH_MB or growth.threads_growth > 0
+                or growth.descriptors_growth > 0]
+    assert not problems, {name: result.growth[name] for name in problems}
+    return result
+
+
+def _growth(samples: List[Usage]) -> Growth:
+    quarter = max(1, len(samples) // 4)
+    early, late = samples[quarter:2 * quarter] or samples, samples[-quarter:]
+    values: List[float] = []
+    for name in ('rss_mb', 'threads', 'descriptors'):
+        begin, end = (statistics.median(getattr(each, name) for each in part)
+                      for part in (early, late))
+        values += [end, end - begin]
+    return Growth(*(round(value, 1) if index < 2 else int(value)
+                    for index, value in enumerate(values)))

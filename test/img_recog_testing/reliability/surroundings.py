@@ -1,0 +1,145 @@
+"""What happens around the nodes: time that jumps, a full disk, connections that never read."""
+import contextlib
+import os
+import random
+import resource
+import subprocess
+import tempfile
+import time
+from typing import Dict, Iterator, List
+
+import genpy
+from rosgraph_msgs.msg import Clock
+
+from img_recog_testing.reliability import chain, faults, usage, wire
+from img_recog_testing.reliability.demo import Demo
+from img_recog_testing.reliability.faults import Fault
+from img_recog_testing.reliability.processes import Nodes
+from img_recog_testing.waiting import wait_for
+
+LIMIT_S = 5.0
+_START_LIMIT_S, _STOP_LIMIT_S = 60.0, 15.0
+_DISK_KB = 256
+_MAX_TRACEBACKS, _MAX_OUTPUT_LINES = 3, 40      # of all nodes, about the full disk
+_SETTLE_S = 30.0
+
+
+def clock_jumps(count: int, seed: int, factor: float = 1.0) -> List[float]:
+    """Let /clock jump forward, backward and to zero; return the seconds until the chain worked.
+
+    Camera and recognition use the time of /clock, which no simulator publishes here.
+    """
+    rng = random.Random(seed)
+    with Nodes() as nodes:
+        nodes.set_parameter('/use_sim_time', True)
+        film = os.path.join(nodes.folder, 'film.avi')
+        chain.write_film(film)
+        clock = wire.RawPublisher(nodes.master, '/clock', Clock, '/clock_source')
+        scripts = [nodes.start('usb_cam_node.py', '_video_device:=' + film),
+                   nodes.start('color_img_recog.py', '_blue_linear_x:={}'.format(chain.SPEED),
+                               '_red_linear_x:={}'.format(-chain.SPEED)),
+                   nodes.start('teleop_key.py')]
+        check = chain.Chain(nodes.master, chain.RECOGNITION + (chain.TELEOP,))
+        try:
+            wait_for(lambda: clock.get_num_connections() >= len(scripts), nodes.output)
+            now_s, times_s = 1000.0, []
+            clock.publish(Clock(genpy.Time.from_sec(now_s)))
+            check.wait(_START_LIMIT_S * factor)
+            for _ in range(count):
+                now_s = rng.choice((0.0, 1.0, now_s + 3600.0, now_s - 3600.0, 4294967295.0,
+                                    rng.uniform(0, 1e9)))
+                now_s = max(0.0, now_s)
+                for _ in range(rng.randrange(1, 5)):
+                    clock.publish(Clock(genpy.Time.from_sec(now_s)))
+                    now_s = min(now_s + 0.01, 4294967295.0)
+                times_s.append(check.wait(LIMIT_S * factor).recovered_s)
+            for each in scripts:
+                nodes.check_alive(each)
+            assert 'Traceback' not in nodes.output(), nodes.output()[-3000:]
+        finally:
+            clock.close()
+    return times_s
+
+
+@contextlib.contextmanager
+def _small_disk() -> Iterator[str]:
+    """Give a folder that is soon full, where that is allowed; else one whose files stay small.
+
+    With neither a mount nor a full disk, the limit of the size of a file has a similar effect.
+    """
+    with tempfile.TemporaryDirectory(prefix='img_recog_disk_') as folder:
+        mounted = os.geteuid() == 0 and subprocess.run(
+            ['mount', '-t', 'tmpfs', '-o', 'size={}k'.format(_DISK_KB), 'none', folder],
+            stderr=subprocess.DEVNULL, check=False).returncode == 0
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        if not mounted:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (_DISK_KB << 10, limits[1]))
+        try:
+            yield folder
+        finally:
+            if mounted:
+                subprocess.run(['umount', '-l', folder], check=True)
+            else:
+                resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+def full_disk(duration_s: float, factor: float = 1.0) -> Dict[str, float]:
+    """Run a demo whose logs have no room; return how the chain works and what is printed."""
+    with tempfile.TemporaryDirectory(prefix='img_recog_full_') as folder, _small_disk() as disk:
+        demo = Demo(folder)
+        # the master and roslaunch keep their logs in the ordinary folder
+        demo.env['ROS_LOG_DIR'] = disk
+        try:
+            with open(os.path.join(disk, 'filler'), 'wb') as file, \
+                    contextlib.suppress(OSError):
+                while True:
+                    file.write(bytes(4096))
+                    file.flush()
+            demo.start()
+            demo.chain.wait(_START_LIMIT_S * factor)
+            before = len(demo.launch.output.splitlines())
+            end, times_s = time.monotonic() + duration_s, []
+            while time.monotonic() < end or not times_s:
+                times_s.append(demo.chain.wait(LIMIT_S * factor).complete_s)
+            tracebacks = demo.launch.output.count('Traceback')
+            lines = [line for line in demo.launch.output.splitlines()[before:]
+                     if 'the robot' not in line and 'blue=' not in line]
+            assert tracebacks <= _MAX_TRACEBACKS and len(lines) <= _MAX_OUTPUT_LINES, \
+                '{} tracebacks\n{}'.format(tracebacks, '\n'.join(lines)[-3000:])
+            demo.stop(_STOP_LIMIT_S * factor)
+        finally:
+            demo.close()
+    return {'checks': len(times_s), 'max_s': max(times_s), 'tracebacks': tracebacks,
+            'lines': len(lines)}
+
+
+def silent_connections(count: int, factor: float = 1.0) -> Dict[str, float]:
+    """Open connections that never read to each node; return the slowest answer of the chain."""
+    slowest_s = 0.0
+    with tempfile.TemporaryDirectory(prefix='img_recog_silent_') as folder:
+        demo = Demo(folder)
+        try:
+            demo.start()
+            demo.chain.wait(_START_LIMIT_S * factor)
+            before = demo.usage()
+            with contextlib.ExitStack() as opened:
+                for node in faults.OURS:
+                    opened.enter_context(faults.readers(demo, Fault('readers', node, (count,))))
+                    opened.enter_context(faults.idle(demo, Fault('idle', node, (count // 10,))))
+                for _ in range(3):
+                    slowest_s = max(slowest_s, demo.chain.wait(LIMIT_S * factor).recovered_s)
+                during = demo.usage()
+            wait_for(lambda: not _more(before, demo.usage()),
+                     lambda: _more(before, demo.usage()), _SETTLE_S * factor)
+            demo.stop(_STOP_LIMIT_S * factor)
+        finally:
+            demo.close()
+    return {'max_s': slowest_s, 'rss_growth_mb': round(max(
+        during[name].rss_mb - before[name].rss_mb for name in faults.OURS))}
+
+
+def _more(before: Dict[str, usage.Usage], after: Dict[str, usage.Usage]) -> List[str]:
+    return ['{} has {} threads and {} descriptors, {} and {} before'.format(
+        name, after[name].threads, after[name].descriptors, used.threads, used.descriptors)
+        for name, used in before.items()
+        if after[name].threads > used.threads + 4 or after[name].descriptors > used.descriptors + 4]
