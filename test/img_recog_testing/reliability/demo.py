@@ -44,7 +44,7 @@ class Demo:
     def start_master(self) -> None:
         """Start the master; return when it answers."""
         self._core = Process(['roscore', '-p', self._ros.port], self.env)
-        wait_for(self._answers, lambda: 'the master:\n' + self._core.output)
+        wait_for(lambda: wire.answers(self.master), lambda: 'the master:\n' + self._core.output)
 
     def stop_master(self, signum: int) -> None:
         """End the master by a signal to its processes; return when none of them runs."""
@@ -102,13 +102,6 @@ class Demo:
         for process in (self.launch, self._core):
             if process is not None:
                 process.close()
-
-    def _answers(self) -> bool:
-        try:
-            wire.call(self.master, 'getPid')
-        except wire.ERRORS:
-            return False
-        return True
 
 
 class _Path(str):

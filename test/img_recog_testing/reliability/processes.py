@@ -28,17 +28,16 @@ class Nodes:
         self.master, self._port = self.env['ROS_MASTER_URI'], ros.port
         self._processes: List[Process] = []
         # not marked: it is not under test
-        self._core = Process(['roscore', '-p', ros.port], ros.env)
+        self._core = Process(['rosmaster', '--core', '-p', ros.port], ros.env)
 
     def __enter__(self) -> 'Nodes':
-        self._core.wait_output('started core service')
+        wait_for(lambda: wire.answers(self.master), lambda: 'the master\n' + self._core.output)
         return self
 
     def __exit__(self, *_) -> None:
-        for process in reversed(self._processes):
-            process.close()
         usage.end_all(self.marker)
-        self._core.close()
+        for process in self._processes + [self._core]:
+            process.close()
         self._folder.cleanup()
 
     def start(self, script: str, *arguments: str, env: Optional[Dict[str, str]] = None,

@@ -2,7 +2,7 @@
 import statistics
 import tempfile
 import time
-from typing import Callable, Dict, List, NamedTuple
+from typing import Dict, List, NamedTuple
 
 from img_recog_testing.reliability.demo import NODES, Demo
 from img_recog_testing.reliability.usage import Usage
@@ -31,38 +31,40 @@ class Soak(NamedTuple):
     chain_s: List[float]
 
 
-def run(duration_s: float, factor: float = 1.0, say: Callable[[str], None] = lambda line: None
-        ) -> Soak:
-    """Run a demo and check it; raise AssertionError if it fails or uses more and more."""
+def run(duration_s: float, factor: float = 1.0) -> Soak:
+    """Run a demo and observe it; raise AssertionError if it fails or uses more and more."""
     with tempfile.TemporaryDirectory(prefix='img_recog_soak_') as folder:
         demo = Demo(folder)
-        samples: Dict[str, List[Usage]] = {name: [] for name in NODES}
-        chain_s: List[float] = []
         try:
             demo.start()
             demo.chain.wait(_START_LIMIT_S * factor)
-            pids = {name: demo.pid(name) for name in NODES}
-            end, count = time.monotonic() + duration_s, 0
-            while time.monotonic() < end:
-                # just before a check, the connections of the one before have gone
-                if count % _CHECK_SHARE == 0:
-                    chain_s.append(demo.chain.wait(_CHAIN_LIMIT_S * factor).recovered_s)
-                count += 1
-                time.sleep(_SAMPLE_S)
-                for name, used in demo.usage().items():
-                    samples[name].append(used)
-            assert pids == {name: demo.pid(name) for name in NODES}, 'a node was started again'
+            result = observe(demo, duration_s, factor)
             demo.stop(_STOP_LIMIT_S * factor)
         finally:
             demo.close()
-    result = Soak({name: _growth(each) for name, each in samples.items()}, chain_s)
-    for name, growth in result.growth.items():
-        say('{}: {}'.format(name, growth))
-    problems = [name for name, growth in result.growth.items()
-                if growth.rss_growth_mb > MAX_GROWTH_MB or growth.threads_growth > 0
-                or growth.descriptors_growth > 0]
-    assert not problems, {name: result.growth[name] for name in problems}
     return result
+
+
+def observe(demo: Demo, duration_s: float, factor: float = 1.0) -> Soak:
+    """Check a running demo; raise AssertionError if it fails or uses more and more."""
+    samples: Dict[str, List[Usage]] = {name: [] for name in NODES}
+    chain_s: List[float] = []
+    pids = {name: demo.pid(name) for name in NODES}
+    end, count = time.monotonic() + duration_s, 0
+    while time.monotonic() < end:
+        if count % _CHECK_SHARE == 0:
+            chain_s.append(demo.chain.wait(_CHAIN_LIMIT_S * factor).recovered_s)
+        count += 1
+        time.sleep(_SAMPLE_S)
+        for name, used in demo.usage().items():
+            samples[name].append(used)
+    assert pids == {name: demo.pid(name) for name in NODES}, 'a node was started again'
+    growth = {name: _growth(each) for name, each in samples.items()}
+    problems = {name: each for name, each in growth.items()
+                if each.rss_growth_mb > MAX_GROWTH_MB or each.threads_growth > 0
+                or each.descriptors_growth > 0}
+    assert not problems, problems
+    return Soak(growth, chain_s)
 
 
 def _growth(samples: List[Usage]) -> Growth:

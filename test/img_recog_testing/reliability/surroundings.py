@@ -6,7 +6,7 @@ import resource
 import subprocess
 import tempfile
 import time
-from typing import Dict, Iterator, List
+from typing import Dict, List
 
 import genpy
 from rosgraph_msgs.msg import Clock
@@ -19,98 +19,110 @@ from img_recog_testing.waiting import wait_for
 
 LIMIT_S = 5.0
 _START_LIMIT_S, _STOP_LIMIT_S = 60.0, 15.0
-_DISK_KB = 256
+_DISK_KB = 1024
+_MAX_CLOCK_S = 4294967295.0       # of a time in ROS 1
 _MAX_TRACEBACKS, _MAX_OUTPUT_LINES = 3, 40      # of all nodes, about the full disk
 _SETTLE_S = 30.0
 
 
-def clock_jumps(count: int, seed: int, factor: float = 1.0) -> List[float]:
+def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> List[float]:
     """Let /clock jump forward, backward and to zero; return the seconds until the chain worked.
 
     Camera and recognition use the time of /clock, which no simulator publishes here.
     """
     rng = random.Random(seed)
-    with Nodes() as nodes:
-        nodes.set_parameter('/use_sim_time', True)
-        film = os.path.join(nodes.folder, 'film.avi')
-        chain.write_film(film)
-        clock = wire.RawPublisher(nodes.master, '/clock', Clock, '/clock_source')
-        scripts = [nodes.start('usb_cam_node.py', '_video_device:=' + film),
-                   nodes.start('color_img_recog.py', '_blue_linear_x:={}'.format(chain.SPEED),
-                               '_red_linear_x:={}'.format(-chain.SPEED)),
-                   nodes.start('teleop_key.py')]
-        check = chain.Chain(nodes.master, chain.RECOGNITION + (chain.TELEOP,))
-        try:
-            wait_for(lambda: clock.get_num_connections() >= len(scripts), nodes.output)
-            now_s, times_s = 1000.0, []
-            clock.publish(Clock(genpy.Time.from_sec(now_s)))
-            check.wait(_START_LIMIT_S * factor)
-            for _ in range(count):
-                now_s = rng.choice((0.0, 1.0, now_s + 3600.0, now_s - 3600.0, 4294967295.0,
-                                    rng.uniform(0, 1e9)))
-                now_s = max(0.0, now_s)
-                for _ in range(rng.randrange(1, 5)):
-                    clock.publish(Clock(genpy.Time.from_sec(now_s)))
-                    now_s = min(now_s + 0.01, 4294967295.0)
-                times_s.append(check.wait(LIMIT_S * factor).recovered_s)
-            for each in scripts:
-                nodes.check_alive(each)
-            assert 'Traceback' not in nodes.output(), nodes.output()[-3000:]
-        finally:
-            clock.close()
+    nodes.set_parameter('/use_sim_time', True)
+    film = os.path.join(nodes.folder, 'film.avi')
+    chain.write_film(film)
+    clock = wire.RawPublisher(nodes.master, '/clock', Clock, '/clock_source')
+    scripts = [nodes.start('usb_cam_node.py', '_video_device:=' + film),
+               nodes.start('color_img_recog.py', '_blue_linear_x:={}'.format(chain.SPEED),
+                           '_red_linear_x:={}'.format(-chain.SPEED)),
+               nodes.start('teleop_key.py')]
+    check = chain.Chain(nodes.master, chain.RECOGNITION + (chain.TELEOP,))
+    try:
+        wait_for(lambda: clock.get_num_connections() >= len(scripts), nodes.output)
+        now_s, times_s = 1000.0, []
+        clock.publish(Clock(genpy.Time.from_sec(now_s)))
+        check.wait(_START_LIMIT_S * factor)
+        for _ in range(count):
+            now_s = max(0.0, rng.choice((0.0, 1.0, now_s + 3600.0, now_s - 3600.0, _MAX_CLOCK_S,
+                                         rng.uniform(0, 1e9))))
+            for _ in range(rng.randrange(1, 5)):
+                clock.publish(Clock(genpy.Time.from_sec(now_s)))
+                now_s = min(now_s + 0.01, _MAX_CLOCK_S)
+            times_s.append(check.wait(LIMIT_S * factor).recovered_s)
+        for each in scripts:
+            nodes.check_alive(each)
+            assert 'Traceback' not in each.output, each.output[-3000:]
+    finally:
+        clock.close()
     return times_s
 
 
-@contextlib.contextmanager
-def _small_disk() -> Iterator[str]:
-    """Give a folder that is soon full, where that is allowed; else one whose files stay small.
+class SmallDisk:
+    """A folder for logs whose disk can be filled; use it in a with statement.
 
-    With neither a mount nor a full disk, the limit of the size of a file has a similar effect.
+    It is a small tmpfs where that is allowed. Elsewhere the limit of the size of files of the
+    running nodes has the same effect on what they write.
     """
-    with tempfile.TemporaryDirectory(prefix='img_recog_disk_') as folder:
-        mounted = os.geteuid() == 0 and subprocess.run(
-            ['mount', '-t', 'tmpfs', '-o', 'size={}k'.format(_DISK_KB), 'none', folder],
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix='img_recog_disk_')
+        self.path = self._folder.name
+        self._is_mounted = os.geteuid() == 0 and subprocess.run(
+            ['mount', '-t', 'tmpfs', '-o', 'size={}k'.format(_DISK_KB), 'none', self.path],
             stderr=subprocess.DEVNULL, check=False).returncode == 0
-        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-        if not mounted:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (_DISK_KB << 10, limits[1]))
-        try:
-            yield folder
-        finally:
-            if mounted:
-                subprocess.run(['umount', '-l', folder], check=True)
-            else:
-                resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+    def __enter__(self) -> 'SmallDisk':
+        return self
+
+    def __exit__(self, *_) -> None:
+        if self._is_mounted:
+            subprocess.run(['umount', '-l', self.path], check=True)
+        self._folder.cleanup()
+
+    def fill(self, demo: Demo) -> None:
+        """Leave no room; without a disk of its own, only for the nodes of this package."""
+        if self._is_mounted:
+            with open(os.path.join(self.path, 'filler'), 'wb', buffering=0) as file, \
+                    contextlib.suppress(OSError):
+                while True:
+                    file.write(bytes(1024))
+        for node in () if self._is_mounted else faults.OURS:
+            resource.prlimit(demo.pid(node), resource.RLIMIT_FSIZE, (1, resource.RLIM_INFINITY))
+
+
+def endure_full_disk(demo: Demo, disk: SmallDisk, duration_s: float, factor: float = 1.0
+                     ) -> Dict[str, float]:
+    """Fill the disk of a running demo; return how the chain works and what is printed."""
+    before = len(demo.launch.output)
+    disk.fill(demo)
+    end, times_s = time.monotonic() + duration_s, []
+    while time.monotonic() < end or not times_s:
+        times_s.append(demo.chain.wait(LIMIT_S * factor).complete_s)
+    output = demo.launch.output[before:]
+    lines = [line for line in output.splitlines() if 'the robot' not in line
+             and 'blue=' not in line]
+    tracebacks = output.count('Traceback')
+    assert tracebacks <= _MAX_TRACEBACKS and len(lines) <= _MAX_OUTPUT_LINES, \
+        '{} tracebacks\n{}'.format(tracebacks, '\n'.join(lines)[-3000:])
+    return {'max_s': max(times_s), 'tracebacks': tracebacks, 'lines': len(lines)}
 
 
 def full_disk(duration_s: float, factor: float = 1.0) -> Dict[str, float]:
-    """Run a demo whose logs have no room; return how the chain works and what is printed."""
-    with tempfile.TemporaryDirectory(prefix='img_recog_full_') as folder, _small_disk() as disk:
+    """Run a demo, fill its disk; return how the chain works and what is printed."""
+    with tempfile.TemporaryDirectory(prefix='img_recog_full_') as folder, SmallDisk() as disk:
         demo = Demo(folder)
-        # the master and roslaunch keep their logs in the ordinary folder
-        demo.env['ROS_LOG_DIR'] = disk
+        demo.env['ROS_LOG_DIR'] = disk.path
         try:
-            with open(os.path.join(disk, 'filler'), 'wb') as file, \
-                    contextlib.suppress(OSError):
-                while True:
-                    file.write(bytes(4096))
-                    file.flush()
             demo.start()
             demo.chain.wait(_START_LIMIT_S * factor)
-            before = len(demo.launch.output.splitlines())
-            end, times_s = time.monotonic() + duration_s, []
-            while time.monotonic() < end or not times_s:
-                times_s.append(demo.chain.wait(LIMIT_S * factor).complete_s)
-            tracebacks = demo.launch.output.count('Traceback')
-            lines = [line for line in demo.launch.output.splitlines()[before:]
-                     if 'the robot' not in line and 'blue=' not in line]
-            assert tracebacks <= _MAX_TRACEBACKS and len(lines) <= _MAX_OUTPUT_LINES, \
-                '{} tracebacks\n{}'.format(tracebacks, '\n'.join(lines)[-3000:])
+            result = endure_full_disk(demo, disk, duration_s, factor)
             demo.stop(_STOP_LIMIT_S * factor)
         finally:
             demo.close()
-    return {'checks': len(times_s), 'max_s': max(times_s), 'tracebacks': tracebacks,
-            'lines': len(lines)}
+    return result
 
 
 def silent_connections(count: int, factor: float = 1.0) -> Dict[str, float]:

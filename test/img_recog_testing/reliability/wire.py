@@ -39,9 +39,13 @@ def call(uri: str, method: str, *arguments, timeout_s: float = 1.0):
     return value
 
 
-def publishers(master: str, topic: str) -> List[str]:
-    """Return the names of the nodes that publish a topic."""
-    return dict(call(master, 'getSystemState')[0]).get(topic, [])
+def answers(uri: str) -> bool:
+    """Return whether a master or node answers."""
+    try:
+        call(uri, 'getPid')
+    except ERRORS:
+        return False
+    return True
 
 
 def node_uri(master: str, node: str) -> str:

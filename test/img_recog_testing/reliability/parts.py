@@ -1,0 +1,113 @@
+"""The parts of `./run test --long`: how much each does at full length, and its figures."""
+from typing import Callable, Dict, List, NamedTuple, Tuple
+
+from img_recog_testing.reliability import endings, figures, images, soak, surroundings, twists
+from img_recog_testing.reliability.processes import Nodes
+
+# at full length
+TWISTS, WIRE_TWISTS = 1000000, 60000
+IMAGES, WIRE_IMAGES = 100000, 10000
+STOPS, KILLS = 500, 300
+SOAK_S = 1800.0
+CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
+
+Row = Tuple[str, str, str]      # what was done, the result, its limit
+
+
+class Options(NamedTuple):
+    """scale: share of the full length; factor: of all time limits, for a busy machine."""
+
+    seed: int
+    scale: float = 1.0
+    factor: float = 1.0
+
+    def count(self, full: int) -> int:
+        return max(1, round(full * self.scale))
+
+
+def _words(result: Dict) -> str:
+    return ', '.join('{} {}'.format(value, name.replace('_', ' '))
+                     for name, value in result.items())
+
+
+def run_twists(options: Options) -> List[Row]:
+    """Hostile Twists to the conversion and the simulation, and to a running simulator."""
+    count, wire_count = options.count(TWISTS), options.count(WIRE_TWISTS)
+    rows = [('{} Twists in process'.format(count),
+             _words(twists.in_process(count, options.seed)), 'no exception, all states finite')]
+    with Nodes() as nodes:
+        result = twists.over_the_wire(wire_count, options.seed, nodes)
+    return rows + [('{} Twists to the simulator'.format(wire_count), _words(result),
+                    'obeys afterwards, 50 MB')]
+
+
+def run_images(options: Options) -> List[Row]:
+    """Hostile images to the conversions and the recognition, and to running nodes."""
+    count, wire_count = options.count(IMAGES), options.count(WIRE_IMAGES)
+    rows = [('{} images in process'.format(count),
+             _words(images.in_process(count, options.seed)), '1 s each')]
+    with Nodes() as nodes:
+        result = images.over_the_wire(wire_count, options.seed, nodes)
+    return rows + [('{} images to color_extract'.format(wire_count), _words(result),
+                    'right commands afterwards, 60 MB')]
+
+
+def run_soak(options: Options) -> List[Row]:
+    """A demo for half an hour, whose memory, threads and descriptors must not grow."""
+    result = soak.run(SOAK_S * options.scale, options.factor)
+    rows = [('{:g} min of {}'.format(SOAK_S * options.scale / 60, name),
+             '{:.1f} MB, {:+.1f} MB; {} threads, {:+d}; {} descriptors, {:+d}'.format(*growth),
+             '+{:g} MB, +0, +0'.format(soak.MAX_GROWTH_MB))
+            for name, growth in result.growth.items()]
+    count, median, most = figures.seconds(result.chain_s)
+    return rows + [('{} checks of the chain meanwhile'.format(count),
+                    'median {} s, maximum {} s'.format(median, most), '5 s')]
+
+
+def _endings(options: Options, draw: Callable, full: int, word: str) -> List[Row]:
+    result = endings.run(draw, options.count(full), options.seed, options.factor)
+    assert not result.failures, '\n'.join(result.failures)
+    return [('{} {} of {}'.format(len(times_s), word, program),
+             'median {1} s, maximum {2} s'.format(*figures.seconds(times_s)), '{:g} s'.format(
+                 endings.DEMO_LIMIT_S if program == 'demo' else endings.NODE_LIMIT_S))
+            for program, times_s in sorted(result.times_s.items())]
+
+
+def run_stops(options: Options) -> List[Row]:
+    """SIGINT, SIGTERM and SIGHUP at random moments of start and run."""
+    return _endings(options, endings.draw_stop, STOPS, 'stops')
+
+
+def run_kills(options: Options) -> List[Row]:
+    """SIGKILL at random moments of start and run."""
+    return _endings(options, endings.draw_kill, KILLS, 'kills')
+
+
+def run_clock(options: Options) -> List[Row]:
+    """/clock that jumps forward, backward and to zero."""
+    with Nodes() as nodes:
+        times_s = surroundings.clock_jumps(options.count(CLOCK_JUMPS), options.seed, nodes,
+                                           options.factor)
+    return [('{} jumps of /clock'.format(len(times_s)), 'maximum {:.2f} s'.format(max(times_s)),
+             '5 s')]
+
+
+def run_disk(options: Options) -> List[Row]:
+    """A demo whose disk is full."""
+    result = surroundings.full_disk(FULL_DISK_S * options.scale, options.factor)
+    return [('{:g} s with a full disk'.format(FULL_DISK_S * options.scale),
+             '{tracebacks} tracebacks, {lines} lines; the chain took {max_s:.2f} s'.format(**result),
+             '3 tracebacks, 40 lines')]
+
+
+def run_silent(options: Options) -> List[Row]:
+    """Connections that never read, to each node."""
+    count = max(10, options.count(SILENT_CONNECTIONS))
+    result = surroundings.silent_connections(count, options.factor)
+    return [('{} connections per node that never read'.format(count),
+             'the chain took {max_s:.2f} s, {rss_growth_mb:+d} MB'.format(**result), '5 s')]
+
+
+PARTS: Dict[str, Callable[[Options], List[Row]]] = {
+    'soak': run_soak, 'twists': run_twists, 'images': run_images, 'stops': run_stops,
+    'kills': run_kills, 'clock': run_clock, 'disk': run_disk, 'silent': run_silent}

@@ -1,0 +1,123 @@
+"""Short forms of ./run chaos and ./run test --long, which use the same functions."""
+import pytest
+
+from img_recog_testing.reliability import (chaos, endings, figures, images, soak, surroundings,
+                                           twists)
+from img_recog_testing.reliability.demo import Demo
+from img_recog_testing.reliability.faults import KINDS, Fault
+from img_recog_testing.reliability.processes import Nodes
+
+FACTOR = 6.0            # of all time limits: other programs may use the machine
+SEED = 12
+
+
+@pytest.fixture(scope='module')
+def disk():
+    with surroundings.SmallDisk() as disk:
+        yield disk
+
+
+@pytest.fixture(scope='module')
+def demo(disk, tmp_path_factory):
+    """A running demo for all tests of this module, with a small disk for its logs."""
+    demo = Demo(str(tmp_path_factory.mktemp('demo')))
+    demo.env['ROS_LOG_DIR'] = disk.path
+    try:
+        demo.start()
+        demo.chain.wait(chaos.START_LIMIT_S * FACTOR)
+        yield demo
+    finally:
+        demo.close()
+
+
+@pytest.fixture(scope='module')
+def nodes():
+    with Nodes() as nodes:
+        yield nodes
+
+
+def test_a_short_soak(demo):
+    result = soak.observe(demo, 4.0, FACTOR)
+    assert set(result.growth) == set(chaos.NODES) and len(result.chain_s) >= 1
+
+
+FAULTS = (
+    Fault('kill', 'color_extract', ('SIGKILL',)),
+    Fault('readers', 'usb_cam', (50,)),
+    Fault('idle', 'gazebo', (20,)),
+    Fault('garbage', 'color_extract', (10, SEED)),
+    Fault('cut', 'color_extract', ('reset',)),
+    Fault('pause', 'usb_cam', (1.0,)),
+    Fault('starve', 'gazebo', (1.0, 2)),
+    Fault('master', 'master', ('SIGKILL', 0.5)))
+
+
+def test_a_short_chaos(demo):
+    lines = []
+    run = chaos.Chaos(demo, FACTOR, lines.append)
+    run.begin()
+    assert [fault for fault in FAULTS if not run.apply(fault)] == [], \
+        '\n'.join(lines) + demo.launch.output[-3000:]
+    assert sorted(run.times_s) == sorted(KINDS)
+    table = chaos.report(run, FACTOR)
+    assert len(table.splitlines()) == len(KINDS) + 2
+
+
+def test_a_full_disk_is_not_repeated(demo, disk):
+    result = surroundings.endure_full_disk(demo, disk, 2.0, FACTOR)
+    assert result['tracebacks'] == 0
+
+
+def test_the_demo_ends_and_leaves_nothing(demo):
+    assert demo.stop(chaos.STOP_LIMIT_S * FACTOR) > 0
+
+
+def test_hostile_twists_and_images_in_process():
+    counted = twists.in_process(20000, SEED)
+    assert min(counted.values()) > 1000
+    counted = images.in_process(4000, SEED)
+    assert min(counted[name] for name in ('accepted', 'refused', 'undecodable')) > 100
+
+
+def test_hostile_twists_and_images_over_the_wire(nodes):
+    assert images.over_the_wire(500, SEED, nodes)['sent'] == 500
+    assert twists.over_the_wire(600, SEED, nodes)['sent'] == 600
+
+
+def test_jumps_of_the_clock(nodes):
+    assert len(surroundings.clock_jumps(2, SEED, nodes, FACTOR)) == 2
+
+
+def test_a_few_stops_and_kills():
+    result = endings.run(lambda rng: rng.choice((endings.draw_stop, endings.draw_kill))(rng), 8,
+                         SEED, FACTOR)
+    assert result.failures == [] and result.count() == 8
+
+
+# The tools themselves
+
+def test_a_seed_repeats_the_faults():
+    first, second, other = (
+        [fault for fault, _ in zip(chaos.drawn(seed), range(50))] for seed in (1, 1, 2))
+    assert first == second != other
+    assert {fault.kind for fault in first} == set(KINDS)
+
+
+def test_a_fault_that_is_not_survived_is_a_failure(tmp_path):
+    class Broken:
+        folder, launch = str(tmp_path), None
+
+        def __getattr__(self, name):
+            raise LookupError('color_extract runs 0 times')
+    lines = []
+    run = chaos.Chaos(Broken(), 1.0, lines.append)
+    assert not run.apply(Fault('kill', 'color_extract', ('SIGKILL',)))
+    assert run.failures == ['kill color_extract SIGKILL: LookupError: color_extract runs 0 times']
+    assert lines == ['  FAILED ' + run.failures[0]]
+
+
+def test_tables():
+    assert figures.table(['fault', 's'], [['kill', 1.5]]) == (
+        '| fault | s   |\n|-------|-----|\n| kill  | 1.5 |')
+    assert figures.seconds([3.0, 1.0, 2.0]) == ['3', '2.00', '3.00']
+    assert figures.seconds([]) == ['0', '', '']
