@@ -16,7 +16,7 @@ LIMIT_S = 5.0               # until the chain works again after any fault
 START_LIMIT_S = 60.0
 STOP_LIMIT_S = 15.0
 _SETTLE_S = 20.0            # until connections of before are gone
-# more than at the start: connections and arenas differ from run to run, a leak grows with each fault
+# more than at the start: connections differ from run to run, a leak grows with each fault
 _EXTRA = {'threads': 10, 'descriptors': 10, 'rss_mb': 80.0}
 _LIMITS_BY_KIND = {kind: LIMIT_S for kind in faults.KINDS}
 

@@ -210,4 +210,3 @@ def _check_replay(nodes: Nodes) -> None:
     left = [name for name in os.listdir(nodes.folder) if name.startswith('.')]
     assert left == [], left
     assert os.listdir(nodes.temporary) == [], os.listdir(nodes.temporary)
-

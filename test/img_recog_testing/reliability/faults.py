@@ -60,7 +60,7 @@ def pause(demo: Demo, fault: Fault) -> Undo:
 
 @contextlib.contextmanager
 def starve(demo: Demo, fault: Fault) -> Undo:
-    """Let a node share one core with busy loops, which have a higher priority if that is allowed."""
+    """Let a node share one core with busy loops, with a higher priority if that is allowed."""
     pid, (duration_s, loops) = demo.pid(fault.node), fault.details
     cores = os.sched_getaffinity(pid)
     core = {min(cores)}
@@ -96,11 +96,15 @@ def cut(demo: Demo, fault: Fault) -> Undo:
 
 @contextlib.contextmanager
 def master(demo: Demo, fault: Fault) -> Undo:
-    """End the master, and start another one that knows nothing."""
+    """End the master, and start another one that knows nothing.
+
+    roscpp never registers again, so robot_state_publisher has to be started again.
+    """
     how, down_s = fault.details
     demo.stop_master(getattr(signal, how))
     time.sleep(down_s)
     demo.start_master()
+    os.kill(demo.pid('robot_state_publisher'), signal.SIGTERM)
     yield
 
 
@@ -139,8 +143,8 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
     """Send random bytes to both ports of a node, some of them after a valid start."""
     count, seed = fault.details
     rng = random.Random(seed)
-    starts = (b'', b'POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n', b'GET / HTTP/1.0\r\n\r\n',
-              b'\xff\xff\xff\xff', b'\x00\x00\x00\x00', b'\x04\x00\x00\x00\xff\xff\xff\x7f')
+    starts = (b'', b'POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n',
+              b'GET / HTTP/1.0\r\n\r\n', b'\xff\xff\xff\xff', b'\x00\x00\x00\x00', b'\x04\x00\x00\x00\xff\xff\xff\x7f')
     sockets: List[socket.socket] = []
     try:
         for address in _addresses(demo, fault.node):

@@ -96,7 +96,8 @@ def run_disk(options: Options) -> List[Row]:
     """A demo whose disk is full."""
     result = surroundings.full_disk(FULL_DISK_S * options.scale, options.factor)
     return [('{:g} s with a full disk'.format(FULL_DISK_S * options.scale),
-             '{tracebacks} tracebacks, {lines} lines; the chain took {max_s:.2f} s'.format(**result),
+             '{tracebacks} tracebacks, {lines} lines; the chain took {max_s:.2f} s'.format(
+                 **result),
              '3 tracebacks, 40 lines')]
 
 

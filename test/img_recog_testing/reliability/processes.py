@@ -8,8 +8,7 @@ from img_recog_testing.processes import Process, Ros
 from img_recog_testing.reliability import usage, wire
 from img_recog_testing.waiting import wait_for
 
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
-                                      '..'))
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), *3 * ['..']))
 _URDF = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
 
 

@@ -23,6 +23,7 @@ _DISK_KB = 1024
 _MAX_CLOCK_S = 4294967295.0       # of a time in ROS 1
 _MAX_TRACEBACKS, _MAX_OUTPUT_LINES = 3, 40      # of all nodes, about the full disk
 _SETTLE_S = 30.0
+_MARGIN = 4             # threads or descriptors, of connections to the master and the like
 
 
 def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> List[float]:
@@ -154,4 +155,5 @@ def _more(before: Dict[str, usage.Usage], after: Dict[str, usage.Usage]) -> List
     return ['{} has {} threads and {} descriptors, {} and {} before'.format(
         name, after[name].threads, after[name].descriptors, used.threads, used.descriptors)
         for name, used in before.items()
-        if after[name].threads > used.threads + 4 or after[name].descriptors > used.descriptors + 4]
+        if after[name].threads > used.threads + _MARGIN
+        or after[name].descriptors > used.descriptors + _MARGIN]
