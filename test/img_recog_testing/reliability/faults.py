@@ -144,7 +144,8 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
     count, seed = fault.details
     rng = random.Random(seed)
     starts = (b'', b'POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n',
-              b'GET / HTTP/1.0\r\n\r\n', b'\xff\xff\xff\xff', b'\x00\x00\x00\x00', b'\x04\x00\x00\x00\xff\xff\xff\x7f')
+              b'GET / HTTP/1.0\r\n\r\n', b'\xff\xff\xff\xff', b'\x00\x00\x00\x00',
+              b'\x04\x00\x00\x00\xff\xff\xff\x7f')
     sockets: List[socket.socket] = []
     try:
         for address in _addresses(demo, fault.node):
