@@ -49,8 +49,9 @@ class Chaos:
         """Apply a fault; return whether everything works again within its time."""
         limit_s = _LIMITS_BY_KIND[fault.kind] * self._factor
         try:
-            with faults.APPLY[fault.kind](self._demo, fault):
-                recovered_s = self._demo.chain.wait(limit_s).recovered_s
+            with faults.APPLY[fault.kind](self._demo, fault) as begin:
+                waited_s = time.monotonic() - begin
+                recovered_s = waited_s + self._demo.chain.wait(limit_s - waited_s).recovered_s
             self.times_s.setdefault(fault.kind, []).append(recovered_s)
             self._check_leftovers()
         except (AssertionError, LookupError, OSError, ValueError, EOFError) as error:

@@ -11,9 +11,11 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 from img_recog_testing.reliability import chain, usage, wire
 from img_recog_testing.reliability.demo import NODES, Demo
+from img_recog_testing.waiting import wait_for
 
 _BUSY = 'while True: pass'
 _GARBAGE_BYTES = 4096
+_END_LIMIT_S = 30.0         # a node that gets a signal while it starves
 # what can be subscribed to at each node; the image is the largest
 _TOPICS = {'usb_cam': chain.CAMERA, 'color_extract': chain.COMMAND, 'gazebo': chain.ODOMETRY,
            'turtlebot3_teleop_keyboard': chain.TELEOP, 'robot_state_publisher': chain.JOINTS}
@@ -32,18 +34,23 @@ class Fault(NamedTuple):
         return ' '.join([self.kind, self.node, *map(str, self.details)])
 
 
-Undo = Iterator[None]
+# a context, whose value is when the chain began to be able to recover
+Undo = Iterator[float]
 
 
 @contextlib.contextmanager
 def kill(demo: Demo, fault: Fault) -> Undo:
     """End a node by a signal, or as `rosnode kill` does."""
     pid, (how,) = demo.pid(fault.node), fault.details
+    begin = time.monotonic()
     if how == 'rosnode':
-        wire.call(wire.node_uri(demo.master, '/' + fault.node), 'shutdown', 'by chaos')
+        uri = wire.node_uri(demo.master, '/' + fault.node)
+        with contextlib.suppress(*wire.ERRORS):         # it may end before it answers
+            wire.call(uri, 'shutdown', 'by chaos')
     else:
         os.kill(pid, getattr(signal, how))
-    yield
+    wait_for(lambda: not usage.is_alive(pid), 'the end of ' + fault.node, _END_LIMIT_S)
+    yield begin
 
 
 @contextlib.contextmanager
@@ -55,7 +62,7 @@ def pause(demo: Demo, fault: Fault) -> Undo:
         time.sleep(duration_s)
     finally:
         os.kill(pid, signal.SIGCONT)
-    yield
+    yield time.monotonic()
 
 
 @contextlib.contextmanager
@@ -77,7 +84,7 @@ def starve(demo: Demo, fault: Fault) -> Undo:
             each.kill()
             each.wait()
         _pin(pid, cores)
-    yield
+    yield time.monotonic()
 
 
 def _pin(pid: int, cores) -> None:
@@ -91,7 +98,7 @@ def cut(demo: Demo, fault: Fault) -> Undo:
     """Cut all connections of a node, from outside."""
     how, = fault.details
     usage.cut(demo.pid(fault.node), how == 'reset')
-    yield
+    yield time.monotonic()
 
 
 @contextlib.contextmanager
@@ -105,7 +112,7 @@ def master(demo: Demo, fault: Fault) -> Undo:
     time.sleep(down_s)
     demo.start_master()
     os.kill(demo.pid('robot_state_publisher'), signal.SIGTERM)
-    yield
+    yield time.monotonic()
 
 
 @contextlib.contextmanager
@@ -117,7 +124,7 @@ def readers(demo: Demo, fault: Fault) -> Undo:
         for _ in range(count):
             connections.append(wire.Subscription(demo.master, stream.node, stream.topic,
                                                  stream.data_class, 5.0, buffer_bytes=4096))
-        yield
+        yield time.monotonic()
     finally:
         for each in connections:
             each.close()
@@ -132,7 +139,7 @@ def idle(demo: Demo, fault: Fault) -> Undo:
         for address in _addresses(demo, fault.node):
             for _ in range(count):
                 sockets.append(socket.create_connection(address, 5.0))
-        yield
+        yield time.monotonic()
     finally:
         for each in sockets:
             each.close()
@@ -157,7 +164,7 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
                         rng.randrange(256) for _ in range(rng.randrange(_GARBAGE_BYTES))))
                 if rng.random() < 0.7:
                     sock.close()
-        yield
+        yield time.monotonic()
     finally:
         for sock in sockets:
             sock.close()

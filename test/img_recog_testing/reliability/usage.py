@@ -70,6 +70,15 @@ def of(pid: int) -> Usage:
     return Usage(pid, threads, descriptors, pages * _PAGE_BYTES / 1e6)
 
 
+def is_alive(pid: int) -> bool:
+    """Return whether a process runs; a zombie does not."""
+    try:
+        with open('/proc/{}/stat'.format(pid)) as file:
+            return file.read().rpartition(')')[2].split()[0] not in 'ZX'
+    except OSError:
+        return False
+
+
 def end_all(marker: str) -> None:
     """Kill all processes with this marker."""
     for pid in marked(marker):
