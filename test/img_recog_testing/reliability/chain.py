@@ -71,7 +71,10 @@ class ChainError(AssertionError):
 
 
 class Result(NamedTuple):
-    """Seconds until the chain worked (each part, and one color) and until each color was seen."""
+    """Seconds until the chain worked (each part, and one color) and until each color was seen.
+
+    They include the time until the film shows the next color.
+    """
 
     recovered_s: float
     complete_s: float
@@ -93,6 +96,8 @@ class Chain:
     def _begin(self) -> None:
         self._arrived: Dict[Stream, int] = dict.fromkeys(self._streams, 0)
         self._color: Optional[str] = None
+        # the robot may still move by a command of before: the first color proves nothing
+        self._is_first_color = True
         self._is_commanded = False
         self._proven: Dict[str, float] = {}
 
@@ -184,6 +189,7 @@ class Chain:
         if stream is CAMERA:
             color = color_of(msg)
             if color != self._color:
+                self._is_first_color = self._color is None
                 self._color, self._is_commanded = color, color == 'nothing'
         elif stream is COMMAND:
             expected = COMMANDS.get(self._color or '')
@@ -191,7 +197,7 @@ class Chain:
                 self._is_commanded = True
                 if ODOMETRY not in self._streams:
                     self._prove()
-        elif stream is ODOMETRY and self._is_commanded:
+        elif stream is ODOMETRY and self._is_commanded and not self._is_first_color:
             speed = msg.twist.twist.linear.x * np.sign(COMMANDS.get(self._color or '', 0.0))
             if speed > _MOVING or self._color == 'nothing' and \
                     abs(msg.twist.twist.linear.x) < _STANDING:
