@@ -37,7 +37,7 @@ def nodes():
 
 
 def test_a_short_soak(demo):
-    result = soak.observe(demo, 4.0, FACTOR)
+    result = soak.observe(demo, 3.0, FACTOR)
     assert set(result.growth) == set(chaos.NODES) and len(result.chain_s) >= 1
 
 
@@ -75,7 +75,7 @@ def test_the_demo_ends_and_leaves_nothing(demo):
 def test_hostile_twists_and_images_in_process():
     counted = twists.in_process(20000, SEED)
     assert min(counted.values()) > 1000
-    counted = images.in_process(4000, SEED)
+    counted = images.in_process(3000, SEED)
     assert min(counted[name] for name in ('accepted', 'refused', 'undecodable')) > 100
 
 
@@ -89,9 +89,9 @@ def test_jumps_of_the_clock(nodes):
 
 
 def test_a_few_stops_and_kills():
-    result = endings.run(lambda rng: rng.choice((endings.draw_stop, endings.draw_kill))(rng), 8,
+    result = endings.run(lambda rng: rng.choice((endings.draw_stop, endings.draw_kill))(rng), 6,
                          SEED, FACTOR)
-    assert result.failures == [] and result.count() == 8
+    assert result.failures == [] and result.count() == 6
 
 
 # The tools themselves

@@ -3,6 +3,7 @@ import contextlib
 import os
 import random
 import tempfile
+import warnings
 from typing import Callable, Iterator
 
 import hypothesis
@@ -50,8 +51,9 @@ def damaged(data: bytes, rng: random.Random) -> bytes:
 
 @contextlib.contextmanager
 def quiet_libraries() -> Iterator[None]:
-    """Discard what C libraries print about damaged images."""
-    with tempfile.TemporaryFile() as sink:
+    """Discard what libraries print about damaged images."""
+    with tempfile.TemporaryFile() as sink, warnings.catch_warnings():
+        warnings.simplefilter('ignore')
         saved = os.dup(2)
         os.dup2(sink.fileno(), 2)
         try:
