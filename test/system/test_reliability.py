@@ -1,11 +1,17 @@
 """Short forms of ./run chaos and ./run test --long, which use the same functions."""
+import os
+import socket
+import subprocess
+import sys
+
 import pytest
 
 from img_recog_testing.reliability import (chaos, endings, figures, images, soak, surroundings,
-                                           twists)
+                                           twists, usage)
 from img_recog_testing.reliability.demo import Demo
-from img_recog_testing.reliability.faults import KINDS, Fault
-from img_recog_testing.reliability.processes import Nodes
+from img_recog_testing.reliability.faults import KINDS, Fault, possible
+from img_recog_testing.reliability.parts import PARTS
+from img_recog_testing.reliability.processes import ROOT, Nodes
 
 FACTOR = 6.0            # of all time limits: other programs may use the machine
 SEED = 12
@@ -56,11 +62,12 @@ def test_a_short_chaos(demo):
     lines = []
     run = chaos.Chaos(demo, FACTOR, lines.append)
     run.begin()
-    assert [fault for fault in FAULTS if not run.apply(fault)] == [], \
+    kinds = possible()
+    assert [fault for fault in FAULTS if fault.kind in kinds and not run.apply(fault)] == [], \
         '\n'.join(lines) + demo.launch.output[-3000:]
-    assert sorted(run.times_s) == sorted(KINDS)
+    assert sorted(run.times_s) == sorted(kinds)
     table = chaos.report(run, FACTOR)
-    assert len(table.splitlines()) == len(KINDS) + 2
+    assert len(table.splitlines()) == len(kinds) + 2
 
 
 def test_a_full_disk_is_not_repeated(demo, disk):
@@ -114,6 +121,35 @@ def test_a_fault_that_is_not_survived_is_a_failure(tmp_path):
     assert not run.apply(Fault('kill', 'color_extract', ('SIGKILL',)))
     assert run.failures == ['kill color_extract SIGKILL: LookupError: color_extract runs 0 times']
     assert lines == ['  FAILED ' + run.failures[0]]
+
+
+def test_a_cut_is_seen_at_both_ends():
+    if usage.why_not_cut():
+        pytest.skip(usage.why_not_cut())
+    program = ('import socket, sys\n'
+               'sock = socket.create_connection(("127.0.0.1", int(sys.argv[1])))\n'
+               'try:\n    sys.stdout.write("end" if not sock.recv(1) else "data")\n'
+               'except OSError as error:\n    sys.stdout.write(type(error).__name__)')
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        for reset, ends in ((False, ('end',)), (True, ('ConnectionResetError', 'OSError'))):
+            child = subprocess.Popen([sys.executable, '-c', program,
+                                      str(server.getsockname()[1])], stdout=subprocess.PIPE)
+            sock, _ = server.accept()
+            assert usage.cut(child.pid, reset) == 1
+            sock.settimeout(chaos.START_LIMIT_S)
+            try:
+                assert sock.recv(1) == b'' and not reset
+            except ConnectionResetError:
+                assert reset
+            sock.close()
+            assert child.communicate(timeout=chaos.START_LIMIT_S)[0].decode() in ends
+
+
+def test_the_long_tests_refuse_an_unknown_part():
+    done = subprocess.run([sys.executable, os.path.join(ROOT, 'test', 'long', 'main.py'), 'soaks'],
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    assert done.returncode == 2
+    assert 'no part soaks; parts are {}'.format(', '.join(PARTS)) in done.stdout.decode()
 
 
 def test_tables():

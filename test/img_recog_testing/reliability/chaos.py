@@ -163,7 +163,10 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     repeat = ''.join(' --only ' + kind for kind in options.only or ())
     say = _say
     say('chaos for {:g} min; repeat it with --seed {}{}'.format(options.minutes, seed, repeat))
-    sequence = drawn(seed, options.only or faults.KINDS)
+    kinds = options.only or faults.possible()
+    if 'cut' not in kinds and not options.only:
+        say('cut is left out: this machine does not allow {}'.format(usage.why_not_cut()))
+    sequence = drawn(seed, kinds)
     if options.faults is not None:
         sequence = (fault for fault, _ in zip(sequence, range(options.faults)))
     chaos = run(sequence, options.minutes * 60, options.factor, say)

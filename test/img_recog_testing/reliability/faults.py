@@ -183,6 +183,11 @@ APPLY: Dict[str, Callable] = {each.__name__: each for each in (
 KINDS = tuple(APPLY)
 
 
+def possible() -> Tuple[str, ...]:
+    """Return the kinds of faults that this machine allows."""
+    return tuple(kind for kind in KINDS if kind != 'cut' or not usage.why_not_cut())
+
+
 def draw(rng: random.Random, kinds: Tuple[str, ...] = KINDS) -> Fault:
     """Return a fault with everything about it drawn at random."""
     kind = rng.choice(kinds)
