@@ -1,8 +1,8 @@
-"""Notices a new master and makes the node known to it."""
+"""Notices a new master and lost connections, and registers and connects the node again."""
 import http.client
 import threading
 import xmlrpc.client
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set
 
 import rosgraph
 import rospy
@@ -20,6 +20,8 @@ _GLOBAL = '/use_sim_time'
 class MasterWatch:
     """Polls the master; registers the node again when the master does not know it.
 
+    It also connects subscribers again whose connection to a running publisher was cut.
+
     That is so after a restart of the master. Its parameters are lost then: the private ones of
     this node, /use_sim_time and robot_description are kept here and set again, except those that
     the new master has.
@@ -30,6 +32,7 @@ class MasterWatch:
         self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=_Transport())
         self._private: Dict[str, Any] = {}
         self._shared: Optional[Dict[str, Any]] = None
+        self._unconnected: Set[str] = set()
         self._failures = 0
         self._is_gone = self._is_registering = False
         self._ended = threading.Event()
@@ -67,8 +70,9 @@ class MasterWatch:
         multi = xmlrpc.client.MultiCall(self._proxy)
         multi.lookupNode(self._name, self._name)
         multi.getParam(self._name, self._name)
+        multi.getSystemState(self._name)
         results: Any = multi()
-        (code, _, uri), (has_private, _, private) = results
+        (code, _, uri), (has_private, _, private), (_, _, state) = results
         self._failures = 0
         if code == 1 and uri != rospy.get_node_uri():
             self._ended.set()       # another node has this name, and this one is shut down
@@ -77,8 +81,32 @@ class MasterWatch:
             if self._is_gone:
                 rospy.loginfo('the master at %s answers again', self._uri)
             self._is_gone = False
+            self._reconnect(dict(state[0]))
         else:
             self._register()
+
+    def _reconnect(self, publishers: Mapping[str, Sequence[str]]) -> None:
+        """Connect subscribers that have lost a publisher; rospy does so only for a new publisher.
+
+        publishers: the names of the nodes that publish each topic.
+        """
+        missing = registration.unconnected_topics(publishers)
+        # in two polls: rospy itself is about to connect to a publisher that is new
+        for topic in sorted(missing & self._unconnected):
+            for publisher in publishers[topic]:
+                uri = self._get('lookupNode', publisher)
+                if uri is not None and self._answers(uri):
+                    registration.connect(topic, uri)
+        self._unconnected = missing
+
+    def _answers(self, uri: str) -> bool:
+        """Return whether a node answers: rospy would wait for one that is suspended."""
+        try:
+            with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as node:
+                node.getPid(self._name)
+        except (OSError, http.client.HTTPException, xmlrpc.client.Error):
+            return False
+        return True
 
     def _keep(self, private: Dict[str, Any]) -> None:
         self._private = private

@@ -9,7 +9,7 @@ import socket
 import threading
 import weakref
 import xmlrpc.client
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, Mapping, NamedTuple, Sequence, Set
 
 import rosgraph
 import rospy
@@ -73,6 +73,26 @@ def register_again(call: Callable[..., Any]) -> Registered:
     for name, service_uri in offered:
         call('registerService', name, service_uri, uri)
     return Registered(len(publications) + len(subscriptions), len(offered))
+
+
+def unconnected_topics(publishers: Mapping[str, Sequence[str]]) -> Set[str]:
+    """Return the subscribed topics that have fewer connections than publishers.
+
+    publishers: the names of the nodes that publish each topic, from the master.
+    """
+    topics, found = registration.get_topic_manager(), set()
+    for name, _ in topics.get_subscriptions():
+        topic = topics.get_subscriber_impl(name)
+        if topic is not None and len(topic.connections) < len(publishers.get(name, ())):
+            found.add(name)
+    return found
+
+
+def connect(topic: str, publisher_uri: str) -> None:
+    """Connect a subscriber of this node to a publisher, if it is not connected; wait for it."""
+    for listener in registration.get_registration_listeners().listeners:
+        if isinstance(listener, registration.RegManager):
+            listener._connect_topic_thread(topic, publisher_uri)
 
 
 class _Connection(http.client.HTTPConnection):
