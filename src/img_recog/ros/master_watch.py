@@ -1,6 +1,7 @@
 """Notices a new master and lost connections, and registers and connects the node again."""
 import http.client
 import threading
+import time
 import xmlrpc.client
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set
 
@@ -14,6 +15,7 @@ _PERIOD_S = 1.0
 _TIMEOUT_S = 1.0        # of a call
 _MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once
 _STOP_TIMEOUT_S = 0.5
+_MAX_ANSWER_S = 0.5     # of a node
 _GLOBAL = '/use_sim_time'
 
 
@@ -100,13 +102,17 @@ class MasterWatch:
         self._unconnected = missing
 
     def _answers(self, uri: str) -> bool:
-        """Return whether a node answers: rospy would wait for one that is suspended."""
+        """Return whether a node answers soon: rospy would wait for one that is suspended.
+
+        One that answers late was suspended. rospy connects at the same time if it waited too.
+        """
+        begin_s = time.monotonic()
         try:
             with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as node:
                 node.getPid(self._name)
         except (OSError, http.client.HTTPException, xmlrpc.client.Error):
             return False
-        return True
+        return time.monotonic() - begin_s < _MAX_ANSWER_S
 
     def _keep(self, private: Dict[str, Any]) -> None:
         self._private = private

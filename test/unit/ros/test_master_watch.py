@@ -17,15 +17,18 @@ class FakeMaster:
 
     def __init__(self, parameters=()):
         self.parameters, self.nodes, self.failure = dict(parameters), {}, None
+        self.publishers = []
 
     def __getattr__(self, method):
         return lambda *arguments: self.call(method, *arguments)
 
-    def call(self, method, caller, name, value=None):
+    def call(self, method, caller, name='', value=None):
         if self.failure is not None:
             raise self.failure
         if method == 'lookupNode':
             return (1, '', self.nodes[name]) if name in self.nodes else (-1, 'unknown', '')
+        if method == 'getSystemState':
+            return 1, '', [self.publishers, [], []]
         if method == 'hasParam':
             return 1, '', name in self.parameters
         if method == 'setParam':
@@ -144,3 +147,40 @@ def test_a_node_that_was_replaced_is_not_registered_again(watch, lines):
     watch._proxy.nodes['/node'] = 'http://other:1/'
     watch._poll_safely()
     assert watch._ended.is_set() and lines == []
+
+
+@pytest.fixture
+def connected(watch, monkeypatch):
+    """What the watch connects; /image is published by a node that runs and one that does not."""
+    connected = []
+    monkeypatch.setattr(master_watch.registration, 'unconnected_topics',
+                        lambda publishers: {'/image'} & set(publishers))
+    monkeypatch.setattr(master_watch.registration, 'connect',
+                        lambda *words: connected.append(words))
+    monkeypatch.setattr(MasterWatch, '_answers', lambda self, uri: uri == 'http://camera:1/')
+    watch._proxy.nodes.update({'/camera': 'http://camera:1/', '/dead': 'http://dead:1/'})
+    watch._proxy.publishers = [['/image', ['/unknown', '/dead', '/camera']], ['/clock', ['/sim']]]
+    return connected
+
+
+def test_a_lost_connection_is_made_again(watch, connected):
+    watch._poll_safely()
+    assert connected == []          # rospy may be about to connect
+    watch._poll_safely()
+    assert connected == [('/image', 'http://camera:1/')]
+
+
+def test_a_connection_that_is_back_is_left_alone(watch, connected):
+    watch._poll_safely()
+    publishers, watch._proxy.publishers = watch._proxy.publishers, []
+    watch._poll_safely()
+    watch._proxy.publishers = publishers
+    watch._poll_safely()
+    assert connected == []
+
+
+def test_a_node_that_does_not_answer_is_not_connected(watch):
+    with socket.socket() as suspended:
+        suspended.bind(('127.0.0.1', 0))
+        suspended.listen(1)
+        assert not watch._answers('http://127.0.0.1:{}/'.format(suspended.getsockname()[1]))

@@ -248,7 +248,11 @@ def test_registrations_of_a_node(publication, subscription, name):
     manager = registration.RegManager
     assert issubclass(manager, registration.RegistrationListener)
     assert parameters(manager.publisher_update) == ['self', 'resolved_name', 'uris']
+    assert parameters(manager._connect_topic_thread) == ['self', 'topic', 'uri']
+    source = inspect.getsource(manager._connect_topic_thread)
+    assert 'self.handler._connect_topic(topic, uri)' in source and 'except Exception' in source
     topics = registration.get_topic_manager()
+    assert topics.get_subscriber_impl(name).connections == []
     assert [name, String._type] in map(list, topics.get_publications())
     assert [name, Image._type] in map(list, topics.get_subscriptions())
     assert registration.get_service_manager().get_services() == []
