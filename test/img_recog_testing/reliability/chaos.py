@@ -32,8 +32,9 @@ class Chaos:
     failures: a line for each fault that was not survived.
     """
 
-    def __init__(self, demo: Demo, factor: float, say):
-        self._demo, self._factor, self._say = demo, factor, say
+    def __init__(self, demo: Demo, factor: float, say, all_colors: bool = True):
+        """all_colors: whether to wait for the reaction to each color after each fault."""
+        self._demo, self._factor, self._say, self._all_colors = demo, factor, say, all_colors
         self.times_s: Dict[str, List[float]] = {}
         self.failures: List[str] = []
         self._before: Dict[str, usage.Usage] = {}
@@ -51,7 +52,8 @@ class Chaos:
         try:
             with faults.APPLY[fault.kind](self._demo, fault) as begin:
                 waited_s = time.monotonic() - begin
-                recovered_s = waited_s + self._demo.chain.wait(limit_s - waited_s).recovered_s
+                recovered_s = waited_s + self._demo.chain.wait(
+                    limit_s - waited_s, self._all_colors).recovered_s
             self.times_s.setdefault(fault.kind, []).append(recovered_s)
             self._check_leftovers()
         except (AssertionError, LookupError, OSError, ValueError, EOFError) as error:
