@@ -57,7 +57,7 @@ def run_soak(options: Options) -> List[Row]:
     result = soak.run(SOAK_S * options.scale, options.factor)
     rows = [('{:g} min of {}'.format(SOAK_S * options.scale / 60, name),
              '{:.1f} MB, {:+.1f} MB; {} threads, {:+d}; {} descriptors, {:+d}'.format(*growth),
-             '+{:g} MB, +0, +0'.format(soak.MAX_GROWTH_MB))
+             '+{:g} MB, +{}, +{}'.format(soak.MAX_GROWTH_MB, soak.MAX_EXTRA, soak.MAX_EXTRA))
             for name, growth in result.growth.items()]
     count, median, most = figures.seconds(result.chain_s)
     return rows + [('{} checks of the chain meanwhile'.format(count),
