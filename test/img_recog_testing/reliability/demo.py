@@ -4,7 +4,7 @@ import re
 import signal
 import time
 import uuid
-from typing import Dict, List, Optional
+from typing import Dict, List, Optional, Set
 
 from img_recog_testing.processes import Process, Ros
 from img_recog_testing.reliability import chain, usage, wire
@@ -29,6 +29,7 @@ class Demo:
         self._core: Optional[Process] = None
         self.launch: Optional[Process] = None
         self.chain = chain.Chain(self.master)
+        self.killed: Set[str] = set()       # nodes that were killed before
 
     def start(self, *arguments: str) -> None:
         """Start master and demo."""

@@ -15,6 +15,7 @@ from img_recog_testing.waiting import wait_for
 
 _BUSY = 'while True: pass'
 _GARBAGE_BYTES = 4096
+_LONG_LIFE_S = 11.0        # scripts/respawn.py has 10 s
 _END_LIMIT_S = 30.0         # a node that gets a signal while it starves
 # what can be subscribed to at each node; the image is the largest
 _TOPICS = {'usb_cam': chain.CAMERA, 'color_extract': chain.COMMAND, 'gazebo': chain.ODOMETRY,
@@ -40,8 +41,14 @@ Undo = Iterator[float]
 
 @contextlib.contextmanager
 def kill(demo: Demo, fault: Fault) -> Undo:
-    """End a node by a signal, or as `rosnode kill` does."""
+    """End a node by a signal, or as `rosnode kill` does.
+
+    A node that dies again soon is started again later and later: so it lives for a while first.
+    """
     pid, (how,) = demo.pid(fault.node), fault.details
+    if fault.node in demo.killed:
+        time.sleep(max(0.0, _LONG_LIFE_S - usage.age_s(pid)))
+    demo.killed.add(fault.node)
     begin = time.monotonic()
     if how == 'rosnode':
         uri = wire.node_uri(demo.master, '/' + fault.node)

@@ -71,6 +71,14 @@ def of(pid: int) -> Usage:
     return Usage(pid, threads, descriptors, pages * _PAGE_BYTES / 1e6)
 
 
+def age_s(pid: int) -> float:
+    """Return the seconds since a process was started; raises OSError if it has ended."""
+    with open('/proc/{}/stat'.format(pid)) as file:
+        ticks = int(file.read().rpartition(')')[2].split()[19])
+    with open('/proc/uptime') as file:
+        return float(file.read().split()[0]) - ticks / os.sysconf('SC_CLK_TCK')
+
+
 def is_alive(pid: int) -> bool:
     """Return whether a process runs; a zombie does not."""
     try:
