@@ -112,7 +112,7 @@ def test_simulator(roscore, tmp_path, urdf, parameter, named, advice):
 def test_in_the_demo_the_other_nodes_continue_without_a_camera(ros):
     demo = ros.demo('camera:=/no/such.mp4')
     demo.wait_output(r'\[FATAL\].*/no/such\.mp4')
-    demo.wait_output(r'usb_cam-\d+\] process has died .*exit code 1')
+    demo.wait_output(r'\[respawn\] usb_cam: ended and is not started again: .*/no/such\.mp4')
     others = {'/color_extract', '/turtlebot3_teleop_keyboard', '/gazebo',
               '/robot_state_publisher'}
     ros.wait_run(r'(?s)' + '.*'.join(sorted(others)), 'rosnode', 'list')
@@ -129,7 +129,8 @@ def test_without_simulator_or_recognition_the_demo_ends(ros, tmp_path, argument,
     demo = ros.demo(argument.format(path))
     demo.wait()
     assert re.search(r'\[FATAL\].*' + re.escape(named), demo.output), demo.output
-    assert re.search(r'REQUIRED process \[{}-\d+\] has died'.format(node), demo.output)
+    assert re.search(r'\[respawn\] {}: ended, and the demo with it: .*{}'.format(
+        node, re.escape(named)), demo.output)
 
 
 COLOR_CASES = {
