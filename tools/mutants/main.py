@@ -1,0 +1,242 @@
+"""Draw mutants of the pure folders at random and count how many the unit tests find.
+
+A mutant is a copy of the tree with one small change, like > to >=. It is killed if a unit test
+fails or takes too long. Started by ./run mutants.
+"""
+import argparse
+import concurrent.futures
+import hashlib
+import json
+import os
+import queue
+import random
+import shutil
+import subprocess
+import sys
+from typing import Dict, List, NamedTuple, Optional
+
+import yaml
+
+from mutations import Mutant, Place, mutate, places
+
+PURE = ('camera', 'conversions', 'recognition', 'rendering', 'replay', 'simulation',
+        'teleoperation')
+PURE_FILES = ('errors.py', 'files.py', 'resources.py', 'robot_file.py', 'settings.py')
+SOURCES = 'src/img_recog'
+_MIN_KILLED = 0.9
+
+
+class Tree:
+    """The files of the working tree, and the copies of it in a folder."""
+
+    def __init__(self, root: str, folder: str):
+        self._root = root
+        self._folder = folder
+        listed = subprocess.run(['git', 'ls-files', '-co', '--exclude-standard'], cwd=root,
+                                stdout=subprocess.PIPE, check=True, universal_newlines=True)
+        self.files = sorted(name for name in listed.stdout.splitlines()
+                            if os.path.isfile(os.path.join(root, name)))
+
+    def source(self, file: str) -> str:
+        """Return the text of a file."""
+        with open(os.path.join(self._root, file), encoding='utf-8') as stream:
+            return stream.read()
+
+    def pure_files(self) -> List[str]:
+        """Return the files that are mutated."""
+        parts = ((name, name[len(SOURCES) + 1:].split('/')) for name in self.files
+                 if name.startswith(SOURCES + '/') and name.endswith('.py'))
+        return [name for name, path in parts
+                if path[0] in PURE or (len(path) == 1 and path[0] in PURE_FILES)]
+
+    def digest(self) -> str:
+        """Return a digest of everything that decides the result of the unit tests."""
+        found = hashlib.sha1()
+        for name in self.files:
+            if name.startswith(('src/', 'test/', 'tools/mutants/')):
+                with open(os.path.join(self._root, name), 'rb') as stream:
+                    found.update(name.encode() + stream.read())
+        return found.hexdigest()
+
+    def copy(self, name: str) -> str:
+        """Make a copy with this name and return its path."""
+        path = os.path.join(self._folder, name)
+        shutil.rmtree(path, ignore_errors=True)
+        for file in self.files:
+            os.makedirs(os.path.dirname(os.path.join(path, file)), exist_ok=True)
+            shutil.copy2(os.path.join(self._root, file), os.path.join(path, file))
+        return path
+
+
+class Worker:
+    """A copy of the tree and the process that runs tests in it."""
+
+    def __init__(self, copy: str, python: str):
+        self.copy = copy
+        here = os.path.dirname(os.path.abspath(__file__))
+        paths = [copy + '/src', copy + '/test', os.environ.get('PYTHONPATH', '')]
+        environment = dict(os.environ, PYTHONPATH=os.pathsep.join(paths), ROS_PACKAGE_PATH=(
+            copy + os.pathsep + os.environ.get('ROS_PACKAGE_PATH', '')))
+        self._process = subprocess.Popen(
+            [python, os.path.join(here, 'worker.py'), copy], env=environment,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, universal_newlines=True)
+
+    def ask(self, **request) -> int:
+        """Send a request to worker.py and return the exit code of the tests."""
+        print(json.dumps(request), file=self._process.stdin, flush=True)
+        answer = self._process.stdout.readline()
+        if not answer:
+            sys.exit('[mutants] {} ended, see above'.format(self.copy))
+        return json.loads(answer)['code']
+
+    def is_killed(self, mutant: Mutant, tests: List[str], limits: Dict[str, float]) -> bool:
+        """Return whether a test fails with a mutant."""
+        path = os.path.join(self.copy, mutant.place.file)
+        with open(path, encoding='utf-8') as stream:
+            source = stream.read()
+        try:
+            with open(path, 'w', encoding='utf-8') as stream:
+                stream.write(mutant.source)
+            code = self.ask(tests=tests, limits=limits)
+        finally:
+            with open(path, 'w', encoding='utf-8') as stream:
+                stream.write(source)
+        return code not in (0, 5)       # 5: no test
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.stdin.close()
+        self._process.wait()
+
+
+class Record:
+    """Which tests run which line, and how long each takes."""
+
+    def __init__(self, path: str):
+        with open(path) as stream:
+            record = json.load(stream)
+        self._seconds = record['seconds']
+        self._lines = record['lines']
+        self.limits = {test: 10 + 5 * seconds for test, seconds in self._seconds.items()}
+
+    def tests(self, place: Place) -> List[str]:
+        """Return the tests for a place, the fastest first.
+
+        In a function: those that run it. Other lines are run once, by the import: the tests of
+        the file first, then all others of its folder, or all for a file that has no folder.
+        """
+        lines = self._lines.get(place.file, {})
+        if place.in_function:
+            numbers = range(place.line, place.end_line + 1)
+            found = {test for number in numbers for test in lines.get(str(number), [])}
+            return sorted(found, key=self._seconds.get)
+        of_file = {test for tests in lines.values() for test in tests}
+        folder, name = os.path.split(os.path.relpath(place.file, SOURCES))
+        mirror = 'test/unit/' + (folder + '/' if folder else '')
+        others = {test for test in self._seconds if test.startswith(mirror)}
+        first = [test for test in others if test.startswith(mirror + 'test_' + name[:-3])]
+        found = []
+        for group in (first, of_file, others):
+            found += sorted(set(group).difference(found), key=self._seconds.get)
+        return found
+
+
+class Equivalents:
+    """The mutants that change nothing, from test/equivalent_mutants.yaml."""
+
+    def __init__(self, text: str):
+        self._known = {(SOURCES + '/' + entry['file'], entry['line'], after)
+                       for entry in yaml.safe_load(text) or [] for after in entry['becomes']}
+
+    def __contains__(self, mutant: Mutant) -> bool:
+        key = (mutant.place.file, mutant.before, mutant.after)
+        return key in self._known or key[:2] + ('anything',) in self._known
+
+
+class Result(NamedTuple):
+    """What became of a mutant. outcome: killed, survived or equivalent."""
+
+    mutant: Mutant
+    outcome: str
+
+
+def draw(tree: Tree, count: int, seed: int, only: str) -> List[Mutant]:
+    """Return mutants of `count` places that are drawn with a seed, one mutant for each place."""
+    sources = {file: tree.source(file) for file in tree.pure_files() if only in file}
+    found = [place for file, source in sources.items() for place in places(file, source)]
+    chosen = random.Random(seed)
+    drawn = chosen.sample(found, min(count, len(found)))
+    print('[mutants] {} of {} places in {} files, --seed {}'.format(
+        len(drawn), len(found), len(sources), seed), flush=True)
+    return [mutate(place, chosen.randrange(len(place.variants)), sources[place.file])
+            for place in drawn]
+
+
+def run(mutants: List[Mutant], workers: List[Worker], record: Record,
+        equivalents: Equivalents) -> List[Result]:
+    """Test mutants with all workers; print each that survives."""
+    free: 'queue.Queue[Worker]' = queue.Queue()
+    for worker in workers:
+        free.put(worker)
+
+    def test(mutant: Mutant) -> Result:
+        if mutant in equivalents:
+            return Result(mutant, 'equivalent')
+        worker = free.get()
+        try:
+            killed = worker.is_killed(mutant, record.tests(mutant.place), record.limits)
+        finally:
+            free.put(worker)
+        if not killed:
+            print('{}:{}\n    {}\n    {}'.format(mutant.place.file, mutant.place.line,
+                                             mutant.before, mutant.after), flush=True)
+        return Result(mutant, 'killed' if killed else 'survived')
+
+    with concurrent.futures.ThreadPoolExecutor(len(workers)) as pool:
+        return list(pool.map(test, mutants))
+
+
+def recorded(tree: Tree, worker: Worker, folder: str) -> Record:
+    """Run all tests once without a mutant, unless that was done for the same files."""
+    path = os.path.join(folder, tree.digest() + '.json')
+    if not os.path.isfile(path):
+        print('[mutants] running all unit tests of these files once', flush=True)
+        code = worker.ask(record=path)
+        if code != 0:
+            if os.path.isfile(path):
+                os.remove(path)
+            sys.exit('[mutants] the tests fail without a mutant: see {}.log'.format(worker.copy))
+    return Record(path)
+
+
+def main(arguments: Optional[List[str]] = None) -> int:
+    parser = argparse.ArgumentParser(prog='./run mutants', description=__doc__.split('\n\n')[0])
+    parser.add_argument('number', nargs='?', type=int, default=200, help='of mutants (200)')
+    parser.add_argument('--seed', type=int, help='repeats a draw (random)')
+    parser.add_argument('--only', default='', metavar='TEXT',
+                        help='only files whose path contains this text')
+    parser.add_argument('--workers', type=int, default=2, help='tested at the same time (2)')
+    options = parser.parse_args(arguments)
+    root, folder = os.environ['MUTANTS_ROOT'], os.environ['MUTANTS_FOLDER']
+    seed = random.SystemRandom().randrange(10000) if options.seed is None else options.seed
+    tree = Tree(root, folder)
+    mutants = draw(tree, options.number, seed, options.only)
+    workers = [Worker(tree.copy('copy{}'.format(number)), os.environ['MUTANTS_PYTHON'])
+               for number in range(options.workers)]
+    try:
+        record = recorded(tree, workers[0], folder)
+        results = run(mutants, workers, record,
+                      Equivalents(tree.source('test/equivalent_mutants.yaml')))
+    finally:
+        for worker in workers:
+            worker.close()
+    counts = {outcome: sum(result.outcome == outcome for result in results)
+              for outcome in ('killed', 'survived', 'equivalent')}
+    tested = counts['killed'] + counts['survived']
+    print('[mutants] --seed {}: {killed} killed, {survived} survived, {equivalent} equivalent'
+          .format(seed, **counts))
+    return 0 if counts['killed'] >= _MIN_KILLED * tested else 1
+
+
+if __name__ == '__main__':
+    sys.exit(main())
