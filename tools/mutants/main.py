@@ -172,7 +172,7 @@ def draw(tree: Tree, count: int, seed: int, only: str) -> List[Mutant]:
         variant = chosen.randrange(len(place.variants))
         try:
             drawn.append(mutate(place, variant, sources[place.file]))
-        except SyntaxError:     # some operators of cosmic-ray also match **values
+        except (AttributeError, SyntaxError):   # cosmic-ray: exceptions with a dot, **values
             pass
     print('[mutants] {} of {} places in {} files, --seed {}'.format(
         len(drawn), len(found), len(sources), seed), flush=True)

@@ -1,5 +1,6 @@
 """Compares the statistics of the tuning picture with plain numpy, and checks its pixels."""
 import colorsys
+import os
 
 import cv2
 import numpy as np
@@ -9,6 +10,7 @@ from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
 from img_recog.recognition.tuning_statistics import frame_statistics, spans, within
+from img_recog_testing.figures import assert_unchanged
 
 ARTICLE = with_colors()()
 FIVE = with_colors(['blue', 'red', 'green', 'yellow', 'all_of_the_red'])(
@@ -171,3 +173,15 @@ def test_a_picture_fits_into_the_given_size():
     height, width = tuning_picture.pixels(figure, 2000, 300).shape[:2]
     assert abs(height - 300) <= 1 and width < 400
     assert tuning_picture.pixels(figure, 1, 1).shape[1] == 240
+
+
+@pytest.mark.parametrize('name, settings, shape', [
+    ('tuning_two', with_colors(['blue', 'red_and_pink'])(
+        red_and_pink_hue_min=170, red_and_pink_hue_max=10, roi_x_offset=20, roi_width=50,
+        blue_area_limit=30), (60, 80, 3)),
+    ('tuning_five', FIVE, (200, 1100, 3))])
+def test_layout_is_as_it_was(name, settings, shape, tmp_path):
+    image = noise(3, shape)
+    image[:, shape[1] // 2:] = (215, 70, 25)
+    figure, _ = tuning_picture.draw(image, settings)
+    assert_unchanged(figure, os.path.join(os.path.dirname(__file__), name + '.txt'), tmp_path)
