@@ -45,7 +45,8 @@ def _axes(axes):
             _numbers(sorted(lengths)), sorted(shown))
         yield '  grid {}'.format(sorted({(tick.gridline.get_visible(), tick.gridline.get_linewidth())
                                          for tick in axis.get_major_ticks()}))
-        yield '  label ' + _text(axis.label)
+        yield '  label {!r} size {:g} {}'.format(axis.label.get_text(), axis.label.get_size(),
+                                               to_hex(axis.label.get_color()))
     for title in (axes.title, axes._left_title):        # there is no other access to the left one
         if title.get_text():
             yield '  title ' + _text(title)
