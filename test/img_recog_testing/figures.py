@@ -43,10 +43,11 @@ def _axes(axes):
         yield '  ticks {} {} size {} length {} labels {}'.format(
             _numbers(axis.get_ticklocs()), labels, _numbers(sorted(sizes)),
             _numbers(sorted(lengths)), sorted(shown))
-        yield '  grid {}'.format(sorted({(tick.gridline.get_visible(), tick.gridline.get_linewidth())
-                                         for tick in axis.get_major_ticks()}))
-        yield '  label {!r} size {:g} {}'.format(axis.label.get_text(), axis.label.get_size(),
-                                               to_hex(axis.label.get_color()))
+        grid = {(tick.gridline.get_visible(), tick.gridline.get_linewidth())
+                for tick in axis.get_major_ticks()}
+        yield '  grid {}'.format(sorted(grid))
+        yield '  label {!r} size {:g} {}'.format(
+            axis.label.get_text(), axis.label.get_size(), to_hex(axis.label.get_color()))
     for title in (axes.title, axes._left_title):        # there is no other access to the left one
         if title.get_text():
             yield '  title ' + _text(title)
@@ -69,8 +70,9 @@ def _axes(axes):
         yield '  ' + _text(text)
     legend = axes.get_legend()
     if legend is not None:
+        columns = getattr(legend, '_ncols', None) or legend._ncol       # newer and older releases
         yield '  legend {} columns {} frame {} pad {:g} loc {} {}'.format(
-            [text.get_text() for text in legend.get_texts()], getattr(legend, '_ncols', None) or legend._ncol,
+            [text.get_text() for text in legend.get_texts()], columns,
             legend.get_frame_on(), legend.borderaxespad, legend._loc,
             _numbers({text.get_size() for text in legend.get_texts()}))
 

@@ -1,4 +1,4 @@
-"""The settings of the pure folders have the defaults and the limits that doc/reference.md states."""
+"""The settings have the defaults and the limits that doc/reference.md states."""
 import re
 
 import pytest

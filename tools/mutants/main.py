@@ -13,7 +13,7 @@ import random
 import shutil
 import subprocess
 import sys
-from typing import Dict, List, NamedTuple, Optional
+from typing import Dict, Iterable, List, NamedTuple, Optional
 
 import yaml
 
@@ -23,6 +23,8 @@ PURE = ('camera', 'conversions', 'recognition', 'rendering', 'replay', 'simulati
         'teleoperation')
 PURE_FILES = ('errors.py', 'files.py', 'resources.py', 'robot_file.py', 'settings.py')
 SOURCES = 'src/img_recog'
+# in test/unit; all others are run
+OTHER_TESTS = ('nodes', 'ros', 'test_walls.py')
 _MIN_KILLED = 0.9
 
 
@@ -39,8 +41,7 @@ class Tree:
 
     def source(self, file: str) -> str:
         """Return the text of a file."""
-        with open(os.path.join(self._root, file), encoding='utf-8') as stream:
-            return stream.read()
+        return self._content(file).decode()
 
     def pure_files(self) -> List[str]:
         """Return the files that are mutated."""
@@ -49,14 +50,22 @@ class Tree:
         return [name for name, path in parts
                 if path[0] in PURE or (len(path) == 1 and path[0] in PURE_FILES)]
 
-    def digest(self) -> str:
-        """Return a digest of everything that decides the result of the unit tests."""
-        found = hashlib.sha1()
+    def test_files(self) -> Dict[str, str]:
+        """Return the files with tests that are run, and a digest of all that decides each result.
+        """
+        tests = [name for name in self.files if name.startswith('test/unit/')
+                 and os.path.basename(name).startswith('test_')
+                 and name[len('test/unit/'):].split('/')[0] not in OTHER_TESTS]
+        shared = hashlib.sha1()
         for name in self.files:
-            if name.startswith(('src/', 'test/')):
-                with open(os.path.join(self._root, name), 'rb') as stream:
-                    found.update(name.encode() + stream.read())
-        return found.hexdigest()
+            if name.startswith(('src/', 'test/')) and name not in tests:
+                shared.update(name.encode() + self._content(name))
+        return {name: hashlib.sha1(shared.digest() + self._content(name)).hexdigest()
+                for name in tests}
+
+    def _content(self, name: str) -> bytes:
+        with open(os.path.join(self._root, name), 'rb') as stream:
+            return stream.read()
 
     def copy(self, name: str) -> str:
         """Make a copy with this name and return its path."""
@@ -112,11 +121,17 @@ class Worker:
 class Record:
     """Which tests run which line, and how long each takes."""
 
-    def __init__(self, path: str):
-        with open(path) as stream:
-            record = json.load(stream)
-        self._seconds = record['seconds']
-        self._lines = record['lines']
+    def __init__(self, paths: Iterable[str]):
+        self._seconds: Dict[str, float] = {}
+        self._lines: Dict[str, Dict[str, List[str]]] = {}
+        for path in paths:
+            with open(path) as stream:
+                record = json.load(stream)
+            self._seconds.update(record['seconds'])
+            for file, lines in record['lines'].items():
+                known = self._lines.setdefault(file, {})
+                for line, tests in lines.items():
+                    known.setdefault(line, []).extend(tests)
         self.limits = {test: 10 + 5 * seconds for test, seconds in self._seconds.items()}
 
     def tests(self, place: Place) -> List[str]:
@@ -195,8 +210,8 @@ def run(mutants: List[Mutant], workers: List[Worker], record: Record,
         finally:
             free.put(worker)
         if not killed:
-            print('{}:{}\n    {}\n    {}'.format(mutant.place.file, mutant.place.line,
-                                             mutant.before, mutant.after), flush=True)
+            print('{}:{}\n    {}\n    {}'.format(
+                mutant.place.file, mutant.place.line, mutant.before, mutant.after), flush=True)
         return Result(mutant, 'killed' if killed else 'survived')
 
     with concurrent.futures.ThreadPoolExecutor(len(workers)) as pool:
@@ -204,16 +219,27 @@ def run(mutants: List[Mutant], workers: List[Worker], record: Record,
 
 
 def recorded(tree: Tree, worker: Worker, folder: str) -> Record:
-    """Run all tests once without a mutant, unless that was done for the same files."""
-    path = os.path.join(folder, tree.digest() + '.json')
-    if not os.path.isfile(path):
-        print('[mutants] running all unit tests of these files once', flush=True)
-        code = worker.ask(record=path)
-        if code != 0:
-            if os.path.isfile(path):
-                os.remove(path)
-            sys.exit('[mutants] the tests fail without a mutant: see {}.log'.format(worker.copy))
-    return Record(path)
+    """Run the tests without a mutant, but for files for which that was done already."""
+    paths = {name: os.path.join(folder, 'records', digest + '.json')
+             for name, digest in tree.test_files().items()}
+    missing = [name for name, path in paths.items() if not os.path.isfile(path)]
+    if missing:
+        print('[mutants] running the tests of {} files once'.format(len(missing)), flush=True)
+        os.makedirs(os.path.join(folder, 'records'), exist_ok=True)
+        whole = os.path.join(folder, 'record.json')
+        if worker.ask(record=whole, files=missing) != 0:
+            sys.exit('[mutants] tests fail without a mutant: see {}.log'.format(worker.copy))
+        with open(whole) as stream:
+            record = json.load(stream)
+        for name in missing:
+            part = {'seconds': {test: value for test, value in record['seconds'].items()
+                                if test.startswith(name + '::')},
+                    'lines': {file: {line: [test for test in tests if test.startswith(name + '::')]
+                                     for line, tests in lines.items()}
+                              for file, lines in record['lines'].items()}}
+            with open(paths[name], 'w') as stream:
+                json.dump(part, stream)
+    return Record(paths.values())
 
 
 def main(arguments: Optional[List[str]] = None) -> int:

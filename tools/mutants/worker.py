@@ -4,8 +4,8 @@ Started by main.py with the Python that has ROS: worker.py COPY. Reads a request
 standard input and answers with a line, both in JSON:
 
 {"tests": [...], "limits": {test: s}} -> {"code": exit code of pytest, 14 and more after a timeout}
-{"record": FILE} -> {"code": ...}: run all tests, write which test runs which line, and how long
-    each takes, to FILE.
+{"record": FILE, "files": [...]} -> {"code": ...}: run all tests of these files, write which test
+    runs which line, and how long each takes, to FILE.
 """
 import collections
 import importlib
@@ -22,7 +22,6 @@ _LIBRARIES = ('coverage', 'cv2', 'cv_bridge', 'genpy', 'geometry_msgs.msg', 'mat
               'nav_msgs.msg', 'numpy', 'pybullet', 'rosbag', 'sensor_msgs.msg', 'tf2_msgs.msg',
               'xacro', 'yaml')
 _MAX_DATA_BYTES = 8 << 30       # a mutant must not take the memory of the machine
-_OTHER_TESTS = ('nodes', 'ros', 'test_walls.py')
 
 
 class _Selected:
@@ -76,13 +75,16 @@ class _Recorder:
 def _run(request, copy):
     """Run pytest in this process; does not return."""
     os.setsid()
+    # nohup and & of a shell ignore them, and tests need them
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     resource.setrlimit(resource.RLIMIT_DATA, (_MAX_DATA_BYTES, _MAX_DATA_BYTES))
     for number, name in ((0, os.devnull), (1, copy + '.log'), (2, copy + '.log')):
         os.dup2(os.open(name, os.O_RDWR | os.O_CREAT | os.O_TRUNC), number)
     arguments = ['-q', '-p', 'no:cacheprovider', '--basetemp', copy + '.tmp']
     if 'record' in request:
         plugin = _Recorder(request['record'])
-        arguments += ['test/unit'] + ['--ignore=test/unit/' + name for name in _OTHER_TESTS]
+        arguments += request['files']
     else:
         # a mutant that is written within the second would otherwise have a valid cache
         sys.dont_write_bytecode = True

@@ -54,7 +54,8 @@ def test_texts_are_those_of_the_colors_then_of_the_commands(monkeypatch):
                        ('command: -0.25 m/s, 1.5 rad/s', 3, 0.4, (255, 255, 255))]
 
 
-@pytest.mark.parametrize('height, width, checksum', [(240, 320, 2552787383), (1080, 1920, 150949164)])
+@pytest.mark.parametrize('height, width, checksum', [
+    (240, 320, 2552787383), (1080, 1920, 150949164)])
 def test_every_pixel_is_as_it_was(height, width, checksum):
     _, image = drawn(height, width, [Command(10.0)])
     found = zlib.crc32(image.tobytes())
