@@ -100,6 +100,8 @@ class Worker:
 
     def is_killed(self, mutant: Mutant, tests: List[str], limits: Dict[str, float]) -> bool:
         """Return whether a test fails with a mutant."""
+        if not tests:
+            return False
         path = os.path.join(self.copy, mutant.place.file)
         with open(path, encoding='utf-8') as stream:
             source = stream.read()
@@ -110,7 +112,7 @@ class Worker:
         finally:
             with open(path, 'w', encoding='utf-8') as stream:
                 stream.write(source)
-        return code not in (0, 5)       # 5: no test
+        return code != 0
 
     def close(self) -> None:
         """End the process."""
@@ -138,7 +140,8 @@ class Record:
         """Return the tests for a place, the fastest first.
 
         In a function: those that run it. Other lines are run once, by the import: the tests of
-        the file first, then all others of its folder, or all for a file that has no folder.
+        the file first, then those that run anything of it, then all others of its folder and of
+        test/unit itself.
         """
         lines = self._lines.get(place.file, {})
         if place.in_function:
@@ -148,7 +151,8 @@ class Record:
         of_file = {test for tests in lines.values() for test in tests}
         folder, name = os.path.split(os.path.relpath(place.file, SOURCES))
         mirror = 'test/unit/' + (folder + '/' if folder else '')
-        others = {test for test in self._seconds if test.startswith(mirror)}
+        others = {test for test in self._seconds
+                  if test.startswith(mirror) or os.path.dirname(test.split('::')[0]) == 'test/unit'}
         first = [test for test in others if test.startswith(mirror + 'test_' + name[:-3])]
         found = []
         for group in (first, of_file, others):
@@ -214,8 +218,18 @@ def run(mutants: List[Mutant], workers: List[Worker], record: Record,
                 mutant.place.file, mutant.place.line, mutant.before, mutant.after), flush=True)
         return Result(mutant, 'killed' if killed else 'survived')
 
+    results: List[Result] = []
     with concurrent.futures.ThreadPoolExecutor(len(workers)) as pool:
-        return list(pool.map(test, mutants))
+        for result in pool.map(test, mutants):
+            results.append(result)
+            if len(results) % 50 == 0:
+                print('[mutants] {}'.format(_counts(results)), flush=True)
+    return results
+
+
+def _counts(results: List[Result]) -> str:
+    return ', '.join('{} {}'.format(sum(result.outcome == outcome for result in results), outcome)
+                     for outcome in ('killed', 'survived', 'equivalent'))
 
 
 def recorded(tree: Tree, worker: Worker, folder: str) -> Record:
@@ -263,12 +277,10 @@ def main(arguments: Optional[List[str]] = None) -> int:
     finally:
         for worker in workers:
             worker.close()
-    counts = {outcome: sum(result.outcome == outcome for result in results)
-              for outcome in ('killed', 'survived', 'equivalent')}
-    tested = counts['killed'] + counts['survived']
-    print('[mutants] --seed {}: {killed} killed, {survived} survived, {equivalent} equivalent'
-          .format(seed, **counts))
-    return 0 if counts['killed'] >= _MIN_KILLED * tested else 1
+    print('[mutants] --seed {}: {}'.format(seed, _counts(results)))
+    killed, survived = (sum(result.outcome == outcome for result in results)
+                        for outcome in ('killed', 'survived'))
+    return 0 if killed >= _MIN_KILLED * (killed + survived) else 1
 
 
 if __name__ == '__main__':

@@ -87,7 +87,7 @@ def test_card_moves_in_and_out_in_mirrored_steps():
 def test_source_yields_the_frames_of_the_scene_in_order(width, height):
     source = SyntheticSource(width, height, 15.0)
     assert (source.width, source.height, source.rate_hz) == (width, height, 15.0)
-    assert source.encoding == 'rgb8'
+    assert (source.encoding, source.name, source.expected_hz) == ('rgb8', 'synthetic', 15.0)
     assert source.description == 'synthetic scene, {}x{}, 15 Hz'.format(width, height)
     for number in range(PERIOD_FRAMES + 35):
         assert np.array_equal(source.read(), draw_frame(number, width, height)), number
