@@ -151,8 +151,8 @@ class Record:
         of_file = {test for tests in lines.values() for test in tests}
         folder, name = os.path.split(os.path.relpath(place.file, SOURCES))
         mirror = 'test/unit/' + (folder + '/' if folder else '')
-        others = {test for test in self._seconds
-                  if test.startswith(mirror) or os.path.dirname(test.split('::')[0]) == 'test/unit'}
+        others = {test for test in self._seconds if test.startswith(mirror)
+                  or os.path.dirname(test.split('::')[0]) == 'test/unit'}
         first = [test for test in others if test.startswith(mirror + 'test_' + name[:-3])]
         found = []
         for group in (first, of_file, others):
