@@ -137,26 +137,26 @@ class Record:
         self.limits = {test: 10 + 5 * seconds for test, seconds in self._seconds.items()}
 
     def tests(self, place: Place) -> List[str]:
-        """Return the tests for a place, the fastest first.
+        """Return the tests for a place: groups of tests, and in each the fastest first.
 
-        In a function: those that run it. Other lines are run once, by the import: the tests of
-        the file first, then those that run anything of it, then all others of its folder and of
-        test/unit itself.
+        In a function: those that run it, then the other tests of its file (what is cached is run
+        by the first test only). Other lines are run once, by the import: the tests of the file,
+        those that run anything of it, all others of its folder and of test/unit itself.
         """
         lines = self._lines.get(place.file, {})
-        if place.in_function:
-            numbers = range(place.line, place.end_line + 1)
-            found = {test for number in numbers for test in lines.get(str(number), [])}
-            return sorted(found, key=self._seconds.get)
-        of_file = {test for tests in lines.values() for test in tests}
         folder, name = os.path.split(os.path.relpath(place.file, SOURCES))
         mirror = 'test/unit/' + (folder + '/' if folder else '')
-        others = {test for test in self._seconds if test.startswith(mirror)
-                  or os.path.dirname(test.split('::')[0]) == 'test/unit'}
-        first = [test for test in others if test.startswith(mirror + 'test_' + name[:-3])]
-        found = []
-        for group in (first, of_file, others):
-            found += sorted(set(group).difference(found), key=self._seconds.get)
+        of_file = [test for test in self._seconds if test.startswith(mirror + 'test_' + name[:-3])]
+        if place.in_function:
+            numbers = range(place.line, place.end_line + 1)
+            groups = [{test for number in numbers for test in lines.get(str(number), [])}, of_file]
+        else:
+            groups = [of_file, {test for tests in lines.values() for test in tests},
+                      [test for test in self._seconds if test.startswith(mirror)
+                       or os.path.dirname(test.split('::')[0]) == 'test/unit']]
+        found: List[str] = []
+        for group in groups:
+            found += sorted(set(group).difference(found), key=lambda test: self._seconds[test])
         return found
 
 
