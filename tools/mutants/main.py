@@ -23,6 +23,8 @@ PURE = ('camera', 'conversions', 'recognition', 'rendering', 'replay', 'simulati
         'teleoperation')
 PURE_FILES = ('errors.py', 'files.py', 'resources.py', 'robot_file.py', 'settings.py')
 SOURCES = 'src/img_recog'
+# what tests read, beside their own file
+SHARED = ('config/', 'src/', 'test/img_recog_testing/', 'test/unit/', 'urdf/')
 # in test/unit; all others are run
 OTHER_TESTS = ('nodes', 'ros', 'test_walls.py')
 _MIN_KILLED = 0.9
@@ -58,7 +60,7 @@ class Tree:
                  and name[len('test/unit/'):].split('/')[0] not in OTHER_TESTS]
         shared = hashlib.sha1()
         for name in self.files:
-            if name.startswith(('src/', 'test/')) and name not in tests:
+            if name.startswith(SHARED) and name not in tests:
                 shared.update(name.encode() + self._content(name))
         return {name: hashlib.sha1(shared.digest() + self._content(name)).hexdigest()
                 for name in tests}

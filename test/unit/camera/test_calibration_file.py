@@ -206,3 +206,19 @@ def test_pipe_is_refused_without_waiting(path):
     os.mkfifo(path)
     with pytest.raises(CalibrationError, match='^cannot read calibration .*: not a regular file$'):
         calibration_file.load(path)
+
+
+@pytest.mark.parametrize('length, shown', [(200, 'a' * 200), (201, 'a' * 200 + '...')])
+def test_reason_of_the_parser_is_shortened(length, shown):
+    assert calibration_file._reason(ValueError('a' * length)) == shown
+
+
+def test_file_of_the_largest_size_is_read(path):
+    with open(path, 'w') as file:
+        file.write('# ' + 'a' * ((1 << 20) - 2))
+    with pytest.raises(CalibrationError, match='has no camera_matrix'):
+        calibration_file.load(path)
+    with open(path, 'a') as file:
+        file.write('a')
+    with pytest.raises(CalibrationError, match='larger than 1048576 bytes$'):
+        calibration_file.load(path)

@@ -124,6 +124,24 @@ def test_bag_without_images(make_bag):
     assert 'image topics in it: none' in refusal(BagFrames, path, RAW)
 
 
+def test_bag_is_closed_when_it_is_refused_and_at_its_end(make_bag):
+    before = len(os.listdir('/proc/self/fd'))
+    path = make_bag((RAW, String('no image'), 1))
+    refusal(BagFrames, path)
+    assert len(os.listdir('/proc/self/fd')) == before
+    list(BagFrames(make_bag((RAW, raw(0, 1), 1))))
+    assert len(os.listdir('/proc/self/fd')) == before
+
+
+@pytest.mark.parametrize('gap_s, refused', [(3600, False), (3600.5, True), (0, False)])
+def test_stamps_may_be_an_hour_apart(make_bag, gap_s, refused):
+    frames = BagFrames(make_bag((RAW, raw(0, 5), 1), (RAW, raw(0, 5 + gap_s), 2)))
+    if refused:
+        assert 'jump ahead by 3600.5 s' in refusal(list, frames)
+    else:
+        assert len(list(frames)) == 2 and frames.period_ns == gap_s * 10 ** 9
+
+
 def test_bag_whose_image_type_has_another_definition_has_no_images(make_bag):
     other = type('Other', (String,), {'_type': Image._type})
     assert 'no messages of type' in refusal(BagFrames, make_bag((RAW, other('x'), 1)))

@@ -86,7 +86,8 @@ def test_help_has_units_and_names(capsys):
     with pytest.raises(SystemExit):
         cli.parse(['--help'])
     text = capsys.readouterr().out
-    for words in ('usage: replay.py ', '--x-pos M', '--y-pos M', '--z-pos M', '--yaw RAD',
+    for words in ('usage: replay.py ', '--x-pos M ', '--y-pos M ', '--z-pos M ', '--yaw RAD ',
+                  'pose of the robot in m (default: -2.0)', 'robot in rad (default: 0.0)',
                   '--colors YAML', '--output FOLDER_OR_PREFIX',
                   '/usb_cam/image_raw or /usb_cam/image_raw/compressed'):
         assert words in ' '.join(text.split()), words

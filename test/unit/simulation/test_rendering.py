@@ -157,6 +157,13 @@ def test_bodies_shadow_one_another(client):
     assert_shade(image, ABOVE, (0.8, 0.0, 0.2), lit)
 
 
+@pytest.mark.parametrize('distance, visible', [(0.03, False), (0.1, True)])
+def test_a_body_nearer_than_5_cm_is_not_seen(client, distance, visible):
+    add_box(client, (0, -3 + distance, 0.5), (0.3, 0.005, 0.3))
+    image = render(client, Camera((0, 0, 0.5), 3, 0, 0), *SIZE)
+    assert (image[10, SIZE[0] // 2].tolist() != [GREY] * 3) is visible
+
+
 def test_floor_hides_what_is_below_it(client):
     add_box(client, (0, 0, -0.3), (0.5, 0.5, 0.25))
     assert np.unique(render(client, ABOVE, *SIZE)).tolist() == [GREY]
