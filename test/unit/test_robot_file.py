@@ -105,6 +105,13 @@ def test_without_xacro_the_line_says_what_to_do(box, monkeypatch):
     assert 'pip install xacro' in words and 'xacro {} > robot.urdf'.format(box) in words
 
 
+def test_without_a_package_xacro_at_all_the_line_says_what_to_do(box, monkeypatch):
+    def refuse(name):
+        raise ModuleNotFoundError(name)
+    monkeypatch.setattr(util, 'find_spec', refuse)
+    assert 'it is a xacro file, and xacro is not installed; install it' in refusal(box)
+
+
 @needs_module
 def test_module_expands_macros_arguments_and_packages_of_ros_1(box):
     text = robot_file.read(box)

@@ -152,6 +152,17 @@ def test_video_and_stream_are_distinguished(clock, monkeypatch, url, count, sour
     assert source.expected_hz == (25.0 if is_announced else None)
 
 
+@pytest.mark.parametrize('extension', [
+    'avi', 'm4v', 'mkv', 'mov', 'mp4', 'mpeg', 'mpg', 'ogv', 'webm', 'MP4'])
+def test_extensions_of_videos(clock, monkeypatch, extension):
+    capture = FakeCapture(clock, [True] * 4, FPS=25.0, FRAME_COUNT=UNKNOWN)
+    source = at_url(monkeypatch, capture, 'http://h/a.' + extension)
+    assert type(source) is RemoteVideoSource
+    # a count of two frames is a video, too
+    capture = FakeCapture(clock, [True] * 4, FPS=25.0, FRAME_COUNT=2)
+    assert type(at_url(monkeypatch, capture, 'http://h/a')) is RemoteVideoSource
+
+
 @pytest.mark.parametrize('url, count', [
     ('http://h/snapshot', 1), ('http://h/p.png?size=2', UNKNOWN), ('http://h/p.jpg', 1)])
 def test_image_at_a_url(clock, monkeypatch, url, count):

@@ -145,6 +145,18 @@ def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
                                                           for shape in shapes})
 
 
+def test_no_part_of_a_copy_reflects_the_sun(monkeypatch):
+    changed = []
+    monkeypatch.setattr(pybullet, 'changeVisualShape',
+                        lambda *args, **kwargs: changed.append((args, kwargs)))
+    assembly, client = robots.assemble('turtlebot3_world', -2.0, -0.5), connect()
+    copy = SceneCopy(assembly.scene, client, False)
+    assert changed == [((body.body_id, link), {'specularColor': (0, 0, 0),
+                                               'physicsClientId': client})
+                       for body in copy._bodies for link in body.links]
+    assert len(changed) > 10
+
+
 def test_helper_runs_its_target_with_the_connection_and_ends():
     helper = scene.Helper(operator.methodcaller('send', 5), ())
     assert helper.connection.poll(DEADLINE_S) and helper.connection.recv() == 5
