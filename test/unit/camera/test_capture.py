@@ -61,10 +61,12 @@ class Recorder(Listener):
         self._record('reconnected')
 
     def ended(self, reason):
+        assert not self.capture.wanted
         self._record('ended', reason)
         self.capture.shut_down()
 
     def failed(self, error, opening):
+        assert not self.capture.wanted
         self._record('failed', str(error), opening)
         self.capture.shut_down()
 
