@@ -115,7 +115,8 @@ def _difference(old: List[str], new: List[str]) -> Tuple[str, str]:
         old, new = old[1:], new[1:]
     while old and new and old[-1] == new[-1]:
         old, new = old[:-1], new[:-1]
-    return tuple(' '.join(line.strip() for line in lines) for lines in (old, new))
+    before, after = (' '.join(line.strip() for line in lines) for lines in (old, new))
+    return before, after
 
 
 def _ancestors(node) -> Iterator[Tuple]:

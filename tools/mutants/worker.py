@@ -86,8 +86,6 @@ def _run(request, copy):
         plugin = _Recorder(request['record'])
         arguments += request['files']
     else:
-        # a mutant that is written within the second would otherwise have a valid cache
-        sys.dont_write_bytecode = True
         plugin = _Selected(request['tests'], request['limits'])
         arguments += ['-x'] + sorted({test.split('::')[0] for test in request['tests']})
     code = 70
