@@ -208,11 +208,6 @@ def test_pipe_is_refused_without_waiting(path):
         calibration_file.load(path)
 
 
-@pytest.mark.parametrize('length, shown', [(200, 'a' * 200), (201, 'a' * 200 + '...')])
-def test_reason_of_the_parser_is_shortened(length, shown):
-    assert calibration_file._reason(ValueError('a' * length)) == shown
-
-
 def test_file_of_the_largest_size_is_read(path):
     with open(path, 'w') as file:
         file.write('# ' + 'a' * ((1 << 20) - 2))

@@ -53,7 +53,7 @@ def test_folder_that_cannot_be_read():
 
 def test_sources_have_their_name_and_rates(monkeypatch):
     monkeypatch.setattr(image_source, 'image_paths', lambda path: ['x', 'a', 'b'])
-    monkeypatch.setattr(image_source, 'read_image', lambda path:
+    monkeypatch.setattr(image_source, 'read_image', lambda path, _:
                         None if path == 'x' else np.zeros((2, 3, 3), np.uint8))
     folder, image = FolderSource('some', 4.0), ImageSource('a', np.zeros((2, 3, 3)), 5.0)
     assert (folder.name, folder.rate_hz, folder.expected_hz) == ('some', 4.0, 4.0)
@@ -70,7 +70,8 @@ class FakeCapture:
         self._stated, self._left = stated, count
 
     def get(self, number):
-        return {5: 25.0, 7: self._stated}[number]       # CAP_PROP_FPS, CAP_PROP_FRAME_COUNT
+        # CAP_PROP_FPS, CAP_PROP_FRAME_COUNT, and the size
+        return {5: 25.0, 7: self._stated}.get(number, 2.0)
 
     def read(self):
         self._left -= 1

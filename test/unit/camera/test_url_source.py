@@ -286,3 +286,11 @@ def test_stream_that_cannot_be_opened_is_released(monkeypatch, clock):
     assert str(refused.value) == ('cannot open rtsp://h: no stream that OpenCV plays, or not '
                                   'within 5 s; is its server running?')
     assert capture.released
+
+
+def test_frame_without_pixels_is_damaged(clock):
+    capture = FakeCapture(clock, [], FPS=25.0)
+    answers = [(True, IMAGE), (True, IMAGE[:0]), (True, None), (True, IMAGE)]
+    capture.read = lambda: answers.pop(0) if answers else (False, None)
+    source = StreamSource('rtsp://camera/live', capture, now=clock)
+    assert results(source)[0] == ['frame', 'skipped', 'skipped', 'frame']

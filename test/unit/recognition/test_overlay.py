@@ -55,7 +55,7 @@ def test_texts_are_those_of_the_colors_then_of_the_commands(monkeypatch):
 
 
 @pytest.mark.parametrize('height, width, checksum', [
-    (240, 320, 2552787383), (1080, 1920, 150949164)])
+    (240, 320, 2552787383), (1080, 1920, 150949164), (1800, 400, 332343686)])
 def test_every_pixel_is_as_it_was(height, width, checksum):
     _, image = drawn(height, width, [Command(10.0)])
     found = zlib.crc32(image.tobytes())

@@ -145,6 +145,16 @@ def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
                                                           for shape in shapes})
 
 
+def test_floor_that_is_seen_is_grey_and_large():
+    client = connect()
+    SceneCopy(robots.assemble().scene, client, floor=True)
+    shapes = pybullet.getVisualShapeData(1, physicsClientId=client)
+    assert [shape[7] for shape in shapes] == [pytest.approx((0.72, 0.72, 0.72, 1.0))]
+    low, high = shapes[0][5][2] - shapes[0][3][2] / 2, shapes[0][5][2] + shapes[0][3][2] / 2
+    assert shapes[0][3] == pytest.approx((40.0, 40.0, 0.01))
+    assert (low, high) == pytest.approx((-0.01, 0.0))
+
+
 def test_no_part_of_a_copy_reflects_the_sun(monkeypatch):
     changed = []
     monkeypatch.setattr(pybullet, 'changeVisualShape',

@@ -227,3 +227,11 @@ def test_parts_of_a_model_have_their_own_links_and_joints_alone(read):
     assert [model.get('name') for model in models] == ['m', 'm::b']
     assert [[part.get('name') for part in model if part.get('name')] for model in models] == [
         ['a'], ['b', 'bc', 'c', 'cd', 'd']]
+
+
+def test_what_is_static_has_no_mass_and_no_inertia(read):
+    inertial = ElementTree.fromstring(read(sdf(SHELF)).text).findall('.//inertial')
+    assert len(inertial) == 1 and inertial[0].findtext('mass') == '0'
+    assert {part.tag: part.text for part in inertial[0].find('inertia')} == dict.fromkeys(
+        ('ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz'), '0')
+    assert len(inertial[0]) == 2
