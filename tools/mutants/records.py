@@ -71,10 +71,12 @@ def recorded(tree: Tree, worker: Worker, folder: str) -> Record:
         print('[mutants] running the tests of {} files once'.format(len(missing)), flush=True)
         os.makedirs(os.path.join(folder, 'records'), exist_ok=True)
         whole = os.path.join(folder, 'record.json')
-        if worker.ask(record=whole, files=missing) != 0:
-            sys.exit('[mutants] tests fail without a mutant: see {}.log'.format(worker.copy))
+        if worker.ask(record=whole, files=missing) not in (0, 1):       # 1: some tests failed
+            sys.exit('[mutants] the tests cannot be run: see {}.log'.format(worker.copy))
         with open(whole) as stream:
             record = json.load(stream)
+        for test in record['failed']:
+            print('[mutants] not used, it fails without a mutant: {}'.format(test), flush=True)
         for name in missing:
             part = {'seconds': {test: value for test, value in record['seconds'].items()
                                 if test.startswith(name + '::')},

@@ -52,6 +52,7 @@ class _Recorder:
         self._path = path
         self._coverage = coverage.Coverage(data_file=None, config_file=False, source=['src'])
         self._seconds = collections.defaultdict(float)
+        self._failed = set()
         self._coverage.start()
 
     @pytest.hookimpl(hookwrapper=True)
@@ -61,15 +62,20 @@ class _Recorder:
 
     def pytest_runtest_logreport(self, report):
         self._seconds[report.nodeid] += report.duration
+        if report.failed:
+            self._failed.add(report.nodeid)
 
     def pytest_sessionfinish(self):
         self._coverage.stop()
         data = self._coverage.get_data()
-        lines = {os.path.relpath(file): {line: [test for test in tests if test] for line, tests in
-                                         data.contexts_by_lineno(file).items()}
-                 for file in data.measured_files()}
+        useless = {'', *self._failed}
+        lines = {os.path.relpath(file): {
+            line: [test for test in tests if test not in useless]
+            for line, tests in data.contexts_by_lineno(file).items()}
+            for file in data.measured_files()}
+        seconds = {test: value for test, value in self._seconds.items() if test not in useless}
         with open(self._path, 'w') as stream:
-            json.dump({'lines': lines, 'seconds': self._seconds}, stream)
+            json.dump({'lines': lines, 'seconds': seconds, 'failed': sorted(self._failed)}, stream)
 
 
 def _run(request, copy):
