@@ -185,3 +185,16 @@ def test_layout_is_as_it_was(name, settings, shape, tmp_path):
     image[:, shape[1] // 2:] = (215, 70, 25)
     figure, _ = tuning_picture.draw(image, settings)
     assert_unchanged(figure, os.path.join(os.path.dirname(__file__), name + '.txt'), tmp_path)
+
+
+@pytest.mark.parametrize('limit_px, ticks', [
+    (0, [0, 1]), (1, [0, 1]), (3, [0, 2]), (60, [0, 5, 20, 50])])
+def test_scale_reaches_the_area_limit_or_the_highest_bar(limit_px, ticks):
+    settings = with_colors(['any'])(any_hue_min=100, any_hue_max=120, any_area_limit=limit_px)
+    figure, _ = tuning_picture.draw(np.full((4, 16, 3), 120, np.uint8), settings)
+    saturation = figure.axes[5]
+    assert saturation.get_ylim() == (0, 1.1) and saturation.texts[0].get_text() == (
+        'no pixel has this hue')
+    hues = figure.axes[2]
+    assert list(hues.get_yticks()) == ticks
+    assert hues.get_ylim()[1] == pytest.approx(1.1 * max(1, min(64, limit_px)))
