@@ -179,6 +179,10 @@ def test_helper_that_fails_says_so():
     helper = scene.Helper(operator.methodcaller('no_such_method'), ())
     helper._process.join(DEADLINE_S)
     assert helper.end() is False
+    killed = scene.Helper(operator.methodcaller('recv'), ())
+    killed._process.kill()
+    killed._process.join(DEADLINE_S)
+    assert killed._process.exitcode < 0 and killed.end() is False
 
 
 def test_helper_ignores_ctrl_c_and_gives_way_to_the_simulation(monkeypatch):
