@@ -2,6 +2,7 @@
 """
 import os
 import stat
+import subprocess
 import sys
 from importlib import util
 
@@ -86,6 +87,25 @@ def test_command_of_ros_1_is_used_where_it_is_installed(box, command):
     assert robot_file.read(box).strip() == '<robot name="box.urdf.xacro"/>'
 
 
+def test_command_has_a_minute(box, command, monkeypatch):
+    command('')
+    given = {}
+
+    def run(words, **options):
+        given.update(options, words=words)
+        raise subprocess.TimeoutExpired(words, 60)
+    monkeypatch.setattr(subprocess, 'run', run)
+    assert refusal(box).startswith('xacro cannot expand {}: Command '.format(box))
+    assert given['timeout'] == 60.0 and given['check'] is True
+    assert given['words'][1:] == [box] and given['words'][0].endswith('/bin/xacro')
+
+
+def test_command_that_cannot_be_run_is_a_line_with_its_reason(box, command, monkeypatch):
+    command('')
+    monkeypatch.setattr(robot_file, '_ros_command', lambda: '/no/such')
+    assert refusal(box) == 'xacro cannot expand {}: No such file or directory'.format(box)
+
+
 def test_command_that_fails_is_a_line_with_its_reason(box, command):
     command('echo "undefined\nargument: side" >&2; exit 2')
     assert refusal(box) == 'xacro cannot expand {}: undefined argument: side'.format(box)
@@ -103,6 +123,13 @@ def test_without_xacro_the_line_says_what_to_do(box, monkeypatch):
     words = refusal(box)
     assert 'it is a xacro file, and xacro is not installed; install it' in words
     assert 'pip install xacro' in words and 'xacro {} > robot.urdf'.format(box) in words
+
+
+def test_without_a_package_xacro_at_all_the_line_says_what_to_do(box, monkeypatch):
+    def refuse(name):
+        raise ModuleNotFoundError(name)
+    monkeypatch.setattr(util, 'find_spec', refuse)
+    assert 'it is a xacro file, and xacro is not installed; install it' in refusal(box)
 
 
 @needs_module
@@ -137,5 +164,7 @@ def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, 'argv', ['robot_description.py', str(tmp_path / 'no.urdf')])
     assert robot_file.main() == 1
     assert capsys.readouterr().err.count('\n') == 1
-    monkeypatch.setattr(sys, 'argv', ['robot_description.py'])
-    assert robot_file.main() == 2
+    for arguments in ([], [str(path), 'more']):
+        monkeypatch.setattr(sys, 'argv', ['/bin/robot_description.py', *arguments])
+        assert robot_file.main() == 2
+        assert capsys.readouterr().err == 'usage: robot_description.py FILE\n'

@@ -91,7 +91,7 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
                             unit=' frames', total=frames.expected or None, disable=None)
         with progress:
             end_ns = _run(Chain(simulator, settings, options.teleop, [bag, table, plot]),
-                          progress, frames.period_ns)
+                          progress, frames)
         loop_s = time.perf_counter() - start_s
         painter.begin('Replay of {}, {} frames, in the world {}'.format(
             os.path.basename(options.input), plot.frames, os.path.basename(options.world)),
@@ -105,9 +105,10 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.motion(), paths)
 
 
-def _run(chain: Chain, measurements: Iterable[FrameMeasurement], period_ns: int) -> int:
+def _run(chain: Chain, measurements: Iterable[FrameMeasurement], frames: Frames) -> int:
     """Run the chain; return the time at its end."""
-    end_ns = chain.run(measurements) + period_ns
+    last_ns = chain.run(measurements)
+    end_ns = last_ns + frames.period_ns     # that of a bag is not known earlier
     chain.end(end_ns)
     return end_ns
 

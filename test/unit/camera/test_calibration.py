@@ -55,3 +55,49 @@ def test_calibration_without_a_size_is_refused():
                         KNOWN.projection)
     with pytest.raises(CalibrationError):
         calibration.scaled(empty, 640, 480)
+
+
+@pytest.mark.parametrize('size, usable', [
+    ((646, 480), True), ((647, 480), False), ((640, 484), True), ((640, 485), False)])
+def test_aspect_ratio_may_differ_by_one_percent(size, usable):
+    if usable:
+        matrix = calibration.scaled(KNOWN, *size).camera_matrix
+        assert matrix[0] == pytest.approx(500.5 * size[0] / 640)
+    else:
+        with pytest.raises(CalibrationError):
+            calibration.scaled(KNOWN, *size)
+
+
+@pytest.mark.parametrize('width, height', [(0, 480), (640, 0), (-640, -480), (-640, 480)])
+def test_calibration_with_half_a_size_is_refused(width, height):
+    with pytest.raises(CalibrationError, match='another aspect ratio'):
+        calibration.scaled(dataclasses.replace(KNOWN, width=width, height=height), 320, 240)
+    with pytest.raises(CalibrationError):
+        calibration.scaled(KNOWN, 0, 480)
+    with pytest.raises(CalibrationError):
+        calibration.scaled(KNOWN, 640, 0)
+
+
+@pytest.mark.parametrize('index, name', [(0, 'fx'), (4, 'fy')])
+@pytest.mark.parametrize('value, usable', [(0.0, False), (-1.0, False), (0.5, True)])
+def test_both_focal_lengths_are_above_zero(index, name, value, usable):
+    matrix = list(KNOWN.camera_matrix)
+    matrix[index] = value
+    problem = calibration.find_problem(dataclasses.replace(KNOWN, camera_matrix=tuple(matrix)))
+    assert problem == (None if usable else 'camera_matrix (wants a focal length {} above 0, has '
+                       '{:g})'.format(name, value))
+
+
+def test_one_pixel_is_a_size():
+    assert calibration.find_problem(dataclasses.replace(KNOWN, width=1, height=1)) is None
+
+
+@pytest.mark.parametrize('value, shown', [
+    ([1, 2, 3, 4], '[1, 2, 3, ...]'), ([1, 2, 3], '[1, 2, 3]'),
+    ({number: 0 for number in range(4)}, '{0: 0, 1: 0, 2: 0, ...}'),
+    ({1: 0, 2: 0, 3: 0}, '{1: 0, 2: 0, 3: 0}'), ([[[[]]]], '[[[...]]]'), ([[[]]], '[[[]]]'),
+    ('a' * 58, repr('a' * 58)), ('a' * 59, repr('a' * 27 + '...' + 'a' * 28)),
+    (10 ** 59, '1' + '0' * 59), (10 ** 60, '1' + '0' * 27 + '...' + '0' * 29),
+    (b'x' * 57, repr(b'x' * 57)), (b'x' * 58, "b'" + 'x' * 26 + '...' + 'x' * 28 + "'")])
+def test_values_are_shortened(value, shown):
+    assert calibration.short_repr(value) == shown

@@ -206,3 +206,14 @@ def test_pipe_is_refused_without_waiting(path):
     os.mkfifo(path)
     with pytest.raises(CalibrationError, match='^cannot read calibration .*: not a regular file$'):
         calibration_file.load(path)
+
+
+def test_file_of_the_largest_size_is_read(path):
+    with open(path, 'w') as file:
+        file.write('# ' + 'a' * ((1 << 20) - 2))
+    with pytest.raises(CalibrationError, match='has no camera_matrix'):
+        calibration_file.load(path)
+    with open(path, 'a') as file:
+        file.write('a')
+    with pytest.raises(CalibrationError, match='larger than 1048576 bytes$'):
+        calibration_file.load(path)

@@ -61,10 +61,12 @@ class Recorder(Listener):
         self._record('reconnected')
 
     def ended(self, reason):
+        assert not self.capture.wanted
         self._record('ended', reason)
         self.capture.shut_down()
 
     def failed(self, error, opening):
+        assert not self.capture.wanted
         self._record('failed', str(error), opening)
         self.capture.shut_down()
 
@@ -254,3 +256,47 @@ def test_device_lost_after_a_stop_is_not_reported(clock):
     rig = Rig(clock, device(0.1, stopped))
     rig.run()
     assert rig.listener.names() == ['opened', 'frame'] and not rig.capture.is_lost
+
+
+def test_stop_and_shut_down_wait_as_long_as_they_say(clock):
+    waited = []
+
+    class Closed:
+        def wait(self, timeout_s):
+            waited.append(timeout_s)
+            return False
+
+    class Thread:
+        def join(self, timeout_s):
+            waited.append(timeout_s)
+
+        def is_alive(self):
+            return waited[-1:] == [1.0]
+
+    capture = Capture(lambda: None, Listener(), clock)
+    assert capture.shut_down() is True      # there is no thread
+    capture._closed, capture._thread = Closed(), Thread()
+    assert capture.stop() is False and capture.shut_down() is False
+    assert waited == [1.5, 1.0]
+
+
+def test_stall_is_more_than_the_timeout_of_the_source(clock):
+    recorder = Recorder(clock)
+    capture = Capture(lambda: None, recorder, clock)
+    capture.start()
+    capture._reading = FakeSource(clock, [], stall_timeout_s=2.0)
+    capture._reading_since = 100.0
+    clock.advance(2.0)
+    capture.check()
+    assert recorder.calls == [] and not capture.is_lost
+    clock.advance(0.25)
+    capture.check()
+    assert recorder.calls == [('lost', 'fake has given no frame for 2.2 s', 2.25)]
+    assert capture.is_lost and capture.wanted
+
+
+def test_thread_is_a_daemon_with_a_name(clock):
+    capture = Capture(lambda: None, Listener(), clock)
+    capture.start_thread()
+    assert capture._thread.name == 'capture' and capture._thread.daemon
+    assert capture.shut_down()

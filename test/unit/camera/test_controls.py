@@ -40,6 +40,57 @@ NAMES = {controls.BRIGHTNESS: 'brightness', controls.CONTRAST: 'contrast',
 ALL = sorted(NAMES)
 
 
+@pytest.mark.parametrize('name, control_id', [      # linux/v4l2-controls.h
+    ('brightness', 0x00980900), ('contrast', 0x00980901), ('saturation', 0x00980902),
+    ('white_balance_automatic', 0x0098090c), ('white_balance_temperature_auto', 0x0098090c),
+    ('gain', 0x00980913), ('white_balance_temperature', 0x0098091a), ('sharpness', 0x0098091b),
+    ('auto_exposure', 0x009a0901), ('exposure_auto', 0x009a0901),
+    ('exposure_time_absolute', 0x009a0902), ('exposure_absolute', 0x009a0902),
+    ('focus_absolute', 0x009a090a), ('focus_automatic_continuous', 0x009a090c),
+    ('focus_auto', 0x009a090c)])
+def test_ids_are_those_of_the_kernel(name, control_id):
+    assert controls.KNOWN_NAMES[name] == control_id
+    device = FakeDevice(control_id, names={control_id: 'any'})
+    assert apply(device, ControlSettings(autofocus=True), {name: 1})[1:] == []
+    assert (control_id, 1) in device.done
+
+
+def test_settings_have_the_ids_of_the_kernel():
+    device = FakeDevice(*ALL, high=9000)
+    apply(device, ControlSettings(
+        brightness=11, contrast=12, saturation=13, sharpness=14, gain=15, autofocus=False,
+        focus=16, autoexposure=False, exposure=17, auto_white_balance=False, white_balance=18), {})
+    assert device.done == [
+        (0x00980900, 11), (0x00980901, 12), (0x00980902, 13), (0x0098091b, 14), (0x00980913, 15),
+        (0x0098090c, 0), (0x0098091a, 18), (0x009a0901, 1), (0x009a0902, 17), (0x009a090c, 0),
+        (0x009a090a, 16)]
+
+
+def test_values_at_the_ends_of_the_range_are_set():
+    for value in (10, 90):
+        device = FakeDevice(controls.GAIN, low=10, high=90)
+        assert apply(device, ControlSettings(gain=value), {}) == []
+        assert device.done == [(controls.GAIN, value)]
+    assert apply(FakeDevice(controls.GAIN, low=10), ControlSettings(gain=9), {}) == [
+        'control gain: got 9, allowed is 10 to 255']
+
+
+@pytest.mark.parametrize('highest, wanted', [(2, 0), (4, 3)])
+def test_automatic_exposure_is_the_mode_that_the_camera_has(highest, wanted):
+    device = FakeDevice(controls.EXPOSURE_AUTO, high=highest, values={controls.EXPOSURE_AUTO: 1})
+    apply(device, ControlSettings(), {})
+    assert device.done == [(controls.EXPOSURE_AUTO, wanted)]
+
+
+def test_exposure_mode_that_cannot_be_read_is_not_changed():
+    device = FakeDevice(controls.EXPOSURE_AUTO)
+
+    def refuse(control_id):
+        raise OSError(errno.EIO, 'Input/output error')
+    device.get = refuse
+    assert apply(device, ControlSettings(), {}) == [] and device.done == []
+
+
 def test_defaults_on_a_camera_without_controls_set_nothing():
     device = FakeDevice()
     assert apply(device, ControlSettings(), {}) == []
@@ -134,7 +185,8 @@ def test_unknown_intrinsic_control_is_named():
 
 @pytest.mark.parametrize('name, variable', [
     (b'Brightness\0\0\0', 'brightness'), (b'White Balance, Automatic', 'white_balance_automatic'),
-    (b'Exposure (Absolute)\0rest', 'exposure_absolute'), (b'LED1 Mode', 'led1_mode')])
+    (b'Exposure (Absolute)\0rest', 'exposure_absolute'), (b'LED1 Mode', 'led1_mode'),
+    (b'(Zoom) 09', 'zoom_09'), (b'caf\xe9', 'caf')])
 def test_names_are_those_of_v4l2_ctl(name, variable):
     assert variable_name(name) == variable
 
@@ -149,7 +201,9 @@ class FakeDriver:
                        (0x00980901, 1, b'Contrast', 0, 255, 1, 128, 0x0001),
                        (0x00980907, 4, b'Button', 0, 0, 0, 0, 0),
                        (0x00980908, 8, b'Mask', 0, -1, 0, 0, 0),
-                       (0x009a0902, 1, b'Exposure Time, Absolute', 1, 9, 1, 3, 0x0004)]
+                       (0x009a0902, 1, b'Exposure Time, Absolute', 1, 9, 1, 3, 0x0004),
+                       *((0x00a00000 + kind, kind, b'Kind', 0, 3, 1, 2, 0x0002 | 0x0008)
+                         for kind in (2, 3, 5, 7, 9, 0x0106))]
 
     def __call__(self, descriptor, request, data):
         os.fstat(descriptor)        # is it open?
@@ -178,12 +232,17 @@ def test_device_uses_the_ioctls_of_the_kernel(monkeypatch):
         Control(0x00980900, 'brightness', -10, 255, 5, 128, True),
         Control(0x00980907, 'button', 0, 1, 0, 0, True),
         Control(0x00980908, 'mask', 0, 0xffffffff, 0, 0, True),
-        Control(0x009a0902, 'exposure_time_absolute', 1, 9, 1, 3, False)]
+        Control(0x009a0902, 'exposure_time_absolute', 1, 9, 1, 3, False),
+        # 64 bits, text and arrays need another ioctl
+        *(Control(0x00a00000 + kind, 'kind', 0, 3, 1, 2, kind in (2, 3, 9))
+          for kind in (2, 3, 5, 7, 9, 0x0106))]
     assert device.get(0x00980900) == 40
     device.set(0x00980900, -7)
     assert device.get(0x00980900) == -7
     device.close()
     device.close()
+    with pytest.raises(OSError, match='Bad file descriptor'):
+        device.get(0x00980900)
 
 
 def test_device_that_is_not_a_camera_has_no_controls():

@@ -204,3 +204,12 @@ def test_clock_of_a_driver_that_was_wrong_once_is_ignored(open_device, monkeypat
         source.read()
         ages.append(source.age_s)
     assert ages == pytest.approx([0.5, 0.0, 0.0])
+
+
+def test_access_is_checked_for_reading_and_writing_without_waiting(open_device, monkeypatch):
+    opened, close = [], []
+    monkeypatch.setattr('img_recog.camera.device_source.os.open',
+                        lambda *args: opened.append(args) or 77)
+    monkeypatch.setattr('img_recog.camera.device_source.os.close', close.append)
+    open_device()
+    assert opened == [('/dev/null', os.O_RDWR | os.O_NONBLOCK)] and close == [77]

@@ -41,6 +41,13 @@ def test_delay_of_less_than_a_period_is_caught_up(pacer, clock):
     assert pacer.delay_s() == 0.03125
 
 
+def test_delay_of_exactly_a_period_is_caught_up(pacer, clock):
+    pacer.delay_s()
+    clock.advance(2 * PERIOD_S)
+    assert pacer.delay_s() == 0.0 and pacer.delay_s() == 0.0
+    assert pacer.delay_s() == PERIOD_S
+
+
 @pytest.mark.parametrize('missed', [1, 2, 7, 1000])
 def test_no_burst_after_a_frame_late_by_more_than_a_period(pacer, clock, missed):
     pacer.delay_s()
@@ -91,3 +98,20 @@ def test_jitter_does_not_change_the_rate():
 def test_after_a_pause_there_is_no_burst():
     numbers = kept([1 / 60] * 120 + [10.0] + [1 / 60] * 120, 30.0)
     assert 118 <= len(numbers) <= 124
+
+
+@pytest.mark.parametrize('given_hz, keeps_all', [(31.5, True), (31.65, False), (32.0, False)])
+def test_camera_may_exceed_its_rate_by_five_percent(given_hz, keeps_all):
+    numbers = kept([1.0 / given_hz] * 2000, 30.0)
+    assert (numbers == list(range(2000))) is keeps_all
+
+
+def test_first_frames_are_kept_by_their_interval():
+    throttle = Throttle(8.0)
+    assert throttle.accepts(0.0)
+    # the next is due at 0.125, and nearest to it is the one at 0.125
+    assert [throttle.accepts(time_s) for time_s in (0.03125, 0.0625, 0.09375, 0.125)] == [
+        False, False, False, True]
+    # not before half an interval ahead of the due time 0.25
+    assert [throttle.accepts(time_s) for time_s in (0.203125, 0.234375, 0.265625)] == [
+        False, True, False]

@@ -36,7 +36,7 @@ def png_header(width, height):
 
 def test_missing_file_lists_the_devices_and_the_advice(tmp_path, monkeypatch):
     monkeypatch.setattr('img_recog.camera.device_source.glob.glob',
-                        lambda pattern: ['/dev/video3', '/dev/video1'])
+                        {'/dev/video*': ['/dev/video3', '/dev/video1']}.get)
     path = tmp_path / 'missing.mp4'
     assert refusal(path) == (
         'cannot open {}: no such file or device (have /dev/video1, /dev/video3); set '

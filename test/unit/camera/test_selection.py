@@ -245,3 +245,20 @@ def test_auto_is_resolved_once(tmp_path, monkeypatch):
 def test_other_url_is_refused_with_the_known_schemes():
     with pytest.raises(SourceError, match='^cannot open gopher://x: .* http://, https://, rtmp'):
         opened('gopher://me@x')
+
+
+@pytest.mark.parametrize('content, is_text', [
+    (b'', False), (b'a', True), (b' ', True), (b'\x1f', False), (b'\t\n\f\r\x1b', True),
+    (b'\x0b', False), (b'\xff', True), (b'a\0', False), (b'a' * 4095 + b'\0', False),
+    (b'a' * 4096 + b'\0', True)])
+def test_text_has_no_control_characters_at_its_start(tmp_path, content, is_text):
+    (tmp_path / 'file').write_bytes(content)
+    assert selection._is_text(str(tmp_path / 'file')) is is_text
+
+
+def test_pipe_in_the_place_of_a_device_is_refused_with_advice(tmp_path):
+    os.mkfifo(str(tmp_path / 'pipe'))
+    with pytest.raises(SourceError) as refused:
+        opened(tmp_path / 'pipe')
+    assert refused.value.problem.endswith('pipe: neither a device nor a file')
+    assert refused.value.advice == 'set video_device to one, or to synthetic'

@@ -13,6 +13,11 @@ def test_stamp_is_the_time_minus_the_age():
     assert stamps_of((5 * 10 ** 9, 0.0), (6 * 10 ** 9, 0.25)) == [5 * 10 ** 9, 5750000000]
 
 
+def test_age_is_in_seconds_and_zero_if_it_is_not_given():
+    assert Stamps().stamp_ns(5) == 5
+    assert stamps_of((10 ** 12, 16.0)) == [984 * 10 ** 9]
+
+
 def test_clock_that_is_stopped():
     assert stamps_of((7, 0.0), (7, 0.0), (7, 0.0), (9, 0.0), (10, 0.0)) == [7, 8, 9, 10, 11]
 

@@ -1,4 +1,6 @@
 """The synthetic scene: its cards, its sizes, and that its frames are reproducible."""
+import zlib
+
 import cv2
 import numpy as np
 import pytest
@@ -23,6 +25,14 @@ def areas_px(frame):
 
 def test_frame_ranges():
     assert (PERIOD_FRAMES, BLUE_FRAMES, RED_FRAMES) == (300, range(30, 90), range(180, 240))
+
+
+def test_every_pixel_is_as_it_was():
+    # the figures of the benchmark and the expected commands of other tests depend on the scene
+    numbers = (0, 30, 31, 32, 33, 34, 180, 210)
+    assert [zlib.crc32(draw_frame(number).tobytes()) for number in numbers] == [
+        3062879616, 3485339005, 3231330658, 3149169198, 296083910,
+        3840171824, 417036072, 1256572388]
 
 
 def test_default_frame_is_rgb_640x480():
@@ -77,7 +87,7 @@ def test_card_moves_in_and_out_in_mirrored_steps():
 def test_source_yields_the_frames_of_the_scene_in_order(width, height):
     source = SyntheticSource(width, height, 15.0)
     assert (source.width, source.height, source.rate_hz) == (width, height, 15.0)
-    assert source.encoding == 'rgb8'
+    assert (source.encoding, source.name, source.expected_hz) == ('rgb8', 'synthetic', 15.0)
     assert source.description == 'synthetic scene, {}x{}, 15 Hz'.format(width, height)
     for number in range(PERIOD_FRAMES + 35):
         assert np.array_equal(source.read(), draw_frame(number, width, height)), number

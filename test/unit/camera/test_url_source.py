@@ -152,6 +152,17 @@ def test_video_and_stream_are_distinguished(clock, monkeypatch, url, count, sour
     assert source.expected_hz == (25.0 if is_announced else None)
 
 
+@pytest.mark.parametrize('extension', [
+    'avi', 'm4v', 'mkv', 'mov', 'mp4', 'mpeg', 'mpg', 'ogv', 'webm', 'MP4'])
+def test_extensions_of_videos(clock, monkeypatch, extension):
+    capture = FakeCapture(clock, [True] * 4, FPS=25.0, FRAME_COUNT=UNKNOWN)
+    source = at_url(monkeypatch, capture, 'http://h/a.' + extension)
+    assert type(source) is RemoteVideoSource
+    # a count of two frames is a video, too
+    capture = FakeCapture(clock, [True] * 4, FPS=25.0, FRAME_COUNT=2)
+    assert type(at_url(monkeypatch, capture, 'http://h/a')) is RemoteVideoSource
+
+
 @pytest.mark.parametrize('url, count', [
     ('http://h/snapshot', 1), ('http://h/p.png?size=2', UNKNOWN), ('http://h/p.jpg', 1)])
 def test_image_at_a_url(clock, monkeypatch, url, count):
@@ -222,3 +233,64 @@ def test_error_of_a_video_without_a_frame_mentions_range_requests(clock):
     ('/a/video?.mp4', '/a/video?.mp4'), ('synthetic', 'synthetic')])
 def test_log_shows_no_password(url, shown):
     assert urls.redacted(url) == shown
+
+
+@pytest.mark.parametrize('rate_hz, expected_hz', [
+    (-0.5, None), (0.0, None), (0.5, 0.5), (1000.0, 1000.0), (1000.5, None)])
+def test_rate_that_cannot_be_right_is_not_known(clock, rate_hz, expected_hz):
+    source = StreamSource('x', FakeCapture(clock, [True], FPS=rate_hz), True, clock)
+    assert source.expected_hz == expected_hz
+    assert (source.name, source.description) == ('x', 'stream x, 64x48')
+
+
+def test_ffmpeg_opens_for_five_seconds_and_reads_for_two(monkeypatch):
+    given = []
+    monkeypatch.setattr(cv2, 'VideoCapture', lambda *args: given.append(args))
+    url_source._open_capture('rtsp://h')
+    assert given == [('rtsp://h', cv2.CAP_FFMPEG, [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, 5000,
+                                                   cv2.CAP_PROP_READ_TIMEOUT_MSEC, 2000])]
+
+
+@pytest.mark.parametrize('failure_s, ends', [(-0.004, True), (-0.0051, False)])
+def test_four_reads_that_fail_within_five_milliseconds_are_the_end(clock, failure_s, ends):
+    source = stream(clock, True, *[failure_s] * 4, True, *[False] * 4)
+    assert results(source)[0] == (['frame'] if ends else ['frame'] + ['skipped'] * 4 + ['frame'])
+
+
+@pytest.mark.parametrize('failure_s, ends', [(-0.45, True), (-0.4375, False)])
+def test_a_stall_of_less_than_1_8_seconds_is_not_the_end(clock, failure_s, ends):
+    clock.now_s = 0.0       # so that the sums are exact
+    source = stream(clock, True, *[failure_s] * 4, True, *[False] * 4)
+    assert results(source)[0] == (['frame'] if ends else ['frame'] + ['skipped'] * 4 + ['frame'])
+
+
+def test_stream_that_changes_its_size_ends(clock):
+    source = stream(clock, True, True)
+    source.read()
+    source.width = 60
+    with pytest.raises(SourceError, match='^rtsp://camera/live has changed its size to 64x48$'):
+        source.read()
+
+
+def test_streams_reconnect_and_have_a_timeout(clock):
+    source = stream(clock, True)
+    assert source.reconnects is True and source.stall_timeout_s == 1.8
+    assert remote_video(clock, True, True).stall_timeout_s == 1.8
+
+
+def test_stream_that_cannot_be_opened_is_released(monkeypatch, clock):
+    capture = FakeCapture(clock, [])
+    capture.isOpened = lambda: False
+    with pytest.raises(SourceError) as refused:
+        at_url(monkeypatch, capture, 'rtsp://h')
+    assert str(refused.value) == ('cannot open rtsp://h: no stream that OpenCV plays, or not '
+                                  'within 5 s; is its server running?')
+    assert capture.released
+
+
+def test_frame_without_pixels_is_damaged(clock):
+    capture = FakeCapture(clock, [], FPS=25.0)
+    answers = [(True, IMAGE), (True, IMAGE[:0]), (True, None), (True, IMAGE)]
+    capture.read = lambda: answers.pop(0) if answers else (False, None)
+    source = StreamSource('rtsp://camera/live', capture, now=clock)
+    assert results(source)[0] == ['frame', 'skipped', 'skipped', 'frame']

@@ -39,6 +39,9 @@ def test_twist_that_is_not_finite_is_refused_by_name(part, axis, value):
 def test_odometry_round_trip():
     msg = robot_msgs.odometry_to_msg(MOTION, 'odom', 'base', STAMP)
     assert (msg.header.stamp, msg.header.frame_id, msg.child_frame_id) == (STAMP, 'odom', 'base')
+    # x, y and yaw are estimated, like by libgazebo_ros_diff_drive
+    assert list(msg.pose.covariance) == np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel(
+        ).tolist()
     again = robot_msgs.odometry_from_msg(msg)
     for got, want in zip(again, MOTION):
         assert np.array_equal(got, want)
@@ -71,6 +74,7 @@ def test_scan_round_trip():
     assert (msg.header.frame_id, msg.header.stamp) == ('laser', STAMP)
     assert (msg.angle_min, msg.angle_max, msg.angle_increment) == (0.0, 6.28319, 6.28319 / 3)
     assert (msg.range_min, msg.range_max) == (0.12, 3.5)
+    assert msg.intensities == [0.0] * 4
     assert robot_msgs.scan_from_msg(msg).tolist() == [0.5, np.inf, 1.0, 3.5]
 
 
@@ -80,7 +84,7 @@ def test_imu_round_trip():
     msg = robot_msgs.imu_to_msg(reading, ImuSettings(gyro_noise=0.5, accel_noise=0.25), STAMP)
     assert (msg.header.frame_id, msg.header.stamp) == ('imu_link', STAMP)
     assert msg.angular_velocity_covariance == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25]
-    assert msg.linear_acceleration_covariance[0] == 0.0625
+    assert msg.linear_acceleration_covariance == [0.0625, 0, 0, 0, 0.0625, 0, 0, 0, 0.0625]
     for got, want in zip(robot_msgs.imu_from_msg(msg), reading):
         assert np.array_equal(got, want)
 
@@ -89,7 +93,8 @@ def test_camera_info_round_trip():
     given = Calibration('cam', 640, 480, 'plumb_bob', (0.1, 0.2, 0.0, 0.0, 0.3),
                         tuple(map(float, range(9))), tuple(map(float, range(9, 18))),
                         tuple(map(float, range(18, 30))))
-    msg = camera_info_msgs.to_msg(given, 640, 480, Header(stamp=STAMP, frame_id='cam'))
+    msg = camera_info_msgs.to_msg(given, 1, 1, Header(stamp=STAMP, frame_id='cam'))
+    assert (msg.width, msg.height) == (640, 480)
     assert (msg.header.stamp, msg.header.frame_id) == (STAMP, 'cam')
     assert camera_info_msgs.from_msg(msg, 'cam') == given
 

@@ -60,3 +60,11 @@ def test_a_missing_file(tmp_path):
     with pytest.raises(ParameterError) as caught:
         parameter_file.read(str(tmp_path / 'none.yaml'))
     assert 'none.yaml: No such file or directory' in str(caught.value)
+
+
+def test_parameters_of_the_node_alone_are_accepted(tmp_path):
+    path = tmp_path / 'colors.yaml'
+    path.write_text('colors: [blue]\ncolors_file: a\nimage_transport: raw\n'
+                    'blue_image_topic: b\nblue_hue_min: 60\n')
+    settings = parameter_file.read(str(path))
+    assert settings.color_names == ('blue',) and settings.colors[0].hue == (60, 150)

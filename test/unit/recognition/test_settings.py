@@ -3,7 +3,7 @@ import dataclasses
 
 import pytest
 
-from img_recog.recognition.settings import Color, color_names, with_colors
+from img_recog.recognition.settings import Color, color_in, color_names, with_colors
 from img_recog.settings import SettingError
 
 
@@ -70,3 +70,10 @@ def test_refused_names(value):
 
 def test_accepted_names():
     assert color_names(['red', 'light_blue2']) == ('red', 'light_blue2')
+
+
+@pytest.mark.parametrize('parameter, color', [
+    ('dark_red_hue_min', 'dark_red'), ('red_image_topic', 'red'), ('red_angular_z', 'red'),
+    ('hue_min', None), ('colors', None), ('image_topic', None)])
+def test_color_that_a_parameter_is_named_after(parameter, color):
+    assert color_in(parameter) == color

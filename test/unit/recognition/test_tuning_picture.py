@@ -1,5 +1,6 @@
 """Compares the statistics of the tuning picture with plain numpy, and checks its pixels."""
 import colorsys
+import os
 
 import cv2
 import numpy as np
@@ -9,6 +10,7 @@ from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
 from img_recog.recognition.tuning_statistics import frame_statistics, spans, within
+from img_recog_testing.figures import assert_unchanged
 
 ARTICLE = with_colors()()
 FIVE = with_colors(['blue', 'red', 'green', 'yellow', 'all_of_the_red'])(
@@ -171,3 +173,28 @@ def test_a_picture_fits_into_the_given_size():
     height, width = tuning_picture.pixels(figure, 2000, 300).shape[:2]
     assert abs(height - 300) <= 1 and width < 400
     assert tuning_picture.pixels(figure, 1, 1).shape[1] == 240
+
+
+@pytest.mark.parametrize('name, settings, shape', [
+    ('tuning_two', with_colors(['blue', 'red_and_pink'])(
+        red_and_pink_hue_min=170, red_and_pink_hue_max=10, roi_x_offset=20, roi_width=50,
+        blue_area_limit=30), (60, 80, 3)),
+    ('tuning_five', FIVE, (200, 1100, 3))])
+def test_layout_is_as_it_was(name, settings, shape, tmp_path):
+    image = noise(3, shape)
+    image[:, shape[1] // 2:] = (215, 70, 25)
+    figure, _ = tuning_picture.draw(image, settings)
+    assert_unchanged(figure, os.path.join(os.path.dirname(__file__), name + '.txt'), tmp_path)
+
+
+@pytest.mark.parametrize('limit_px, ticks', [
+    (0, [0, 1]), (1, [0, 1]), (3, [0, 2]), (60, [0, 5, 20, 50])])
+def test_scale_reaches_the_area_limit_or_the_highest_bar(limit_px, ticks):
+    settings = with_colors(['any'])(any_hue_min=100, any_hue_max=120, any_area_limit=limit_px)
+    figure, _ = tuning_picture.draw(np.full((4, 16, 3), 120, np.uint8), settings)
+    saturation = figure.axes[5]
+    assert saturation.get_ylim() == (0, 1.1) and saturation.texts[0].get_text() == (
+        'no pixel has this hue')
+    hues = figure.axes[2]
+    assert list(hues.get_yticks()) == ticks
+    assert hues.get_ylim()[1] == pytest.approx(1.1 * max(1, min(64, limit_px)))

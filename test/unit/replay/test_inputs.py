@@ -1,7 +1,9 @@
 """Frames of videos and bags: images, stamps, and the errors for unusable files."""
 import os
+import struct
 
 import cv2
+import genpy
 import numpy as np
 import pytest
 import rosbag
@@ -122,6 +124,54 @@ def test_bag_without_images(make_bag):
     assert path in line and 'no messages of type sensor_msgs/Image' in line
     assert 'rosbag record /usb_cam/image_raw' in line
     assert 'image topics in it: none' in refusal(BagFrames, path, RAW)
+
+
+def test_bag_is_closed_when_it_is_refused_and_at_its_end(make_bag):
+    before = len(os.listdir('/proc/self/fd'))
+    path = make_bag((RAW, String('no image'), 1))
+    refusal(BagFrames, path)
+    assert len(os.listdir('/proc/self/fd')) == before
+    list(BagFrames(make_bag((RAW, raw(0, 1), 1))))
+    assert len(os.listdir('/proc/self/fd')) == before
+
+
+@pytest.mark.parametrize('gap_s, refused', [(3600, False), (3600.5, True), (0, False)])
+def test_stamps_may_be_an_hour_apart(make_bag, gap_s, refused):
+    frames = BagFrames(make_bag((RAW, raw(0, 5), 1), (RAW, raw(0, 5 + gap_s), 2)))
+    if refused:
+        assert 'jump ahead by 3600.5 s' in refusal(list, frames)
+    else:
+        assert len(list(frames)) == 2 and frames.period_ns == gap_s * 10 ** 9
+
+
+@pytest.mark.parametrize('error', [
+    rosbag.ROSBagException('bad'), genpy.MessageException('bad'), struct.error('bad'),
+    OSError('bad'), EOFError('bad'), RuntimeError('bad'), ValueError('bad'), KeyError('bad'),
+    AttributeError('bad'), TypeError('bad')], ids=lambda error: type(error).__name__)
+def test_whatever_rosbag_raises_while_it_reads_is_damage(make_bag, monkeypatch, error):
+    def fail(*_):
+        raise error
+    path = make_bag((RAW, raw(0, 1), 1))
+    frames = BagFrames(path)
+    frames._bag.read_messages = fail
+    line = refusal(list, frames)
+    assert line.startswith('the bag {} is damaged: '.format(path)) and 'bad' in line
+    assert line.endswith('; try rosbag reindex, or record it again')
+    with monkeypatch.context() as patched:
+        patched.setattr(rosbag.Bag, 'get_type_and_topic_info', fail)
+        assert refusal(BagFrames, path).startswith('the bag {} is damaged: '.format(path))
+    monkeypatch.setattr(rosbag, 'Bag', fail)
+    assert refusal(BagFrames, path).startswith('cannot read {} as a bag: '.format(path))
+
+
+def test_bag_without_an_index_says_how_to_make_one(make_bag, monkeypatch):
+    def fail(*_):
+        raise rosbag.ROSBagUnindexedException
+    path = make_bag((RAW, raw(0, 1), 1))
+    monkeypatch.setattr(rosbag, 'Bag', fail)
+    assert refusal(BagFrames, path) == (
+        'the bag {0} has no index; its recording was probably interrupted; create the index: '
+        'rosbag reindex {0}'.format(path))
 
 
 def test_bag_whose_image_type_has_another_definition_has_no_images(make_bag):

@@ -112,3 +112,81 @@ def test_refusals_name_what_is_wrong_in_one_line(urdf, words):
         parse(urdf)
     assert words in str(error.value)
     assert '\n' not in str(error.value)
+
+
+def test_lumped_link_has_the_sum_of_masses_and_inertias():
+    inertial = ('<inertial><origin xyz="{}"/><mass value="{}"/><inertia ixx="3" ixy="0.1" '
+                'ixz="0.2" iyy="4" iyz="0.3" izz="5"/></inertial>')
+    urdf = parse(ROBOT.format(
+        link('a', 0, inertial.format('1 0 0', 2)) + link('b', 0, inertial.format('0 0 0', 6))
+        + joint('ab', 'a', 'b', origin='<origin xyz="0 0 4"/>')))
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert len(robot.findall('link')) == len(robot.findall('link/inertial')) == 1
+    found = robot.find('link/inertial')
+    numbers = {key: float(value) for key, value in found.find('inertia').items()}
+    # 2 kg at (1, 0, 0) and 6 kg at (0, 0, 4): their center is (0.25, 0, 3)
+    assert [float(v) for v in found.find('origin').get('xyz').split()] == [0.25, 0.0, 3.0]
+    assert [float(v) for v in found.find('origin').get('rpy').split()] == [0.0] * 3
+    assert float(found.find('mass').get('value')) == 8.0
+    assert numbers == pytest.approx({
+        'ixx': 6 + 2 * 9 + 6, 'ixy': 0.2, 'ixz': 0.4 + 2 * 0.75 * 3 + 6 * 0.25 * 1,
+        'iyy': 8 + 2 * (0.5625 + 9) + 6 * (0.0625 + 1), 'iyz': 0.6,
+        'izz': 10 + 2 * 0.5625 + 6 * 0.0625})
+
+
+def test_shapes_move_with_their_link_and_keep_their_parts():
+    shapes = ('<visual name="v"><origin xyz="0 0 1" rpy="0.1 0.2 0.3"/><geometry/></visual>'
+              '<collision><geometry/></collision>')
+    urdf = parse(ROBOT.format(link('a', inside=shapes) + link('b', inside=shapes) + joint(
+        'ab', 'a', 'b', origin='<origin xyz="1 2 3"/>')))
+    lumped = ElementTree.fromstring(urdf.urdf).find('link')
+    places = {kind: [[float(v) for v in shape.find('origin').get(key).split()]
+                     for shape in lumped.findall(kind) if shape.find('origin') is not None
+                     for key in ('xyz', 'rpy')] for kind in ('visual', 'collision')}
+    assert places['visual'][0] == [0, 0, 1] and places['visual'][2] == [1, 2, 4]
+    assert places['visual'][1] == pytest.approx([0.1, 0.2, 0.3])
+    assert places['visual'][3] == pytest.approx([0.1, 0.2, 0.3])
+    assert places['collision'] == [[1, 2, 3], [0, 0, 0]]
+    assert [len(shape.findall('origin')) for shape in lumped.findall('visual')] == [1, 1]
+    assert len(lumped.findall('visual/geometry')) == len(lumped.findall('collision')) == 2
+
+
+def test_fixed_link_with_friction_stays_and_carries_those_on_it():
+    contact = '<contact><lateral_friction value="0.3"/></contact>'
+    urdf = parse(ROBOT.format(
+        link('a') + link('b', inside=contact) + link('c') + joint('ab', 'a', 'b')
+        + joint('bc', 'b', 'c', origin='<origin xyz="0 0 2"/>')))
+    assert urdf.frames['c'].link == urdf.frames['b'].link == 'b' and urdf.root == 'a'
+    assert list(urdf.frames['c'].pose.translation) == [0, 0, 2]
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert [each.get('name') for each in robot.findall('link')] == ['a', 'b']
+    assert [each.get('name') for each in robot.findall('joint')] == ['ab']
+    assert urdf.missing_meshes == () and urdf.name == 'r'
+    assert parse('<robot>' + link('a') + '</robot>').name == 'robot'
+
+
+@pytest.mark.parametrize('kind', ['continuous', 'prismatic', 'revolute'])
+def test_joints_that_move_keep_their_type_and_axis(kind):
+    robot = ElementTree.fromstring(parse(ROBOT.format(
+        link('a') + link('b') + joint('j', 'a', 'b', kind, '<axis xyz="0 0 1"/>'))).urdf)
+    assert robot.find('joint').get('type') == kind
+    assert robot.find('joint/axis').get('xyz') == '0 0 1'
+
+
+@pytest.mark.parametrize('urdf, words', [
+    (link('a') + '<joint name="j" type="fixed"><child link="a"/></joint>',
+     'joint j has the parent link None, which does not exist (links: a)'),
+    (link('a') + '<joint name="j" type="fixed"><parent link="a"/></joint>',
+     'joint j has the child link None, which does not exist (links: a)'),
+    ('<link name="a"><inertial><mass value="1"/></inertial></link>',
+     'link a: <inertial> must have <mass> and <inertia>'),
+    ('<link name="a"><inertial><inertia/></inertial></link>',
+     'link a: <inertial> must have <mass> and <inertia>'),
+    (link('a', inside='<contact><lateral_friction/></contact>'),
+     'lateral_friction of link a: got None, expected 1 finite number'),
+    (link('a') + '<gazebo reference="a"><mu1>1 2</mu1></gazebo>',
+     "mu1 of link a: got '1 2', expected 1 finite number")])
+def test_what_is_missing_is_named(urdf, words):
+    with pytest.raises(SimulationError) as error:
+        parse(ROBOT.format(urdf))
+    assert error.value.problem == words

@@ -20,8 +20,12 @@ SHAPES = '''<robot name="shapes">
     <collision><origin xyz="0 0 3" rpy="0 {} 0"/>
       <geometry><cylinder radius="0.1" length="4"/></geometry></collision>
     <collision><origin xyz="3 0 0"/><geometry><sphere radius="0.25"/></geometry></collision>
+    <collision><origin xyz="3 2 0" rpy="{} 0 0"/><geometry><sphere radius="0.2"/></geometry>
+    </collision>
+    <collision><origin xyz="3 4 0" rpy="0 {} 0"/><geometry><sphere radius="0.3"/></geometry>
+    </collision>
   </link>
-</robot>'''.format(math.pi / 6, math.pi / 2)
+</robot>'''.format(math.pi / 6, *[math.pi / 2] * 3)
 
 
 def area(outline):
@@ -40,9 +44,12 @@ def shapes(tmp_path):
 
 def test_shapes_have_their_places_turns_and_sizes(shapes):
     disc = 12 * math.sin(math.pi / 12)          # of a polygon with 24 corners and radius 1
-    assert sorted(shapes) == sorted([2.0, 0.8, round(disc / 4, 2), round(disc / 16, 2)])
+    assert sorted(shapes) == sorted(
+        [2.0, 0.8, *(round(disc * radius ** 2, 2) for radius in (0.5, 0.25, 0.2, 0.3))])
     assert shapes[round(disc / 4, 2)].mean(axis=0) == pytest.approx([-1, 0], abs=1e-5)
     assert shapes[round(disc / 16, 2)].mean(axis=0) == pytest.approx([3, 0], abs=1e-5)
+    assert shapes[round(disc * 0.04, 2)].mean(axis=0) == pytest.approx([3, 2], abs=1e-5)
+    assert shapes[round(disc * 0.09, 2)].mean(axis=0) == pytest.approx([3, 4], abs=1e-5)
     lying = shapes[0.8]
     assert lying.min(axis=0) == pytest.approx([-2, -0.1], abs=1e-5)
     assert lying.max(axis=0) == pytest.approx([2, 0.1], abs=1e-5)

@@ -167,8 +167,9 @@ def test_names_lose_spaces_and_leading_slashes():
     assert (found['odom_frame'], found['command_topic']) == ('odom', 'r1/cmd_vel')
 
 
-def test_rates_of_zero_are_left_to_the_simulator():
-    found = overrides(robot(drive(updateRate='0'), ray(rate='0'), imu(updateRate='0')))
+@pytest.mark.parametrize('rate', ['0', '-0.5', '-7'])
+def test_rates_of_zero_or_less_are_left_to_the_simulator(rate):
+    found = overrides(robot(drive(updateRate=rate), ray(rate=rate), imu(updateRate=rate)))
     assert not [name for name in found if name.endswith('rate')]
 
 

@@ -58,5 +58,5 @@ def test_a_reset_is_not_an_acceleration():
 
 
 def test_refuses_a_frame_that_is_not_there():
-    with pytest.raises(SimulationError, match='no link gyro'):
+    with pytest.raises(SimulationError, match=': imu_frame: the robot has no link gyro'):
         simulator(imu=ImuSettings(imu_frame='gyro'))

@@ -70,9 +70,12 @@ def test_never_below_range_min():
 
 
 @pytest.mark.parametrize('settings, words', [
-    (ScanSettings(scan_frame='lidar'), 'no link lidar (links: base_footprint'),
+    (ScanSettings(scan_frame='lidar'),
+     'scan_frame: the robot has no link lidar (links: base_footprint'),
+    (ScanSettings(scan_range_min=3.5),
+     'scan_range_min: got 3.5 m, expected less than scan_range_max, 3.5 m'),
     (ScanSettings(scan_range_min=4.0), 'scan_range_min: got 4 m')])
 def test_refusals(settings, words):
     with pytest.raises(SimulationError) as error:
         simulator(scan=settings)
-    assert words in str(error.value)
+    assert ': ' + words in str(error.value)

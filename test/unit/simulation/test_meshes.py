@@ -177,3 +177,14 @@ def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
     toy.command(0.2, 0.0)
     sim.advance(2000)
     assert toy.robot.motion().linear[0] == pytest.approx(0.2, rel=0.05)
+
+
+def test_replacements_have_the_material_of_the_first_shape_that_is_missing():
+    missing = ('<visual><geometry><mesh filename="{0}"/></geometry><material name="{0}"/>'
+               '</visual>')
+    link = ElementTree.fromstring(
+        '<robot><link name="a">' + missing.format('b') + missing.format('c')
+        + '<collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>')
+    assert meshes.resolve(link, lambda uri: None) == ['b', 'c']
+    assert [visual.find('material').get('name') for visual in link.iter('visual')] == ['b']
+    assert link.find('link/visual').get('name') == 'replacement_0'

@@ -48,6 +48,12 @@ def test_names_are_those_of_floor_world_and_robot(tmp_path):
     assert models.state('crate_0').position == close([3, 0, 0.1])
 
 
+def test_names_of_equal_models_are_numbered(tmp_path):
+    models = Models(with_crates(tmp_path, *[('a', '{} 0 1 0 0 0'.format(x)) for x in range(3)]))
+    assert models.names == ['ground_plane', 'a', 'a_0', 'a_1', 'turtlebot3_burger']
+    assert [models.state(name).position[0] for name in ('a', 'a_0', 'a_1')] == close([0, 1, 2])
+
+
 def test_state_in_the_world():
     models = Models(simulator(x=1.0, y=-2.0, yaw=math.pi / 2))
     state = models.state(ROBOT)

@@ -58,7 +58,7 @@ def test_world_is_the_true_pose_of_base_frame():
 def test_world_refuses_a_base_frame_that_is_not_there():
     with pytest.raises(SimulationError) as error:
         simulator(odometry=OdometrySettings(base_frame='chassis'))
-    assert 'no link chassis (links: base_footprint' in str(error.value)
+    assert ': base_frame: the robot has no link chassis (links: base_footprint' in str(error.value)
     assert '\n' not in str(error.value)
 
 

@@ -157,6 +157,13 @@ def test_bodies_shadow_one_another(client):
     assert_shade(image, ABOVE, (0.8, 0.0, 0.2), lit)
 
 
+@pytest.mark.parametrize('distance, visible', [(0.03, False), (0.1, True)])
+def test_a_body_nearer_than_5_cm_is_not_seen(client, distance, visible):
+    add_box(client, (0, -3 + distance, 0.5), (0.3, 0.005, 0.3))
+    image = render(client, Camera((0, 0, 0.5), 3, 0, 0), *SIZE)
+    assert (image[10, SIZE[0] // 2].tolist() != [GREY] * 3) is visible
+
+
 def test_floor_hides_what_is_below_it(client):
     add_box(client, (0, 0, -0.3), (0.5, 0.5, 0.25))
     assert np.unique(render(client, ABOVE, *SIZE)).tolist() == [GREY]
@@ -176,3 +183,52 @@ def test_light_of_the_window_comes_from_gazebos_sun(client):
     pybullet.configureDebugVisualizer(physicsClientId=client, **rendering.WINDOW_LIGHT)
     position = np.array(rendering.WINDOW_LIGHT['lightPosition'])
     assert position / np.linalg.norm(position) == pytest.approx(SUN_COSINES)
+
+
+@pytest.mark.parametrize('camera', [
+    Camera((0.1, 0.2, 0.1), 1.5, 30, -40), Camera((0.5, 0.0, 0.0), 3.99, -60, -20),
+    Camera((0.0, 0.0, 0.0), 4.0, -90, -70), Camera((0.0, 0.0, 0.5), 2.5, 200, 5)])
+def test_every_part_of_a_scene_is_as_bright_as_it_was(client, camera):
+    add_box(client, (0, 0, 0.1), (0.3, 0.2, 0.1))
+    add_box(client, (0.2, 0.1, 0.4), (0.05, 0.05, 0.2), (0.2, 0.6, 0.4))
+    add_box(client, (-1.2, 0.7, 0.5), (0.1, 0.6, 0.5), (0.9, 0.9, 0.9))
+    pybullet.createMultiBody(0, -1, pybullet.createVisualShape(
+        pybullet.GEOM_SPHERE, radius=0.15, rgbaColor=(0.3, 0.3, 0.9, 1), physicsClientId=client),
+        (0.5, -0.5, 0.15), physicsClientId=client)
+    image = render(client, camera, 160, 120)
+    means = image.reshape(6, 20, 8, 20, 3).mean(axis=(1, 3, 4))
+    # a pixel at an edge may differ
+    assert means == pytest.approx(np.array(BRIGHTNESS[camera.distance]), abs=0.3)
+
+
+# of parts of 20 x 20 px, by the distance of the camera
+BRIGHTNESS = {
+    1.5: (
+        (199, 199, 191.8, 178, 175.2, 178, 178, 178),
+        (195.8, 185.4, 178, 162.1, 116.6, 178, 178, 178),
+        (178, 160.2, 109.1, 114.4, 116.7, 178, 178, 178),
+        (178, 112, 84.2, 89.6, 102.5, 178, 178, 178),
+        (178, 177.5, 140.9, 92.9, 154, 178, 178, 178),
+        (178, 178, 178, 161.9, 163.3, 178, 178, 178)),
+    3.99: (
+        (178, 178, 178, 178, 178, 178, 178, 178),
+        (168, 179.1, 178, 178, 178, 178, 178, 178),
+        (134, 173.9, 177.6, 137.9, 161.5, 175.9, 178, 178),
+        (134.9, 167.2, 170, 127.1, 167.4, 177.7, 178, 178),
+        (157.9, 172.2, 178, 178, 178, 178, 178, 178),
+        (178, 178, 178, 178, 178, 178, 178, 178)),
+    4.0: (
+        (178, 178, 178, 178, 178, 178, 178, 178),
+        (178, 178, 178, 178, 175.3, 177.3, 178, 178),
+        (178, 178, 178, 151.3, 144.3, 174.9, 178, 178),
+        (178, 178, 178, 159.2, 157.2, 178, 178, 178),
+        (181.8, 188.8, 188.8, 186, 178, 178, 178, 178),
+        (182.9, 177.2, 171.8, 173.2, 178, 178, 178, 178)),
+    2.5: (
+        (178, 178, 178, 178, 178, 178, 178, 186.6),
+        (178, 178, 178, 178, 178, 178, 178, 190.9),
+        (178, 178, 178, 163.5, 178, 178, 178, 190.2),
+        (178, 178, 178, 117.6, 156.5, 178, 178, 189.3),
+        (178, 178, 178, 127.2, 122.9, 177.3, 178, 186.6),
+        (178, 178, 178, 178, 178, 178, 178, 178.1)),
+}

@@ -132,6 +132,25 @@ def test_reset_world_keeps_time_and_forgets_the_command():
     assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
 
 
+@pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
+def test_reset_puts_the_bodies_of_the_world_back(tmp_path, reset):
+    (tmp_path / 'crate.sdf').write_text(
+        '<sdf version="1.6"><world name="w"><model name="crate"><pose>1 2 0.5 0 0 0.3</pose>'
+        '<link name="a"><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>'
+        '<izz>0.01</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>'
+        '<collision name="c"><geometry><box><size>0.1 0.1 0.1</size></box></geometry></collision>'
+        '</link></model></world></sdf>')
+    sim = simulator(str(tmp_path / 'crate.sdf'))
+    crate = sim.world.bodies[0]
+    before = crate.motion()
+    sim.advance(200)
+    assert crate.motion().position[2] < 0.4 and crate.motion().linear[2] < -1
+    getattr(sim, reset)()
+    for got, wanted in zip(crate.motion(), before):
+        assert got == pytest.approx(wanted, abs=1e-6)
+    assert before.position == pytest.approx([1, 2, 0.5], abs=1e-6)
+
+
 def test_reset_simulation_sets_the_time_to_zero():
     sim = simulator()
     sim.vehicles[0].command(1.0, 0.0)

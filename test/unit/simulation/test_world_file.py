@@ -1,4 +1,6 @@
 """World files: what is built of them, what is left out with a warning, what is refused."""
+import xml.etree.ElementTree as ElementTree
+
 import numpy as np
 import pybullet
 import pytest
@@ -213,3 +215,23 @@ def test_refuses_an_sdf_without_a_model(read):
     with pytest.raises(SimulationError) as error:
         build(read(sdf(BUILT_IN)))
     assert 'world hall' in str(error.value) and '\n' not in str(error.value)
+
+
+def test_parts_of_a_model_have_their_own_links_and_joints_alone(read):
+    links = ''.join('<link name="{}">{}</link>'.format(name, INERTIAL) for name in 'abcd')
+    joints = ''.join(
+        '<joint name="{0}{1}" type="revolute"><parent>{0}</parent><child>{1}</child></joint>'
+        .format(*pair) for pair in ('cd', 'bc'))
+    file = read(sdf('<model name="m">' + links + joints + '</model>'))
+    models = ElementTree.fromstring(file.text).findall('world/model')
+    assert [model.get('name') for model in models] == ['m', 'm::b']
+    assert [[part.get('name') for part in model if part.get('name')] for model in models] == [
+        ['a'], ['b', 'bc', 'c', 'cd', 'd']]
+
+
+def test_what_is_static_has_no_mass_and_no_inertia(read):
+    inertial = ElementTree.fromstring(read(sdf(SHELF)).text).findall('.//inertial')
+    assert len(inertial) == 1 and inertial[0].findtext('mass') == '0'
+    assert {part.tag: part.text for part in inertial[0].find('inertia')} == dict.fromkeys(
+        ('ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz'), '0')
+    assert len(inertial[0]) == 2

@@ -1,0 +1,47 @@
+"""The picture of a replay: what is in it, where, and how it looks."""
+import colorsys
+import io
+import os
+
+import numpy as np
+import pytest
+
+from img_recog.recognition.settings import with_colors
+from img_recog.replay import figure
+from img_recog.replay.plot_data import PlotData
+from img_recog_testing.figures import assert_unchanged
+
+TWO = with_colors()(red_area_limit=400).colors
+FIVE = with_colors(['blue', 'red', 'c', 'd', 'e'])(
+    c_hue_min=170, c_hue_max=10, d_hue_min=1, d_hue_max=4, e_hue_min=20, e_hue_max=21).colors
+SQUARE = np.array([(1.0, 1.0), (1.0, 2.0), (2.0, 2.0), (2.0, 1.0)])
+
+
+def rows(colors, turns=True):
+    """Return rows of a drive along an arc, through a yaw of pi, or of a robot that stands."""
+    times = np.arange(6) / 25.0
+    yaw = np.array((3.0, 3.1, -3.1, -3.0, -2.8, -2.5)) if turns else np.ones(6)
+    way = np.arange(6) * (0.3 if turns else 0.0)
+    areas = [500.0 * number * (1 + np.arange(6) % 3) for number in range(1, len(colors) + 1)]
+    return np.stack([times, -2 + way, 0.5 * way, yaw, 0.5 * way, 0.2 * way, *areas], axis=1)
+
+
+@pytest.mark.parametrize('name, colors, turns, recognition, teleop, outlines', [
+    ('replay_two', TWO, True, [(0.0, 10.0, 0.0), (0.1, -10.0, 0.5)], [(0.05, 0.0, 0.0)],
+     [SQUARE, -SQUARE]),
+    ('replay_five', FIVE, False, [(0.0, 10.0, 0.0)], [], [])])
+def test_layout_is_as_it_was(name, colors, turns, recognition, teleop, outlines, tmp_path):
+    drawn, file = figure.ReplayFigure(), io.BytesIO()
+    drawn.draw(file, 'a test', PlotData(
+        colors, rows(colors, turns), np.reshape(recognition, (-1, 3)), np.reshape(teleop, (-1, 3)),
+        0.24, outlines))
+    assert file.getvalue().startswith(b'\x89PNG')
+    assert_unchanged(drawn._figure, os.path.join(os.path.dirname(__file__), name + '.txt'),
+                     tmp_path)
+
+
+@pytest.mark.parametrize('hue, middle', [
+    ((50, 150), 100.0), ((170, 20), 5.0), ((175, 20), 7.5), ((160, 10), 175.0), ((5, 5), 5.0)])
+def test_lines_have_the_middle_hue_of_their_color(hue, middle):
+    color = TWO[0]._replace(hue=hue)
+    assert figure._line_color(color) == pytest.approx(colorsys.hsv_to_rgb(middle / 180, 0.85, 0.8))

@@ -1,0 +1,239 @@
+"""The program replay without its process: options, files, summary, and what ends it."""
+import gc
+import io
+import logging
+import os
+import re
+import signal
+import sys
+import time
+
+import cv2
+import pytest
+import rosbag
+
+from img_recog import resources
+from img_recog.errors import UserError
+from img_recog.replay import cli, job, main
+from img_recog.replay.plot_data import PlotData
+from img_recog.simulation.settings import SpawnSettings
+
+
+class FakePainter:
+    """Keeps what is to be drawn; the picture is a constant."""
+
+    def begin(self, title, data):
+        self.title, self.data = title, data
+
+    def finish(self):
+        return b'picture'
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """A function that runs the program in an empty folder: exit code, output, painter."""
+    handlers = {signum: signal.getsignal(signum)
+                for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    levels = {level: logging.getLevelName(level) for level in (logging.WARNING, logging.ERROR)}
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('OPENCV_FFMPEG_LOGLEVEL', '')
+
+    def run(*arguments):
+        painter = FakePainter()
+        monkeypatch.delenv('OPENCV_FFMPEG_LOGLEVEL', raising=False)
+        monkeypatch.setattr(sys, 'argv', ['replay.py', *map(str, arguments)])
+        code = job.main(painter, time.perf_counter() - 1000)
+        return code, capsys.readouterr().out, painter
+    yield run
+    for signum, handler in handlers.items():
+        signal.signal(signum, handler)
+    for level, name in levels.items():
+        logging.addLevelName(level, name)
+
+
+def test_defaults_of_the_options():
+    options = vars(cli.parse(['a.bag']))
+    assert options == {
+        'input': 'a.bag', 'topic': '', 'colors': '', 'output': '', 'teleop': True,
+        'world': 'turtlebot3_world', 'urdf': resources.burger(), 'x_pos': -2.0, 'y_pos': -0.5,
+        'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000}
+
+
+def test_all_options():
+    options = vars(cli.parse(
+        'a.bag --topic t --colors c --output o --no-teleop --world w --urdf u --x-pos 1 '
+        '--y-pos 2 --z-pos 3 --yaw 0.5 --max-image-pixels 9'.split()))
+    assert options == {
+        'input': 'a.bag', 'topic': 't', 'colors': 'c', 'output': 'o', 'teleop': False,
+        'world': 'w', 'urdf': 'u', 'x_pos': 1.0, 'y_pos': 2.0, 'z_pos': 3.0, 'yaw': 0.5,
+        'max_image_pixels': 9}
+    assert cli.spawn_settings(cli.parse(['a', '--x-pos', '1', '--yaw', '2'])) == SpawnSettings(
+        1.0, -0.5, 0.0, 2.0)
+
+
+@pytest.mark.parametrize('arguments, words', [
+    ([], 'VIDEO_OR_BAG'), (['a', '--outp', 'b'], 'unrecognized arguments: --outp'),
+    (['a', '--x-pos', 'b'], "argument --x-pos: invalid float value: 'b'"),
+    (['a', '--yaw'], 'argument --yaw: expected one argument')])
+def test_options_that_are_refused(capsys, arguments, words):
+    with pytest.raises(SystemExit) as ended:
+        cli.parse(arguments)
+    assert ended.value.code == 2
+    error = capsys.readouterr().err
+    assert words in error and 'replay.py: error: ' in error
+
+
+def test_help_has_units_and_names(capsys):
+    with pytest.raises(SystemExit):
+        cli.parse(['--help'])
+    text = capsys.readouterr().out
+    for words in ('usage: replay.py ', '--x-pos M ', '--y-pos M ', '--z-pos M ', '--yaw RAD ',
+                  'pose of the robot in m (default: -2.0)', 'robot in rad (default: 0.0)',
+                  '--colors YAML', '--output FOLDER_OR_PREFIX',
+                  '/usb_cam/image_raw or /usb_cam/image_raw/compressed'):
+        assert words in ' '.join(text.split()), words
+
+
+@pytest.mark.parametrize('name', ['x_pos', 'y_pos', 'z_pos'])
+def test_pose_that_is_not_allowed_names_its_option(name):
+    option = '--' + name.replace('_', '-')
+    with pytest.raises(UserError) as refused:
+        cli.spawn_settings(cli.parse(['a', option, '1001']))
+    assert str(refused.value) == (
+        option + ': got 1001.0, allowed is a finite number from -1000 to 1000')
+
+
+def test_world_file_in_the_current_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('HOME', str(tmp_path / 'home'))
+    (tmp_path / 'home').mkdir()
+    for name in ('my.sdf', 'turtlebot3_world', 'home/its.sdf'):
+        (tmp_path / name).write_text('')
+    assert cli.world_name('my.sdf') == str(tmp_path / 'my.sdf')
+    assert cli.world_name('~/its.sdf') == str(tmp_path / 'home' / 'its.sdf')
+    for name in ('turtlebot3_world', 'empty', 'no.sdf', 'home'):
+        assert cli.world_name(name) == name
+
+
+def test_a_video_gives_three_files_and_a_summary(run, make_video, tmp_path):
+    code, text, painter = run(make_video(frames=3), '--world', 'empty', '--x-pos', '1.5',
+                              '__name:=replay', '--no-teleop')
+    assert code == 0
+    paths = ['video.replay' + extension for extension in ('.bag', '.csv', '.png')]
+    assert sorted(os.listdir(str(tmp_path))) == sorted(paths + ['video.avi'])
+    found = re.fullmatch(
+        r'3 frames, 0\.240 s simulated in ([\d.]+) s, ([\d.]+) times real time \(([\d.]+) s with '
+        r'world and plot\); the robot ends at x 1\.500 m, y -0\.500 m, yaw -?0\.000 rad; wrote ' +
+        re.escape(', '.join(paths)) + '\n', text)
+    assert found, text
+    loop_s, ratio, whole_s = map(float, found.groups())
+    assert 1000 < whole_s < 2000 and loop_s < 500
+    assert 0.235 / (loop_s + 0.006) < ratio + 0.06 and (ratio - 0.06) * (loop_s - 0.006) < 0.245
+    assert painter.title == 'Replay of video.avi, 3 frames, in the world empty'
+    assert isinstance(painter.data, PlotData) and painter.data.end_s == pytest.approx(0.24)
+    assert (tmp_path / paths[2]).read_bytes() == b'picture'
+    with open(paths[1]) as table:
+        assert len(table.read().splitlines()) == 4
+    with rosbag.Bag(paths[0]) as bag:
+        assert bag.get_message_count('/color_detection') == 3
+        assert bag.get_message_count('/cmd_vel') == 0
+        assert {msg.child_frame_id for _, msg, _ in bag.read_messages('/odom')} == {
+            'base_footprint'}
+    assert os.environ['OPENCV_FFMPEG_LOGLEVEL'] == '-8' and cv2.getLogLevel() == 1
+
+
+def test_a_bag_ends_a_period_after_its_last_image_and_bad_ones_are_warned_of(run, caplog):
+    from sensor_msgs.msg import Image
+    with rosbag.Bag('some.bag', 'w') as bag:
+        for number in range(3):
+            msg = Image(height=2, width=2, encoding='bgr8', step=6, data=bytes(12 - number // 2))
+            msg.header.stamp.secs = 5 + number
+            bag.write('/eye', msg)
+    code, text, _ = run('some.bag', '--world', 'empty', '--topic', 'eye')
+    assert code == 0 and text.startswith('2 frames, 2.000 s simulated')
+    assert [(record.levelname, record.name) for record in caplog.records] == [
+        ('warning', 'replay.py')]
+    assert '1 of 3 images on /eye cannot be used' in caplog.messages[0]
+    with rosbag.Bag('some.replay.bag') as bag:
+        assert bag.get_message_count('/cmd_vel') == 20
+
+
+def test_colors_of_a_file(run, make_video, tmp_path, caplog):
+    (tmp_path / 'my.yaml').write_text('colors: [green]\n')
+    assert run(make_video(), '--colors', 'my.yaml')[0] == 1
+    assert 'green_hue_min' in caplog.messages[0]
+    (tmp_path / 'my.yaml').write_text('colors: [pink]\npink_hue_min: 1\npink_hue_max: 2\n')
+    assert run('video.avi', '--colors', 'my.yaml', '--world', 'empty')[0] == 0
+    assert 'pink_px' in (tmp_path / 'video.replay.csv').read_text()
+
+
+@pytest.mark.parametrize('arguments, line', [
+    (['no.avi'], 'cannot replay no.avi: no such file; give a video that OpenCV plays, or a bag '
+     'with images'),
+    (['.'], 'cannot replay .: it is not a file; give a video that OpenCV plays, or a bag with '
+     'images'),
+    (['video.avi', '--topic', 'x'],
+     'cannot replay video.avi: --topic is for a bag, and it is not a bag')])
+def test_input_that_is_refused_is_one_line(run, make_video, caplog, arguments, line):
+    make_video()
+    assert run(*arguments)[:2] == (1, '')
+    assert caplog.messages == [line] and caplog.records[0].levelname == 'error'
+
+
+@pytest.mark.parametrize('error, code, lines', [
+    (OSError(28, 'No space left on device', 'a.bag'), 1, ['a.bag: No space left on device']),
+    (OSError(28, 'No space left on device'), 1, ['cannot write: No space left on device']),
+    (KeyboardInterrupt(), 130, [])])
+def test_what_ends_the_program(run, monkeypatch, caplog, error, code, lines):
+    def fail(*_):
+        raise error
+    monkeypatch.setattr(job, 'replay', fail)
+    assert run('a')[0] == code and caplog.messages == lines
+
+
+class Stream(io.StringIO):
+    """A stream on a file descriptor whose reader may be gone."""
+
+    def __init__(self, descriptor, broken):
+        super().__init__()
+        self._descriptor, self._broken = descriptor, broken
+        self.flushed = 0
+
+    def fileno(self):
+        return self._descriptor
+
+    def flush(self):
+        self.flushed += 1
+        if self._broken:
+            raise BrokenPipeError
+
+
+@pytest.mark.parametrize('broken, code, wanted', [
+    ((False, False), 0, 0), ((True, False), 0, 1), ((False, True), 0, 1), ((True, False), 3, 3),
+    ((False, False), 3, 3)])
+def test_exit_code_when_nobody_reads_the_output(monkeypatch, broken, code, wanted):
+    ends = [os.pipe(), os.pipe()]
+    streams = [Stream(write, is_broken) for (_, write), is_broken in zip(ends, broken)]
+    with monkeypatch.context() as patched:
+        patched.setattr(sys, 'stdout', streams[0])
+        patched.setattr(sys, 'stderr', streams[1])
+        assert main._flush(code) == wanted
+    assert [stream.flushed for stream in streams] == [1, 1]
+    for (read, write), is_broken in zip(ends, broken):
+        assert os.path.samestat(os.fstat(write), os.stat(os.devnull)) is is_broken
+        os.close(read)
+        os.close(write)
+
+
+def test_program_begins_with_the_painter_and_returns_the_exit_code(monkeypatch):
+    given = []
+    monkeypatch.delenv('OPENBLAS_NUM_THREADS', raising=False)
+    monkeypatch.setattr(gc, 'freeze', lambda: given.append(gc.isenabled()))
+    monkeypatch.setattr(job, 'main', lambda painter, begin_s: given.append(
+        (os.path.exists('/proc/{}'.format(painter.pid)), begin_s, gc.isenabled())) or 7)
+    before_s = time.perf_counter()
+    assert main.main() == 7
+    assert os.environ['OPENBLAS_NUM_THREADS'] == '1'
+    is_frozen_off, (has_painter, begin_s, is_collecting) = given
+    assert is_frozen_off is False and has_painter and is_collecting
+    assert before_s <= begin_s <= time.perf_counter()

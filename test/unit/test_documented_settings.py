@@ -1,0 +1,83 @@
+"""The settings have the defaults and the limits that doc/reference.md states."""
+import re
+
+import pytest
+from img_recog_testing.pages import read, rows
+
+from img_recog.camera import settings as camera
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.recognition.settings import with_colors
+from img_recog.settings import SettingError, setting_fields
+from img_recog.simulation import settings as simulation
+from img_recog.teleoperation.settings import TeleopSettings
+
+CLASSES = {
+    'usb_cam': (camera.CameraSettings, camera.ControlSettings, CompressionSettings),
+    'color_extract': (with_colors(),),
+    'gazebo': (simulation.PhysicsSettings, simulation.SpawnSettings, simulation.DriveSettings,
+               simulation.OdometrySettings, simulation.SensorSettings, simulation.ScanSettings,
+               simulation.ImuSettings, simulation.ViewSettings),
+    'turtlebot3_teleop_keyboard': (TeleopSettings,)}
+ROWS = {(node, row[0].strip('`')): row for node in CLASSES
+        for row in rows(read('doc/reference.md'), node, 'name')}
+FIELDS = [pytest.param(settings_class, field, *ROWS[node, field.name][1:3],
+                       id='{}-{}'.format(node, field.name))
+          for node, classes in CLASSES.items() for settings_class in classes
+          for field in setting_fields(settings_class)]
+# of floats, relative: far below every step between two documented numbers
+TINY = 1e-5
+
+
+def accepts(settings_class, name, value):
+    # the highest value of a color must not be below its lowest
+    others = {name[:-3] + 'min': 0} if re.search('(saturation|value)_max$', name) else {}
+    try:
+        return getattr(settings_class(**{name: value}, **others), name) == value
+    except SettingError as refused:
+        assert refused.name == name
+        return False
+
+
+@pytest.mark.parametrize('settings_class, field, default, allowed', FIELDS)
+def test_default_is_that_of_the_page(settings_class, field, default, allowed):
+    value = getattr(settings_class(), field.name)
+    shown = str(value).lower() if isinstance(value, bool) else str(value)
+    assert (shown or 'empty') == default.strip('`')
+    assert type(value) is field.metadata['kind']
+
+
+@pytest.mark.parametrize('settings_class, field, default, allowed', FIELDS)
+def test_limits_are_those_of_the_page(settings_class, field, default, allowed):
+    name, kind = field.name, field.metadata['kind']
+
+    def step(limit, sign):
+        return limit + sign * (1 if kind is int else TINY * max(abs(limit), TINY))
+
+    for low in re.findall(r'(?:from|at least) ([-\d.e]+)', allowed):
+        low = kind(low)
+        # pi is rounded on the page
+        inside = step(low, +1) if name == 'yaw' else low
+        assert accepts(settings_class, name, inside), low
+        assert accepts(settings_class, name, step(low, -1)) is (name == 'real_time_factor' and
+                                                                step(low, -1) == 0)
+    for high in re.findall(r' to ([-\d.e]+)', allowed):
+        high = kind(high)
+        assert accepts(settings_class, name, step(high, -1) if name == 'yaw' else high), high
+        assert not accepts(settings_class, name, step(high, +1)), high
+    for low in re.findall(r'above ([-\d.e]+)', allowed):
+        assert not accepts(settings_class, name, kind(low))
+        assert accepts(settings_class, name, step(kind(low), +1)), low
+    if 'non-empty' in allowed:
+        assert accepts(settings_class, name, 'x') and not accepts(settings_class, name, ' ')
+    for choice in allowed[len('one of '):].split(', ') if 'one of' in allowed else ():
+        assert accepts(settings_class, name, choice)
+    if 'one of' in allowed:
+        assert not accepts(settings_class, name, 'x')
+
+
+@pytest.mark.parametrize('settings_class', [each for classes in CLASSES.values()
+                                            for each in classes])
+def test_settings_cannot_be_changed(settings_class):
+    field = next(setting_fields(settings_class))
+    with pytest.raises(AttributeError):
+        setattr(settings_class(), field.name, getattr(settings_class(), field.name))
