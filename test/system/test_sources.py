@@ -20,14 +20,14 @@ def test_linters():
 
 def test_every_launch_argument_is_documented():
     launch = ElementTree.parse(os.path.join(ROOT, 'launch', 'demo.launch')).getroot()
-    names = {arg.get('name') for arg in launch.iter('arg')}
+    names = {arg.get('name') for arg in launch.iterfind('.//arg[@default]')}
     code, output = run('roslaunch', '--ros-args', 'img_recog', 'demo.launch')
     assert code == 0, output
     documented = dict(re.findall(r'(?m)^  (\w+) \(default .*?\): (.+)$', output))
     assert {'camera', 'image_width', 'image_height', 'framerate', 'pixel_format',
             'camera_frame_id', 'camera_info_url', 'recognition', 'simulator', 'teleop', 'gui',
             'image_view', 'world', 'urdf', 'x_pos', 'y_pos', 'z_pos', 'yaw', 'real_time_factor',
-            'use_sim_time', 'view', 'colors'} == names == set(documented)
+            'use_sim_time', 'view', 'colors', 'cmd_vel_timeout', 'safe', 'respawn'} == names == set(documented)
     assert all(len(words) > 10 for words in documented.values()), documented
 
 
