@@ -71,7 +71,8 @@ def test_started_by_hand_it_takes_over_drives_and_stops(ros):
 
     terminal = Terminal(ros)
     try:
-        demo.wait_output(r'turtlebot3_teleop_keyboard-\d+\] process has finished cleanly')
+        demo.wait_output(r'\[respawn\] turtlebot3_teleop_keyboard: ended and is not started '
+                         'again: another node has taken its name')
         wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
         terminal.type(b'w')
         wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.01, lambda: echo.output)
