@@ -68,10 +68,10 @@ def demo(tmp_path_factory):
 
 
 def test_robot_stands_while_recognition_and_teleop_give_no_sign(demo):
-    demo.wait('the robot drives', len(demo.output))
-    after = len(demo.output)
     # first the teleop, whose zeros would stop the robot
     pids = [demo.node('turtlebot3_teleop_keyboard'), demo.node('color_extract')]
+    demo.wait('the robot drives', len(demo.output))     # for two seconds
+    after = len(demo.output)
     for pid in pids:
         os.kill(pid, signal.SIGSTOP)
     try:
