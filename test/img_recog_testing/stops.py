@@ -1,18 +1,35 @@
 """Stops of real recognitions whose images have just stopped."""
+import pathlib
 import random
 import signal
+import tempfile
 import time
 
+from img_recog_testing.processes import Ros
 from img_recog_testing.waiting import wait_for
 
 _MAX_DELAY_S = 0.2      # twice the time for which the node waits for an image
+_AT_ONCE = 8
+
+
+def stop_many(count, seed, deadline_s):
+    """Stop at least `count` recognitions, some at a time; return the longest time, in s."""
+    with tempfile.TemporaryDirectory(prefix='img_recog_stops_') as folder:
+        ros = Ros(pathlib.Path(folder))
+        try:
+            ros.start('roscore', '-p', ros.port).wait_output('started core service')
+            return max(stop_after_the_images(ros, _AT_ONCE, seed + first, deadline_s)
+                       for first in range(0, count, _AT_ONCE))
+        finally:
+            ros.close()
 
 
 def stop_after_the_images(ros, count, seed, deadline_s):
     """Start `count` recognitions; stop the camera, then each of them at a random moment.
 
     ros: a Ros with a running master; its other nodes may go on.
-    Raises AssertionError when one does not end within `deadline_s`, or not with code 0.
+    Returns the seconds from the end of the camera to the end of the last recognition. Raises
+    AssertionError when one does not end within `deadline_s`, or not with code 0.
     """
     moments = random.Random(seed)
     camera = ros.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic')
@@ -30,3 +47,4 @@ def stop_after_the_images(ros, count, seed, deadline_s):
         wait_for(lambda: not node.is_running(), lambda: 'the end of a recognition, seed {}:\n{}'
                  .format(seed, node.output), deadline_s)
         assert node.wait() == 0, node.output
+    return time.monotonic() - begin_s

@@ -1,13 +1,14 @@
 """The parts of `./run test --long`: how much each does at full length, and its figures."""
 from typing import Callable, Dict, List, NamedTuple, Tuple
 
+from img_recog_testing import stops
 from img_recog_testing.reliability import endings, figures, images, soak, surroundings, twists
 from img_recog_testing.reliability.processes import Nodes
 
 # at full length
 TWISTS, WIRE_TWISTS = 1000000, 60000
 IMAGES, WIRE_IMAGES = 100000, 10000
-STOPS, KILLS = 500, 300
+STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
 SOAK_S = 1800.0
 CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
 
@@ -78,6 +79,14 @@ def run_stops(options: Options) -> List[Row]:
     return _endings(options, endings.draw_stop, STOPS, 'stops')
 
 
+def run_stops_without_images(options: Options) -> List[Row]:
+    """SIGINT to recognitions whose images have just stopped."""
+    count, limit_s = options.count(STOPS_WITHOUT_IMAGES), 30.0 * options.factor
+    longest_s = stops.stop_many(count, options.seed, limit_s)
+    return [('{} stops of color_img_recog.py after the last image'.format(count),
+             'maximum {:.2f} s'.format(longest_s), '{:g} s'.format(limit_s))]
+
+
 def run_kills(options: Options) -> List[Row]:
     """SIGKILL at random moments of start and run."""
     return _endings(options, endings.draw_kill, KILLS, 'kills')
@@ -111,4 +120,5 @@ def run_silent(options: Options) -> List[Row]:
 
 PARTS: Dict[str, Callable[[Options], List[Row]]] = {
     'soak': run_soak, 'twists': run_twists, 'images': run_images, 'stops': run_stops,
-    'kills': run_kills, 'clock': run_clock, 'disk': run_disk, 'silent': run_silent}
+    'stops_without_images': run_stops_without_images, 'kills': run_kills, 'clock': run_clock,
+    'disk': run_disk, 'silent': run_silent}
