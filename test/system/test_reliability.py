@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+from img_recog.ros.transport.switch import is_plain
 from img_recog_testing.reliability import (chaos, endings, figures, images, soak, surroundings,
                                            twists, usage)
 from img_recog_testing.reliability.demo import Demo
@@ -15,6 +16,10 @@ from img_recog_testing.reliability.faults import KINDS, Fault, possible
 from img_recog_testing.reliability.parts import PARTS
 from img_recog_testing.reliability.processes import ROOT, Nodes
 
+# with plain rospy, a subscriber that gets damaged bytes loses its connection, and a node may wait
+# for the master when it ends
+NOT_PLAIN = pytest.mark.skipif(is_plain('registration') or is_plain('handshakes'),
+                               reason='plain rospy')
 FACTOR = 6.0            # of all time limits: other programs may use the machine
 SEED = 12
 
@@ -88,6 +93,7 @@ def test_hostile_twists_and_images_in_process():
     assert min(counted[name] for name in ('accepted', 'refused', 'undecodable')) > 100
 
 
+@NOT_PLAIN
 def test_hostile_twists_and_images_over_the_wire(nodes):
     assert images.over_the_wire(500, SEED, nodes)['sent'] == 500
     assert twists.over_the_wire(600, SEED, nodes)['sent'] == 600
@@ -97,6 +103,7 @@ def test_jumps_of_the_clock(nodes):
     assert len(surroundings.clock_jumps(2, SEED, nodes, FACTOR)) == 2
 
 
+@NOT_PLAIN
 def test_a_few_stops_and_kills():
     result = endings.run(lambda rng: rng.choice((endings.draw_stop, endings.draw_kill))(rng), 6,
                          SEED, FACTOR)

@@ -9,6 +9,7 @@ import sys
 import time
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
+from img_recog.ros.transport.switch import is_plain
 from img_recog_testing.reliability import chain, usage, wire
 from img_recog_testing.reliability.demo import NODES, Demo
 from img_recog_testing.waiting import wait_for
@@ -191,8 +192,15 @@ KINDS = tuple(APPLY)
 
 
 def possible() -> Tuple[str, ...]:
-    """Return the kinds of faults that this machine allows."""
-    return tuple(kind for kind in KINDS if kind != 'cut' or not usage.why_not_cut())
+    """Return the kinds of faults that this machine allows and the transport in use survives."""
+    left_out = set()
+    if usage.why_not_cut():
+        left_out.add('cut')
+    if is_plain('registration'):
+        left_out |= {'cut', 'master'}
+    if is_plain('handshakes'):
+        left_out |= {'idle', 'garbage'}
+    return tuple(kind for kind in KINDS if kind not in left_out)
 
 
 def draw(rng: random.Random, kinds: Tuple[str, ...] = KINDS) -> Fault:

@@ -128,7 +128,8 @@ def updater(monkeypatch):
         hook()
 
 
-def test_the_status_is_published_again_and_again(updater):
+def test_the_status_is_published_again_and_again(updater, monkeypatch):
+    monkeypatch.delenv('IMG_RECOG_PLAIN_ROSPY', raising=False)
     NodeDiagnostics('recognition', 'none', lambda status: status.summary(WARN, 'slow'))
     wait_for(lambda: len(updater.filled) >= 3, 'three reports')
     assert (updater.name, updater.hardware_id) == ('recognition', 'none')
