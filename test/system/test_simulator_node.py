@@ -5,6 +5,7 @@ import signal
 
 import pytest
 
+from img_recog.ros.transport.switch import is_plain
 from img_recog_testing.simulator_tools import (Echo, Images, alive, burger, call, complaints,
                                                descendants, drawing, drive, standing)
 from img_recog_testing.waiting import wait_for
@@ -180,8 +181,9 @@ def test_a_subscriber_that_hangs_does_not_block_the_simulator(ros, simulate):
         since = clock.wait_more(1)[-1][0]
         # 1000 messages of 0.7 kB a second are more than the 40 MB that sockets may hold
         clock.wait(lambda now: now > since + 100e9, '100 s of simulated time')
-        ros.wait_run(r'/rostopic_\S+ \(/odom\) do not read',
-                     'rostopic', 'echo', '-n', '1', '/diagnostics')
+        if not is_plain('subscribers'):
+            ros.wait_run(r'/rostopic_\S+ \(/odom\) do not read',
+                         'rostopic', 'echo', '-n', '1', '/diagnostics')
     finally:
         os.kill(stopped.pid, signal.SIGCONT)
 
