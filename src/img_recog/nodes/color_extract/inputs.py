@@ -1,5 +1,5 @@
 """Image inputs: the newest message of a topic with raw or compressed images."""
-from typing import Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import numpy as np
 import rospy
@@ -12,32 +12,42 @@ from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 
-class RawInput:
-    """Subscribes to raw images and keeps the newest.
+class _NewestInput:
+    """Keeps the newest message of a topic.
 
     received, replaced: counters of the images that arrived, and of those that were not taken.
-    A raw image is never larger than its message, so that it needs no limit.
     """
 
-    def __init__(self, topic: str, received: Counter, replaced: Counter, _max_pixels: int):
+    def __init__(self, received: Counter, replaced: Counter):
         self._received, self._replaced = received, replaced
-        self._latest, self._images = LatestValue(), image_msgs.ColorImages()
-        self._subscriber = ImageSubscriber(topic, self._store)
+        self._latest = LatestValue()
 
-    def _store(self, msg: Image) -> None:
+    def _store(self, msg: Any) -> None:
         self._received.add()
         replaced = self._latest.put(msg)
         if replaced is not None:
             self._replaced.add()
-            self._subscriber.release(replaced)
+            self.done(replaced)
 
-    def take(self, timeout_s: float) -> Optional[Image]:
+    def take(self, timeout_s: float) -> Optional[Any]:
         """Return the newest message, None if there is none within the timeout or before `wake`."""
         return self._latest.take(timeout_s)
 
     def wake(self) -> None:
         """End the wait in `take` now."""
         self._latest.wake()
+
+    def done(self, msg: Any) -> None:
+        """Do nothing: the message has no reused buffer."""
+
+
+class RawInput(_NewestInput):
+    """Subscribes to raw images. None is larger than its message, so they need no limit."""
+
+    def __init__(self, topic: str, received: Counter, replaced: Counter, _max_pixels: int):
+        super().__init__(received, replaced)
+        self._images = image_msgs.ColorImages()
+        self._subscriber = ImageSubscriber(topic, self._store)
 
     def decode(self, msg: Image) -> Tuple[np.ndarray, str]:
         """Return the image and its encoding, one of areas.ENCODINGS; it is valid until `done`.
@@ -51,32 +61,18 @@ class RawInput:
         self._subscriber.release(msg)
 
 
-class CompressedInput:
-    """Subscribes to compressed images and keeps the newest.
+class CompressedInput(_NewestInput):
+    """Subscribes to compressed images.
 
     topic: of the raw images; the compressed ones are on topic/compressed.
-    received, replaced: as of RawInput.
     max_pixels: larger images are refused before they are decoded.
     """
 
     def __init__(self, topic: str, received: Counter, replaced: Counter, max_pixels: int):
-        self._received, self._replaced, self._max_pixels = received, replaced, max_pixels
-        self._latest = LatestValue()
+        super().__init__(received, replaced)
+        self._max_pixels = max_pixels
         rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._store,
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
-
-    def _store(self, msg: CompressedImage) -> None:
-        self._received.add()
-        if self._latest.put(msg) is not None:
-            self._replaced.add()
-
-    def take(self, timeout_s: float) -> Optional[CompressedImage]:
-        """Return the newest message, None if there is none within the timeout or before `wake`."""
-        return self._latest.take(timeout_s)
-
-    def wake(self) -> None:
-        """End the wait in `take` now."""
-        self._latest.wake()
 
     def decode(self, msg: CompressedImage) -> Tuple[np.ndarray, str]:
         """Return the image in bgr8, and its encoding.
@@ -84,9 +80,6 @@ class CompressedInput:
         Raises ImageError naming format, size and reason.
         """
         return compressed_image_msgs.from_msg(msg, max_pixels=self._max_pixels), 'bgr8'
-
-    def done(self, msg: CompressedImage) -> None:
-        """Do nothing: the message has no reused buffer."""
 
 
 # by the name of the transport in image_transport
