@@ -2,6 +2,8 @@
 
 import cv2
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
 
@@ -40,3 +42,11 @@ def make_video(tmp_path):
         writer.release()
         return path
     return make
+
+
+@pytest.fixture
+def status():
+    """A status of /diagnostics at level OK, with the message 'fine'."""
+    made = DiagnosticStatusWrapper()
+    made.summary(DiagnosticStatus.OK, 'fine')
+    return made

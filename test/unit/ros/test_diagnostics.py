@@ -9,20 +9,10 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from img_recog.ros import diagnostics
 from img_recog.ros.diagnostics import (Counter, Durations, NodeDiagnostics, Refusals, add_counter,
                                        add_durations, add_refusals, add_subscribers)
+from img_recog_testing.statuses import values
 from img_recog_testing.waiting import wait_for
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
-
-
-@pytest.fixture
-def status():
-    made = DiagnosticStatusWrapper()
-    made.summary(OK, 'fine')
-    return made
-
-
-def values(status):
-    return {each.key: each.value for each in status.values}
 
 
 def test_a_rate_is_that_of_the_last_three_seconds(clock, status):

@@ -1,23 +1,12 @@
 """The counters of the simulator, and their report."""
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.gazebo.diagnostics import CommandCounts, SimulationDiagnostics, State
+from img_recog_testing.statuses import values
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 RUNNING = State(12.345, False, 0.99, 1.0, 0, 0)
-
-
-@pytest.fixture
-def status():
-    made = DiagnosticStatusWrapper()
-    made.summary(OK, 'fine')
-    return made
-
-
-def values(status):
-    return {each.key: each.value for each in status.values}
 
 
 @pytest.mark.parametrize('state, level, message', [
