@@ -13,6 +13,7 @@ from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
 from std_srvs.srv import Empty
 
+from img_recog_testing import statuses
 from img_recog_testing.recording import Recorder, from_node, wait_for
 
 BLUE, RED = (200, 60, 20), (60, 20, 220)        # BGR
@@ -162,7 +163,7 @@ class ColorsTest(unittest.TestCase):
         def found():
             for msg in self.diagnostics.messages:
                 for status in msg.status:
-                    values = {each.key: each.value for each in status.values}
+                    values = statuses.values(status)
                     # the first message of a node has no values
                     if status.name == name and values and accept(values):
                         return values

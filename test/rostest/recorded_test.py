@@ -19,6 +19,7 @@ from geometry_msgs.msg import Twist, Vector3
 from sensor_msgs.msg import Image, PointCloud
 from std_msgs.msg import Header
 
+from img_recog_testing import statuses
 from img_recog_testing import plain_opencv
 from img_recog_testing.recording import Recorder, wait_for
 
@@ -115,7 +116,7 @@ class RecordedTest(unittest.TestCase):
         """Return images received, processed, replaced and refused, and commands."""
         for msg in reversed(states.messages):
             for status in msg.status:
-                values = {each.key: each.value for each in status.values}
+                values = statuses.values(status)
                 if status.name == 'color_extract: recognition' and values:
                     return tuple(int(values[key]) for key in (
                         'images received', 'images processed', 'images replaced by newer ones',

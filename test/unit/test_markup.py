@@ -114,3 +114,7 @@ def test_hostile_yaml_is_one_line_wherever_it_is_read(tmp_path, text):
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     assert str(path) in refusal(parameter_file.read, str(path))
     assert str(path) in refusal(calibration_file.load, str(path))
+
+
+def test_yaml_that_is_too_deep_for_python():
+    assert refusal(markup.load_yaml, b'[' * 5000) == 'nested too deeply'

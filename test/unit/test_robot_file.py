@@ -4,6 +4,7 @@ import os
 import stat
 import subprocess
 import sys
+import types
 from importlib import util
 
 import pytest
@@ -137,6 +138,16 @@ def test_module_expands_macros_arguments_and_packages_of_ros_1(box):
     text = robot_file.read(box)
     assert '<sphere radius="0.2"/>' in text and 'xacro:' not in text
     assert 'ament_index_python' not in sys.modules
+
+
+@needs_module
+def test_module_leaves_the_packages_of_ros_2_as_they_were(box, monkeypatch):
+    others = {name: types.ModuleType(name)
+              for name in ('ament_index_python', 'ament_index_python.packages')}
+    for name, module in others.items():
+        monkeypatch.setitem(sys.modules, name, module)
+    assert '<sphere radius="0.2"/>' in robot_file.read(box)
+    assert {name: sys.modules[name] for name in others} == others
 
 
 @needs_module

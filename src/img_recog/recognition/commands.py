@@ -30,10 +30,13 @@ class Commander:
     """Decides which commands to publish for each frame and while no frame arrives.
 
     All times are seconds of one monotonic clock.
+
+    frame_commands: the commands for the colors in the newest frame, published or not.
     """
 
     def __init__(self, settings: RecognitionSettings, now_s: float):
         self._settings = settings
+        self.frame_commands: List[Command] = []
         self._last_commands: Optional[List[Command]] = None
         self._last_seen_s, self._is_stopped = now_s, False
 
@@ -43,7 +46,7 @@ class Commander:
 
     def decide(self, areas_px: Sequence[int], now_s: float) -> List[Command]:
         """Return what to publish for a frame in which the colors have these areas."""
-        frame_commands = commands_for(areas_px, self._settings)
+        self.frame_commands = frame_commands = commands_for(areas_px, self._settings)
         has_changed = frame_commands != self._last_commands
         self._last_commands = frame_commands
         if frame_commands:

@@ -39,6 +39,16 @@ def test_by_default_every_frame_has_its_commands_and_there_is_no_stop():
     assert commander.wait(1e6) == commander.decide(NONE, 2e6) == commander.end() == []
 
 
+def test_commands_of_the_newest_frame_are_known_even_if_they_are_not_published():
+    commander = Commander(settings(publish_on_change=True), 0.0)
+    assert commander.frame_commands == []
+    seen = []
+    for areas in (BLUE, BLUE, BOTH, NONE):
+        commander.decide(areas, 0.0)
+        seen.append(commander.frame_commands)
+    assert seen == [[FORWARD], [FORWARD], [FORWARD, BACKWARD], []]
+
+
 def test_publish_on_change():
     commander = Commander(settings(publish_on_change=True), 0.0)
     frames = (NONE, BLUE, BLUE, BOTH, BOTH, RED, NONE, NONE, RED)

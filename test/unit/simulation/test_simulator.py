@@ -2,6 +2,7 @@
 import math
 
 import numpy as np
+import pybullet
 import pytest
 
 from img_recog.simulation.settings import (DriveSettings, ImuSettings, SensorSettings,
@@ -130,6 +131,20 @@ def test_reset_world_keeps_time_and_forgets_the_command():
     assert sim.time_s == pytest.approx(2.0)
     sim.advance(1000)
     assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
+
+
+def test_reset_of_the_robot_stops_its_wheels():
+    sim = simulator()
+    robot = sim.vehicles[0].robot
+    sim.vehicles[0].command(0.2, 0.0)
+    sim.advance(2000)
+    assert min(robot.wheel_positions()) > 1.0
+    robot.reset()
+    assert robot.wheel_positions() == robot.wheel_velocities() == (0.0, 0.0)
+    # without the vehicle, which sets the velocity of the motors in each step
+    for _ in range(500):
+        pybullet.stepSimulation(physicsClientId=robot.physics_client_id)
+    assert robot.wheel_positions() == pytest.approx((0.0, 0.0), abs=0.01)
 
 
 @pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])

@@ -34,7 +34,7 @@ from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
 from img_recog.nodes.color_extract.inputs import INPUTS
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.commands import Command, Commander, commands_for
+from img_recog.recognition.commands import Command, Commander
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import console, lifecycle, parameters
 from img_recog.ros.console import ConsoleThrottle
@@ -125,10 +125,10 @@ class ColorExtract:
                                     image.shape[:2] + (3,), 'bgr8', msg.header)
         line = ', '.join('{}={}'.format(name, area_px) for name, area_px
                          in zip(self._settings.color_names, areas_px))
-        # /rosout and the log file have the line of each frame, as in the article
-        is_shown = self._console.shows(commands_for(areas_px, self._settings))
-        rospy.loginfo(line, extra=console.mark(is_shown))
         commands = self._commander.decide(areas_px, time.monotonic())
+        # /rosout and the log file have the line of each frame, as in the article
+        is_shown = self._console.shows(self._commander.frame_commands)
+        rospy.loginfo(line, extra=console.mark(is_shown))
         self._publish_commands(commands)
         self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
         self._publish_details(msg.header, areas_px, commands)

@@ -4,6 +4,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
+from img_recog_testing import statuses
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
@@ -16,7 +17,7 @@ def counts(clock):
 def report(counts):
     status = DiagnosticStatusWrapper()
     counts.report(status)
-    return status.level, status.message, {each.key: each.value for each in status.values}
+    return status.level, status.message, statuses.values(status)
 
 
 def run(counts, clock, seconds, received=0, processed=0, refused=0):

@@ -5,6 +5,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
+from img_recog_testing import statuses
 
 
 @pytest.fixture
@@ -19,7 +20,7 @@ def diagnostics(clock):
 def report(diagnostics):
     status = DiagnosticStatusWrapper()
     diagnostics.report(status)
-    return status.level, status.message, {each.key: each.value for each in status.values}
+    return status.level, status.message, statuses.values(status)
 
 
 def run(diagnostics, clock, seconds, rate_hz):
