@@ -16,6 +16,7 @@ _TIMEOUT_S = 1.0        # of a call
 _MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once
 _STOP_TIMEOUT_S = 0.5
 _MAX_ANSWER_S = 0.5     # of a node
+_CHECK_POLLS = 5        # the master's list of publishers takes time; it is read every so many
 _GLOBAL = '/use_sim_time'
 
 
@@ -35,6 +36,8 @@ class MasterWatch:
         self._private: Dict[str, Any] = {}
         self._shared: Optional[Dict[str, Any]] = None
         self._unconnected: Set[str] = set()
+        self._connections: Dict[str, int] = {}
+        self._polls = 0
         self._failures = 0
         self._is_gone = self._is_registering = False
         self._ended = threading.Event()
@@ -72,9 +75,8 @@ class MasterWatch:
         multi = xmlrpc.client.MultiCall(self._proxy)
         multi.lookupNode(self._name, self._name)
         multi.getParam(self._name, self._name)
-        multi.getSystemState(self._name)
         results: Any = multi()
-        (code, _, uri), (has_private, _, private), (_, _, state) = results
+        (code, _, uri), (has_private, _, private) = results
         self._failures = 0
         if code == 1 and uri != rospy.get_node_uri():
             self._ended.set()       # another node has this name, and this one is shut down
@@ -83,9 +85,21 @@ class MasterWatch:
             if self._is_gone:
                 rospy.loginfo('the master at %s answers again', self._uri)
             self._is_gone = False
-            self._reconnect(dict(state[0]))
+            if self._may_be_unconnected():
+                self._reconnect(dict(self._call('getSystemState')[0]))
         else:
             self._register()
+
+    def _may_be_unconnected(self) -> bool:
+        """Return whether to read the publishers of all topics: some connection may be missing.
+
+        A lost connection is seen here, unless another one was made at the same time.
+        """
+        before, self._connections = self._connections, registration.connections()
+        self._polls += 1
+        return (bool(self._unconnected) or self._polls % _CHECK_POLLS == 0
+                or any(count == 0 or count < before.get(topic, 0)
+                       for topic, count in self._connections.items()))
 
     def _reconnect(self, publishers: Mapping[str, Sequence[str]]) -> None:
         """Connect subscribers that have lost a publisher; rospy does so only for a new publisher.

@@ -153,6 +153,7 @@ def test_a_node_that_was_replaced_is_not_registered_again(watch, lines):
 def connected(watch, monkeypatch):
     """What the watch connects; /image is published by a node that runs and one that does not."""
     connected = []
+    monkeypatch.setattr(master_watch.registration, 'connections', lambda: {'/image': 0})
     monkeypatch.setattr(master_watch.registration, 'unconnected_topics',
                         lambda publishers: {'/image'} & set(publishers))
     monkeypatch.setattr(master_watch.registration, 'connect',
@@ -177,6 +178,27 @@ def test_a_connection_that_is_back_is_left_alone(watch, connected):
     watch._proxy.publishers = publishers
     watch._poll_safely()
     assert connected == []
+
+
+def test_publishers_are_read_if_a_connection_may_be_missing_and_from_time_to_time(
+        watch, connected, monkeypatch):
+    read = []
+    call = watch._proxy.call
+
+    def counted(method, *arguments):
+        read.append(method == 'getSystemState')
+        return call(method, *arguments)
+    monkeypatch.setattr(watch._proxy, 'call', counted)
+    monkeypatch.setattr(master_watch.registration, 'unconnected_topics', lambda _: set())
+
+    def is_read(count):
+        monkeypatch.setattr(master_watch.registration, 'connections', lambda: {'/image': count})
+        del read[:]
+        watch._poll_safely()
+        return any(read)
+    # the fixture has polled once
+    assert [is_read(count) for count in (0, 1, 2, 2, 1, 1, 1, 1, 1, 1)] == [
+        True, False, False, True, True, False, False, False, True, False]
 
 
 def test_a_node_that_does_not_answer_is_not_connected(watch):

@@ -9,7 +9,7 @@ import socket
 import threading
 import weakref
 import xmlrpc.client
-from typing import Any, Callable, Mapping, NamedTuple, Sequence, Set
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Sequence, Set
 
 import rosgraph
 import rospy
@@ -75,17 +75,19 @@ def register_again(call: Callable[..., Any]) -> Registered:
     return Registered(len(publications) + len(subscriptions), len(offered))
 
 
+def connections() -> Dict[str, int]:
+    """Return the number of connections of each subscribed topic."""
+    topics = registration.get_topic_manager()
+    found = {name: topics.get_subscriber_impl(name) for name, _ in topics.get_subscriptions()}
+    return {name: len(topic.connections) for name, topic in found.items() if topic is not None}
+
+
 def unconnected_topics(publishers: Mapping[str, Sequence[str]]) -> Set[str]:
     """Return the subscribed topics that have fewer connections than publishers.
 
     publishers: the names of the nodes that publish each topic, from the master.
     """
-    topics, found = registration.get_topic_manager(), set()
-    for name, _ in topics.get_subscriptions():
-        topic = topics.get_subscriber_impl(name)
-        if topic is not None and len(topic.connections) < len(publishers.get(name, ())):
-            found.add(name)
-    return found
+    return {name for name, count in connections().items() if count < len(publishers.get(name, ()))}
 
 
 def connect(topic: str, publisher_uri: str) -> None:
