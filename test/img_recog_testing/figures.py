@@ -81,9 +81,10 @@ def _axes(axes):
     legend = axes.get_legend()
     if legend is not None:
         columns = getattr(legend, '_ncols', None) or legend._ncol       # newer and older releases
-        yield '  legend {} columns {} frame {} pad {:g} loc {} {}'.format(
+        yield '  legend {} columns {} frame {} pad {:g} loc {} in {} {}'.format(
             [text.get_text() for text in legend.get_texts()], columns,
             legend.get_frame_on(), legend.borderaxespad, legend._loc,
+            _numbers(legend.get_bbox_to_anchor().transformed(axes.transAxes.inverted()).bounds),
             _numbers({text.get_size() for text in legend.get_texts()}))
 
 

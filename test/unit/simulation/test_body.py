@@ -39,6 +39,19 @@ def test_velocity_is_that_of_the_root_link(robot):
     assert turn @ motion.angular == pytest.approx([0.5, 0.6, -0.7], abs=1e-6)
 
 
+def test_frames_are_in_their_places_if_the_mass_of_the_root_is_not_in_its_origin():
+    root = '<link name="base_footprint">'
+    inertial = ('<inertial><origin xyz="0.1 0.2 0.05"/><mass value="1"/><inertia ixx="0.01" '
+                'ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>')
+    text = robots.burger().replace(root.replace('>', '/>'), root + inertial + '</link>')
+    assert inertial in text
+    robot = robots.simulator(urdf=text).vehicles[0].robot
+    for frame, position in (('base_footprint', (1.0, 2.0, 0.5)), ('base_link', (1.0, 2.0, 0.51)),
+                            ('wheel_left_link', (1.0, 2.08, 0.533))):
+        robot.place(Pose((1.0, 2.0, 0.5), (0.0, 0.0, 0.0, 1.0), [0.0, 0.0]))
+        assert robot.motion(frame).position == pytest.approx(position, abs=1e-6), frame
+
+
 def test_links_and_joints(robot):
     assert list(robot.links) == [-1, 0, 1, 2] and robot.fixed is False
     assert robot.joints == {'wheel_left_joint': 0, 'wheel_right_joint': 1}

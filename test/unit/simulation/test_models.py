@@ -87,6 +87,11 @@ def test_state_seen_from_a_turned_model(tmp_path):
     assert itself.position == close(REST) and itself.linear == close(REST)
 
 
+def test_state_seen_from_a_model_whose_name_comes_after_world(tmp_path):
+    models = Models(with_crates(tmp_path, ('zebra', '3 1 0.1 0 0 0')))
+    assert models.state(ROBOT, 'zebra').position == close([-3, -1, -0.1])
+
+
 def test_set_state_in_the_world_with_a_velocity():
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
     sim.vehicles[0].command(0.2, 0.1)
@@ -183,6 +188,7 @@ def test_what_is_fixed_is_static_even_where_a_part_of_it_does(tmp_path):
     (ROBOT, GOOD, 'map', "no model 'map' (models: ground_plane, "),
     (ROBOT, GOOD._replace(position=(0.0, NAN, 0.0)), 'world', 'finite numbers'),
     (ROBOT, GOOD._replace(linear=(INF, 0.0, 0.0)), 'world', 'finite numbers'),
+    (ROBOT, GOOD._replace(linear=(0.0, 1000000.5, 0.0)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(position=(-1e300, 0.0, 0.0)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, 0.0, 1e200)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, NAN, 1.0)), 'world', 'finite numbers'),
