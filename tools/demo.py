@@ -16,9 +16,12 @@ import sys
 import termios
 import time
 
+import demo_values
 import launch_output
 import process_tree
 from demo_arguments import ArgumentError, Arguments
+
+from img_recog.errors import UserError
 
 PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_windows.py')
 
@@ -29,7 +32,9 @@ _POLL_PERIOD_S = 0.1
 _CHUNK_BYTES = 4096         # what a pipe that poll reports as writable takes without blocking
 _MAX_UNSENT_BYTES = 1 << 16
 _FLUSH_TIMEOUT_S = 1.0
-_NOTICE_DELAY_S = 0.3       # after the lines in which roslaunch reports the same
+# longer than roslaunch takes to say that it starts the node again
+_NOTICE_DELAY_S = 1.2
+_WAIT_NOTICE_S = 3.0        # after Ctrl-C; normally nothing is left then
 
 
 class Channel:
@@ -103,6 +108,7 @@ class Supervisor:
         self._stopped_at = None
         self._stopped_by = None
         self._sent = 0              # number of steps of _ESCALATION that were done
+        self._has_said_waiting = False
         self._code = None
         self._channels = []
 
@@ -196,6 +202,9 @@ class Supervisor:
         if self._code is not None and self._sent == 0:      # only orphans are left
             self._stopped_at = min(self._stopped_at, time.monotonic() - _ESCALATION[0][0])
         waited_s = time.monotonic() - self._stopped_at
+        if self._code is None and waited_s > _WAIT_NOTICE_S and not self._has_said_waiting:
+            self._has_said_waiting = True
+            self._say('waiting until all nodes have ended, at most 10 s')
         while self._sent < len(_ESCALATION) and waited_s >= _ESCALATION[self._sent][0]:
             signum = _ESCALATION[self._sent][1]
             self._sent += 1
@@ -238,7 +247,8 @@ def main(launch_file, *words):
     """Run the demo with these arguments; return the exit code."""
     try:
         checked = Arguments(launch_file).checked(words)
-    except ArgumentError as error:
+        demo_values.check(checked)
+    except (ArgumentError, UserError) as error:
         sys.stderr.write('[run] {}\n'.format(error))
         return 1
     return Supervisor().run(['roslaunch', 'img_recog', 'demo.launch', *checked])

@@ -4,14 +4,15 @@ import os
 import re
 import signal
 
-PARTS = {'gazebo': 'the simulator', 'usb_cam': 'the camera', 'color_extract': 'the recognition',
+PARTS = {'master': 'the ROS master', 'gazebo': 'the simulator', 'usb_cam': 'the camera',
+         'color_extract': 'the recognition',
          'turtlebot3_teleop_keyboard': 'the teleop', 'robot_state_publisher': 'the tf tree',
          'image_view': 'the window of the camera images',
          'image_view_blue': 'the window of the blue image',
          'image_view_red': 'the window of the red image'}
 
 _COLOR = re.compile(r'\x1b\[[0-9;]*m')
-_REQUIRED = re.compile(r'REQUIRED process \[(\S+)-\d+\] has died!')
+_REQUIRED = re.compile(r'REQUIRED process \[(\S+?)(?:-\d+)?\] has died!')
 _FINISHED = 'process has finished cleanly'
 _DIED = re.compile(r'process has died \[pid \d+, exit code (-?\d+), cmd (.*)\]\.$')
 _NODE = re.compile(r'^\[(\S+)-\d+\] ')

@@ -158,11 +158,58 @@ def test_simulator_that_cannot_start_ends_the_demo(run_demo, tmp_path):
 
 def test_recognition_that_cannot_start_ends_the_demo(run_demo, tmp_path):
     path = tmp_path / 'colors.yaml'
-    path.write_text('red_area_limit: -1\n')
+    path.write_text('red_image_topic: cmd_vel\n')       # which the node has itself
     demo = run_demo('camera:=synthetic', 'colors:={}'.format(path))
     assert demo.wait() == 1
-    assert re.match(r'\[run\] the recognition \(color_extract\) has ended: .*red_area_limit: '
-                    r'got -1', last_line(demo)), demo.output
+    assert re.match(r'\[run\] the recognition \(color_extract\) has ended: .*red_image_topic',
+                    last_line(demo)), demo.output
+
+
+@pytest.mark.parametrize('content, words', [
+    ('colors: [blue\n', 'cannot read the parameters in FILE: while parsing a flow sequence'),
+    ('- blue\n', 'cannot use the parameters in FILE: got list, expected lines like colors: '),
+    ('', 'cannot use the parameters in FILE: got nothing, expected lines like colors: '),
+    ('red_area_limit: -1\n', 'FILE: parameter red_area_limit: got -1, allowed is ')])
+def test_colors_file_that_cannot_be_used_is_refused_before_anything_starts(
+        run_demo, tmp_path, content, words):
+    path = tmp_path / 'colors.yaml'
+    path.write_text(content)
+    demo = run_demo('camera:=synthetic', 'colors:={}'.format(path))
+    assert demo.wait() == 1
+    assert last_line(demo).startswith('[run] ' + words.replace('FILE', str(path))), demo.output
+    assert 'process[' not in demo.output
+
+
+@pytest.mark.parametrize('word, words', [
+    ('framerate:=0', 'framerate: got 0.0, allowed is a finite number from 0.1 to 1000'),
+    ('pixel_format:=x', "pixel_format: got 'x', allowed is one of "),
+    ('view:=x', "view: got 'x', allowed is one of "),
+    ('real_time_factor:=-1', 'real_time_factor: got -1.0, allowed is '),
+    ('cmd_vel_timeout:=-1', 'cmd_vel_timeout: got -1.0, allowed is a finite number at least 0'),
+    ('x_pos:=1e9', 'x_pos: got 1000000000.0, allowed is a finite number from -1000 to 1000')])
+def test_value_that_a_node_would_refuse_is_refused_before_anything_starts(run_demo, word, words):
+    demo = run_demo('camera:=synthetic', word)
+    assert demo.wait() == 1
+    assert last_line(demo).startswith('[run] ' + words), demo.output
+    assert 'process[' not in demo.output
+
+
+def test_xacro_that_cannot_be_expanded_is_refused_before_anything_starts(run_demo, tmp_path):
+    path = tmp_path / 'robot.xacro'
+    path.write_text('<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:foo/></robot>')
+    demo = run_demo('camera:=synthetic', 'urdf:={}'.format(path))
+    assert demo.wait() == 1
+    assert last_line(demo).startswith('[run] xacro cannot expand {}: '.format(path)), demo.output
+    assert 'process[' not in demo.output
+
+
+def test_a_killed_master_is_reported_and_ends_the_demo(run_demo):
+    demo = run_demo('camera:=synthetic')
+    demo.wait_output('the robot drives forward')
+    master, = [pid for pid in marked(run_demo.mark) if b'rosmaster' in command_line(pid)]
+    os.kill(master, signal.SIGKILL)
+    assert demo.wait() == 1
+    assert last_line(demo) == '[run] the ROS master (master) has ended: killed by SIGKILL'
 
 
 def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(run_demo, tmp_path):
@@ -194,6 +241,8 @@ def test_nodes_that_were_killed_come_back_and_are_not_reported_at_the_end(run_de
     os.kill(simulator, signal.SIGKILL)
     demo.wait_output(r'(?s)gazebo: killed by SIGKILL, started again.*the robot is at the start: '
                      r'x -2.00 m, y -0.50 m.*the robot drives')
+    os.kill(node(demo, 'robot_state_publisher'), signal.SIGKILL)    # it has no respawn.py
+    demo.wait_output(r'\[robot_state_publisher-\d+\] restarting process')
     os.killpg(demo.pid, signal.SIGINT)
     assert demo.wait() == 0
     assert 'has ended' not in demo.output and 'Traceback' not in demo.output, demo.output
