@@ -6,10 +6,15 @@ import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
+from img_recog.conversions.image_msgs import ImageError
 from img_recog.ros import image_topics
-from img_recog.ros.diagnostics import Counter
+from img_recog.ros.diagnostics import Counter, Refusals
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
+from img_recog.still_images import ImageTooLarge, check_size
+
+_MAX_PIXEL_BYTES = 8        # of the encodings that cv_bridge converts to bgr8: bgra16
+_MAX_OTHER_BYTES = 1 << 20  # of a message with an image: its header, the encoding
 
 
 class _NewestInput:
@@ -42,18 +47,29 @@ class _NewestInput:
 
 
 class RawInput(_NewestInput):
-    """Subscribes to raw images. None is larger than its message, so they need no limit."""
+    """Subscribes to raw images."""
 
-    def __init__(self, topic: str, received: Counter, replaced: Counter, _max_pixels: int):
+    def __init__(self, topic: str, received: Counter, replaced: Counter, refused: Refusals,
+                 max_pixels: int):
+        """Subscribe.
+
+        refused: counts the messages that cannot be received; for the others see _NewestInput.
+        max_pixels: larger images are refused.
+        """
         super().__init__(received, replaced)
-        self._images = image_msgs.ColorImages()
-        self._subscriber = ImageSubscriber(topic, self._store)
+        self._images, self._max_pixels = image_msgs.ColorImages(), max_pixels
+        self._subscriber = ImageSubscriber(
+            topic, self._store, max_pixels * _MAX_PIXEL_BYTES + _MAX_OTHER_BYTES, refused.add)
 
     def decode(self, msg: Image) -> Tuple[np.ndarray, str]:
         """Return the image and its encoding, one of areas.ENCODINGS; it is valid until `done`.
 
         Raises ImageError naming the size, encoding and reason.
         """
+        try:
+            check_size(msg.width, msg.height, self._max_pixels)
+        except ImageTooLarge as error:
+            raise ImageError(str(error))
         return self._images.from_msg(msg)
 
     def done(self, msg: Image) -> None:
@@ -68,7 +84,8 @@ class CompressedInput(_NewestInput):
     max_pixels: larger images are refused before they are decoded.
     """
 
-    def __init__(self, topic: str, received: Counter, replaced: Counter, max_pixels: int):
+    def __init__(self, topic: str, received: Counter, replaced: Counter, _refused: Refusals,
+                 max_pixels: int):
         super().__init__(received, replaced)
         self._max_pixels = max_pixels
         rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._store,

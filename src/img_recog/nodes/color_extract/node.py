@@ -58,7 +58,7 @@ class InputSettings(Settings):
     image_transport: name of the transport of the images, as in image_transport.
     colors_file: the file from which a launch file has loaded the parameters. It is checked because
     roslaunch silently loads nothing from an empty file.
-    max_image_pixels: a compressed image with more pixels is refused before it is decoded.
+    max_image_pixels: an image with more pixels is refused, a compressed one before it is decoded.
     """
 
     image_transport: str = setting('raw', one_of(*INPUTS))
@@ -91,7 +91,7 @@ class ColorExtract:
         self._frame_lock = threading.Lock()
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = INPUTS[transport](_CAMERA, counts.received, counts.replaced,
+        self._input = INPUTS[transport](_CAMERA, counts.received, counts.replaced, counts.refused,
                                         given.max_image_pixels)
         lifecycle.on_shutdown(self._input.wake)
         NodeDiagnostics('recognition', 'none', counts.report)

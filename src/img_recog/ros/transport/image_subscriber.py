@@ -19,6 +19,8 @@ _LENGTH = struct.Struct('<I')
 _STAMP_END, _SIZE_BYTES, _STEP_BYTES = 12, 8, 5
 _EMPTY = np.empty(0, np.uint8)
 _MAX_OVERSIZE = 4       # a buffer more than this many times larger than an image is dropped
+_MAX_LENGTH = (1 << 32) - 1
+_SCRATCH_BYTES = 1 << 16
 _PLAIN_BUFFER_BYTES = 1 << 26       # larger than a message: rospy reads this much at once
 
 
@@ -41,12 +43,16 @@ class ImageSubscriber:
     Other subscribers to the topic in the same process get copies of the images.
     """
 
-    def __init__(self, name: str, callback: Callable[[Image], None]):
+    def __init__(self, name: str, callback: Callable[[Image], None],
+                 max_bytes: int = _MAX_LENGTH, refuse: Callable[[str], None] = lambda reason: None):
         """Subscribe to `name`; `callback` is called with each image, in a thread of rospy.
 
         The data of an image may be a memoryview, which does not change until `release`.
+        max_bytes: a longer message is read and dropped, so that a wrong length takes no memory;
+        not with plain rospy.
+        refuse: is called with the reason for each message that is dropped.
         """
-        self._callback = callback
+        self._callback, self._max_bytes, self._refuse = callback, max_bytes, refuse
         self._free: Deque[np.ndarray] = deque()
         self._warn = ThrottledWarning()
         if is_plain('image_subscriber'):
@@ -95,6 +101,11 @@ class ImageSubscriber:
                 for msg in messages:
                     self._call(msg)
                 return
+            if length > self._max_bytes:
+                self._drop(connection, length, 'at most {} are read'.format(self._max_bytes))
+                _discard(sock, length - (received - _LENGTH.size))
+                buffer.seek(0)
+                return
             memory = self._memory(length)
             view = memoryview(memory)[:length]
             count = received - _LENGTH.size
@@ -106,11 +117,16 @@ class ImageSubscriber:
                 msg = _image(memory, view)
             except (genpy.DeserializationError, struct.error, ValueError) as error:
                 self._free.append(memory)
-                self._warn('image of %s skipped: its %d bytes are no sensor_msgs/Image: %s',
-                           shortened(connection.endpoint_id), length, one_line(error))
+                self._drop(connection, length, 'no sensor_msgs/Image: ' + one_line(error))
             else:
                 self._deliver(msg, view, connection, messages)
         protocol.read_messages = read_messages
+
+    def _drop(self, connection, length: int, reason: str) -> None:
+        reason = 'image of {} skipped: {} bytes, {}'.format(
+            shortened(connection.endpoint_id), length, reason)
+        self._refuse(reason)
+        self._warn('%s', reason)
 
     def _deliver(self, msg: _BufferedImage, view: memoryview, connection, messages: list) -> None:
         """Call our callback; append a copy to `messages` if rospy needs the message."""
@@ -147,6 +163,13 @@ def _receive(sock, view: memoryview) -> int:
     if count == 0:
         raise TransportTerminated('the publisher has closed the connection')
     return count
+
+
+def _discard(sock, count: int) -> None:
+    """Read so many bytes from a socket and forget them."""
+    scratch = memoryview(bytearray(min(count, _SCRATCH_BYTES)))
+    while count > 0:
+        count -= _receive(sock, scratch[:count])
 
 
 def _image(memory: np.ndarray, view: memoryview) -> _BufferedImage:

@@ -212,7 +212,7 @@ def test_data_that_is_not_an_image_is_skipped_with_a_line_and_the_next_image_arr
     publisher.send_bytes(struct.pack('<I', len(data)) + data + packet(image(1)))
     assert_equal(receiver.receive(), image(1))
     assert len(lines) == 1
-    assert 'of {} skipped: its {} bytes'.format(
+    assert 'of {} skipped: {} bytes, no sensor_msgs/Image: '.format(
         publisher.transport.endpoint_id, len(data)) in lines[0]
 
 
