@@ -6,7 +6,7 @@ import socket
 import subprocess
 import threading
 
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import stretch, wait_for
 
 
 class Process:
@@ -34,7 +34,7 @@ class Process:
         """Wait until the program ends by itself; return its exit code."""
         wait_for(lambda: self._popen.poll() is not None,
                  lambda: 'the end of:\n' + self.output)
-        self._reader.join(5)
+        self._reader.join(5 * stretch())
         return self._popen.returncode
 
     def is_running(self):
@@ -55,7 +55,7 @@ class Process:
         if self._popen.poll() is None:
             self._popen.send_signal(signal.SIGINT)
             try:
-                self._popen.wait(20)
+                self._popen.wait(20 * stretch())
             except subprocess.TimeoutExpired:
                 self._popen.kill()
 
@@ -64,9 +64,11 @@ class Ros:
     """Starts programs that share one ROS master."""
 
     def __init__(self, tmp_path):
-        with socket.socket() as probe:
-            probe.bind(('127.0.0.1', 0))
-            self.port = probe.getsockname()[1]
+        # bound until the end: no other program gets the port before a master listens on it
+        self._reserved = socket.socket()
+        self._reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self._reserved.bind(('127.0.0.1', 0))
+        self.port = self._reserved.getsockname()[1]
         self.env = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:{}'.format(self.port),
                         ROS_HOSTNAME='localhost', ROS_HOME=str(tmp_path / 'ros'),
                         PYTHONUNBUFFERED='1')
@@ -99,3 +101,4 @@ class Ros:
         """End all programs, in reverse order."""
         for process in reversed(self._processes):
             process.close()
+        self._reserved.close()

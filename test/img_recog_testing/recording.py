@@ -23,6 +23,11 @@ class Recorder:
         """Return the number of publishers."""
         return self._subscriber.get_num_connections()
 
+    def wait_connected(self, *nodes):
+        """Wait until nodes of these names are connected: what they sent before is lost."""
+        wait_for(lambda: {each.callerid_pub for each in list(self._subscriber.impl.connections)}
+                 >= set(nodes), '{} of {}'.format(self._topic, ', '.join(nodes)))
+
     def close(self):
         """Unsubscribe."""
         self._subscriber.unregister()

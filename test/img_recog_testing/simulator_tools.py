@@ -25,7 +25,8 @@ class Echo:
     @property
     def rows(self):
         _, _, table = self._process.output.partition('%time')
-        lines = table.split('\n')[1:-1]
+        # rostopic may also print a warning while it waits for the first message
+        lines = [line for line in table.split('\n')[1:-1] if line[:1].isdigit()]
         return [[float(word) for word in line.split(',')[1:]] for line in lines]
 
     def wait(self, accept, what):

@@ -15,11 +15,15 @@ def wait_for(condition, what, deadline_s=DEADLINE_S):
     deadline_s: seconds of wall time on an idle machine; longer while other programs run, see
     `stretch`.
     """
-    start = time.monotonic()
-    while time.monotonic() < start + deadline_s * stretch():
+    start, checks, runnable = time.monotonic(), 0, 0
+    while True:
         value = condition()
         if value:
             return value
+        # the load average needs a minute to show that other programs have just started
+        checks, runnable = checks + 1, runnable + _runnable()
+        if time.monotonic() > start + deadline_s * max(stretch(), _limited(runnable / checks)):
+            break
         _POLL.wait(0.02)
     raise AssertionError('timeout after {:.0f} s waiting for {}'.format(
         time.monotonic() - start, what() if callable(what) else what))
@@ -27,4 +31,14 @@ def wait_for(condition, what, deadline_s=DEADLINE_S):
 
 def stretch():
     """Return by which factor a busy machine is slower: its load per core, from 1 to 5."""
-    return min(max(os.getloadavg()[0] / (os.cpu_count() or 1), 1.0), _MAX_STRETCH)
+    return _limited(os.getloadavg()[0])
+
+
+def _limited(load):
+    return min(max(load / (os.cpu_count() or 1), 1.0), _MAX_STRETCH)
+
+
+def _runnable():
+    """Return how many threads of this machine run or wait for a core now."""
+    with open('/proc/loadavg') as file:
+        return int(file.read().split()[3].partition('/')[0])

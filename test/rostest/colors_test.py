@@ -62,7 +62,10 @@ class ColorsTest(unittest.TestCase):
         cls.odometry = Recorder('/odom', Odometry)
         cls.odometry.wait()
         wait_for(lambda: cls.camera.get_num_connections() == 1, 'color_extract to subscribe')
-        wait_for(lambda: cls.drive.get_num_connections() >= 1, 'the simulator to subscribe')
+        wait_for(lambda: cls.drive.get_num_connections() >= 2, 'the simulator and cls.twists')
+        for recorder in (cls.areas, cls.twists):
+            recorder.wait_connected('/color_extract')
+        cls.warnings.wait_connected('/color_extract', '/gazebo')
 
         def connected():
             cls._send(message(picture(), 'bgr8'))
@@ -74,7 +77,21 @@ class ColorsTest(unittest.TestCase):
         """Publish a frame and wait until color_extract has logged its areas."""
         before = len(cls.areas.messages)
         cls.camera.publish(msg)
-        wait_for(lambda: len(cls.areas.messages) > before, 'a log line', 10)
+        wait_for(lambda: len(cls.areas.messages) > before, 'a log line')
+
+    def setUp(self):
+        """Wait until nothing of the test before is on its way: a frame, a command, a motion."""
+        def sent():
+            return self._commands() == len(self.twists.messages)
+        wait_for(sent, lambda: 'the {} Twists'.format(self._commands()))
+        wait_for(lambda: all(abs(msg.twist.twist.linear.x) < 0.005
+                             for msg in self.odometry.wait(10)[-10:]), 'the robot at rest')
+
+    def _commands(self):
+        """Return how many Twists color_extract has sent, as of its next status."""
+        before = len(self.diagnostics.messages)
+        return int(self._wait_diagnostics('color_extract: recognition', lambda _: True,
+                                          before)['commands'])
 
     def _commands_for(self, msg):
         """Return linear.x of the Twists for a frame that is followed by a blue one."""
@@ -158,10 +175,10 @@ class ColorsTest(unittest.TestCase):
         values = self._wait_diagnostics('color_extract: recognition', is_complete)
         self.assertRegex(values['last reason'], 'image')
 
-    def _wait_diagnostics(self, name, accept):
+    def _wait_diagnostics(self, name, accept, first=0):
         """Return the values of the first status of this name that is accepted."""
         def found():
-            for msg in self.diagnostics.messages:
+            for msg in self.diagnostics.messages[first:]:
                 for status in msg.status:
                     values = statuses.values(status)
                     # the first message of a node has no values
@@ -183,12 +200,12 @@ class ColorsTest(unittest.TestCase):
         values = self._wait_diagnostics('gazebo: simulation',
                                         lambda values: values['commands refused'] == '4')
         self.assertIn('nan', values['last reason'])
-        # a valid command afterwards is executed
-        twist = Twist()
+        # a valid command afterwards is executed, until its timeout
+        twist, before = Twist(), len(self.odometry.messages)
         twist.linear.x = 0.2
         self.drive.publish(twist)
-        wait_for(lambda: abs(self.odometry.messages[-1].twist.twist.linear.x - 0.2) < 0.02,
-                 'the robot at 0.2 m/s')
+        wait_for(lambda: any(abs(msg.twist.twist.linear.x - 0.2) < 0.02
+                             for msg in self.odometry.messages[before:]), 'the robot at 0.2 m/s')
         self.drive.publish(Twist())
         wait_for(lambda: abs(self.odometry.messages[-1].twist.twist.linear.x) < 0.005,
                  'the robot at rest')
@@ -197,11 +214,16 @@ class ColorsTest(unittest.TestCase):
         def call(name):
             rospy.wait_for_service(name)
             rospy.ServiceProxy(name, Empty)()
-        echo = Recorder('/cmd_vel', Twist, lambda msg: msg.linear.x == 0.5)
+
+        def received():
+            """Return how many commands the simulator has, as of its next status."""
+            return int(self._wait_diagnostics('gazebo: simulation', lambda _: True,
+                                              len(self.diagnostics.messages))['commands'])
         call('/gazebo/pause_physics')
-        twist = Twist()
+        twist, before = Twist(), received()
         twist.linear.x = 0.5
-        wait_for(lambda: self.drive.publish(twist) or echo.messages, 'the command to be sent')
+        self.drive.publish(twist)
+        wait_for(lambda: received() > before, 'the command')
         call('/gazebo/reset_world')
         call('/gazebo/unpause_physics')
         before = len(self.odometry.messages)

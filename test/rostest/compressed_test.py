@@ -18,6 +18,7 @@ from std_msgs.msg import Header
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.nodes.usb_cam.compressed_publisher import CompressedImages
 from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing.waiting import DEADLINE_S, stretch
 
 BLUE, RED = (20, 60, 200), (220, 20, 60)        # RGB
 NODES = ('color_extract', 'from_compressed')
@@ -38,8 +39,8 @@ def header():
 
 def dynparam(*words):
     """Run dynamic_reconfigure's dynparam; return its output."""
-    return subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', *words], timeout=60,
-                          check=True, stdout=subprocess.PIPE).stdout.decode()
+    return subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', *words], check=True,
+                          stdout=subprocess.PIPE, timeout=DEADLINE_S * stretch()).stdout.decode()
 
 
 class CompressedTest(unittest.TestCase):
@@ -48,6 +49,7 @@ class CompressedTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.logs = Recorder('/rosout', Log)
+        cls.logs.wait_connected(rospy.get_name(), *('/' + node for node in NODES))
 
     def _publisher(self, topic):
         publisher = CompressedImages(topic)
@@ -164,7 +166,7 @@ class CompressedTest(unittest.TestCase):
             raw.publish(image_msgs.to_msg(image, 'rgb8', sent))
             compressed.publish(image, 'rgb8', sent)
             wait_for(lambda: all(len(areas[node].messages) > before[node] for node in NODES),
-                     'areas of both nodes', 10)
+                     'areas of both nodes')
             return sent.stamp
 
         def connected():

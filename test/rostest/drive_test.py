@@ -11,6 +11,11 @@ from std_srvs.srv import Empty
 from img_recog_testing.recording import Recorder, wait_for
 
 
+def areas(msg):
+    """Return the areas in a log line of color_extract."""
+    return tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
+
+
 class DriveTest(unittest.TestCase):
     """Checks odometry and log while the synthetic camera shows all cards once."""
 
@@ -20,33 +25,47 @@ class DriveTest(unittest.TestCase):
         cls.log = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
         cls.odometry.wait()
 
-    def _speed(self):
-        return self.odometry.messages[-1].twist.twist.linear.x
-
-    def _areas(self):
-        """Return the areas that color_extract logged last."""
-        if not self.log.messages:
-            return None
-        return tuple(int(part.split('=')[1]) for part in self.log.messages[-1].msg.split(', '))
+    def setUp(self):
+        self._next = 0          # log line from which on `_wait_areas` searches
 
     def _wait_areas(self, blue, red):
-        wait_for(lambda: self._areas() is not None and (self._areas()[0] > 1000) == blue
-                 and (self._areas()[1] > 1000) == red,
-                 'a log line with blue {} and red {}'.format(blue, red))
+        """Return the time of the next log line that has these colors.
+
+        A busy machine may run the test long after it.
+        """
+        def number():
+            return next((number + 1 for number, msg in enumerate(self.log.messages)
+                         if number >= self._next
+                         and [area > 1000 for area in areas(msg)] == [blue, red]), None)
+        self._next = wait_for(number, 'a log line with blue {} and red {}'.format(blue, red))
+        return self.log.messages[self._next - 1].header.stamp
+
+    def _wait_odometry(self, after, accept, what):
+        """Return the first odometry after a time that `accept` returns True for."""
+        return wait_for(lambda: next((
+            msg for msg in self.odometry.messages if msg.header.stamp > after
+            and accept(msg.twist.twist.linear.x)), None), what)
 
     def test_blue_red_and_nothing(self):
         self._wait_areas(False, True)
         self._wait_areas(False, False)
         # where it got to meanwhile, perhaps against the wall, depends on how busy the machine is
         rospy.ServiceProxy('/gazebo/reset_world', Empty)()
+        self._next = len(self.log.messages)
+        self._wait_areas(False, False)
         for blue, red, direction in ((True, False, 1), (False, True, -1)):
-            self._wait_areas(blue, red)
-            start = self.odometry.messages[-1].pose.pose.position
-            wait_for(lambda: self._speed() * direction > 0.3, 'driving, direction %d' % direction)
-            self._wait_areas(False, False)
-            wait_for(lambda: abs(self._speed()) < 0.002, 'standing after %d' % direction)
-            self.assertEqual((0, 0), self._areas(), 'it came to rest before the next card')
-            end = self.odometry.messages[-1].pose.pose.position
+            begin = self._wait_areas(blue, red)
+            start = self._wait_odometry(begin, lambda _: True, 'odometry').pose.pose.position
+            self._wait_odometry(begin, lambda speed: speed * direction > 0.3,
+                                'driving, direction %d' % direction)
+            gone = self._wait_areas(False, False)
+            at_rest = self._wait_odometry(gone, lambda speed: abs(speed) < 0.002,
+                                          'standing after %d' % direction)
+            self.assertEqual({(0, 0)}, {
+                areas(msg) for msg in list(self.log.messages)
+                if gone <= msg.header.stamp <= at_rest.header.stamp},
+                'it came to rest before the next card')
+            end = at_rest.pose.pose.position
             self.assertGreater((end.x - start.x) * direction, 0.5)
             self.assertLess(abs(end.y - start.y), 0.5)
 

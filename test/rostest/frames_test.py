@@ -42,9 +42,11 @@ class FramesTest(unittest.TestCase):
             recorder.wait(10 if name == '/scan' else 60)
 
     def test_image_and_camera_info_have_the_same_headers(self):
-        images = self.topics['/usb_cam/image_raw'].messages[:50]
         infos = {msg.header.stamp: msg
                  for msg in list(self.topics['/usb_cam/camera_info'].messages)}
+        # the connection of the one topic may have been made long before that of the other
+        images = [msg for msg in list(self.topics['/usb_cam/image_raw'].messages)
+                  if min(infos) <= msg.header.stamp <= max(infos)][:50]
         for image in images:
             self.assertEqual(('head_camera', 'rgb8', 640, 480, 1920),
                              (image.header.frame_id, image.encoding, image.width, image.height,
@@ -64,6 +66,13 @@ class FramesTest(unittest.TestCase):
             self.assertGreater(stamp, 0.0, name)
 
     def test_color_images_equal_plain_opencv_bit_for_bit(self):
+        recorders = [self.topics[name] for name in ('/usb_cam/image_raw', *RANGES)]
+
+        def count_common():
+            frames, *others = (set(stamps(list(each.messages))) for each in recorders)
+            return min(len(frames & other) for other in others)
+        # a busy machine drops frames, and of each topic others
+        wait_for(lambda: count_common() > 30, lambda: '{} frames'.format(count_common()))
         frames = {msg.header.stamp: msg
                   for msg in list(self.topics['/usb_cam/image_raw'].messages)}
         for topic, (lower, upper) in RANGES.items():

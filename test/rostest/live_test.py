@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Settings that are changed while color_extract runs, and its additional topics."""
+import itertools
 import subprocess
 import unittest
 
@@ -14,6 +15,7 @@ from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image, PointCloud
 
 from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing.waiting import DEADLINE_S, stretch
 
 NODE = '/color_extract'
 BLUE, RED, YELLOW, GREY = (200, 60, 20), (60, 20, 220), (20, 180, 200), (128, 128, 128)     # BGR
@@ -50,16 +52,34 @@ class LiveTest(unittest.TestCase):
         cls.detections = Recorder('/color_detection', PointCloud)
         cls.overlays = Recorder('/color_overlay', Image)
         cls.yellow = Recorder('/yellow/masked', Image)
-        cls.client = Client(NODE, timeout=60)
+        cls.client = Client(NODE, timeout=DEADLINE_S * stretch())
         wait_for(lambda: cls.camera.get_num_connections() == 1, 'color_extract to subscribe')
+        for recorder in (cls.logs, cls.twists):
+            recorder.wait_connected(NODE)
 
         def connected():
             cls.send(picture())
             return all(each.messages for each in (cls.detections, cls.overlays, cls.yellow))
         wait_for(connected, 'the outputs of color_extract')
+        cls.marks = itertools.count(1)
 
     def setUp(self):
+        """Set the default values; wait for the commands and results of all earlier frames."""
+        mark = next(self.marks) / 128
+        self.client.update_configuration({**DEFAULTS, 'blue_linear_x': mark})
+        before = message(picture(BLUE))
+        self.send_message(before)
+        wait_for(lambda: any(twist.linear.x == mark for twist in self.twists.messages),
+                 'the command of this test')
+        self.result_of(before, self.overlays)       # which the node publishes last
         self.client.update_configuration(DEFAULTS)
+
+    @classmethod
+    def result_of(cls, frame, recorder):
+        """Return the message about a frame, by its stamp."""
+        return wait_for(lambda: next((msg for msg in recorder.messages
+                                      if msg.header.stamp == frame.header.stamp), None),
+                        'the result of a frame')
 
     def configuration_with_defaults(self):
         """Wait until the update of `setUp` has arrived on the topic; return all parameters."""
@@ -76,10 +96,14 @@ class LiveTest(unittest.TestCase):
     @classmethod
     def send(cls, image):
         """Publish a frame; return the line that is logged for it."""
+        return cls.send_message(message(image))
+
+    @classmethod
+    def send_message(cls, msg):
+        """Publish a frame; return the line that is logged for it."""
         before = len(cls.areas())
-        msg = message(image)
         cls.camera.publish(msg)
-        wait_for(lambda: len(cls.areas()) > before, 'a log line', 30)
+        wait_for(lambda: len(cls.areas()) > before, 'a log line')
         return cls.areas()[before]
 
     def commands_for(self, *images):
@@ -136,10 +160,9 @@ class LiveTest(unittest.TestCase):
                          self.yellow.messages[before].data)
 
     def test_detections_have_areas_and_centroids(self):
-        before = len(self.detections.messages)
-        self.send(picture(BLUE, YELLOW))
-        wait_for(lambda: len(self.detections.messages) > before, 'a detection')
-        msg = self.detections.messages[before]
+        frame = message(picture(BLUE, YELLOW))
+        self.send_message(frame)
+        msg = self.result_of(frame, self.detections)
         self.assertEqual('test_camera', msg.header.frame_id)
         self.assertEqual([('blue', (1600.0, 0.0, 0.0)), ('red', (0.0, 0.0, 0.0)),
                           ('yellow', (0.0, 0.0, 1600.0))],
@@ -149,10 +172,9 @@ class LiveTest(unittest.TestCase):
         self.assertTrue(np.isnan(msg.points[1].x) and np.isnan(msg.points[1].y))
 
     def test_the_overlay_shows_the_frame_with_an_outline(self):
-        before, image = len(self.overlays.messages), picture(GREY, GREY, BLUE)
-        self.send(image)
-        wait_for(lambda: len(self.overlays.messages) > before, 'an overlay')
-        msg = self.overlays.messages[before]
+        frame = message(picture(GREY, GREY, BLUE))
+        self.send_message(frame)
+        msg = self.result_of(frame, self.overlays)
         self.assertEqual(('bgr8', 320, 240, 'test_camera'),
                          (msg.encoding, msg.width, msg.height, msg.header.frame_id))
         drawn = np.frombuffer(msg.data, np.uint8).reshape(240, 320, 3)

@@ -31,78 +31,105 @@ class ServicesTest(unittest.TestCase):
         cls.sensors = {'/odom': cls.odometry, '/joint_states': cls.joints,
                        '/imu': Recorder('/imu', Imu), '/scan': Recorder('/scan', LaserScan)}
         cls.infos = Recorder('/usb_cam/camera_info', CameraInfo)
-        cls.clock.wait()
+        for recorder in (cls.clock, cls.images, cls.infos, *cls.sensors.values()):
+            recorder.wait()
+
+    def _wait_silent(self, recorder, other, count):
+        """Wait until a topic has no message while another one has `count`.
+
+        The last messages may arrive late.
+        """
+        def is_silent():
+            before = len(recorder.messages)
+            other.wait(count)
+            return len(recorder.messages) == before
+        wait_for(is_silent, 'the end of the messages')
 
     def test_pause_stops_the_clock_and_unpause_continues_it(self):
         call('/gazebo/pause_physics')
-        self.images.wait(5)         # gives the last messages of the clock time to arrive
-        before = len(self.clock.messages)
-        self.images.wait(10)        # a third of a second of wall time
-        self.assertEqual(before, len(self.clock.messages))
+        self._wait_silent(self.clock, self.images, 10)      # a third of a second of wall time
+        before, counts = len(self.clock.messages), self._counts()
         paused = self.clock.messages[-1].clock.to_sec()
         call('/gazebo/unpause_physics')
         self.clock.wait(10)
         resumed = self.clock.messages[before].clock.to_sec()
         self.assertAlmostEqual(0.01, resumed - paused, 6)
-        self._check_messages_within_a_second(self.clock.messages[before].clock)
+        self._check_messages_within_a_second(self.clock.messages[before].clock, counts)
 
     def _at_start(self, msg):
         position = msg.pose.pose.position
         return abs(position.x + 2.0) < 0.02 and abs(position.y + 0.5) < 0.02
 
-    def _resting_at_start(self, msg):
-        return self._at_start(msg) and abs(msg.twist.twist.linear.x) < 0.05
-
     def _reset(self, service):
-        """Call a service; check at once that the robot is at its start, before it drives away."""
-        before = len(self.odometry.messages)
-        call(service)
-        # up to ten messages from before may still be in a queue of plain rospy
-        wait_for(lambda: any(map(self._resting_at_start,
-                                 self.odometry.messages[before:before + 15])),
-                 'the robot at rest at its start')
+        """Call a service; check that it moves the robot to its start. Return that odometry.
 
-    def _check_messages_within_a_second(self, since):
-        """Check that each topic has a message stamped within a simulated second after `since`."""
+        The camera stops meanwhile, or the robot could drive to its start, or from it, by itself.
+        """
+        wait_for(lambda: not self._at_start(self.odometry.messages[-1]) and self._stands(),
+                 'the robot at rest away from its start')
+        call('/usb_cam/stop_capture')
+        try:
+            self._wait_silent(self.images, self.odometry, 30)
+            wait_for(self._stands, 'the robot at rest')
+            self.assertFalse(self._at_start(self.odometry.messages[-1]))
+            before = len(self.odometry.messages)
+            call(service)
+            wait_for(lambda: self._at_start(self.odometry.messages[-1]) and self._stands(),
+                     'the robot at rest at its start')
+            return next(msg for msg in self.odometry.messages[before:] if self._at_start(msg))
+        finally:
+            call('/usb_cam/start_capture')
+
+    def _stands(self):
+        return abs(self.odometry.messages[-1].twist.twist.linear.x) < 0.002
+
+    def _counts(self):
+        """Return how many messages each sensor has."""
+        return {topic: len(recorder.messages) for topic, recorder in self.sensors.items()}
+
+    def _check_messages_within_a_second(self, since, counts):
+        """Check that each topic has a message stamped within a simulated second after `since`.
+
+        counts: as from `_counts`, before the service was called.
+        """
         for topic, recorder in self.sensors.items():
             wait_for(lambda: any(0 < (msg.header.stamp - since).to_sec() <= 1.0
-                                 for msg in recorder.messages[-400:]), topic)
-
-    def _wait_moved(self):
-        wait_for(lambda: not self._at_start(self.odometry.messages[-1]), 'the robot to leave')
+                                 for msg in recorder.messages[counts[topic]:]), topic)
 
     def test_reset_world_resets_the_robot_and_not_the_time(self):
-        self._wait_moved()
-        before = self.clock.messages[-1].clock
-        self._reset('/gazebo/reset_world')
-        self.assertGreater(self.clock.messages[-1].clock, before)
-        self._check_messages_within_a_second(self.clock.messages[-1].clock)
+        before, counts, clocks = self.odometry.messages[-1], self._counts(), len(
+            self.clock.messages)
+        reset = self._reset('/gazebo/reset_world')
+        self.assertGreater(reset.header.stamp, before.header.stamp)
+        self._check_messages_within_a_second(reset.header.stamp, counts)
+        times = [msg.clock for msg in self.clock.messages[clocks:]]
+        self.assertEqual(sorted(times), times)
 
     def test_reset_simulation_resets_the_robot_and_the_time(self):
-        self._wait_moved()
         wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 5.0, 'five simulated seconds')
-        self._reset('/gazebo/reset_simulation')
-        wait_for(lambda: self.clock.messages[-1].clock.to_sec() < 4.0, 'the clock near zero')
-        self._check_messages_within_a_second(rospy.Time())
+        counts, clocks = self._counts(), len(self.clock.messages)
+        reset = self._reset('/gazebo/reset_simulation')
+        self.assertLess(reset.header.stamp.to_sec(), 1.0)
+        wait_for(lambda: any(msg.clock.to_sec() < 1.0 for msg in self.clock.messages[clocks:]),
+                 'the clock near zero')
+        self._check_messages_within_a_second(rospy.Time(), counts)
         self.images.wait(5)
         self.assertLess(self.odometry.messages[-1].header.stamp.to_sec(), 60.0)
 
     def test_reset_simulation_while_paused_publishes_the_clock_at_once(self):
         wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 1.0, 'a simulated second')
+        counts = self._counts()
         call('/gazebo/pause_physics')
         call('/gazebo/reset_simulation')
         wait_for(lambda: self.clock.messages[-1].clock.to_nsec() == 0, 'the clock at zero')
         call('/gazebo/unpause_physics')
         wait_for(lambda: self.clock.messages[-1].clock.to_sec() > 0.1, 'the clock to continue')
-        self._check_messages_within_a_second(rospy.Time())
+        self._check_messages_within_a_second(rospy.Time(), counts)
 
     def test_stop_and_start_capture(self):
         for _ in range(2):      # a second call has no effect
             call('/usb_cam/stop_capture')
-        self.clock.wait(30)
-        before = len(self.images.messages)
-        self.clock.wait(50)
-        self.assertEqual(before, len(self.images.messages))
+        self._wait_silent(self.images, self.clock, 50)
         for _ in range(2):
             call('/usb_cam/start_capture')
         self.images.wait(5)

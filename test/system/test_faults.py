@@ -109,7 +109,8 @@ def test_new_master_knows_nodes_and_parameters(demo):
     before = demo.ros.run('rosparam', 'get', '/usb_cam')
     after = len(demo.output)
     demo.kill_master()
-    demo.wait(r'the master at \S+ does not answer: Connection refused', after, len(PROGRAMS))
+    # the connection is refused, or ends if a node was just asking
+    demo.wait(r'the master at \S+ does not answer: ', after, len(PROGRAMS))
     demo.start_master()
     demo.wait(r'a new master answers at \S+: registered again', after, len(PROGRAMS))
     assert set(demo.ros.run('rosnode', 'list').split()) >= {'/' + name for name in PROGRAMS}

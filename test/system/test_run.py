@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from img_recog_testing.waiting import DEADLINE_S
+from img_recog_testing.waiting import DEADLINE_S, stretch
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 SHARED = ('.venv', os.path.join('test', 'data'))        # takes too long to make again
@@ -43,8 +43,8 @@ def env(tmp_path):
 def run(checkout, env, *words, text=''):
     """Run ./run in that copy; return its exit code and output."""
     done = subprocess.run(['./run', *words], cwd=checkout, env=env, input=text.encode(),
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=RUN_TIMEOUT_S,
-                          check=False)
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+                          timeout=RUN_TIMEOUT_S * stretch())
     return done.returncode, done.stdout.decode(errors='replace')
 
 
@@ -207,7 +207,7 @@ def in_terminal(checkout, env, answer, *words):
     process = subprocess.Popen(['./run', *words], cwd=checkout, env=env, stdin=terminal,
                                stdout=terminal, stderr=terminal)
     os.close(terminal)
-    output, end = '', time.monotonic() + DEADLINE_S
+    output, end = '', time.monotonic() + DEADLINE_S * stretch()
     while time.monotonic() < end:
         if select.select([master], [], [], 0.1)[0]:
             try:

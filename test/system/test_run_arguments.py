@@ -6,6 +6,8 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
+from img_recog_testing.waiting import DEADLINE_S, stretch
+
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 LAUNCH = os.path.join(ROOT, 'launch', 'demo.launch')
 
@@ -13,7 +15,8 @@ LAUNCH = os.path.join(ROOT, 'launch', 'demo.launch')
 def checked(*words):
     """Let ./run demo check its arguments; return its exit code and output."""
     done = subprocess.run(['./run', 'demo', *words], cwd=ROOT, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, timeout=60, check=False)
+                          stderr=subprocess.STDOUT, timeout=DEADLINE_S * stretch(),
+                          check=False)
     return done.returncode, done.stdout.decode()
 
 

@@ -92,7 +92,7 @@ def test_the_tuning_window_follows_the_camera(ros, display, tmp_path):
         wait_for(shown, lambda: '{}: {}'.format(seen, shares(ros, tmp_path, **colors)))
     assert tool.interrupt() == 0
     assert 'Traceback' not in tool.output, tool.output
-    assert shares(ros, tmp_path, **colors)['white'] == 0
+    wait_for(lambda: shares(ros, tmp_path, **colors)['white'] == 0, 'the end of the window')
 
 
 def test_the_tuning_window_shows_a_file(ros, display, tmp_path):

@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 from img_recog.ros.transport.switch import is_plain
 from img_recog_testing.reliability import chain, usage, wire
 from img_recog_testing.reliability.demo import NODES, Demo
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 _BUSY = 'while True: pass'
 _GARBAGE_BYTES = 4096
@@ -146,7 +146,7 @@ def idle(demo: Demo, fault: Fault) -> Undo:
     try:
         for address in _addresses(demo, fault.node):
             for _ in range(count):
-                sockets.append(socket.create_connection(address, 5.0))
+                sockets.append(socket.create_connection(address, DEADLINE_S))
         yield time.monotonic()
     finally:
         for each in sockets:
@@ -165,7 +165,7 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
     try:
         for address in _addresses(demo, fault.node):
             for _ in range(count):
-                sock = socket.create_connection(address, 5.0)
+                sock = socket.create_connection(address, DEADLINE_S)
                 sockets.append(sock)
                 with contextlib.suppress(OSError):      # it may hang up at once
                     sock.sendall(rng.choice(starts) + bytes(

@@ -21,7 +21,7 @@ class Nodes:
         self.temporary = os.path.join(self.folder, 'tmp')
         os.mkdir(self.temporary)
         self.marker = 'IMG_RECOG_UNDER_TEST=' + uuid.uuid4().hex
-        ros = Ros(_Folder(self.folder))
+        self._ros = ros = Ros(_Folder(self.folder))     # keeps the port
         self.env = dict(ros.env, TMPDIR=self.temporary)
         self.env.update([self.marker.split('=')])
         self.master, self._port = self.env['ROS_MASTER_URI'], ros.port

@@ -7,7 +7,7 @@ import pytest
 
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.source import FrameSource
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 IMAGE = np.zeros((2, 2, 3), np.uint8)
 
@@ -51,8 +51,10 @@ class Counter(Listener):
 
 
 @pytest.fixture
-def running():
+def running(monkeypatch):
     """A capture in its thread, its listener, and the event that blocks its source."""
+    for name in ('_STOP_TIMEOUT_S', '_JOIN_TIMEOUT_S'):     # a busy machine may need longer
+        monkeypatch.setattr('img_recog.camera.capture.' + name, DEADLINE_S)
     blocking, listener = threading.Event(), Counter()
     capture = Capture(lambda: RealFile(blocking), listener)
     capture.start_thread()

@@ -135,8 +135,8 @@ def test_video_with_its_index_at_the_end_is_refused(make_video, serve):
 
 def test_error_of_a_stream_without_a_server_has_no_password():
     with socket.socket() as free:
-        free.bind(('127.0.0.1', 0))
+        free.bind(('127.0.0.1', 0))         # so that no other program listens there
         port = free.getsockname()[1]
-    with pytest.raises(SourceError) as refused:
-        opened('http://me:secret@127.0.0.1:{}/live'.format(port))
+        with pytest.raises(SourceError) as refused:
+            opened('http://me:secret@127.0.0.1:{}/live'.format(port))
     assert str(refused.value).startswith('cannot open http://127.0.0.1:{}/live: '.format(port))

@@ -68,6 +68,7 @@ def test_a_subscriber_is_accepted_while_others_send_nothing(server, connect):
     assert time.monotonic() - begin_s < DEADLINE_S / 2
     assert server.accepted == [{'topic': '/t', 'callerid': '/c', 'md5sum': '*'}]
     assert all(map(is_closed, idle))
+    wait_for(lambda: len(server.lines) == len(idle), 'a line for each')
     assert set(server.lines) == {'connection from 127.0.0.1 refused: it has sent no complete '
                                  'header of TCPROS within 1 s'}
 

@@ -92,6 +92,7 @@ def test_a_subscriber_that_does_not_read_blocks_no_other_and_gets_whole_images_l
     for seq in range(1, 21):
         publish(publisher, random_image(seq, LARGE))
         assert reading.receive() == wire(random_image(seq, LARGE), seq)
+        wait_for(lambda: not stuck.is_idle(), 'the begin of the first image')
     # first the image whose sending had started, not overwritten by later ones; then the newest
     assert stuck.receive() == wire(random_image(1, LARGE), 1)
     assert stuck.receive() == wire(random_image(20, LARGE), 20)
@@ -186,5 +187,6 @@ def test_a_queue_of_rospy_gets_images_that_do_not_change(fast, name, publisher, 
     for seq in range(1, 6):
         publish(publisher, random_image(seq, LARGE))
         assert reading.receive() == wire(random_image(seq, LARGE), seq)
+        wait_for(lambda: not stuck.is_idle(), 'the begin of the first image')
     assert stuck.receive() == wire(random_image(1, LARGE), 1)
     assert stuck.receive() == wire(random_image(5, LARGE), 5)
