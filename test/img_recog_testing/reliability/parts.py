@@ -1,5 +1,6 @@
 """The parts of `./run test --long`: how much each does at full length, and its figures."""
-from typing import Callable, Dict, List, NamedTuple, Tuple
+from types import ModuleType
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 from img_recog_testing import stops
 from img_recog_testing.reliability import endings, figures, images, soak, surroundings, twists
@@ -11,6 +12,9 @@ IMAGES, WIRE_IMAGES = 100000, 10000
 STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
 SOAK_S = 1800.0
 CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
+
+# how results are printed that are not counts
+_FORMATS = {'max_s': 'longest {:.2f} s', 'rss_growth_mb': 'memory {:+d} MB'}
 
 Row = Tuple[str, str, str]      # what was done, the result, its limit
 
@@ -27,30 +31,35 @@ class Options(NamedTuple):
 
 
 def _words(result: Dict) -> str:
-    return ', '.join('{} {}'.format(value, name.replace('_', ' '))
+    return ', '.join(_FORMATS.get(name, '{} ' + name).format(value)
                      for name, value in result.items())
+
+
+def _hostile(module: ModuleType, options: Options, counts: Sequence[int], names: Sequence[str],
+             limits: Sequence[str]) -> List[Row]:
+    """Run both functions of `twists` or `images`.
+
+    counts: of messages in process and to nodes; names: of the messages and of the nodes; limits:
+    the last columns.
+    """
+    (count, wire_count), (name, node) = map(options.count, counts), names
+    rows = [('{} {} in process'.format(count, name),
+             _words(module.in_process(count, options.seed)), limits[0])]
+    with Nodes() as nodes:
+        result = module.over_the_wire(wire_count, options.seed, nodes)
+    return rows + [('{} {} to {}'.format(wire_count, name, node), _words(result), limits[1])]
 
 
 def run_twists(options: Options) -> List[Row]:
     """Hostile Twists to the conversion and the simulation, and to a running simulator."""
-    count, wire_count = options.count(TWISTS), options.count(WIRE_TWISTS)
-    rows = [('{} Twists in process'.format(count),
-             _words(twists.in_process(count, options.seed)), 'no exception, all states finite')]
-    with Nodes() as nodes:
-        result = twists.over_the_wire(wire_count, options.seed, nodes)
-    return rows + [('{} Twists to the simulator'.format(wire_count), _words(result),
-                    'obeys afterwards, 50 MB')]
+    return _hostile(twists, options, (TWISTS, WIRE_TWISTS), ('Twists', 'the simulator'),
+                    ('no exception, all states finite', 'obeys afterwards, 50 MB'))
 
 
 def run_images(options: Options) -> List[Row]:
     """Hostile images to the conversions and the recognition, and to running nodes."""
-    count, wire_count = options.count(IMAGES), options.count(WIRE_IMAGES)
-    rows = [('{} images in process'.format(count),
-             _words(images.in_process(count, options.seed)), '1 s each')]
-    with Nodes() as nodes:
-        result = images.over_the_wire(wire_count, options.seed, nodes)
-    return rows + [('{} images to color_extract'.format(wire_count), _words(result),
-                    'right commands afterwards, 60 MB')]
+    return _hostile(images, options, (IMAGES, WIRE_IMAGES), ('images', 'color_extract'),
+                    ('1 s each', 'right commands afterwards, 60 MB'))
 
 
 def run_soak(options: Options) -> List[Row]:

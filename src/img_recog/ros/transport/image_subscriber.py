@@ -43,8 +43,8 @@ class ImageSubscriber:
     Other subscribers to the topic in the same process get copies of the images.
     """
 
-    def __init__(self, name: str, callback: Callable[[Image], None],
-                 max_bytes: int = _MAX_LENGTH, refuse: Callable[[str], None] = lambda reason: None):
+    def __init__(self, name: str, callback: Callable[[Image], None], max_bytes: int = _MAX_LENGTH,
+                 refuse: Callable[[str], None] = lambda reason: None):
         """Subscribe to `name`; `callback` is called with each image, in a thread of rospy.
 
         The data of an image may be a memoryview, which does not change until `release`.
