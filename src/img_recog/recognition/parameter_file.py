@@ -11,6 +11,7 @@ from img_recog.settings import ParameterError, SettingError, from_mapping, setti
 COLORS = 'colors'
 IMAGE_TOPIC = '{}_image_topic'
 _MAX_BYTES, _MAX_LENGTH = 1 << 20, 1000     # of the file, and of a name or text in it
+_MAX_SHOWN = 50         # characters of a name in an error
 # parameters of the node color_extract that do not affect the recognition itself
 _NODE_ONLY = ('colors_file', 'image_transport', 'max_image_pixels')
 
@@ -30,7 +31,7 @@ def read(path: str) -> RecognitionSettings:
             color = color_in(name)
             if color is not None and color not in names:
                 raise ParameterError('{}: parameter {}: {}'.format(
-                    path, name, unknown_color(color, names)))
+                    path, shortened(name, _MAX_SHOWN), unknown_color(color, names)))
             if name not in known | others:
                 raise ParameterError('{}: {}'.format(path, unknown(name, known)))
         return from_mapping(settings_class, values)
@@ -41,7 +42,7 @@ def read(path: str) -> RecognitionSettings:
 
 def unknown_color(color: str, names: Sequence[str]) -> str:
     """Return a message about a parameter of a color that is not in the parameter `colors`."""
-    color = shortened(color)
+    color = shortened(color, _MAX_SHOWN)
     return 'there is no color {}, the colors are {}; add it to {}: [{}]'.format(
         color, ', '.join(names), COLORS, ', '.join([*names, color]))
 

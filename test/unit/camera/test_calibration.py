@@ -72,6 +72,8 @@ def test_aspect_ratio_may_differ_by_one_percent(size, usable):
 def test_calibration_with_half_a_size_is_refused(width, height):
     with pytest.raises(CalibrationError, match='another aspect ratio'):
         calibration.scaled(dataclasses.replace(KNOWN, width=width, height=height), 320, 240)
+    with pytest.raises(CalibrationError, match='another aspect ratio'):
+        calibration.scaled(dataclasses.replace(KNOWN, height=0), KNOWN.width, 240)
     with pytest.raises(CalibrationError):
         calibration.scaled(KNOWN, 0, 480)
     with pytest.raises(CalibrationError):

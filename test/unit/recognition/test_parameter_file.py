@@ -43,6 +43,7 @@ def test_another_file(tmp_path):
     ('min_blob_size: 99999999999', 'allowed is a whole number at least 0, within 32 bits'),
     ('purple_hue_min: 3', 'there is no color purple, the colors are blue, red; add it to '
      'colors: [blue, red, purple]'),
+    ('x' * 300 + '_hue_min: 3', 'there is no color {} ... {}, the'.format('x' * 33, 'x' * 12)),
     ('blue_hue_mim: 3', 'did you mean blue_hue_min?'),
     ('red_area_limit: -5', 'parameter red_area_limit: got -5, allowed is a whole number '
      'at least 0'),

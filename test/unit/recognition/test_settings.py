@@ -77,3 +77,10 @@ def test_accepted_names():
     ('hue_min', None), ('colors', None), ('image_topic', None)])
 def test_color_that_a_parameter_is_named_after(parameter, color):
     assert color_in(parameter) == color
+
+
+@pytest.mark.parametrize('hue, middle', [((50, 150), 100), ((30, 30), 30), ((170, 20), 5),
+                                         ((0, 180), 90), ((180, 0), 0)])
+def test_middle_of_a_range_of_hues(hue, middle):
+    color = with_colors()().colors[0]._replace(hue=hue)
+    assert color.middle_hue == middle

@@ -201,6 +201,14 @@ def test_bag_whose_stamps_jump(make_bag, second, said):
     assert said + ' at message 1' in line and path in line and 'rosbag filter' in line
 
 
+@pytest.mark.parametrize('md5sum', ['0' * 32, 'f' * 32])
+def test_topic_with_another_definition_of_images_is_not_used(make_bag, monkeypatch, md5sum):
+    path = make_bag(*[(RAW, raw(0, number + 1), 1) for number in range(3)])
+    assert len(list(BagFrames(path))) == 3
+    monkeypatch.setattr(Image, '_md5sum', md5sum)
+    assert path in refusal(BagFrames, path)
+
+
 def test_truncated_bag(make_bag):
     path = make_bag(*((RAW, raw(0, number + 1), 1) for number in range(60)))
     with open(path, 'r+b') as file:

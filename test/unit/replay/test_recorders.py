@@ -11,7 +11,7 @@ import rosbag
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
-from img_recog.replay.chain import Chain, CommandSent, measure
+from img_recog.replay.chain import Chain, CommandSent, FrameResult, measure
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder, _AppendedFile
@@ -166,6 +166,16 @@ def test_yaw(yaw):
     motion = Motion(np.zeros(3), (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)), np.zeros(3),
                     np.zeros(3))
     assert motion.yaw == pytest.approx(yaw)
+
+
+def test_data_of_the_picture_are_pose_velocities_and_areas():
+    plot = PlotRecorder(with_colors()().colors)
+    turned = (0.0, 0.0, math.sin(0.4), math.cos(0.4))
+    motion = Motion(np.array((1.0, 2.0, 3.0)), turned, np.array((4.0, 5.0, 6.0)),
+                    np.array((7.0, 8.0, 9.0)))
+    plot.on_frame(FrameResult(frame(0, 0), 5 * 10 ** 8, [10, 11], [None, None], [], motion))
+    assert plot.data(1.0, []).rows.tolist() == [[0.5, 1.0, 2.0, pytest.approx(0.8), 4.0, 9.0,
+                                                 10.0, 11.0]]
 
 
 @pytest.mark.parametrize('world, seen', [('turtlebot3_world', PICTURE), ('empty', PICTURE),

@@ -39,6 +39,15 @@ def test_velocity_is_that_of_the_root_link(robot):
     assert turn @ motion.angular == pytest.approx([0.5, 0.6, -0.7], abs=1e-6)
 
 
+def test_velocity_of_a_wheel_of_a_turning_robot(robot):
+    robot.place(Pose((1.0, 2.0, 0.5), (0.0, 0.0, 0.0, 1.0), [0.0, 0.0]))
+    robot.set_velocity((0.3, 0.0, 0.0), (0.0, 0.0, 2.0))
+    for frame, y in (('wheel_left_link', 0.08), ('wheel_right_link', -0.08)):
+        motion = robot.motion(frame)
+        turn = rotation_matrix(motion.orientation)
+        assert turn @ motion.linear == pytest.approx([0.3 - 2.0 * y, 0.0, 0.0], abs=1e-6)
+
+
 def test_frames_are_in_their_places_if_the_mass_of_the_root_is_not_in_its_origin():
     root = '<link name="base_footprint">'
     inertial = ('<inertial><origin xyz="0.1 0.2 0.05"/><mass value="1"/><inertia ixx="0.01" '
