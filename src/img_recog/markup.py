@@ -1,14 +1,19 @@
 """Reads XML and YAML that others wrote: what a parser cannot take is one error, with one line."""
+import re
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Union
 from xml.parsers import expat
 
 from img_recog.errors import UserError, one_line, shortened
 
-MAX_BYTES = 1 << 26
+MAX_BYTES = 1 << 24
 # A URDF has 8 levels at most; Python's own functions for trees fail at about 300.
 _MAX_DEPTH = 100
 _MAX_ATTRIBUTE, _MAX_TEXT = 10000, 100000      # characters
+_MAX_ELEMENTS, _MAX_ATTRIBUTES, _MAX_OF_ELEMENT = 200000, 400000, 1000
+# Expat reads a whole tag before it can be refused: 300 bytes for each attribute. No tag has a <.
+_MAX_TAG = 1 << 22                              # characters up to the next <
+_LONG_TAG = '<[^<]{%d}' % _MAX_TAG
 
 
 class MarkupError(UserError):
@@ -34,17 +39,25 @@ def parse_xml(text: Union[str, bytes]) -> ElementTree.Element:
 
 
 def check_xml(text: Union[str, bytes]) -> None:
-    """Raise MarkupError unless a text is XML with few levels, short texts and no entities.
+    """Raise MarkupError unless a text is XML of a usual size, with few levels and no entities.
 
     Entities that contain entities can make a gigabyte of a line; expat has a limit only from
     2.4.0 on, which Ubuntu 20.04 does not have.
     """
+    _check_length(text)
     parser = expat.ParserCreate()
-    depth = length = 0
+    depth = length = elements = attributes_count = 0
 
     def start(_tag, attributes):
-        nonlocal depth, length
-        depth, length = depth + 1, 0
+        nonlocal depth, length, elements, attributes_count
+        depth, length, elements = depth + 1, 0, elements + 1
+        attributes_count += len(attributes)
+        if elements > _MAX_ELEMENTS or attributes_count > _MAX_ATTRIBUTES:
+            raise MarkupError('more than {} elements or {} attributes at line {}'.format(
+                _MAX_ELEMENTS, _MAX_ATTRIBUTES, parser.CurrentLineNumber))
+        if len(attributes) > _MAX_OF_ELEMENT:
+            raise MarkupError('an element at line {} has {} attributes, allowed are {}'.format(
+                parser.CurrentLineNumber, len(attributes), _MAX_OF_ELEMENT))
         if depth > _MAX_DEPTH:
             raise MarkupError('nested too deeply: more than {} levels at line {}'.format(
                 _MAX_DEPTH, parser.CurrentLineNumber))
@@ -74,6 +87,16 @@ def check_xml(text: Union[str, bytes]) -> None:
         parser.Parse(text, True)
     except (expat.ExpatError, LookupError, ValueError) as error:
         raise MarkupError('not XML: {}'.format(one_line(error)))
+
+
+def _check_length(text: Union[str, bytes]) -> None:
+    if len(text) > MAX_BYTES:
+        raise MarkupError('larger than {} bytes'.format(MAX_BYTES))
+    tag, newline = (_LONG_TAG, '\n') if isinstance(text, str) else (_LONG_TAG.encode(), b'\n')
+    found = re.search(tag, text)
+    if found:
+        raise MarkupError('a tag, comment or text at line {} has more than {} characters'.format(
+            text.count(newline, 0, found.start()) + 1, _MAX_TAG))
 
 
 def load_yaml(text: bytes) -> Any:

@@ -1,12 +1,17 @@
 """Decodes still images up to a number of pixels: a file of 131 kB can hold 1.6 billion of them.
 
-Pillow reads the size from the header, which takes 0.01 to 0.1 ms and no memory, so that the error
-can name it. OpenCV decodes; its own limit is read when it is loaded and does not name the size, so
-it is only the second wall, for a header that both libraries read differently.
+Pillow reads the format and the size from the header, which takes 0.01 to 0.1 ms and no memory, so
+that the error can name them. OpenCV decodes the formats whose header it reads like Pillow. TIFF and
+JPEG 2000 can be written so that two libraries see two sizes: Pillow decodes them too. OpenCV's own
+limit is read when it is loaded and does not name the size, so it is only the second wall.
 """
 import argparse
+import contextlib
+import functools
 import io
-from typing import IO, Optional, Tuple, Union
+import threading
+import warnings
+from typing import IO, Any, Callable, Iterator, Optional, Tuple, Union
 
 import cv2
 import numpy as np
@@ -17,10 +22,21 @@ from img_recog.settings import between
 DEFAULT_MAX_PIXELS = 50000000
 # the upper end is OPENCV_IO_MAX_IMAGE_PIXELS, as __init__.py of the package sets it
 ALLOWED_MAX_PIXELS = between(1, 1 << 28)
+# by their names in Pillow; MPO is a JPEG with further images behind the first
+_MESSAGE_FORMATS = ('JPEG', 'MPO', 'PNG')
+_OPENCV_FORMATS = ('BMP', 'JPEG', 'MPO', 'PNG', 'PPM', 'SUN', 'WEBP')
+_PILLOW_FORMATS = ('GIF', 'JPEG2000', 'TIFF')
+_MAX_JPEG2000_BOXES = 1 << 20    # bytes before the codestream: a color profile, metadata
+_LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
+_opencv_lock = threading.Lock()     # its log level is one for all threads
 
 
 class ImageTooLarge(UserError):
     """An image or a video has more pixels than are allowed."""
+
+
+class ImageFormatError(UserError):
+    """An image has a format that is not allowed where it came from."""
 
 
 def check_size(width: float, height: float, max_pixels: int) -> None:
@@ -31,30 +47,33 @@ def check_size(width: float, height: float, max_pixels: int) -> None:
                             'set max_image_pixels to allow it')
 
 
-def decode(data: bytes, flags: int, max_pixels: int) -> Optional[np.ndarray]:
-    """Return the image in `data`, None if it is no image whose size is known.
+def decode(data: bytes, max_pixels: int) -> Optional[np.ndarray]:
+    """Return the JPEG or PNG in `data` as it is; None if it is damaged or of no known format.
 
-    flags: of cv2.imdecode.
+    Raises ImageTooLarge, ImageFormatError for another format, and cv2.error like OpenCV.
+    """
+    with _opened(io.BytesIO(data)) as image:
+        if image is None:
+            return None
+        if image.format not in _MESSAGE_FORMATS:
+            raise ImageFormatError('it is {}, allowed are JPEG and PNG'.format(image.format))
+        check_size(*image.size, max_pixels)
+        return _by_opencv(image.size, lambda: cv2.imdecode(np.frombuffer(data, np.uint8),
+                                                           cv2.IMREAD_UNCHANGED))
+
+
+def read(path: str, max_pixels: int) -> Optional[np.ndarray]:
+    """Return the image in the file `path` as bgr8; None if it is damaged or of no known format.
+
     Raises ImageTooLarge, and cv2.error like OpenCV.
     """
-    size = _size(io.BytesIO(data))
-    if size is None:
-        return None
-    check_size(*size, max_pixels)
-    return cv2.imdecode(np.frombuffer(data, np.uint8), flags)
-
-
-def read(path: str, flags: int, max_pixels: int) -> Optional[np.ndarray]:
-    """Return the image in the file `path`, None if it is no image whose size is known.
-
-    flags: of cv2.imread.
-    Raises ImageTooLarge, and cv2.error like OpenCV.
-    """
-    size = _size(path)
-    if size is None:
-        return None
-    check_size(*size, max_pixels)
-    return cv2.imread(path, flags)
+    with _opened(path) as image:
+        if image is None:
+            return None
+        check_size(*image.size, max_pixels)
+        if image.format in _OPENCV_FORMATS:
+            return _by_opencv(image.size, lambda: cv2.imread(path, cv2.IMREAD_COLOR))
+        return _by_pillow(image) if image.format in _PILLOW_FORMATS else None
 
 
 def add_option(parser: argparse.ArgumentParser) -> None:
@@ -71,13 +90,65 @@ def _max_pixels(text: str) -> int:
     return int(text)
 
 
-def _size(file: Union[str, IO[bytes]]) -> Optional[Tuple[int, int]]:
-    """Return width and height as the header states them, None if Pillow does not know them."""
+@functools.lru_cache(maxsize=None)
+def _pillow() -> Any:
+    """Return the module PIL.Image, set up to give neither limits nor warnings of its own."""
     from PIL import Image  # takes 40 ms, which a video does not need
     Image.MAX_IMAGE_PIXELS = None       # it would warn, or fail, before the size is known
+    warnings.filterwarnings('ignore', category=UserWarning, module='PIL')
+    return Image
+
+
+@contextlib.contextmanager
+def _opened(file: Union[str, IO[bytes]]) -> Iterator[Any]:
+    """Open an image, of which only the header is read; give None if Pillow does not know it."""
     try:
-        with Image.open(file) as image:
-            return image.size
+        image = _pillow().open(file)
     # its many readers raise nearly everything for damaged headers; MemoryError: WebP's canvas
     except Exception:
+        yield None
+        return
+    with image:
+        yield image
+
+
+def _by_opencv(size: Tuple[int, int], decode_it: Callable[[], Any]) -> Optional[np.ndarray]:
+    """Return the image that OpenCV decodes, None unless it has the size of its header.
+
+    OpenCV turns an image as its EXIF data say, so width and height may be exchanged.
+    """
+    with _opencv_lock:
+        level = cv2.setLogLevel(_LOG_SILENT)    # a line or more for each damaged image
+        try:
+            image = decode_it()
+        finally:
+            cv2.setLogLevel(level)
+    if image is None or sorted(image.shape[:2]) != sorted(size):
         return None
+    return image
+
+
+def _by_pillow(image: Any) -> Optional[np.ndarray]:
+    """Return an opened image as bgr8, without alpha and turned as its EXIF data say.
+
+    None if it is damaged, or has 32 bits per channel, which OpenCV does not read as color either,
+    or if it is a JPEG 2000 in color with more than 8 bits, where white may become black.
+    """
+    try:
+        if image.format == 'JPEG2000' and image.mode != 'I;16' and _jpeg2000_bits(image) > 8:
+            return None
+        image.load()
+        if image.mode.startswith('I;16'):
+            return cv2.cvtColor((np.asarray(image) >> 8).astype(np.uint8), cv2.COLOR_GRAY2BGR)
+        if image.mode in ('F', 'I'):
+            return None
+        return cv2.cvtColor(np.asarray(image.convert('RGB')), cv2.COLOR_RGB2BGR)
+    except Exception:       # as in _opened
+        return None
+
+
+def _jpeg2000_bits(image: Any) -> int:
+    """Return the bits of the first channel of a JPEG 2000, by the marker SIZ of its codestream."""
+    image.fp.seek(0)
+    start = image.fp.read(_MAX_JPEG2000_BOXES)
+    return (start[start.index(b'\xff\x4f\xff\x51') + 42] & 0x7f) + 1

@@ -28,6 +28,26 @@ def jpeg(width=SIDE, height=SIDE):
     return data[:frame] + struct.pack('>HH', height, width) + data[frame + 4:]
 
 
+def lying_jp2():
+    """Return a JPEG 2000 of 10x10 pixels whose codestream has 12000x12000."""
+    data = _encoded('.jp2')
+    box, siz = data.index(b'ihdr') + 4, data.index(b'\xff\x4f\xff\x51') + 8
+    data = data[:siz] + struct.pack('>II', 12000, 12000) + data[siz + 8:]
+    return data[:box] + struct.pack('>II', 10, 10) + data[box + 8:]
+
+
+def tiff_of_two_sizes(first, last):
+    """Return a grey TIFF of first x first pixels that states last x last pixels after that."""
+    data = zlib.compress(bytes(first * first))
+    entries = [(256, 4, first), (256, 4, last), (257, 4, first), (257, 4, last), (258, 3, 8),
+               (259, 3, 8), (262, 3, 1), (273, 4, 0), (277, 3, 1), (278, 4, first),
+               (279, 4, len(data))]
+    start = 8 + 2 + 12 * len(entries) + 4
+    return (b'II*\0' + struct.pack('<IH', 8, len(entries))
+            + b''.join(struct.pack('<HHII', tag, kind, 1, start if tag == 273 else value)
+                       for tag, kind, value in entries) + bytes(4) + data)
+
+
 def headers():
     """Return images of other formats by their extension; only the headers are enormous."""
     bmp, tiff, webp, raster = map(_encoded, ('.bmp', '.tiff', '.webp', '.ras'))

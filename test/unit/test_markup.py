@@ -14,6 +14,8 @@ LAUGHS = ('<!DOCTYPE robot [<!ENTITY a "ha">'
           + ''.join('<!ENTITY {} "{}">'.format(name, '&{};'.format(other) * 10)
                     for other, name in zip('abcdefghi', 'bcdefghij')) + ']><robot>&j;</robot>')
 DEEP = '<robot name="r">{}{}</robot>'.format('<a>' * 200000, '</a>' * 200000)
+MANY_ATTRIBUTES = ''.join(' b{}=""'.format(number) for number in range(1000))
+LONG_COMMENT = '<!--{}-->'.format('x' * ((1 << 22) - len('!--') - len('-->') - 1))
 HOSTILE_XML = {
     'deep': (DEEP, 'nested too deeply: more than 100 levels at line 1'),
     'deep without an end': ('<robot>' * 200000, 'nested too deeply'),
@@ -25,6 +27,14 @@ HOSTILE_XML = {
     'attribute name': ('<robot {}="1">'.format('x' * 3000000), 'not XML'),
     'text': ('<robot>{}</robot>'.format('x' * 3000000),
              'a text before line 2 has more than 100000 characters'),
+    'elements': ('<robot>\n' + '<a/>' * 200000,
+                 'more than 200000 elements or 400000 attributes at line 2'),
+    'attributes': ('<robot>\n' + ('<a' + MANY_ATTRIBUTES + '/>') * 401,
+                   'more than 200000 elements or 400000 attributes at line 2'),
+    'attributes of an element': ('<robot>\n<a{} a=""/>'.format(MANY_ATTRIBUTES),
+                                 'an element at line 2 has 1001 attributes, allowed are 1000'),
+    'endless tag': ('<robot>\n<a' + ' b="1"' * 800000 + '/></robot>',
+                    'a tag, comment or text at line 2 has more than 4194304 characters'),
     'NUL': ('<robot>\0</robot>', 'not XML: not well-formed (invalid token): line 1'),
     'empty': ('', 'not XML: no element found'),
     'tag that is not closed': ('<robot' + ' ' * 3000000, 'not XML'),
@@ -60,8 +70,11 @@ def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, text, words):
     '<robot xmlns:x="http://x" x:name="r"><x:a/></robot>',
     '<?xml version="1.0" encoding="utf-8"?><!DOCTYPE robot><robot name="\u00e9">&lt;</robot>',
     '<a>' * 100 + '</a>' * 100, '<a>{}</a>'.format('<b>{}</b>'.format('x' * 1000) * 200),
-    '<a b="{}">{}</a>'.format('x' * 10000, 'x' * 100000)],
-    ids=['children', 'namespace', 'entities of XML', 'deepest', 'many texts', 'longest'])
+    '<a b="{}">{}</a>'.format('x' * 10000, 'x' * 100000),
+    '<a>' + '<b/>' * (200000 - 1) + '</a>',
+    '<a>' + '<b{}/>'.format(MANY_ATTRIBUTES) * 400 + '</a>', '<a>{}</a>'.format(LONG_COMMENT)],
+    ids=['children', 'namespace', 'entities of XML', 'deepest', 'many texts', 'longest', 'most elements',
+         'most attributes', 'long comment'])
 def test_other_xml_is_read_like_by_elementtree(text):
     for each in (text, text.encode()):
         assert ElementTree.tostring(markup.parse_xml(each)) == ElementTree.tostring(
@@ -82,12 +95,12 @@ def test_encodings():
 def test_files_that_are_too_large(tmp_path, monkeypatch, kind):
     path = tmp_path / ('large.' + kind)
     path.write_bytes(b'')
-    os.truncate(str(path), (1 << 26) + 1)
+    os.truncate(str(path), (1 << 24) + 1)
     read = {'world': lambda name: world_file.read(name, {}), 'yaml': parameter_file.read}.get(
         kind, robot_file.read)
     line = refusal(read, str(path))
     assert str(path) in line and 'larger than {} bytes'.format(
-        1 << (20 if kind == 'yaml' else 26)) in line
+        1 << (20 if kind == 'yaml' else 24)) in line
 
 
 ALIASES = 'a: &a [x, x, x, x, x, x, x, x, x]\n' + ''.join(

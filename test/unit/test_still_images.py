@@ -91,7 +91,8 @@ def test_the_header_of_each_format_is_read(tmp_path, name):
     assert str(refused.value) == (
         'cannot read {}: {}x{} are {} pixels, more than max_image_pixels = 50000000; set '
         'max_image_pixels to allow it'.format(path, side, side, side * side))
-    with pytest.raises(ImageError, match='{0}x{0} are'.format(side)):
+    reason = '{0}x{0} are' if name == 'jpg' else 'it is [A-Z0-9]+, allowed are JPEG and PNG'
+    with pytest.raises(ImageError, match=reason.format(side)):
         from_msg(CompressedImage(format='jpeg', data=HEADERS[name]))
 
 
@@ -114,10 +115,11 @@ def test_the_limit_is_included(tmp_path, extension, shape):
     assert read_image(path, 5120).shape == (64, 80, 3)
     with pytest.raises(SourceError, match='80x64 are 5120 pixels'):
         read_image(path, 5119)
-    data = cv2.imencode(extension, image)[1].tobytes()
-    assert still_images.decode(data, cv2.IMREAD_UNCHANGED, 5120).shape[:2] == (64, 80)
-    with pytest.raises(still_images.ImageTooLarge):
-        still_images.decode(data, cv2.IMREAD_UNCHANGED, 5119)
+    if extension in ('.jpg', '.png'):
+        data = cv2.imencode(extension, image)[1].tobytes()
+        assert still_images.decode(data, 5120).shape == shape
+        with pytest.raises(still_images.ImageTooLarge):
+            still_images.decode(data, 5119)
 
 
 def test_large_images_of_a_folder_are_skipped(tmp_path):

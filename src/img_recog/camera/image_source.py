@@ -1,4 +1,4 @@
-"""Images and folders of images, read by OpenCV."""
+"""Images and folders of images."""
 import os
 from typing import List, Optional
 
@@ -107,14 +107,14 @@ def image_paths(folder: str) -> List[str]:
 
 
 def read_image(path: str, max_pixels: int = DEFAULT_MAX_PIXELS) -> Optional[np.ndarray]:
-    """Return an image file as bgr8, or None when OpenCV cannot read it or it is truncated.
+    """Return an image file as bgr8, or None when it cannot be read or is truncated.
 
     Raises SourceTooLarge for an image of more than `max_pixels` pixels.
     """
     try:
         if not cv2.haveImageReader(path) or is_truncated(path):
             return None
-        return still_images.read(path, cv2.IMREAD_COLOR, max_pixels)
+        return still_images.read(path, max_pixels)
     except ImageTooLarge as error:
         raise SourceTooLarge('cannot read {}: {}'.format(path, error.problem), error.advice)
     except cv2.error:       # damaged

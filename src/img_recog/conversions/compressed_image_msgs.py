@@ -15,7 +15,7 @@ from img_recog.conversions import image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import one_line, shortened
 from img_recog.settings import Settings, between, one_of, setting
-from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
+from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageFormatError, ImageTooLarge
 
 _PIXEL_SHAPES = {'mono8': (), 'bgr8': (3,), 'rgb8': (3,)}
 _COLOR_PREFIXES = ('rgb', 'bgr')
@@ -51,8 +51,8 @@ def to_msg(image: np.ndarray, encoding: str, header: Header,
         if not encoded:
             raise ValueError('the encoder failed')
     except (cv2.error, KeyError, ValueError) as error:
-        raise ImageError('cannot compress an image of shape {} and encoding {!r} as {}: {}'.format(
-            image.shape, encoding, settings.format, one_line(error)))
+        raise ImageError('cannot compress an image of shape {} and encoding {} as {}: {}'.format(
+            image.shape, shortened(repr(encoding)), settings.format, one_line(error)))
     text = '{}; {} compressed {}'.format(encoding, settings.format,
                                          'bgr8' if image.ndim == 3 else '')
     return CompressedImage(header=header, data=data.tobytes(), format=text)
@@ -65,11 +65,12 @@ def from_msg(msg: CompressedImage, encoding: str = 'bgr8',
     The order of the colors follows the field format: with a color encoding but without
     'compressed bgr', the message is from an old publisher, which swapped red and blue in the
     compressed data. A format without a semicolon has no such information: nothing is swapped.
-    Raises ImageError naming the format, size and reason, also for more than `max_pixels` pixels.
+    Raises ImageError naming the format, size and reason, also for more than `max_pixels` pixels and
+    for data that are neither JPEG nor PNG, whatever the field format says.
     """
     try:
-        image = still_images.decode(msg.data, cv2.IMREAD_UNCHANGED, max_pixels)
-    except (cv2.error, ImageTooLarge) as error:
+        image = still_images.decode(msg.data, max_pixels)
+    except (cv2.error, ImageFormatError, ImageTooLarge) as error:
         raise _image_error(msg, error)
     if image is None:
         raise _image_error(msg, 'no image that OpenCV can read')

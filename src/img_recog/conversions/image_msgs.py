@@ -37,7 +37,7 @@ def to_msg(image: np.ndarray, encoding: str, header: Header) -> Image:
         msg = _bridge.cv2_to_imgmsg(image, encoding)
     except CvBridgeError as error:
         raise ImageError('cannot publish an image of shape {} as {}: {}'.format(
-            image.shape, encoding, one_line(error)))
+            image.shape, shortened(encoding), one_line(error)))
     msg.header = header
     return msg
 

@@ -110,3 +110,19 @@ def test_error_of_an_image_that_cannot_be_compressed_is_one_line(image, encoding
             encoding, settings.format)) as error:
         to_msg(image, encoding, Header(), settings)
     assert '\n' not in str(error.value)
+
+
+def test_a_long_encoding_is_shortened_in_the_error():
+    with pytest.raises(ImageError, match='^cannot compress an image of shape') as refused:
+        to_msg(NOISE, 'x\n' * 1000, Header())
+    assert len(str(refused.value)) < 500 and '\n' not in str(refused.value)
+    msg = png_of(GREY, 'bayer_{}; png compressed '.format('x\n' * 1000))
+    with pytest.raises(ImageError, match='^cannot decode a compressed image') as refused:
+        from_msg(msg)
+    assert len(str(refused.value)) < 800 and '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize('image, text', [
+    (WIDE, 'bgr16; png compressed bgr16'), (WIDE[..., 0].copy(), 'mono16; png compressed ')])
+def test_png_of_16_bits_is_lossless(image, text):
+    assert np.array_equal(from_msg(png_of(image, text), text.partition(';')[0]), image)

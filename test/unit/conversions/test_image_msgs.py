@@ -89,3 +89,9 @@ def test_errors_are_one_line(msg, words):
 def test_array_that_does_not_match_the_encoding():
     with pytest.raises(ImageError, match='as mono8'):
         to_msg(COLOR, 'mono8', Header())
+
+
+def test_a_long_encoding_is_shortened_in_the_error():
+    with pytest.raises(ImageError, match='^cannot publish an image of shape') as refused:
+        to_msg(COLOR, 'x\n' * 1000, Header())
+    assert len(str(refused.value)) < 500 and '\n' not in str(refused.value)

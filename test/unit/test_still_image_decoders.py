@@ -1,0 +1,136 @@
+"""Which library decodes a still image: none sees another size than the one that was checked."""
+import io
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+from sensor_msgs.msg import CompressedImage
+
+from img_recog import still_images
+from img_recog.camera.image_source import read_image
+from img_recog.conversions.compressed_image_msgs import from_msg
+from img_recog.conversions.image_msgs import ImageError
+from img_recog_testing import bombs
+
+RNG = np.random.RandomState(11)
+COLOR = RNG.randint(0, 256, (64, 96, 3)).astype(np.uint8)
+GREY, BGRA = COLOR[..., 0].copy(), np.dstack([COLOR, COLOR[..., 0]])
+WIDE = RNG.randint(0, 65536, (64, 96, 3)).astype(np.uint16)
+# reads each file as a file and as a message; prints what is refused
+CHILD = '''
+import sys
+from img_recog.camera.image_source import read_image
+from img_recog.conversions.compressed_image_msgs import from_msg
+from img_recog.errors import UserError
+from sensor_msgs.msg import CompressedImage
+for path in sys.argv[1:]:
+    print(read_image(path))
+    try:
+        from_msg(CompressedImage(data=open(path, 'rb').read()))
+    except UserError as error:
+        print(error)
+'''
+
+
+def by_opencv(image, extension):
+    """Return an encoded image; lossless if it is a JPEG 2000."""
+    return cv2.imencode(extension, image, [cv2.IMWRITE_JPEG2000_COMPRESSION_X1000, 1000])[1]
+
+
+def by_pillow(image, kind='TIFF', **options):
+    file = io.BytesIO()
+    image.save(file, kind, **options)
+    return np.frombuffer(file.getvalue(), np.uint8)
+
+
+PICTURE = Image.fromarray(COLOR)
+GOOD = {
+    'color tiff': by_opencv(COLOR, '.tiff'), 'grey tiff': by_opencv(GREY, '.tiff'),
+    'alpha tiff': by_opencv(BGRA, '.tiff'), 'deep grey tiff': by_opencv(WIDE[..., 0], '.tiff'),
+    'big-endian tiff': by_pillow(Image.fromarray(WIDE[..., 0].astype('>u2'))),
+    'palette tiff': by_pillow(PICTURE.quantize(16)), 'lzw': by_pillow(PICTURE, compression='tiff_lzw'),
+    'bits': by_pillow(PICTURE.convert('1'), compression='group4'),
+    'color jp2': by_opencv(COLOR, '.jp2'), 'grey jp2': by_opencv(GREY, '.jp2'),
+    'alpha jp2': by_opencv(BGRA, '.jp2'), 'deep grey jp2': by_opencv(WIDE[..., 0], '.jp2'),
+    'codestream': by_pillow(PICTURE, 'JPEG2000', no_jp2=True),
+    **{'turned {}'.format(number): by_pillow(PICTURE, tiffinfo={274: number})
+       for number in range(1, 9)}}
+
+
+@pytest.mark.parametrize('data', list(GOOD.values()), ids=list(GOOD))
+def test_tiff_and_jpeg_2000_are_read_like_by_opencv(tmp_path, data):
+    path = tmp_path / 'image'
+    path.write_bytes(data.tobytes())
+    expected = cv2.imdecode(data, cv2.IMREAD_COLOR)
+    assert expected is not None and np.array_equal(read_image(str(path)), expected)
+
+
+def test_deep_colors(tmp_path):
+    tiff, jp2 = str(tmp_path / 'image.tiff'), str(tmp_path / 'image.jp2')
+    assert cv2.imwrite(tiff, WIDE) and cv2.imwrite(jp2, WIDE)
+    assert np.array_equal(read_image(tiff), WIDE >> 8)
+    assert read_image(jp2) is None
+
+
+@pytest.mark.parametrize('image', [np.zeros((8, 8), np.float32), np.zeros((8, 8), np.int32)])
+def test_32_bits_are_not_read(tmp_path, image):
+    (tmp_path / 'image.tiff').write_bytes(by_pillow(Image.fromarray(image)).tobytes())
+    assert read_image(str(tmp_path / 'image.tiff')) is None
+
+
+def test_a_tiff_of_two_sizes_is_not_decoded_in_the_other_size(tmp_path):
+    path = tmp_path / 'image.tiff'
+    path.write_bytes(bombs.tiff_of_two_sizes(160, 160))
+    assert read_image(str(path)).shape == (160, 160, 3)
+    for first, last in ((160, 10), (10, 160)):
+        path.write_bytes(bombs.tiff_of_two_sizes(first, last))
+        assert read_image(str(path)) is None
+
+
+def test_a_decoder_that_returns_another_size_is_refused(tmp_path, monkeypatch):
+    path, image = str(tmp_path / 'image.png'), np.zeros((8, 10, 3), np.uint8)
+    assert cv2.imwrite(path, image)
+    with open(path, 'rb') as file:
+        data = file.read()
+    for shape, is_good in (((8, 10, 3), True), ((10, 8, 3), True), ((8, 11, 3), False),
+                           ((9, 10, 3), False), ((4, 20, 3), False)):
+        monkeypatch.setattr(cv2, 'imread', lambda *_: np.zeros(shape, np.uint8))
+        monkeypatch.setattr(cv2, 'imdecode', lambda *_: np.zeros(shape, np.uint8))
+        for read in (read_image(path), still_images.decode(data, 80)):
+            assert (read is not None) == is_good
+
+
+@pytest.mark.parametrize('extension', ['.bmp', '.jp2', '.pnm', '.tiff', '.webp'])
+def test_only_jpeg_and_png_are_decoded_from_messages(extension):
+    data = by_opencv(COLOR, extension).tobytes()
+    with pytest.raises(ImageError, match=r"of format 'bgr8; jpeg compressed bgr8', \d+ bytes: it is "
+                       '(BMP|JPEG2000|PPM|TIFF|WEBP), allowed are JPEG and PNG$'):
+        from_msg(CompressedImage(format='bgr8; jpeg compressed bgr8', data=data))
+
+
+def test_a_jpeg_with_further_images_is_decoded():
+    data = by_pillow(PICTURE, 'MPO', save_all=True, append_images=[PICTURE]).tobytes()
+    assert Image.open(io.BytesIO(data)).format == 'MPO'
+    assert from_msg(CompressedImage(data=data)).shape == COLOR.shape
+
+
+def test_damaged_images_are_no_lines_of_the_decoders(tmp_path):
+    bmp = by_opencv(COLOR, '.bmp').tobytes()
+    files = {'lying.jp2': bombs.lying_jp2(), 'cut.jp2': by_opencv(COLOR, '.jp2').tobytes()[:150],
+             'two.tiff': bombs.tiff_of_two_sizes(160, 10),
+             'cut.tiff': by_opencv(COLOR, '.tiff').tobytes()[:-20],
+             'cut.bmp': bmp[:100], 'cut.webp': by_opencv(COLOR, '.webp').tobytes()[:100],
+             'large.pgm': b'P5 17000 2500 255\n'}
+    for name, data in files.items():
+        (tmp_path / name).write_bytes(data)
+    done = subprocess.run(
+        [sys.executable, '-c', CHILD, *(str(tmp_path / name) for name in files)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+    assert (done.returncode, done.stderr) == (0, '')
+    lines = done.stdout.splitlines()
+    assert len(lines) == 2 * len(files) and lines[::2] == ['None'] * len(files), done.stdout
+    assert all(line.startswith('cannot decode a compressed image') for line in lines[1::2])
+    assert cv2.setLogLevel(cv2.getLogLevel()) > 0
