@@ -92,11 +92,11 @@ def check_xml(text: Union[str, bytes]) -> None:
 def _check_length(text: Union[str, bytes]) -> None:
     if len(text) > MAX_BYTES:
         raise MarkupError('larger than {} bytes'.format(MAX_BYTES))
-    tag, newline = (_LONG_TAG, '\n') if isinstance(text, str) else (_LONG_TAG.encode(), b'\n')
-    found = re.search(tag, text)
+    characters = text if isinstance(text, str) else text.decode('latin-1')
+    found = re.search(_LONG_TAG, characters)
     if found:
         raise MarkupError('a tag, comment or text at line {} has more than {} characters'.format(
-            text.count(newline, 0, found.start()) + 1, _MAX_TAG))
+            characters.count('\n', 0, found.start()) + 1, _MAX_TAG))
 
 
 def load_yaml(text: bytes) -> Any:

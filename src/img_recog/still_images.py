@@ -57,7 +57,7 @@ def decode(data: bytes, max_pixels: int) -> Optional[np.ndarray]:
             return None
         if image.format not in _MESSAGE_FORMATS:
             raise ImageFormatError('it is {}, allowed are JPEG and PNG'.format(image.format))
-        check_size(*image.size, max_pixels)
+        check_size(image.size[0], image.size[1], max_pixels)
         return _by_opencv(image.size, lambda: cv2.imdecode(np.frombuffer(data, np.uint8),
                                                            cv2.IMREAD_UNCHANGED))
 
@@ -70,7 +70,7 @@ def read(path: str, max_pixels: int) -> Optional[np.ndarray]:
     with _opened(path) as image:
         if image is None:
             return None
-        check_size(*image.size, max_pixels)
+        check_size(image.size[0], image.size[1], max_pixels)
         if image.format in _OPENCV_FORMATS:
             return _by_opencv(image.size, lambda: cv2.imread(path, cv2.IMREAD_COLOR))
         return _by_pillow(image) if image.format in _PILLOW_FORMATS else None

@@ -32,7 +32,7 @@ def lying_jp2():
     """Return a JPEG 2000 of 10x10 pixels whose codestream has 12000x12000."""
     data = _encoded('.jp2')
     box, siz = data.index(b'ihdr') + 4, data.index(b'\xff\x4f\xff\x51') + 8
-    data = data[:siz] + struct.pack('>II', 12000, 12000) + data[siz + 8:]
+    data = data[:siz] + struct.pack('>6I', 12000, 12000, 0, 0, 12000, 12000) + data[siz + 24:]
     return data[:box] + struct.pack('>II', 10, 10) + data[box + 8:]
 
 
