@@ -1,9 +1,9 @@
 """Decodes still images up to a number of pixels: a file of 131 kB can hold 1.6 billion of them.
 
 Pillow reads the format and the size from the header, which takes 0.01 to 0.1 ms and no memory, so
-that the error can name them. OpenCV decodes the formats whose header it reads like Pillow. TIFF and
-JPEG 2000 can be written so that two libraries see two sizes: Pillow decodes them too. OpenCV's own
-limit is read when it is loaded and does not name the size, so it is only the second wall.
+that the error can name them. OpenCV decodes the formats whose header it reads like Pillow. TIFF
+and JPEG 2000 can be written so that two libraries see two sizes: Pillow decodes them too. OpenCV's
+own limit is read when it is loaded and does not name the size, so it is only the second wall.
 """
 import argparse
 import contextlib

@@ -73,8 +73,8 @@ def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, text, words):
     '<a b="{}">{}</a>'.format('x' * 10000, 'x' * 100000),
     '<a>' + '<b/>' * (200000 - 1) + '</a>',
     '<a>' + '<b{}/>'.format(MANY_ATTRIBUTES) * 400 + '</a>', '<a>{}</a>'.format(LONG_COMMENT)],
-    ids=['children', 'namespace', 'entities of XML', 'deepest', 'many texts', 'longest', 'most elements',
-         'most attributes', 'long comment'])
+    ids=['children', 'namespace', 'entities of XML', 'deepest', 'many texts', 'longest',
+         'most elements', 'most attributes', 'long comment'])
 def test_other_xml_is_read_like_by_elementtree(text):
     for each in (text, text.encode()):
         assert ElementTree.tostring(markup.parse_xml(each)) == ElementTree.tostring(

@@ -115,8 +115,8 @@ def test_a_decoder_that_returns_another_size_is_refused(tmp_path, monkeypatch):
 @pytest.mark.parametrize('extension', ['.bmp', '.jp2', '.pnm', '.tiff', '.webp'])
 def test_only_jpeg_and_png_are_decoded_from_messages(extension):
     data = by_opencv(COLOR, extension).tobytes()
-    with pytest.raises(ImageError, match=r"of format 'bgr8; jpeg compressed bgr8', \d+ bytes: it is "
-                       '(BMP|JPEG2000|PPM|TIFF|WEBP), allowed are JPEG and PNG$'):
+    with pytest.raises(ImageError, match=r"of format 'bgr8; jpeg compressed bgr8', \d+ bytes: "
+                       'it is (BMP|JPEG2000|PPM|TIFF|WEBP), allowed are JPEG and PNG$'):
         from_msg(CompressedImage(format='bgr8; jpeg compressed bgr8', data=data))
 
 

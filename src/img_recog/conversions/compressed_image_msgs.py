@@ -65,8 +65,8 @@ def from_msg(msg: CompressedImage, encoding: str = 'bgr8',
     The order of the colors follows the field format: with a color encoding but without
     'compressed bgr', the message is from an old publisher, which swapped red and blue in the
     compressed data. A format without a semicolon has no such information: nothing is swapped.
-    Raises ImageError naming the format, size and reason, also for more than `max_pixels` pixels and
-    for data that are neither JPEG nor PNG, whatever the field format says.
+    Raises ImageError naming the format, size and reason, also for more than `max_pixels` pixels
+    and for data that are neither JPEG nor PNG, whatever the field format says.
     """
     try:
         image = still_images.decode(msg.data, max_pixels)
