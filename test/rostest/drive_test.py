@@ -59,12 +59,16 @@ class DriveTest(unittest.TestCase):
             self._wait_odometry(begin, lambda speed: speed * direction > 0.3,
                                 'driving, direction %d' % direction)
             gone = self._wait_areas(False, False)
+            # a busy machine simulates slowly, and the next card comes by wall time
+            rospy.ServiceProxy('/usb_cam/stop_capture', Empty)()
             at_rest = self._wait_odometry(gone, lambda speed: abs(speed) < 0.002,
                                           'standing after %d' % direction)
             self.assertEqual({(0, 0)}, {
                 areas(msg) for msg in list(self.log.messages)
                 if gone <= msg.header.stamp <= at_rest.header.stamp},
                 'it came to rest before the next card')
+            self._next = len(self.log.messages)
+            rospy.ServiceProxy('/usb_cam/start_capture', Empty)()
             end = at_rest.pose.pose.position
             self.assertGreater((end.x - start.x) * direction, 0.5)
             self.assertLess(abs(end.y - start.y), 0.5)
