@@ -1,10 +1,8 @@
 """scripts/respawn.py: which ends of a command are followed by a new start, and how it ends."""
 import os
 import signal
-import socket
 import subprocess
 import sys
-import xmlrpc.client
 
 import pytest
 
@@ -165,83 +163,6 @@ def test_the_node_does_not_outlive_it(run):
     child = process.wait_starts(1)
     process.signal(signal.SIGKILL)
     wait_for(lambda: not is_alive(child), 'the end of the node')
-
-
-ROBOT = 'import xmlrpc.client\nprint(xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])' \
-    '.getParam("/node", "/node/rate")[2], flush=True)\n'
-
-
-@pytest.fixture
-def master(monkeypatch):
-    """A function that starts a master on the same port each time; it sets ROS_MASTER_URI."""
-    with socket.socket() as probe:
-        probe.bind(('127.0.0.1', 0))
-        port = probe.getsockname()[1]
-    uri = 'http://127.0.0.1:{}'.format(port)
-    monkeypatch.setenv('ROS_MASTER_URI', uri)
-    monkeypatch.delenv('ROS_NAMESPACE', raising=False)
-    processes = []
-
-    def start():
-        processes.append(subprocess.Popen([
-            'rosmaster', '--core', '-p', str(port)], stdout=subprocess.DEVNULL))
-        proxy = xmlrpc.client.ServerProxy(uri)
-
-        def answers():
-            try:
-                return proxy.getPid('/test')
-            except OSError:
-                return False
-        wait_for(answers, 'the master')
-        processes[-1].proxy = proxy
-        return processes[-1]
-    yield start
-    for each in processes:
-        each.kill()
-        each.wait()
-
-
-def wait_read(process):
-    """Wait until the thread that reads the parameters has ended."""
-    process.wait_starts(1)
-
-    def is_read():
-        with open('/proc/{}/maps'.format(process.pid)) as file:
-            is_loaded = 'pyexpat' in file.read()
-        return is_loaded and len(os.listdir('/proc/{}/task'.format(process.pid))) == 1
-    wait_for(is_read, 'the reading')
-    wait_for(lambda: [is_read() for _ in range(10)] == [True] * 10, 'the reading')
-
-
-def test_a_new_master_has_the_parameters_before_the_node_starts_again(run, master):
-    first = master()
-    first.proxy.setParam('/test', '/node/rate', 0.1)
-    process = run(ROBOT + 'wait()')
-    assert process.process.stdout.readline() == '0.1\n'
-    wait_read(process)
-    first.kill()
-    first.wait()
-    os.kill(process.wait_starts(1), signal.SIGKILL)
-    process.wait_errors('waits for the master at')
-    assert len(process.pids) == 1
-    master()
-    assert process.process.stdout.readline() == '0.1\n'
-    assert process.errors == (
-        '[respawn] node: killed by SIGKILL, started again\n'
-        '[respawn] node: waits for the master at {} to answer: Connection refused\n'
-        '[respawn] node: has set 1 parameters on a new master\n'.format(
-            os.environ['ROS_MASTER_URI']))
-
-
-def test_a_signal_ends_the_wait_for_a_master(run, master):
-    first = master()
-    process = run('wait()')
-    wait_read(process)
-    os.kill(first.pid, signal.SIGSTOP)
-    os.kill(process.wait_starts(1), signal.SIGKILL)
-    process.wait_errors('to answer: timed out')
-    process.signal(signal.SIGINT)
-    assert len(process.pids) == 1
 
 
 def test_without_a_command_it_prints_its_usage():
