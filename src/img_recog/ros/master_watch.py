@@ -3,16 +3,16 @@ import http.client
 import threading
 import time
 import xmlrpc.client
-from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
 
 import rosgraph
 import rospy
 
 from img_recog.errors import one_line
+from img_recog.ros.kept_parameters import TimedTransport
 from img_recog.ros.transport import registration
 
 _PERIOD_S = 1.0
-_TIMEOUT_S = 1.0        # of a call
 _MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once
 _STOP_TIMEOUT_S = 0.5
 _MAX_ANSWER_S = 0.5     # of a node
@@ -32,14 +32,14 @@ class MasterWatch:
 
     def __init__(self) -> None:
         self._uri, self._name = rosgraph.get_master_uri(), rospy.get_name()
-        self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=_Transport())
+        self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=TimedTransport())
         self._private: Dict[str, Any] = {}
         self._shared: Optional[Dict[str, Any]] = None
         self._unconnected: Set[str] = set()
         self._connections: Dict[str, int] = {}
         self._polls = 0
         self._failures = 0
-        self._is_gone = self._is_registering = False
+        self._is_gone = self._is_registering = self._is_unreadable = False
         self._ended = threading.Event()
         self._lock = threading.Lock()       # held during a poll
 
@@ -72,16 +72,12 @@ class MasterWatch:
                               'registers again when there is a master', self._uri, one_line(error))
 
     def _poll(self) -> None:
-        multi = xmlrpc.client.MultiCall(self._proxy)
-        multi.lookupNode(self._name, self._name)
-        multi.getParam(self._name, self._name)
-        results: Any = multi()
-        (code, _, uri), (has_private, _, private) = results
+        (code, _, uri), private = self._ask()
         self._failures = 0
         if code == 1 and uri != rospy.get_node_uri():
             self._ended.set()       # another node has this name, and this one is shut down
         elif code == 1 and not self._is_registering:
-            self._keep(private if has_private == 1 and isinstance(private, dict) else {})
+            self._keep(private)
             if self._is_gone:
                 rospy.loginfo('the master at %s answers again', self._uri)
             self._is_gone = False
@@ -89,6 +85,27 @@ class MasterWatch:
                 self._reconnect(dict(self._call('getSystemState')[0]))
         else:
             self._register()
+
+    def _ask(self) -> Tuple[Any, Optional[Dict[str, Any]]]:
+        """Return the answer to lookupNode, and the private parameters, None if unreadable."""
+        multi = xmlrpc.client.MultiCall(self._proxy)
+        multi.lookupNode(self._name, self._name)
+        multi.getParam(self._name, self._name)
+        try:
+            results: Any = multi()
+            node, (has_private, _, private) = results
+        except xmlrpc.client.Fault as fault:
+            # the master has answered: it cannot send an integer of more than 32 bits, for example
+            node = self._proxy.lookupNode(self._name, self._name)
+            if not self._is_unreadable:
+                self._is_unreadable = True
+                rospy.logwarn(
+                    'the parameters in %s: the master cannot send them (%s), wants integers of at '
+                    'most 32 bits; delete the wrong one with rosparam delete %s/NAME',
+                    self._name, one_line(fault.faultString), self._name)
+            return node, None
+        self._is_unreadable = False
+        return node, private if has_private == 1 and isinstance(private, dict) else {}
 
     def _may_be_unconnected(self) -> bool:
         """Return whether to read the publishers of all topics: some connection may be missing.
@@ -122,21 +139,20 @@ class MasterWatch:
         """
         begin_s = time.monotonic()
         try:
-            with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as node:
+            with xmlrpc.client.ServerProxy(uri, transport=TimedTransport()) as node:
                 node.getPid(self._name)
         except (OSError, http.client.HTTPException, xmlrpc.client.Error):
             return False
         return time.monotonic() - begin_s < _MAX_ANSWER_S
 
-    def _keep(self, private: Dict[str, Any]) -> None:
-        self._private = private
+    def _keep(self, private: Optional[Dict[str, Any]]) -> None:
+        if private is not None:
+            self._private = private
         if self._shared is None:
-            self._shared = {}
             found = self._get('searchParam', 'robot_description')
-            for name in filter(None, (_GLOBAL, found)):
-                value = self._get('getParam', name)
-                if value is not None:
-                    self._shared[name] = value
+            names = [_GLOBAL, found] if found else [_GLOBAL]
+            values = {name: self._get('getParam', name) for name in names}
+            self._shared = {name: each for name, each in values.items() if each is not None}
 
     def _register(self) -> None:
         self._is_registering = True         # until all of it has succeeded
@@ -158,18 +174,12 @@ class MasterWatch:
         return value
 
     def _get(self, method: str, name: str) -> Optional[Any]:
-        """Return a parameter's value or name, None if there is none."""
-        code, _, value = getattr(self._proxy, method)(self._name, name)
+        """Return a parameter's value or name, None if there is none that can be read."""
+        try:
+            code, _, value = getattr(self._proxy, method)(self._name, name)
+        except xmlrpc.client.Fault:
+            return None
         return value if code == 1 else None
-
-
-class _Transport(xmlrpc.client.Transport):
-    """Calls with a time limit."""
-
-    def make_connection(self, host: Any) -> http.client.HTTPConnection:
-        connection = super().make_connection(host)
-        connection.timeout = _TIMEOUT_S
-        return connection
 
 
 def start(on_shutdown: Callable[[Callable[[], None]], None]) -> None:

@@ -1,10 +1,12 @@
 """The one place where the parameter server is read."""
 import dataclasses
+import xmlrpc.client
 from types import MappingProxyType
 from typing import Any, Callable, Iterable, List, Mapping, Type
 
 import rospy
 
+from img_recog.errors import one_line
 from img_recog.settings import (ParameterError, SettingError, Settings, SettingsType, from_mapping,
                                 setting_fields, unknown)
 
@@ -74,7 +76,7 @@ def robot_description() -> str:
     Raises ParameterError when there is none.
     """
     name = rospy.search_param('robot_description')
-    text = rospy.get_param(name) if name else None
+    text = _get(name, None) if name else None
     if not isinstance(text, str):
         raise ParameterError(
             'parameter {}: got {}, wants the text of a URDF; load one with '
@@ -90,8 +92,23 @@ def log_topics_are_wanted() -> bool:
 
 
 def _parameters_in(namespace: str) -> dict:
-    found = rospy.get_param(namespace, {})
+    found = _get(namespace, {})
     return found if isinstance(found, dict) else {}
+
+
+def _get(name: str, default: Any) -> Any:
+    """Return a parameter, or a dict of those in a namespace.
+
+    Raises ParameterError if the master has a value that XML-RPC cannot transmit.
+    """
+    try:
+        return rospy.get_param(name, default)
+    except xmlrpc.client.Fault as fault:
+        resolved = rospy.resolve_name(name)
+        raise ParameterError(
+            'the parameters in {0}: the master cannot send them ({1}), wants integers of at most '
+            '32 bits; delete the wrong one with rosparam delete {0}/NAME, or all of them with '
+            'rosparam delete {0}'.format(resolved.rstrip('/'), one_line(fault.faultString)))
 
 
 def _name_in(namespace: str, name: str) -> str:

@@ -128,6 +128,21 @@ def test_a_busy_master_may_miss_a_poll(watch, lines):
     assert len(lines) == 1 and 'timed out' in lines[0]
 
 
+def test_parameters_that_cannot_be_read_are_not_silence_of_the_master(watch, lines, monkeypatch):
+    def fault(_):
+        raise xmlrpc.client.Fault(1, 'int exceeds XML-RPC limits')
+    with monkeypatch.context() as patch:
+        patch.setattr(FakeMultiCall, '__call__', fault)
+        for _ in range(3):
+            watch._poll_safely()
+    assert len(lines) == 1 and 'rosparam delete /node/NAME' in lines[0]
+    assert 'parameters in /node' in lines[0] and 'int exceeds XML-RPC limits' in lines[0]
+    assert watch._polls == 4        # as of a master that answers
+    watch._proxy = FakeMaster()
+    watch._poll_safely()
+    assert watch._proxy.parameters['/node/rate'] == 30
+
+
 def test_a_registration_that_fails_is_repeated(watch, lines, monkeypatch):
     register_again, failures = master_watch.registration.register_again, [xmlrpc.client.Error('x')]
 
