@@ -4,6 +4,7 @@ import re
 import signal
 
 import pytest
+import yaml
 
 from img_recog.ros.transport.switch import is_plain
 from img_recog_testing.processes import Ros
@@ -123,6 +124,28 @@ def test_new_master_knows_nodes_and_parameters(demo):
     os.kill(demo.node('usb_cam'), signal.SIGKILL)
     demo.wait('camera: synthetic scene', back)
     demo.wait_chain(back)
+    assert 'Traceback' not in demo.output[after:]
+
+
+def test_nodes_that_die_without_a_master_come_back_with_their_parameters(demo):
+    def parameters():
+        return {name: yaml.safe_load(demo.ros.run('rosparam', 'get', '/' + name))
+                for name in ('usb_cam', 'color_extract', 'gazebo')}
+    before, after = parameters(), len(demo.output)
+    assert before['usb_cam']['video_device'] == 'synthetic'
+    assert before['gazebo']['cmd_vel_timeout'] == 0.5
+    demo.kill_master()
+    for name in PROGRAMS:
+        os.kill(demo.node(name), signal.SIGKILL)
+    demo.wait(r'\[respawn\] \S+: waits for the master at \S+ to answer: ', after, len(PROGRAMS))
+    back = len(demo.output)
+    demo.start_master()
+    demo.wait('the robot is at the start: x -2.00 m, y -0.50 m', back)
+    demo.wait('camera: synthetic scene', back)
+    demo.wait_chain(back)
+    found = parameters()
+    for name, values in before.items():
+        assert {key: found[name].get(key) for key in values} == values, name
     assert 'Traceback' not in demo.output[after:]
 
 
