@@ -9,6 +9,8 @@ import argparse
 import contextlib
 import functools
 import io
+import os
+import struct
 import threading
 import warnings
 from typing import IO, Any, Callable, Iterator, Optional, Tuple, Union
@@ -27,6 +29,8 @@ _MESSAGE_FORMATS = ('JPEG', 'MPO', 'PNG')
 _OPENCV_FORMATS = ('BMP', 'JPEG', 'MPO', 'PNG', 'PPM', 'SUN', 'WEBP')
 _PILLOW_FORMATS = ('GIF', 'JPEG2000', 'TIFF')
 _MAX_JPEG2000_BOXES = 1 << 20    # bytes before the codestream: a color profile, metadata
+_PNG_SIGNATURE_BYTES, _PNG_CHECKSUM_BYTES = 8, 4
+_PNG_CHUNK = struct.Struct('>I4s')      # length and type, before its data and the checksum
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _opencv_lock = threading.Lock()     # its log level is one for all threads
 
@@ -58,6 +62,8 @@ def decode(data: bytes, max_pixels: int) -> Optional[np.ndarray]:
         if image.format not in _MESSAGE_FORMATS:
             raise ImageFormatError('it is {}, allowed are JPEG and PNG'.format(image.format))
         check_size(image.size[0], image.size[1], max_pixels)
+        if image.format == 'PNG' and not _has_its_chunks(io.BytesIO(data)):
+            return None
         return _by_opencv(image.size, lambda: cv2.imdecode(np.frombuffer(data, np.uint8),
                                                            cv2.IMREAD_UNCHANGED))
 
@@ -71,6 +77,10 @@ def read(path: str, max_pixels: int) -> Optional[np.ndarray]:
         if image is None:
             return None
         check_size(image.size[0], image.size[1], max_pixels)
+        if image.format == 'PNG':
+            with open(path, 'rb') as file:
+                if not _has_its_chunks(file):
+                    return None
         if image.format in _OPENCV_FORMATS:
             return _by_opencv(image.size, lambda: cv2.imread(path, cv2.IMREAD_COLOR))
         return _by_pillow(image) if image.format in _PILLOW_FORMATS else None
@@ -110,6 +120,21 @@ def _opened(file: Union[str, IO[bytes]]) -> Iterator[Any]:
         return
     with image:
         yield image
+
+
+def _has_its_chunks(file: IO[bytes]) -> bool:
+    """Return whether no chunk of a PNG ends after the file.
+
+    OpenCV 4.11 allocates the length that a chunk states, 2 GB at most, before it reads it.
+    """
+    size, position = file.seek(0, os.SEEK_END), _PNG_SIGNATURE_BYTES
+    while position + _PNG_CHUNK.size <= size:
+        file.seek(position)
+        length, kind = _PNG_CHUNK.unpack(file.read(_PNG_CHUNK.size))
+        if kind == b'IEND':
+            return True
+        position += _PNG_CHUNK.size + length + _PNG_CHECKSUM_BYTES
+    return position <= size
 
 
 def _by_opencv(size: Tuple[int, int], decode_it: Callable[[], Any]) -> Optional[np.ndarray]:

@@ -21,6 +21,13 @@ def png(width=SIDE, height=SIDE):
             + chunk(b'IDAT', data) + chunk(b'IEND', b''))
 
 
+def lying_png(name=b'IDAT'):
+    """Return a small PNG one of whose chunks states a length of 2 GB."""
+    data = _encoded('.png')
+    start = data.index(b'IDAT') - 4
+    return data[:start] + b'\x7f\xff\xff\xff' + name + data[start + 8:]
+
+
 def jpeg(width=SIDE, height=SIDE):
     """Return a JPEG whose data ends early: OpenCV fills the rest with grey."""
     data = _encoded('.jpg')

@@ -143,3 +143,28 @@ def test_damaged_images_are_no_lines_of_the_decoders(tmp_path):
     assert len(lines) == 2 * len(files) and lines[::2] == ['None'] * len(files), done.stdout
     assert all(line.startswith('cannot decode a compressed image') for line in lines[1::2])
     assert cv2.setLogLevel(cv2.getLogLevel()) > 0
+
+
+@pytest.mark.parametrize('name', [b'IDAT', b'tEXt', b'fdAT', b'IDAU'])
+def test_png_whose_chunk_states_an_enormous_length_is_not_given_to_opencv(
+        tmp_path, monkeypatch, name):
+    def refuse(*_):
+        raise AssertionError('it would allocate 2 GB')
+    monkeypatch.setattr(still_images.cv2, 'imdecode', refuse)
+    monkeypatch.setattr(still_images.cv2, 'imread', refuse)
+    path = tmp_path / 'lying.png'
+    path.write_bytes(bombs.lying_png(name))
+    assert read_image(str(path)) is None
+    with pytest.raises(ImageError, match='no image that OpenCV can read'):
+        from_msg(CompressedImage(data=path.read_bytes()))
+
+
+@pytest.mark.parametrize('end', [b'', b'\xff' * 100])
+def test_png_of_many_chunks_is_decoded_whatever_follows_its_end(tmp_path, end):
+    noise = RNG.randint(0, 256, (200, 300, 3)).astype(np.uint8)
+    data = cv2.imencode('.png', noise)[1].tobytes()
+    assert data.count(b'IDAT') > 10
+    path = tmp_path / 'noise.png'
+    path.write_bytes(data + end)
+    assert np.array_equal(read_image(str(path)), noise)
+    assert np.array_equal(from_msg(CompressedImage(data=path.read_bytes())), noise)

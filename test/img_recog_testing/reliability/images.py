@@ -79,8 +79,9 @@ class _Check:
         """Refuse an image that costs much time, as one that is unpacked to gigabytes does."""
         begin_s = time.process_time()
         yield
-        self.max_s = max(self.max_s, time.process_time() - begin_s)
-        assert self.max_s < _MAX_S, '{:.1f} s for {!r}'.format(self.max_s, data)
+        taken_s = time.process_time() - begin_s
+        self.max_s = max(self.max_s, taken_s)
+        assert taken_s < _MAX_S, '{:.1f} s for {!r}'.format(taken_s, data)
 
     def _raw(self, data: bytes) -> None:
         try:
