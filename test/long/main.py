@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The long tests: about an hour of hostile input, stops, kills and soak; ./run test --long.
+"""The long tests: half an hour of hostile input, stops, kills and soak; ./run test --long.
 
 Each part runs in a process of its own. The soak runs beside the others, if it is selected.
 """

@@ -133,12 +133,15 @@ class _Check:
 
 
 def _files() -> List[bytes]:
-    """Return small images in the formats that OpenCV reads."""
+    """Return small images, most of them in the formats that a message may have."""
     ramp = np.arange(12 * 16 * 3, dtype=np.uint8).reshape(12, 16, 3)
-    return [cv2.imencode(ending, image)[1].tobytes()
-            for ending, image in (('.jpg', ramp), ('.png', ramp), ('.png', ramp[..., 0]),
-                                  ('.png', ramp.astype(np.uint16) * 200), ('.bmp', ramp),
-                                  ('.tiff', ramp), ('.webp', ramp), ('.ppm', ramp))]
+    wide, grey = ramp.astype(np.uint16) * 200, ramp[..., 0]
+    files = [cv2.imencode(ending, image)[1].tobytes()
+             for ending, image in (('.jpg', ramp), ('.jpg', grey), ('.png', ramp), ('.png', grey),
+                                   ('.png', np.dstack([ramp, grey])), ('.png', wide),
+                                   ('.png', wide[..., 0]), ('.bmp', ramp), ('.tiff', ramp),
+                                   ('.webp', ramp))]
+    return [*files, cv2.imencode('.jpg', ramp, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()]
 
 
 _FILES = _files()
