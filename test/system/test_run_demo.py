@@ -67,6 +67,21 @@ def test_signal_at_any_moment_ends_everything(run_demo, after_s, signum):
              lambda: 'the end of {} in:\n{}'.format(marked(run_demo.mark), demo.output), END_S)
 
 
+def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
+    # like a Python that is about to end when the signal comes
+    program, is_started = tmp_path / 'bin' / 'cmake', tmp_path / 'started'
+    program.parent.mkdir()
+    program.write_text('#!/bin/bash\ntrap "exit 0" INT\ntouch {}\nsleep 1000 & wait\n'.format(
+        is_started))
+    program.chmod(0o755)
+    run_demo.env['PATH'] = '{}:{}'.format(program.parent, run_demo.env['PATH'])
+    demo = run_demo('camera:=synthetic')
+    wait_for(is_started.exists, 'the program')
+    os.killpg(demo.pid, signal.SIGINT)
+    assert demo.wait() == -signal.SIGINT
+    assert 'process[' not in demo.output
+
+
 def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
