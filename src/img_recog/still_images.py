@@ -13,7 +13,7 @@ import os
 import struct
 import threading
 import warnings
-from typing import IO, Any, Callable, Iterator, Optional, Tuple, Union
+from typing import IO, Any, Callable, Iterator, Optional, Union
 
 import cv2
 import numpy as np
@@ -62,10 +62,8 @@ def decode(data: bytes, max_pixels: int) -> Optional[np.ndarray]:
         if image.format not in _MESSAGE_FORMATS:
             raise ImageFormatError('it is {}, allowed are JPEG and PNG'.format(image.format))
         check_size(image.size[0], image.size[1], max_pixels)
-        if image.format == 'PNG' and not _has_its_chunks(io.BytesIO(data)):
-            return None
-        return _by_opencv(image.size, lambda: cv2.imdecode(np.frombuffer(data, np.uint8),
-                                                           cv2.IMREAD_UNCHANGED))
+        return _by_opencv(image, lambda: cv2.imdecode(np.frombuffer(data, np.uint8),
+                                                      cv2.IMREAD_UNCHANGED))
 
 
 def read(path: str, max_pixels: int) -> Optional[np.ndarray]:
@@ -77,12 +75,8 @@ def read(path: str, max_pixels: int) -> Optional[np.ndarray]:
         if image is None:
             return None
         check_size(image.size[0], image.size[1], max_pixels)
-        if image.format == 'PNG':
-            with open(path, 'rb') as file:
-                if not _has_its_chunks(file):
-                    return None
         if image.format in _OPENCV_FORMATS:
-            return _by_opencv(image.size, lambda: cv2.imread(path, cv2.IMREAD_COLOR))
+            return _by_opencv(image, lambda: cv2.imread(path, cv2.IMREAD_COLOR))
         return _by_pillow(image) if image.format in _PILLOW_FORMATS else None
 
 
@@ -137,18 +131,21 @@ def _has_its_chunks(file: IO[bytes]) -> bool:
     return position <= size
 
 
-def _by_opencv(size: Tuple[int, int], decode_it: Callable[[], Any]) -> Optional[np.ndarray]:
+def _by_opencv(header: Any, decode_it: Callable[[], Any]) -> Optional[np.ndarray]:
     """Return the image that OpenCV decodes, None unless it has the size of its header.
 
+    header: the image as opened by Pillow.
     OpenCV turns an image as its EXIF data say, so width and height may be exchanged.
     """
+    if header.format == 'PNG' and not _has_its_chunks(header.fp):
+        return None
     with _opencv_lock:
         level = cv2.setLogLevel(_LOG_SILENT)    # a line or more for each damaged image
         try:
             image = decode_it()
         finally:
             cv2.setLogLevel(level)
-    if image is None or sorted(image.shape[:2]) != sorted(size):
+    if image is None or sorted(image.shape[:2]) != sorted(header.size):
         return None
     return image
 
