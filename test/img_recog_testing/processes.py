@@ -1,4 +1,5 @@
 """Programs under test, with a separate ROS master on a free port."""
+import ctypes
 import os
 import re
 import signal
@@ -44,6 +45,16 @@ class Process:
     def send_signal(self, number):
         """Send a signal."""
         self._popen.send_signal(number)
+
+    def interrupt_thread(self):
+        """Send SIGINT to a thread that is not the main one; return the exit code.
+
+        The kernel may choose any thread for a signal to the program.
+        """
+        threads = {int(name) for name in os.listdir('/proc/{}/task'.format(self.pid))}
+        thread = max(threads - {self.pid})
+        assert ctypes.CDLL(None).tgkill(self.pid, thread, signal.SIGINT) == 0, threads
+        return self.wait()
 
     def interrupt(self):
         """Send SIGINT, as Ctrl-C does; wait for the end and return the exit code."""

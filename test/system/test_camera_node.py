@@ -5,7 +5,9 @@ import time
 
 import cv2
 import numpy as np
+import pytest
 
+from img_recog_testing.processes import Process
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 CAMERA = ('rosrun', 'img_recog', 'usb_cam_node.py')
@@ -16,7 +18,8 @@ def start(roscore, *parameters):
     return roscore.start(*CAMERA, *parameters)
 
 
-def test_interrupt_ends_it_while_its_source_blocks(roscore):
+@pytest.mark.parametrize('interrupt', [Process.interrupt, Process.interrupt_thread])
+def test_interrupt_ends_it_while_its_source_blocks(roscore, interrupt):
     with socket.socket() as server:         # accepts a connection and never answers
         server.bind(('127.0.0.1', 0))
         server.listen(1)
@@ -25,7 +28,7 @@ def test_interrupt_ends_it_while_its_source_blocks(roscore):
             server.getsockname()[1]))
         call, _ = server.accept()           # now OpenCV waits for an answer
         begin = time.monotonic()
-        assert camera.interrupt() == 0, camera.output
+        assert interrupt(camera) == 0, camera.output
         assert time.monotonic() - begin < 20.0      # OpenCV waits for 30 s
         call.close()
     assert 'secret' not in camera.output and 'terminate' not in camera.output

@@ -84,7 +84,9 @@ class UsbCam(Listener):
                           rospy.resolve_name('~start_capture'))
         else:
             self._capture.start()
-            self._opened_or_ended.wait()
+            # a signal that another thread takes does not end a wait without a timeout
+            while not self._opened_or_ended.wait(_CHECK_PERIOD_S):
+                pass
         if not self._ended.is_set():
             self._calibration.serve()
             rospy.Service('~start_capture', Empty, self._start_capture)
@@ -146,6 +148,8 @@ class UsbCam(Listener):
         self._end()
 
     def failed(self, error: Exception, opening: bool) -> None:
+        if self._ended.is_set():        # a failure during a shutdown is not why the node ends
+            return
         if opening and (self._opened_once or self._settings.create_suspended):
             # ~start_capture can be called again; only a failure at startup ends the node
             rospy.logerr('%s; still %s', error, 'stopped' if self._opened_once else 'suspended')
