@@ -1,11 +1,13 @@
 """Keeps the parameters of a node outside of its process, for scripts/respawn.py; without rospy."""
 import http.client
-import os
 import signal
 import threading
 import time
 import xmlrpc.client
 from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
+
+import rosgraph
+from rosgraph import names
 
 _TIMEOUT_S, _RETRY_S = 1.0, 0.5     # of a call
 _READ_LIMIT_S = 20.0    # a master that does not answer for so long is asked no more
@@ -16,7 +18,7 @@ class KeptParameters:
     """The parameters that a node reads, kept for a new master.
 
     The master is called in threads: one that does not answer delays neither a start nor a signal.
-    No error leaves this class: a node whose parameters are not known is just started.
+    Its methods raise nothing: a node whose parameters are not known is just started.
     """
 
     def __init__(self, command: Sequence[str], say: Callable[[str], None],
@@ -26,11 +28,12 @@ class KeptParameters:
         command: of the node; its arguments and the environment say its name and its master.
         say: logs a line, in any thread.
         signals: are not handled by the threads.
+
+        Raises ValueError if the command gives no address after __master:=.
         """
-        namespace = _value('__ns:=', command) or os.environ.get('ROS_NAMESPACE', '')
-        name = _value('__name:=', command)
-        self._node = name and '/' + '/'.join(filter(None, [*namespace.split('/'), name]))
-        self._uri = _value('__master:=', command) or os.environ.get('ROS_MASTER_URI', '')
+        name = names.load_mappings(command).get('__name')
+        self._node = name and names.ns_join(names.get_ros_namespace(argv=command), name)
+        self._uri = rosgraph.get_master_uri(argv=command)
         self._say, self._signals = say, tuple(signals)
         self._values: Optional[Dict[str, Any]] = None   # by their full names
         self._origin: Tuple[Any, Any] = (None, None)    # the identity of the master that has them
@@ -152,10 +155,6 @@ class _Master:
         if isinstance(found, dict):
             return {prefix + key: value for key, value in found.items()}
         # none at all, or one of them is unreadable
-        names = [name for name in self.ask('getParamNames') or () if name.startswith(prefix)]
-        values = {name: self.ask('getParam', name) for name in names}
+        values = {name: self.ask('getParam', name) for name in self.ask('getParamNames') or ()
+                  if name.startswith(prefix)}
         return {name: value for name, value in values.items() if value is not None}
-
-
-def _value(prefix: str, words: Sequence[str]) -> str:
-    return next((word[len(prefix):] for word in words if word.startswith(prefix)), '')

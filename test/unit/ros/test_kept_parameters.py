@@ -186,6 +186,11 @@ def test_a_program_without_a_name_is_no_node(monkeypatch, start_master):
     assert not kept._thread.is_alive() and kept._values is None
 
 
+def test_no_address_of_a_master():
+    with pytest.raises(ValueError, match='__master'):
+        KeptParameters(['program', '__name:=a', '__master:='], print, SIGNALS)
+
+
 @pytest.mark.parametrize('namespace, words, name', [
     ('', ['__name:=a'], '/a'), ('/', ['__name:=a'], '/a'), ('b/c', ['__name:=a'], '/b/c/a'),
     ('/b/', ['__name:=a', '__ns:=/d'], '/d/a')])

@@ -7,8 +7,8 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
+from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
 from img_recog.ros import image_topics
-from img_recog.ros.diagnostics import Counter, Refusals
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 from img_recog.still_images import ImageTooLarge, check_size
@@ -18,20 +18,17 @@ _MAX_OTHER_BYTES = 1 << 20  # of a message with an image: its header, the encodi
 
 
 class _NewestInput:
-    """Keeps the newest message of a topic.
+    """Keeps the newest message of a topic, and counts the messages."""
 
-    received, replaced: counters of the images that arrived, and of those that were not taken.
-    """
-
-    def __init__(self, received: Counter, replaced: Counter):
-        self._received, self._replaced = received, replaced
+    def __init__(self, counts: RecognitionDiagnostics, max_pixels: int):
+        self._counts, self._max_pixels = counts, max_pixels
         self._latest = LatestValue()
 
     def _store(self, msg: Any) -> None:
-        self._received.add()
+        self._counts.received.add()
         replaced = self._latest.put(msg)
         if replaced is not None:
-            self._replaced.add()
+            self._counts.replaced.add()
             self.done(replaced)
 
     def take(self, timeout_s: float) -> Optional[Any]:
@@ -47,19 +44,17 @@ class _NewestInput:
 
 
 class RawInput(_NewestInput):
-    """Subscribes to raw images."""
+    """Subscribes to raw images.
 
-    def __init__(self, topic: str, received: Counter, replaced: Counter, refused: Refusals,
-                 max_pixels: int):
-        """Subscribe.
+    max_pixels: larger images are refused.
+    """
 
-        refused: counts the messages that cannot be received; for the others see _NewestInput.
-        max_pixels: larger images are refused.
-        """
-        super().__init__(received, replaced)
-        self._images, self._max_pixels = image_msgs.ColorImages(), max_pixels
+    def __init__(self, topic: str, counts: RecognitionDiagnostics, max_pixels: int):
+        super().__init__(counts, max_pixels)
+        self._images = image_msgs.ColorImages()
         self._subscriber = ImageSubscriber(
-            topic, self._store, max_pixels * _MAX_PIXEL_BYTES + _MAX_OTHER_BYTES, refused.add)
+            topic, self._store, max_pixels * _MAX_PIXEL_BYTES + _MAX_OTHER_BYTES,
+            counts.refused.add)
 
     def decode(self, msg: Image) -> Tuple[np.ndarray, str]:
         """Return the image and its encoding, one of areas.ENCODINGS; it is valid until `done`.
@@ -84,10 +79,8 @@ class CompressedInput(_NewestInput):
     max_pixels: larger images are refused before they are decoded.
     """
 
-    def __init__(self, topic: str, received: Counter, replaced: Counter, _refused: Refusals,
-                 max_pixels: int):
-        super().__init__(received, replaced)
-        self._max_pixels = max_pixels
+    def __init__(self, topic: str, counts: RecognitionDiagnostics, max_pixels: int):
+        super().__init__(counts, max_pixels)
         rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._store,
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
 

@@ -91,8 +91,7 @@ class ColorExtract:
         self._frame_lock = threading.Lock()
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = INPUTS[transport](_CAMERA, counts.received, counts.replaced, counts.refused,
-                                        given.max_image_pixels)
+        self._input = INPUTS[transport](_CAMERA, counts, given.max_image_pixels)
         lifecycle.on_shutdown(self._input.wake)
         NodeDiagnostics('recognition', 'none', counts.report)
 

@@ -4,7 +4,7 @@ from sensor_msgs.msg import Image
 
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.nodes.color_extract import inputs
-from img_recog.ros.diagnostics import Counter, Refusals
+from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
 
 
 @pytest.fixture
@@ -16,13 +16,13 @@ def made(monkeypatch):
 
 
 @pytest.fixture
-def refused():
-    return Refusals()
+def counts():
+    return RecognitionDiagnostics('/image')
 
 
 @pytest.fixture
-def raw(made, refused):
-    return inputs.RawInput('/image', Counter(), Counter(), refused, 12)
+def raw(made, counts):
+    return inputs.RawInput('/image', counts, 12)
 
 
 def image(width, height, encoding='bgr8', size=3):
@@ -45,8 +45,8 @@ def test_an_image_above_the_limit_is_refused(raw, size):
 
 
 def test_the_subscriber_reads_every_image_up_to_the_limit_and_counts_the_others(
-        raw, made, refused):
+        raw, made, counts):
     (topic, _, max_bytes, refuse), = made
     assert topic == '/image' and 12 * 8 + 1000 < max_bytes < 2000000
     refuse('too long')
-    assert (refused.total, refused.last_reason) == (1, 'too long')
+    assert (counts.refused.total, counts.refused.last_reason) == (1, 'too long')
