@@ -9,6 +9,7 @@ import rosgraph
 import rospy
 
 from img_recog.errors import one_line
+from img_recog.ros import parameters
 from img_recog.ros.kept_parameters import TimedTransport
 from img_recog.ros.transport import registration
 
@@ -99,10 +100,7 @@ class MasterWatch:
             node = self._proxy.lookupNode(self._name, self._name)
             if not self._is_unreadable:
                 self._is_unreadable = True
-                rospy.logwarn(
-                    'the parameters in %s: the master cannot send them (%s), wants integers of at '
-                    'most 32 bits; delete the wrong one with rosparam delete %s/NAME',
-                    self._name, one_line(fault.faultString), self._name)
+                rospy.logwarn('%s', parameters.unreadable(self._name, fault))
             return node, None
         self._is_unreadable = False
         return node, private if has_private == 1 and isinstance(private, dict) else {}

@@ -104,11 +104,14 @@ def _get(name: str, default: Any) -> Any:
     try:
         return rospy.get_param(name, default)
     except xmlrpc.client.Fault as fault:
-        resolved = rospy.resolve_name(name)
-        raise ParameterError(
-            'the parameters in {0}: the master cannot send them ({1}), wants integers of at most '
+        raise ParameterError(unreadable(rospy.resolve_name(name), fault))
+
+
+def unreadable(namespace: str, fault: xmlrpc.client.Fault) -> str:
+    """Return the reason why the master does not send the parameters in a namespace."""
+    return ('the parameters in {0}: the master cannot send them ({1}), wants integers of at most '
             '32 bits; delete the wrong one with rosparam delete {0}/NAME, or all of them with '
-            'rosparam delete {0}'.format(resolved.rstrip('/'), one_line(fault.faultString)))
+            'rosparam delete {0}'.format(namespace.rstrip('/'), one_line(fault.faultString)))
 
 
 def _name_in(namespace: str, name: str) -> str:
