@@ -258,28 +258,6 @@ def test_device_lost_after_a_stop_is_not_reported(clock):
     assert rig.listener.names() == ['opened', 'frame'] and not rig.capture.is_lost
 
 
-def test_stop_and_shut_down_wait_as_long_as_they_say(clock):
-    waited = []
-
-    class Closed:
-        def wait(self, timeout_s):
-            waited.append(timeout_s)
-            return False
-
-    class Thread:
-        def join(self, timeout_s):
-            waited.append(timeout_s)
-
-        def is_alive(self):
-            return waited[-1:] == [1.0]
-
-    capture = Capture(lambda: None, Listener(), clock)
-    assert capture.shut_down() is True      # there is no thread
-    capture._closed, capture._thread = Closed(), Thread()
-    assert capture.stop() is False and capture.shut_down() is False
-    assert waited == [1.5, 1.0]
-
-
 def test_stall_is_more_than_the_timeout_of_the_source(clock):
     recorder = Recorder(clock)
     capture = Capture(lambda: None, recorder, clock)
@@ -293,10 +271,3 @@ def test_stall_is_more_than_the_timeout_of_the_source(clock):
     capture.check()
     assert recorder.calls == [('lost', 'fake has given no frame for 2.2 s', 2.25)]
     assert capture.is_lost and capture.wanted
-
-
-def test_thread_is_a_daemon_with_a_name(clock):
-    capture = Capture(lambda: None, Listener(), clock)
-    capture.start_thread()
-    assert capture._thread.name == 'capture' and capture._thread.daemon
-    assert capture.shut_down()

@@ -1,0 +1,60 @@
+"""Resets of the simulator: the robot, the world, the time."""
+import pybullet
+import pytest
+
+from img_recog_testing.robots import simulator
+
+
+def test_reset_world_keeps_time_and_forgets_the_command():
+    sim = simulator(x=-2.0)
+    sim.vehicles[0].command(1.0, 0.5)
+    sim.advance(2000)
+    sim.reset_world()
+    assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
+    assert sim.time_s == pytest.approx(2.0)
+    sim.advance(1000)
+    assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
+
+
+def test_reset_of_the_robot_stops_its_wheels():
+    sim = simulator()
+    robot = sim.vehicles[0].robot
+    sim.vehicles[0].command(0.2, 0.0)
+    sim.advance(2000)
+    assert min(robot.wheel_positions()) > 1.0
+    robot.reset()
+    assert robot.wheel_positions() == robot.wheel_velocities() == (0.0, 0.0)
+    # without the vehicle, which sets the velocity of the motors in each step
+    for _ in range(500):
+        pybullet.stepSimulation(physicsClientId=robot.physics_client_id)
+    assert robot.wheel_positions() == pytest.approx((0.0, 0.0), abs=0.01)
+
+
+@pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
+def test_reset_puts_the_bodies_of_the_world_back(tmp_path, reset):
+    (tmp_path / 'crate.sdf').write_text(
+        '<sdf version="1.6"><world name="w"><model name="crate"><pose>1 2 0.5 0 0 0.3</pose>'
+        '<link name="a"><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>'
+        '<izz>0.01</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>'
+        '<collision name="c"><geometry><box><size>0.1 0.1 0.1</size></box></geometry></collision>'
+        '</link></model></world></sdf>')
+    sim = simulator(str(tmp_path / 'crate.sdf'))
+    crate = sim.world.bodies[0]
+    before = crate.motion()
+    sim.advance(200)
+    assert crate.motion().position[2] < 0.4 and crate.motion().linear[2] < -1
+    getattr(sim, reset)()
+    for got, wanted in zip(crate.motion(), before):
+        assert got == pytest.approx(wanted, abs=1e-6)
+    assert before.position == pytest.approx([1, 2, 0.5], abs=1e-6)
+
+
+def test_reset_simulation_sets_the_time_to_zero():
+    sim = simulator()
+    sim.vehicles[0].command(1.0, 0.0)
+    sim.advance(1000)
+    sim.reset_simulation()
+    assert sim.time_s == 0.0
+    readings = sim.advance(33)
+    assert [(each.sensor, each.time_s) for each in readings if each.sensor != 'imu'] == [
+        ('odometry', pytest.approx(0.033)), ('joint_states', pytest.approx(0.033))]
