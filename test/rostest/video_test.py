@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A video of a street through the whole system, checked frame by frame."""
 import hashlib
+import time
 import unittest
 
 import cv2
@@ -12,12 +13,13 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CompressedImage, Image
+from std_srvs.srv import Empty
 
 from img_recog_testing.recording import Recorder, from_node, wait_for
 
 RANGES = (((50, 100, 100), (150, 255, 255)), ((150, 100, 150), (180, 255, 255)))
 FRAMES, LIMIT_PX = 250, 1000
-PAUSE_FRAMES = 10
+QUIET_S = 2.0       # without a message: none is on its way
 
 
 def digest(data):
@@ -56,18 +58,29 @@ class VideoTest(unittest.TestCase):
         cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
         cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
         cls.odometry = Recorder('/odom', Odometry)
-        # both topics of color_extract are connected, and no command is on its way
-        cls.first_twist, cls.first_line = wait_for(cls._pause, 'a pause between commands', 120)
+        wait_for(lambda: cls.areas.messages and cls.twists.messages and cls.blue and cls.red
+                 and cls.png, 'all outputs', 120)
+        cls._begin_again()
         # a busy machine drops frames: the video then plays until most of them have come once
         wait_for(lambda: len(cls.raw) > FRAMES + 60 and len(cls._digests()) > 0.9 * FRAMES,
                  'the video to run through', 120)
 
     @classmethod
-    def _pause(cls):
-        """Return the numbers of twists and of log lines if the last lines give no commands."""
-        twists, lines = len(cls.twists.messages), cls._logged()
-        has_pause = len(lines) >= PAUSE_FRAMES and max(map(max, lines[-PAUSE_FRAMES:])) <= LIMIT_PX
-        return (twists, len(lines)) if twists and has_pause else None
+    def _begin_again(cls):
+        """Stop the video, forget all messages once none is on its way, and start it again."""
+        rospy.ServiceProxy('/usb_cam/stop_capture', Empty)()
+        stores = (cls.raw, cls.blue, cls.red, cls.png, cls.areas.messages, cls.twists.messages)
+        sizes, since_s = [], 0.0
+
+        def is_quiet():
+            nonlocal sizes, since_s
+            if sizes != list(map(len, stores)):
+                sizes, since_s = list(map(len, stores)), time.monotonic()
+            return time.monotonic() - since_s > QUIET_S
+        wait_for(is_quiet, 'the last messages before the stop', 120)
+        for store in stores:
+            store.clear()
+        rospy.ServiceProxy('/usb_cam/start_capture', Empty)()
 
     @classmethod
     def _logged(cls):
@@ -143,15 +156,14 @@ class VideoTest(unittest.TestCase):
         self.assertIsNotNone(self._frame_numbers(), 'the logged areas are not those of the video')
 
     def test_commands_exactly_when_a_color_is_above_the_limit(self):
-        wait_for(lambda: len(self.areas.messages) > self.first_line + FRAMES,
-                 'a log line for each frame')
-        wanted = [speed for blue, red in self._logged()[self.first_line:]
+        wait_for(lambda: len(self.areas.messages) > FRAMES, 'a log line for each frame')
+        wanted = [speed for blue, red in self._logged()
                   for speed, area in ((10.0, blue), (-10.0, red)) if area > LIMIT_PX]
         self.assertEqual({10.0, -10.0}, set(wanted))
         # the commands for a line follow it
-        wait_for(lambda: len(self.twists.messages) - self.first_twist >= len(wanted),
+        wait_for(lambda: len(self.twists.messages) >= len(wanted),
                  'a command for each color above the limit')
-        twists = self.twists.messages[self.first_twist:][:len(wanted)]
+        twists = self.twists.messages[:len(wanted)]
         self.assertEqual(wanted, [twist.linear.x for twist in twists])
 
     def test_the_robot_moved_forward_and_backward(self):
