@@ -131,8 +131,8 @@ def _urdf(name, value):
 
 
 def _world(name, value):
-    if value in ('turtlebot3_world', 'empty'):
-        return value
+    if re.match(r'\w+$', value) and not os.path.isfile(_absolute(value)):
+        return value        # a name, which demo_values.py checks
     if not os.path.isfile(_absolute(value)):
         raise ArgumentError('{}: got {}, which is not a file; allowed are turtlebot3_world, empty '
                             'and the path of a URDF or SDF file'.format(name, _shown(value)))

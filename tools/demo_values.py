@@ -19,10 +19,14 @@ def check(words):
 
     words: as returned by Arguments.checked.
     """
-    for word in words:
-        name, assigned, value = word.partition(':=')
-        if assigned:
-            _check(name, value)
+    given = dict(word.split(':=', 1) for word in words if ':=' in word)
+    for name, value in given.items():
+        _check(name, value)
+    if 'world' in given:
+        resources = _module('resources')
+        _module('simulation.world_file').read(
+            given['world'], resources.worlds(), resources.find,
+            given.get('allow_partial_world', '').lower() in ('1', 'true'))
 
 
 def _check(name, value):

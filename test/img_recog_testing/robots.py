@@ -15,15 +15,15 @@ def burger():
 
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
-             **settings):
+             allow_partial=False, **settings):
     """Return the assembly of a robot, by default the burger, in a world; **settings: its groups.
     """
     physics = PhysicsSettings(world=world_name)
     robot = assembly.read_robot(burger() if urdf is None else urdf, physics.step_s,
                                 find_mesh or (lambda uri: None), 'robot_description')
     spawn = SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw)
-    return assembly.build(physics, world_file.read(world_name, WORLDS),
-                          [(robot, RobotSettings(spawn=spawn, **settings))])
+    world = world_file.read(world_name, WORLDS, allow_partial=allow_partial)
+    return assembly.build(physics, world, [(robot, RobotSettings(spawn=spawn, **settings))])
 
 
 def simulator(*args, **kwargs):

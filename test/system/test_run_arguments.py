@@ -32,7 +32,9 @@ REFUSED = {
     ('camera:=',): "camera: got '', which does not exist",
     ('camera:=ftp://host/video.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
     ('camera_info_url:=my.yaml',): 'camera_info_url: got my.yaml, allowed are file:///PATH ',
-    ('world:=mars',): 'world: got mars, which is not a file; allowed are turtlebot3_world, empty ',
+    ('world:=mars',): "world: got 'mars', which cannot be read as a file (",
+    ('world:=mars.world',): 'world: got mars.world, which is not a file; allowed are '
+                            'turtlebot3_world, empty ',
     ('colors:=no.yaml',): 'colors: there is no file no.yaml; ',
     ('urdf:=no.urdf',): 'urdf: there is no file no.urdf; ',
     ('x_pos:=here',): 'x_pos: got here, allowed is a number; write for example x_pos:=-2.0',
@@ -55,7 +57,7 @@ def test_refused(words):
 
 
 @pytest.mark.parametrize('name', ['gui', 'image_view', 'recognition', 'simulator', 'teleop',
-                                  'use_sim_time'])
+                                  'use_sim_time', 'allow_partial_world'])
 def test_every_switch_is_true_or_false(name):
     code, output = checked(name + ':=auto')
     assert code == 1

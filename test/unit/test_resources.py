@@ -2,6 +2,7 @@
 import os
 
 import pytest
+import rospkg
 
 from img_recog import resources
 
@@ -35,7 +36,8 @@ def test_model_in_the_first_folder_that_has_it(monkeypatch, tmp_path, mesh):
     assert resources.find('model://shelf/meshes/shelf.dae') == str(mesh)
     assert resources.find('model://models/shelf/meshes/shelf.dae') == str(mesh)
     assert resources.find('model://shelf/meshes/table.dae') is None
-    assert resources.find('model://shelf') is None
+    assert resources.find('model:///shelf/meshes/shelf.dae') == str(mesh)
+    assert resources.find('model://shelf') == str(mesh.parent.parent)
 
 
 def test_no_model_without_a_model_path(monkeypatch, mesh):
@@ -53,3 +55,45 @@ def test_file_and_path(monkeypatch, mesh):
     assert resources.find('shelf.dae') == str(mesh)
     assert resources.find('file://' + str(mesh) + '.gz') is None
     assert resources.find('http://example.org/shelf.dae') is None
+
+
+@pytest.fixture
+def packages(monkeypatch, tmp_path):
+    """A folder of packages, of which one is turtlebot3_gazebo."""
+    def add(name, export=''):
+        path = tmp_path / 'packages' / name
+        (path / 'worlds').mkdir(parents=True)
+        (path / 'package.xml').write_text(
+            '<package><name>{}</name><version>1.0.0</version><description>d</description>'
+            '<maintainer email="m@example.org">m</maintainer><license>l</license>'
+            '<export>{}</export></package>'.format(name, export))
+        return path
+    paths = {'bare': add('bare'), 'turtlebot3_gazebo': add(
+        'turtlebot3_gazebo', '<gazebo_ros gazebo_model_path="${prefix}/models"/>')}
+    (add('broken') / 'package.xml').write_text('<package><name>broken</name></package>')
+    monkeypatch.setattr(resources, '_packages',
+                        rospkg.RosPack([str(tmp_path / 'packages')]))
+    monkeypatch.delenv('GAZEBO_MODEL_PATH', raising=False)
+    return paths
+
+
+def test_model_in_a_folder_that_a_package_exports(packages):
+    folder = packages['turtlebot3_gazebo'] / 'models' / 'course'
+    folder.mkdir(parents=True)
+    assert resources.find('model://course') == str(folder)
+    assert resources.find('model://table') is None
+
+
+def test_names_of_worlds(packages):
+    worlds = packages['turtlebot3_gazebo'] / 'worlds'
+    for name in ('turtlebot3_house.world', 'turtlebot3_world.world', 'readme.txt'):
+        (worlds / name).write_text('')
+    found = resources.worlds()
+    assert set(found) == {'turtlebot3_house', 'turtlebot3_world'}
+    assert found['turtlebot3_house'] == str(worlds / 'turtlebot3_house.world')
+    assert found['turtlebot3_world'].endswith('/urdf/turtlebot3_world.urdf')
+
+
+def test_names_of_worlds_without_turtlebot3_gazebo(monkeypatch, tmp_path):
+    monkeypatch.setattr(resources, '_packages', rospkg.RosPack([str(tmp_path)]))
+    assert set(resources.worlds()) == {'turtlebot3_world'}

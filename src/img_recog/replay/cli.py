@@ -50,8 +50,10 @@ def _parser() -> argparse.ArgumentParser:
                         help='do not send the zeros of the idle teleop: each command holds until '
                         'the next one')
     parser.add_argument('--world', default=resources.DEFAULT_WORLD,
-                        help='turtlebot3_world, empty, or a URDF or SDF file (default: '
-                        '%(default)s)')
+                        help='turtlebot3_world, empty, a world of turtlebot3_gazebo, or a URDF or '
+                        'SDF file (default: %(default)s)')
+    parser.add_argument('--allow-partial-world', action='store_true',
+                        help='load a world without what is not found of it')
     parser.add_argument('--urdf', default=resources.burger(),
                         help='URDF file of the robot (default: the TurtleBot3 burger)')
     for name, unit in (('x_pos', 'm'), ('y_pos', 'm'), ('z_pos', 'm'), ('yaw', 'rad')):

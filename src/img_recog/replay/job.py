@@ -77,7 +77,7 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     paths = files.output_paths(os.path.expanduser(options.input),
                                os.path.expanduser(options.output), _EXTENSIONS)
     simulator = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
-                               cli.spawn_settings(options))
+                               cli.spawn_settings(options), options.allow_partial_world)
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file):

@@ -11,17 +11,18 @@ _log = logging.getLogger(__name__)
 _UNUSED_SENSORS = ('imu', 'scan')
 
 
-def build(world: str, urdf_path: str, spawn: SpawnSettings) -> Simulator:
+def build(world: str, urdf_path: str, spawn: SpawnSettings,
+          allow_partial_world: bool = False) -> Simulator:
     """Return the simulator of a robot in a world, both as in the demo.
 
-    world, urdf_path: the launch arguments world and urdf. Logs the warnings.
+    world, urdf_path, allow_partial_world: like the launch arguments. Logs the warnings.
     Raises UserError when something cannot be read or built.
     """
-    physics = PhysicsSettings(world=world)
+    physics = PhysicsSettings(world=world, allow_partial_world=allow_partial_world)
     robot = assembly.read_robot(robot_file.read(urdf_path, '--urdf'), physics.step_s,
                                 resources.find, urdf_path)
     settings = dataclasses.replace(assembly.default_settings(robot), spawn=spawn)
-    file = world_file.read(world, resources.worlds(), resources.find)
+    file = world_file.read(world, resources.worlds(), resources.find, allow_partial_world)
     built = assembly.build(physics, file, [(robot, settings)], _UNUSED_SENSORS, _option)
     for warning in robot.warnings + built.warnings:
         _log.warning('%s', warning)

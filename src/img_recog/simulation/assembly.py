@@ -8,10 +8,11 @@ from typing import Callable, List, NamedTuple, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.settings import SettingError, from_mapping
-from img_recog.simulation import description, gazebo_tags, loading, meshes
+from img_recog.simulation import description, gazebo_tags, loading, meshes, wheels
 from img_recog.simulation.description import Description
 from img_recog.simulation.scene import Scene
-from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SimulationError
+from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
+                                           SimulationError)
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 from img_recog.simulation.world import World
@@ -22,7 +23,8 @@ class RobotSource(NamedTuple):
     """What the text of a URDF gives.
 
     source: what messages call the text, like robot_description or the path of a file;
-    tag_values: the settings that its <gazebo> tags give, by name; warnings: a line each.
+    tag_values: the settings that it gives, by name, most of them in <gazebo> tags; warnings: a
+    line each.
     """
 
     source: str
@@ -60,12 +62,22 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str) -> Ro
     return RobotSource(source, robot, values, tuple(warnings))
 
 
+def with_wheels(robot: RobotSource, drive: DriveSettings) -> RobotSource:
+    """Return the robot with the separation and diameter of its wheels, if no tag gives them.
+
+    drive: names the joints of the wheels.
+    """
+    measured = wheels.measure(robot.description, drive).values()
+    return robot._replace(tag_values={**measured, **robot.tag_values})
+
+
 def default_settings(robot: RobotSource) -> RobotSettings:
-    """Return the settings of a robot that its <gazebo> tags and the defaults give.
+    """Return the settings of a robot that its URDF and the defaults give.
 
     Raises SimulationError naming the source when the value of a tag is not allowed.
     """
     try:
+        robot = with_wheels(robot, from_mapping(DriveSettings, robot.tag_values))
         return RobotSettings(**{field.name: from_mapping(type(field.default), robot.tag_values)
                                 for field in dataclasses.fields(RobotSettings)})
     except SettingError as error:
@@ -85,14 +97,16 @@ def build(physics: PhysicsSettings, world: WorldFile,
     physics_client_id = loading.connect()
     simulated_world = World(physics, world, physics_client_id)
     vehicles: List[Vehicle] = []
+    warnings = list(world.warnings)
     for robot, settings in robots:
         try:
             vehicles.append(Vehicle(robot.description, settings, physics.step_s,
                                     physics_client_id))
         except SimulationError as error:
             raise _refused(robot.source, error.problem, error.advice)
+        warnings += ['{}: {}'.format(robot.source, line) for line in wheels.measure(
+            robot.description, settings.drive).contradictions(settings.drive)]
     simulator = Simulator(simulated_world, vehicles)
-    warnings = list(world.warnings)
     for vehicle in vehicles:
         for sensor in unused_sensors:
             vehicle.set_sensor_enabled(sensor, False)

@@ -78,6 +78,11 @@ class Body:
                                             physicsClientId=self.physics_client_id)[0]
                    for link in self.links)
 
+    def gravity(self) -> np.ndarray:
+        """Return the gravity (3,) that acts on it, in m/s2 in the world."""
+        parameters = pybullet.getPhysicsEngineParameters(physicsClientId=self.physics_client_id)
+        return np.array([parameters['gravityAcceleration' + axis] for axis in 'XYZ'])
+
     def joint_values(self) -> Sequence[tuple]:
         """Return position, velocity, reaction forces and motor torque of each movable joint."""
         return pybullet.getJointStates(self.body_id, tuple(self.joints.values()),

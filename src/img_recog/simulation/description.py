@@ -5,7 +5,6 @@ step. Therefore fixed links are lumped into the link that they are fixed to, lik
 SDFormat does: shapes are moved, masses and inertias added up, and `frames` keeps where each link
 went. A fixed link with a friction coefficient stays, since PyBullet has one coefficient per link.
 """
-import math
 import os
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from img_recog.markup import MarkupError, parse_xml
 from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
                                            to_rpy)
 from img_recog.simulation.meshes import resolve
+from img_recog.simulation.numbers import read_numbers
 from img_recog.simulation.settings import SimulationError
 
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
@@ -91,7 +91,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
         else:
             carrier = frames[joint.parent_link]
             joint.parent.set('link', carrier.link)
-            _set_origin(joint.element, carrier.pose @ _origin(joint.element))
+            _set_origin(joint.element, carrier.pose @ origin_of(joint.element))
     for joint in parents.values():
         _check_joint(joint.element)
     for name in {frame.link for frame in frames.values()}:
@@ -151,7 +151,7 @@ def _check_joint(joint: ElementTree.Element) -> None:
         raise SimulationError('joint {} is of type {}; supported are {}'.format(
             joint.get('name'), kind, ', '.join(_JOINTS)))
     name = 'axis of joint {}'.format(joint.get('name'))
-    if axis is not None and not np.any(_numbers(name, axis.get('xyz', '1 0 0'), 3)):
+    if axis is not None and not np.any(read_numbers(name, axis.get('xyz', '1 0 0'), 3)):
         raise SimulationError('{}: got 0 0 0, expected a direction'.format(name))
 
 
@@ -178,7 +178,7 @@ def _frame(name: str, parents: Dict[str, _Joint], friction: Dict[str, float]) ->
         joint = parents[carrier]
         if joint.element.get('type') != 'fixed':
             break
-        pose = _origin(joint.element) @ pose
+        pose = origin_of(joint.element) @ pose
         carrier = joint.parent_link
     return Frame(carrier, pose)
 
@@ -189,11 +189,11 @@ def _friction(robot: ElementTree.Element, name: str,
     for tag in robot.findall('gazebo'):
         element = tag.find('mu1')
         if tag.get('reference') == name and element is not None:
-            return _numbers('mu1 of link ' + name, element.text, 1)[0]
+            return read_numbers('mu1 of link ' + name, element.text, 1)[0]
     element = link.find('contact/lateral_friction')
     if element is None:
         return None
-    return _numbers('lateral_friction of link ' + name, element.get('value'), 1)[0]
+    return read_numbers('lateral_friction of link ' + name, element.get('value'), 1)[0]
 
 
 def _inertia(name: str, link: ElementTree.Element) -> Inertia:
@@ -203,13 +203,13 @@ def _inertia(name: str, link: ElementTree.Element) -> Inertia:
     mass, inertia = inertial.find('mass'), inertial.find('inertia')
     if mass is None or inertia is None:
         raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
-    kilograms = _numbers('mass of link ' + name, mass.get('value'), 1)[0]
+    kilograms = read_numbers('mass of link ' + name, mass.get('value'), 1)[0]
     if kilograms <= 0:
         raise SimulationError('mass of link {}: got {:g} kg, expected more than 0 (or no '
                               '<inertial>)'.format(name, kilograms))
     values = ' '.join(inertia.get(key, '0') for key in _INERTIA_KEYS)
-    matrix = _numbers('inertia of link ' + name, values, 9).reshape(3, 3)
-    return Inertia(kilograms, np.zeros(3), matrix).moved(_origin(inertial))
+    matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)
+    return Inertia(kilograms, np.zeros(3), matrix).moved(origin_of(inertial))
 
 
 def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None:
@@ -232,17 +232,18 @@ def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None
 def _move_shapes(source: ElementTree.Element, target: ElementTree.Element,
                  pose: Transform) -> None:
     for shape in source.findall('visual') + source.findall('collision'):
-        _set_origin(shape, pose @ _origin(shape))
+        _set_origin(shape, pose @ origin_of(shape))
         target.append(shape)
 
 
-def _origin(element: ElementTree.Element) -> Transform:
+def origin_of(element: ElementTree.Element) -> Transform:
+    """Return the <origin> of a URDF's element: its pose in the frame of what it belongs to."""
     origin = element.find('origin')
     if origin is None:
         return IDENTITY
     name = '<origin> in <{} {}>'.format(element.tag, element.get('name', ''))
-    return from_rpy(_numbers(name, origin.get('xyz', '0 0 0'), 3),
-                    _numbers(name, origin.get('rpy', '0 0 0'), 3))
+    return from_rpy(read_numbers(name, origin.get('xyz', '0 0 0'), 3),
+                    read_numbers(name, origin.get('rpy', '0 0 0'), 3))
 
 
 def _set_origin(element: ElementTree.Element, pose: Transform) -> None:
@@ -251,14 +252,3 @@ def _set_origin(element: ElementTree.Element, pose: Transform) -> None:
     values = {'xyz': pose.translation, 'rpy': to_rpy(pose.rotation)}
     ElementTree.SubElement(element, 'origin', {
         key: ' '.join(repr(float(v)) for v in value) for key, value in values.items()})
-
-
-def _numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
-    try:
-        values = np.array([float(word) for word in (text or '').split()])
-    except ValueError:
-        values = np.array([])
-    if len(values) != count or not all(math.isfinite(value) for value in values):
-        raise SimulationError('{}: got {!r}, expected {} finite number{}'.format(
-            name, text, count, '' if count == 1 else 's'))
-    return values

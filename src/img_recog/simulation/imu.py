@@ -7,9 +7,6 @@ from img_recog.simulation.body import Quaternion, rotation_matrix
 from img_recog.simulation.robot import Robot
 from img_recog.simulation.sensor import Sensor
 from img_recog.simulation.settings import ImuSettings
-from img_recog.simulation.world import GRAVITY
-
-_SPECIFIC_FORCE_AT_REST = np.array((0.0, 0.0, GRAVITY))     # in the world; upwards, REP 145
 
 
 class ImuReading(NamedTuple):
@@ -33,6 +30,8 @@ class Imu(Sensor):
         robot.check_frame('imu_frame', settings.imu_frame)
         self._robot, self._settings, self._noise = robot, settings, noise
         self._period_s = period_s
+        # in the world; upwards under gravity, REP 145
+        self._force_at_rest = -robot.gravity()
         self._deviations = np.repeat((settings.gyro_noise, settings.accel_noise), 3)
         self.restart()
 
@@ -47,6 +46,6 @@ class Imu(Sensor):
         velocity = to_world @ motion.linear
         before = velocity if self._velocity is None else self._velocity
         self._velocity = velocity
-        force = ((velocity - before) / self._period_s + _SPECIFIC_FORCE_AT_REST) @ to_world
+        force = ((velocity - before) / self._period_s + self._force_at_rest) @ to_world
         noise = self._noise.standard_normal(6) * self._deviations
         return ImuReading(motion.orientation, motion.angular + noise[:3], force + noise[3:])

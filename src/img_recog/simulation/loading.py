@@ -1,10 +1,12 @@
-"""Loads the text of a URDF or SDF into a physics client."""
+"""Loads the text of a URDF into a physics client."""
 import contextlib
 import os
-from typing import Iterator, Tuple
+import xml.etree.ElementTree as ElementTree
+from typing import Iterator
 
 import pybullet
 
+from img_recog.simulation.geometry import IDENTITY, Transform, to_rpy
 from img_recog.simulation.settings import SimulationError
 
 # exact cylinders: the default, a convex hull, is 1 mm larger and rolls on facets
@@ -23,24 +25,37 @@ def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
     return physics_client_id
 
 
-def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False) -> int:
+def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
+              pose: Transform = IDENTITY) -> int:
     """Load the text of a URDF, in which all meshes have absolute paths; return its body's id.
 
-    fixed: whether the root link never moves.
+    fixed: whether the root link never moves; pose: of the root link in the world.
     Raises SimulationError when PyBullet cannot load it.
     """
+    orientation = pybullet.getQuaternionFromEuler(to_rpy(pose.rotation).tolist())
     with _file(urdf) as path, _refusal('URDF'):
-        return pybullet.loadURDF(path, useFixedBase=fixed, flags=_URDF_FLAGS,
-                                 physicsClientId=physics_client_id)
+        body_id = pybullet.loadURDF(path, pose.translation.tolist(), orientation,
+                                    useFixedBase=fixed, flags=_URDF_FLAGS,
+                                    physicsClientId=physics_client_id)
+    _check_meshes(urdf, body_id, physics_client_id)
+    return body_id
 
 
-def load_sdf(sdf: str, physics_client_id: int) -> Tuple[int, ...]:
-    """Load the text of an SDF, in which all meshes have absolute paths; return its bodies' ids.
-
-    Raises SimulationError when PyBullet cannot load it.
-    """
-    with _file(sdf) as path, _refusal('SDF'):
-        return pybullet.loadSDF(path, physicsClientId=physics_client_id)
+def _check_meshes(urdf: str, body_id: int, physics_client_id: int) -> None:
+    """Raise SimulationError if PyBullet could not read a mesh: it loads the link without it."""
+    links = ElementTree.fromstring(urdf).findall('link')
+    if not any(link.find('collision/geometry/mesh') is not None for link in links):
+        return
+    client = {'physicsClientId': physics_client_id}
+    loaded = {pybullet.getBodyInfo(body_id, **client)[0].decode(): -1}
+    for index in range(pybullet.getNumJoints(body_id, **client)):
+        loaded[pybullet.getJointInfo(body_id, index, **client)[12].decode()] = index
+    for link in links:
+        meshes = [mesh.get('filename', '') for mesh in link.findall('collision/geometry/mesh')]
+        shapes = pybullet.getCollisionShapeData(body_id, loaded[link.get('name', '')], **client)
+        if meshes and len(shapes) < len(link.findall('collision')):
+            raise SimulationError('PyBullet cannot read {}'.format(
+                ' or '.join(sorted(set(meshes)))), 'give a complete DAE, OBJ or STL file')
 
 
 @contextlib.contextmanager

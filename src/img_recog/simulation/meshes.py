@@ -2,11 +2,11 @@
 import copy
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import List, Sequence
+from typing import List, Optional, Sequence
 
 from img_recog.files import FindFile
 
-_READABLE = ('.dae', '.obj', '.stl')        # by PyBullet
+READABLE = ('.dae', '.obj', '.stl')         # by PyBullet
 
 
 def resolve(root: ElementTree.Element, find: FindFile) -> List[str]:
@@ -21,7 +21,8 @@ def resolve(root: ElementTree.Element, find: FindFile) -> List[str]:
                    for kind in ('visual', 'collision')}
         for kind, other in (('visual', 'collision'), ('collision', 'visual')):
             if removed[kind] and link.find(kind) is None:
-                _add_replacements(link, kind, link.findall(other), removed[kind][0])
+                add_replacements(link, kind, link.findall(other),
+                                 removed[kind][0].find('material'))
     return missing
 
 
@@ -36,7 +37,7 @@ def _resolve_shapes(link: ElementTree.Element, kind: str, find: FindFile,
         sdf_uri = mesh.find('uri')
         uri = mesh.get('filename') or mesh.findtext('uri', '').strip()
         path = find(uri)
-        if path is None or not path.lower().endswith(_READABLE):
+        if path is None or not path.lower().endswith(READABLE):
             removed.append(shape)
             link.remove(shape)
             if uri not in missing:
@@ -48,9 +49,9 @@ def _resolve_shapes(link: ElementTree.Element, kind: str, find: FindFile,
     return removed
 
 
-def _add_replacements(link: ElementTree.Element, kind: str, shapes: List[ElementTree.Element],
-                      removed: ElementTree.Element) -> None:
-    material = removed.find('material')
+def add_replacements(link: ElementTree.Element, kind: str, shapes: Sequence[ElementTree.Element],
+                     material: Optional[ElementTree.Element] = None) -> None:
+    """Add copies of shapes of a URDF's link as shapes of another kind; material: of visuals."""
     for number, shape in enumerate(shapes):
         added = ElementTree.SubElement(link, kind, name='replacement_{}'.format(number))
         for tag in ('origin', 'pose', 'geometry'):
@@ -63,4 +64,4 @@ def warning_about(missing: Sequence[str]) -> str:
     """Return one line about meshes that were not found."""
     return ('mesh{} not found, replaced by other shapes of the link: {}; PyBullet reads {} files; '
             'for package:// the package must be built and sourced'.format(
-                '' if len(missing) == 1 else 'es', ', '.join(missing), ', '.join(_READABLE)))
+                '' if len(missing) == 1 else 'es', ', '.join(missing), ', '.join(READABLE)))

@@ -1,10 +1,13 @@
 """Paces simulated time by real time, and measures the real time factor."""
+import math
 import time
 from typing import Callable, Optional
 
 # of wall time: with more delay the machine is too slow, and the delay is not caught up with
 _MAX_DELAY_S = 0.5
 _MEASURING_PERIOD_S = 1.0
+_REPORT_PERIOD_S = 30.0     # of wall time, between two reports that the machine is too slow
+_WORSE = 0.8                # times the factor that was reported last
 
 
 class RealTimePacer:
@@ -55,3 +58,20 @@ class RealTimeFactor:
         self.last = self._simulated_s / passed
         self._since, self._simulated_s = self._now(), 0.0
         return self.last
+
+
+class SlowReports:
+    """Decides when to report that the machine is too slow: first, when it gets worse, and rarely.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic):
+        self._now = now
+        self._last_s, self._last_factor = -math.inf, math.inf
+
+    def ready(self, factor: float) -> bool:
+        """Return whether to report this real time factor."""
+        now = self._now()
+        if now < self._last_s + _REPORT_PERIOD_S and factor > _WORSE * self._last_factor:
+            return False
+        self._last_s, self._last_factor = now, factor
+        return True

@@ -35,9 +35,8 @@ class SceneCopy:
 
     def __init__(self, scene: Scene, physics_client_id: int, floor: bool):
         """Load the scene; floor: whether to add a visible floor."""
-        world = scene.world
-        if not world.sdf and world.text:
-            world = world._replace(text=split_links_by_color(world.text))
+        world = scene.world._replace(trees=tuple(
+            tree._replace(urdf=split_links_by_color(tree.urdf)) for tree in scene.world.trees))
         self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id),
                              physics_client_id) for robot in scene.robots]
         self._bodies += load_bodies(world, physics_client_id)

@@ -17,7 +17,9 @@ class PhysicsSettings(Settings):
 
     step_s: of the physics; clock_period_s: between two /clock messages, a multiple of step_s.
     real_time_factor: simulated seconds per second of wall time; 0 is as fast as possible.
-    world: turtlebot3_world, empty, or the path of a URDF or SDF file.
+    world: turtlebot3_world, empty, the name of a world of turtlebot3_gazebo if that is found, or
+    the path of a URDF or SDF file. allow_partial_world: whether a world of which something is not
+    found is loaded without that.
     """
 
     step_s: float = setting(0.001, between(1e-5, 0.1))
@@ -25,6 +27,7 @@ class PhysicsSettings(Settings):
     real_time_factor: float = setting(1.0, Allowed(
         'from 0.001 to 1000, or 0', lambda value: value == 0 or 0.001 <= value <= 1000))
     world: str = setting('turtlebot3_world', not_empty())
+    allow_partial_world: bool = setting(False)
 
 
 @dataclass(frozen=True)

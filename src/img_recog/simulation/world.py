@@ -4,11 +4,10 @@ from typing import List
 import pybullet
 
 from img_recog.simulation.body import Body
-from img_recog.simulation.loading import load_sdf, load_urdf
+from img_recog.simulation.loading import load_urdf
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
 from img_recog.simulation.world_file import WorldFile
 
-GRAVITY = 9.8                   # m/s2, Gazebo's default
 _FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
 _FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
 _FRICTION = 1.0                 # PyBullet multiplies it with the robot's coefficient
@@ -25,7 +24,7 @@ class World:
         """Build the world in a physics client; SimulationError when PyBullet cannot load it."""
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
-        pybullet.setGravity(0, 0, -GRAVITY, physicsClientId=physics_client_id)
+        pybullet.setGravity(*file.gravity, physicsClientId=physics_client_id)
         # contacts in a fixed order, so that equal commands give equal trajectories
         pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
                                            physicsClientId=physics_client_id)
@@ -64,19 +63,14 @@ def add_floor(physics_client_id: int, visible: bool = False) -> int:
 
 def load_bodies(file: WorldFile, physics_client_id: int) -> List[Body]:
     """Load what a world file describes; SimulationError when PyBullet cannot."""
-    if not file.text:
-        return []
-    try:
-        if not file.sdf:
-            body = Body(load_urdf(file.text, physics_client_id, fixed=True), physics_client_id,
-                        fixed=True)
-            body.name = file.name
-            return [body]
-        bodies = [Body(body_id, physics_client_id)
-                  for body_id in load_sdf(file.text, physics_client_id)]
-    except SimulationError as error:
-        raise SimulationError('world {}: {}'.format(file.name, error.problem), error.advice)
-    if not bodies:
-        raise SimulationError('world {}: PyBullet finds no model in it'.format(file.name),
-                              'set world to a file with a <model>; <include> is not followed')
+    bodies = []
+    for tree in file.trees:
+        try:
+            body = Body(load_urdf(tree.urdf, physics_client_id, tree.fixed, tree.pose),
+                        physics_client_id, tree.fixed)
+        except SimulationError as error:
+            raise SimulationError('world {}: model {}: {}'.format(
+                file.name, tree.name, error.problem), error.advice)
+        body.name = tree.name
+        bodies.append(body)
     return bodies

@@ -43,8 +43,9 @@ def test_gazebo_tags_are_settings_and_the_others_are_warned_of(robot_file, caplo
     vehicle = build(path, x_pos=1.0).vehicles[0]
     assert vehicle.settings.drive.wheel_separation == 0.3
     assert vehicle.robot.motion().position[0] == pytest.approx(1.0)
-    assert len(caplog.messages) == 1
-    assert path in caplog.messages[0] and 'plugin liblamp.so' in caplog.messages[0]
+    unsupported, contradiction = caplog.messages
+    assert path in unsupported and 'plugin liblamp.so' in unsupported
+    assert path in contradiction and 'in the URDF it is 0.16 m' in contradiction
 
 
 def test_a_start_inside_of_a_post_is_warned_of(caplog):

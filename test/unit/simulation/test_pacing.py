@@ -1,7 +1,7 @@
-"""RealTimePacer and RealTimeFactor with a fake clock."""
+"""Pacing, the measured factor and its reports with a fake clock."""
 import pytest
 
-from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer
+from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer, SlowReports
 
 # a binary fraction, so that the expected times are exact
 STEP_S = 0.0625
@@ -117,3 +117,16 @@ def test_factor_is_zero_when_paused(clock):
     clock.advance(1.0)
     assert factor.update(0.0) == 0.0
     assert factor.last == 0.0
+
+
+def test_a_slow_machine_is_reported_once_then_when_it_is_worse_and_every_30_s(clock):
+    reports = SlowReports(clock)
+    factors = {0.0: 0.5, 1.0: 0.45, 2.0: 0.41, 3.0: 0.4, 4.0: 0.5, 32.9: 0.4, 33.0: 0.45,
+               62.9: 0.4, 62.99: 0.36}
+    reported, last_s = [], 0.0
+    for time_s, factor in factors.items():
+        clock.advance(time_s - last_s)
+        last_s = time_s
+        if reports.ready(factor):
+            reported.append(time_s)
+    assert reported == [0.0, 3.0, 33.0, 62.99]

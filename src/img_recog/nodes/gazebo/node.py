@@ -30,14 +30,14 @@ from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings
 from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
-from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly, world_file
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.models import Models
-from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer
+from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer, SlowReports
 from img_recog.simulation.scene import poses_of
-from img_recog.simulation.settings import PhysicsSettings, RobotSettings, ViewSettings, whole_steps
+from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
+                                           ViewSettings, whole_steps)
 from img_recog.simulation.window import Window
 
 _POLL_PERIOD_S = 0.1
@@ -55,7 +55,7 @@ class PybulletSim:
         self._window: Optional[Window] = Window(built.scene) if view.gui else None
         self._factor, self._wanted_factor = RealTimeFactor(), physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
-        self._warn = ThrottledWarning()
+        self._slow_reports = SlowReports()
         self._clock = DirectPublisher('/clock', Clock, latch=True)
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         self._paused = False
@@ -142,9 +142,10 @@ class PybulletSim:
             self._factors.publish(Float64(measured))
         if self._pacer.late and self._factor.last:
             self._pacer.late = False
-            self._warn('this machine is too slow for real_time_factor %g: simulated time falls '
-                       'behind, no step is skipped; the factor is %.2f now', self._wanted_factor,
-                       self._factor.last)
+            if self._slow_reports.ready(self._factor.last):
+                rospy.logwarn('this machine is too slow for real_time_factor %g: simulated time '
+                              'falls behind, no step is skipped; the factor is %.2f now',
+                              self._wanted_factor, self._factor.last)
 
     def _show(self) -> None:
         """Send the poses to the view and the window, if they need new ones."""
@@ -181,11 +182,16 @@ def _build(physics: PhysicsSettings) -> Tuple[Assembly, TopicSettings]:
     """Build the simulator from robot_description and the parameters, and log its warnings."""
     robot = assembly.read_robot(parameters.robot_description(), physics.step_s, resources.find,
                                 'robot_description')
+    robot = assembly.with_wheels(robot, parameters.read(DriveSettings, robot.tag_values))
     settings = parameters.read_group(RobotSettings, robot.tag_values)
     topics = parameters.read(TopicSettings, robot.tag_values)
     parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings,
                                *map(type, vars(settings).values()))
-    world = world_file.read(physics.world, resources.worlds(), resources.find)
+    world = world_file.read(physics.world, resources.worlds(), resources.find,
+                            physics.allow_partial_world)
+    if world.has_physics:
+        rospy.loginfo('world %s: its <physics> is not used: PyBullet simulates in steps of %g s',
+                      world.name, physics.step_s)
     built = assembly.build(physics, world, [(robot, settings)])
     for warning in robot.warnings + built.warnings:
         rospy.logwarn('%s', warning)

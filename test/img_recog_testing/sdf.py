@@ -1,0 +1,17 @@
+"""Texts of SDF worlds."""
+
+BOX = '<{0} name="s">{1}<geometry><box><size>{2}</size></box></geometry></{0}>'
+INERTIAL = ('<inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz>'
+            '<ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>')
+SHELF = ('<model name="shelf"><static>true</static><pose>1 2 1 0 0 0</pose><link name="l">'
+         + INERTIAL + BOX.format('collision', '', '0.8 0.8 0.2') + '</link></model>')
+CRATE = ('<model name="crate"><pose>{}</pose><link name="l">' + INERTIAL
+         + BOX.format('collision', '', '0.2 0.2 0.2') + '</link></model>')
+BUILT_IN = ('<include><uri>model://ground_plane</uri></include>'
+            '<include><uri>model://sun</uri></include>')
+
+
+def sdf(*models, version='1.6'):
+    """Return a world with these models."""
+    return '<sdf version="{}"><world name="default">{}</world></sdf>'.format(
+        version, ''.join(models))
