@@ -1,11 +1,15 @@
 """Fixtures for several unit tests."""
 
 import cv2
+import pybullet
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
+
+
+_MAX_PHYSICS_CLIENTS = 1024
 
 
 class FakeClock:
@@ -20,6 +24,20 @@ class FakeClock:
     def advance(self, seconds: float) -> None:
         """Move the clock forward by `seconds`."""
         self.now_s += seconds
+
+
+@pytest.fixture(autouse=True)
+def _end_physics_clients():
+    """End the physics clients that a test has started: PyBullet has room for 1024."""
+    before = _physics_clients()
+    yield
+    for client in _physics_clients() - before:
+        pybullet.disconnect(physicsClientId=client)
+
+
+def _physics_clients():
+    return {client for client in range(_MAX_PHYSICS_CLIENTS)
+            if pybullet.isConnected(physicsClientId=client)}
 
 
 @pytest.fixture
