@@ -1,0 +1,178 @@
+"""What a scene is loaded into: triangles in the memory of OpenGL, in batches."""
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import moderngl
+import numpy as np
+
+from img_recog.errors import one_line
+from img_recog.rendering import shaders, textures, triangles
+from img_recog.visuals import BOX, CYLINDER, PLANE, SPHERE, Shape, Visual, VisualScene
+
+_FLOOR_COLOR = (0.7, 0.7, 0.7, 1.0)
+_FLOOR_SIZE_M = 400.0
+_CLOSED = BOX, CYLINDER, SPHERE         # of which one never sees the inside; a mesh may be open
+_VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
+                    ('color', 'u1', 4)])
+
+# what the triangles of a batch have in common: transparent, part or -1, texture or -1, closed
+_Key = Tuple[bool, int, int, bool]
+
+
+class Batch(NamedTuple):
+    """Triangles that are drawn at once: of one texture, and of one moving part or all static ones.
+
+    part: the number of the moving part, -1 for static ones; texture: None for colors alone;
+    flags: what moderngl's `enable_only` gets; shaded, depth: drawn by the programs of those names.
+    """
+
+    part: int
+    texture: Optional[moderngl.Texture]
+    is_transparent: bool
+    flags: int
+    shaded: moderngl.VertexArray
+    depth: moderngl.VertexArray
+
+    def model(self, models: np.ndarray) -> np.ndarray:
+        """Return its transform (4, 4) to the world; models (n, 4, 4): those of all parts."""
+        return models[self.part] if self.part >= 0 else np.eye(4)
+
+
+class Bounds(NamedTuple):
+    """The lowest and highest x, y and z (3,) of triangles, in the frame of their part.
+
+    part: the number of the moving part, -1 for static triangles, in the frame of the world.
+    """
+
+    part: int
+    low: np.ndarray
+    high: np.ndarray
+
+
+class Loaded(NamedTuple):
+    """A scene in the memory of OpenGL.
+
+    bounds: of each visual; floor: None if there is none; missing: a line for each mesh or texture
+    that is left out.
+    """
+
+    batches: List[Batch]
+    bounds: List[Bounds]
+    floor: Optional[Batch]
+    missing: List[str]
+
+
+class Loader:
+    """Loads scenes, and keeps the textures of all.
+
+    plain, textured, depth: the programs that draw batches; to_clip and model, or to_clip alone in
+    `depth`, are their uniforms.
+    """
+
+    def __init__(self, context: moderngl.Context):
+        """Make the programs."""
+        self._context = context
+        self.plain, self.textured = (
+            context.program(vertex_shader=shaders.SHADED_VERTEX, fragment_shader=fragment)
+            for fragment in (shaders.PLAIN_FRAGMENT, shaders.TEXTURED_FRAGMENT))
+        self.depth = context.program(vertex_shader=shaders.SHADOW_VERTEX,
+                                     fragment_shader=shaders.SHADOW_FRAGMENT)
+        self._textures: Dict[int, moderngl.Texture] = {}
+        self._missing: List[str] = []
+
+    def load(self, scene: VisualScene, models: np.ndarray) -> Loaded:
+        """Load a scene; models (n, 4, 4): the transforms of all parts to the world."""
+        self._missing = []
+        bounds: List[Bounds] = []
+        grouped: Dict[_Key, List[np.ndarray]] = {}
+        for visual in scene.visuals:
+            is_moving = scene.moving[visual.part]
+            pose = visual.pose if is_moving else models[visual.part] @ visual.pose
+            part = visual.part if is_moving else -1
+            for corners, image, is_transparent in self._vertices(visual, pose):
+                bounds.append(Bounds(part, corners['position'].min(axis=0),
+                                     corners['position'].max(axis=0)))
+                key = is_transparent, part, self._texture(image), visual.shape.kind in _CLOSED
+                grouped.setdefault(key, []).append(corners)
+        batches = [self._batch(key, np.concatenate(grouped[key])) for key in sorted(grouped)]
+        return Loaded(batches, bounds, self._floor() if scene.light.floor else None, self._missing)
+
+    def _vertices(self, visual: Visual, pose: np.ndarray
+                  ) -> List[Tuple[np.ndarray, Optional[np.ndarray], bool]]:
+        """Return corners, image and whether they are transparent, of each part that is seen."""
+        found = []
+        for part in self._triangles(visual.shape):
+            color, image = self._appearance(visual, part)
+            if color[3] > 0:
+                found.append((_corners(part, pose, color), image, color[3] < 1))
+        return found
+
+    def _triangles(self, shape: Shape) -> List[triangles.Triangles]:
+        try:
+            parts = triangles.of_shape(shape)
+        except triangles.MeshError as error:
+            self._miss(one_line(error))
+            return []
+        for part in parts:
+            self._miss(part.problem)
+        return parts
+
+    def _appearance(self, visual: Visual, part: triangles.Triangles
+                    ) -> Tuple[Sequence[float], Optional[np.ndarray]]:
+        """Return color and image of triangles: the material's, or those of the file."""
+        material = visual.material
+        if material is None or (visual.prefers_file and part.has_material):
+            return part.color, part.texture
+        try:
+            image = textures.read(material.texture) if material.texture else None
+        except textures.TextureError as error:
+            self._miss(one_line(error))
+            image = None
+        return material.color, image
+
+    def _miss(self, problem: str) -> None:
+        if problem and problem not in self._missing:
+            self._missing.append(problem)
+
+    def _batch(self, key: _Key, corners: np.ndarray) -> Batch:
+        is_transparent, part, texture, is_closed = key
+        flags = moderngl.DEPTH_TEST
+        if is_transparent:
+            flags |= moderngl.BLEND
+        elif is_closed:
+            flags |= moderngl.CULL_FACE
+        buffer, image = self._context.buffer(corners.tobytes()), self._textures.get(texture)
+        shaded = (
+            self._context.vertex_array(self.plain, [
+                (buffer, '3f 3f 8x 4f1', 'position', 'normal', 'color')])
+            if image is None else self._context.vertex_array(self.textured, [
+                (buffer, '3f 3f 2f 4f1', 'position', 'normal', 'uv', 'color')]))
+        depth = self._context.vertex_array(self.depth, [(buffer, '3f 24x', 'position')])
+        return Batch(part, image, is_transparent, flags, shaded, depth)
+
+    def _floor(self) -> Batch:
+        part, = triangles.of_shape(Shape(PLANE, (_FLOOR_SIZE_M, _FLOOR_SIZE_M)))
+        return self._batch((False, -1, -1, False), _corners(part, np.eye(4), _FLOOR_COLOR))
+
+    def _texture(self, image: Optional[np.ndarray]) -> int:
+        """Return the key of an image in `_textures`, -1 for none."""
+        if image is None:
+            return -1
+        key = id(image)         # the readers keep their images
+        if key not in self._textures:
+            height, width = image.shape[:2]
+            # OpenGL's first row is the lowest
+            texture = self._context.texture((width, height), 3, image[::-1].tobytes(), alignment=1)
+            texture.build_mipmaps()
+            texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+            self._textures[key] = texture
+        return key
+
+
+def _corners(part: triangles.Triangles, pose: np.ndarray, color: Sequence[float]) -> np.ndarray:
+    """Return the corners of triangles, moved by `pose` (4, 4), as an array of _VERTEX."""
+    corners = np.empty(len(part.positions) * 3, _VERTEX)
+    corners['position'] = part.positions.reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3]
+    corners['normal'] = part.normals.reshape(-1, 3) @ pose[:3, :3].T
+    corners['uv'] = part.uvs.reshape(-1, 2)
+    corners['color'] = np.round(np.clip(color, 0, 1) * np.array(255.0))
+    return corners

@@ -1,0 +1,80 @@
+"""Homogeneous transforms and projections as arrays (4, 4); lengths in m, REP 103 axes."""
+import math
+from typing import Sequence, Union
+
+import numpy as np
+
+Vector = Union[Sequence[float], np.ndarray]
+
+# from the frame of a camera body (x forward, y to the left, z up) to OpenGL's (x right, y up,
+# z backward)
+_BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
+
+
+def from_poses(poses: np.ndarray) -> np.ndarray:
+    """Return the transforms (n, 4, 4) of poses (n, 7): x, y, z and a unit quaternion x, y, z, w.
+    """
+    x, y, z, w = np.asarray(poses, float)[:, 3:].T
+    matrices = np.zeros((len(poses), 4, 4))
+    matrices[:, :3, :3] = np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]).transpose(2, 0, 1)
+    matrices[:, :3, 3] = np.asarray(poses)[:, :3]
+    matrices[:, 3, 3] = 1
+    return matrices
+
+
+def inverse(pose: np.ndarray) -> np.ndarray:
+    """Return the inverse of a rigid transform.
+
+    np.linalg.inv wakes a thread of OpenBLAS for each core, and each waits for more work in a loop:
+    that took a quarter of the processor time of an image.
+    """
+    matrix = np.eye(4)
+    matrix[:3, :3] = pose[:3, :3].T
+    matrix[:3, 3] = -(pose[:3, :3].T @ pose[:3, 3])
+    return matrix
+
+
+def view(camera_pose: np.ndarray) -> np.ndarray:
+    """Return the transform from the world to OpenGL's camera frame.
+
+    camera_pose (4, 4): of the camera body, which looks along its x axis, in the world.
+    """
+    return _BODY_TO_OPENGL @ inverse(camera_pose)
+
+
+def perspective(slope_x: float, slope_y: float, near: float, far: float) -> np.ndarray:
+    """Return the projection of a pinhole camera.
+
+    slope_x, slope_y: tangents of half the horizontal and the vertical field of view.
+    """
+    return np.array([[1 / slope_x, 0, 0, 0], [0, 1 / slope_y, 0, 0],
+                     [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],
+                     [0, 0, -1, 0]])
+
+
+def orthographic(half_x: float, half_y: float, near: float, far: float) -> np.ndarray:
+    """Return the projection of parallel light."""
+    return np.array([[1 / half_x, 0, 0, 0], [0, 1 / half_y, 0, 0],
+                     [0, 0, -2 / (far - near), -(far + near) / (far - near)], [0, 0, 0, 1]])
+
+
+def looking(direction: Vector) -> np.ndarray:
+    """Return the rotation (4, 4) of OpenGL's camera frame that looks along `direction`: its view.
+
+    The x axis of the image is horizontal in the world.
+    """
+    backward = -np.asarray(direction, float) / math.sqrt(np.dot(direction, direction))
+    up = (0, 0, 1) if abs(backward[2]) < 0.999 else (0, 1, 0)
+    right = np.cross(up, backward)
+    right /= np.linalg.norm(right)
+    matrix = np.eye(4)
+    matrix[:3, :3] = right, np.cross(backward, right), backward
+    return matrix
+
+
+def to_bytes(matrix: np.ndarray) -> bytes:
+    """Return a matrix as OpenGL stores it: 32 bits a number, by columns."""
+    return matrix.T.astype('f4').tobytes()

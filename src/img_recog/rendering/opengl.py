@@ -1,0 +1,195 @@
+"""Draws a scene by OpenGL, in memory: no display is needed."""
+from typing import Dict, List, Sequence, Tuple
+
+import moderngl
+import numpy as np
+
+from img_recog.errors import one_line
+from img_recog.rendering import coverage, matrices, shaders
+from img_recog.rendering.batches import Batch, Bounds, Loader
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.renderer import OpenGLError
+from img_recog.rendering.shadow_map import ShadowMap, Sphere
+from img_recog.rendering.sky import Sky
+from img_recog.rendering.target import Target
+from img_recog.visuals import VisualScene
+
+_FLOOR_TOLERANCE_M = 0.001
+
+
+class Renderer:
+    """Draws images of a scene. To be used in the thread that made it."""
+
+    def __init__(self) -> None:
+        """Make the programs; raise OpenGLError if there is no OpenGL. `load` must come next."""
+        self._context = context = _create_context()
+        context.front_face = 'cw'       # as images are drawn upside down
+        self._loader = Loader(context)
+        self._resolve = context.program(vertex_shader=shaders.WHOLE_VERTEX,
+                                        fragment_shader=shaders.RESOLVE_FRAGMENT)
+        self._sky = Sky(context)
+        self._targets: Dict[Tuple[int, int], Target] = {}
+
+    def load(self, scene: VisualScene, poses: np.ndarray) -> List[str]:
+        """Draw this scene from now on; return a line for each mesh or texture that is left out.
+
+        poses (n, 7): of all parts now; those of parts that do not move stay like that.
+        """
+        self._light, self._shadow_poses = scene.light, b''
+        self._sun = np.array(scene.light.sun) / np.linalg.norm(scene.light.sun)
+        with self._context:     # the process may have other contexts
+            loaded = self._loader.load(scene, matrices.from_poses(poses))
+            self._shadows = ShadowMap(self._context, self._sun, self._loader.depth)
+            self._context.gc()
+        self._floor, self._boxes = loaded.floor, coverage.Boxes(loaded.bounds)
+        self._opaque = [batch for batch in loaded.batches if not batch.is_transparent]
+        self._transparent = [batch for batch in loaded.batches if batch.is_transparent]
+        self._bounds: Dict[int, List[Bounds]] = {}      # by part
+        for each in loaded.bounds:
+            self._bounds.setdefault(each.part, []).append(each)
+        return loaded.missing
+
+    def draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
+        """Return an image, uint8 RGB of shape (height, width, 3).
+
+        camera_pose (4, 4): in the world, of the camera body, which looks along its x axis with z
+        upward in the image. poses (n, 7): of all parts, see `matrices.from_poses`.
+        """
+        with self._context:
+            return self._draw(camera, camera_pose, poses)
+
+    def _draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
+        models = matrices.from_poses(poses)
+        if self._shadow_poses != poses.tobytes():       # else of another camera
+            self._draw_shadows(models)
+            self._shadow_poses = poses.tobytes()
+        target = self._target(camera.width, camera.height)
+        # upside down: the first row that is read is the lowest
+        projection = np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
+            *camera.slopes, camera.near, camera.far)
+        view = matrices.view(camera_pose)
+        to_clip = projection @ view
+        self._set_frame(to_clip, camera_pose[:3, 3])
+        self._draw_background(target, camera, view)
+        corners = self._boxes.in_world(models)
+        rectangles = coverage.rectangles(corners, to_clip, camera.near)
+        covered = coverage.runs(rectangles, camera.width, camera.height)
+        if len(covered):
+            seen = np.isfinite(rectangles[:, 0])
+            target.samples.use()
+            target.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+            if camera_pose[2, 3] < 0 or corners[seen, :, 2].min() < -_FLOOR_TOLERANCE_M:
+                self._hide_below_floor(target, to_clip)
+            self._render(self._opaque, models)
+            # the colors of the samples are multiplied with their opacity already
+            self._context.blend_func = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA,
+                                        moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+            self._render(self._transparent, models)
+            target.resolve(self._context, covered)
+        return target.read()
+
+    def depth(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
+        """Return the depths of that image, float32 of shape (height, width).
+
+        A depth is the distance in m along the optical axis, +inf where there is nothing (REP 118).
+        """
+        with self._context:
+            encoded = self._encoded_depths(camera, camera_pose, matrices.from_poses(poses))
+        # from 1 down to 0: in 32 bits, the distances are as exact as the 24 bits that are stored
+        remaining = np.float32(1) - encoded
+        distances = np.float32(camera.far * camera.near) / (
+            remaining * np.float32(camera.far - camera.near) + np.float32(camera.near))
+        distances[remaining <= 0] = np.inf
+        return distances
+
+    def _encoded_depths(self, camera: Camera, camera_pose: np.ndarray,
+                        models: np.ndarray) -> np.ndarray:
+        """Return what OpenGL's depth buffer holds, from 0 at `near` to 1 at `far`."""
+        target = self._target(camera.width, camera.height)
+        target.depths.use()
+        target.depths.clear(depth=1.0)
+        to_clip = np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
+            *camera.slopes, camera.near, camera.far) @ matrices.view(camera_pose)
+        floor = [] if self._floor is None else [self._floor]
+        for batch in [*self._opaque, *self._transparent, *floor]:
+            self._context.enable_only(batch.flags)
+            self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip @ batch.model(models)))
+            batch.depth.render()
+        encoded = np.frombuffer(target.depths.read(attachment=-1, dtype='f4'), np.float32)
+        return encoded.reshape(camera.height, camera.width)
+
+    def _target(self, width: int, height: int) -> Target:
+        if (width, height) not in self._targets:
+            size = width, height
+            self._targets[size] = Target(self._context, size, self._resolve)
+        return self._targets[width, height]
+
+    def _draw_shadows(self, models: np.ndarray) -> None:
+        static = [batch for batch in self._opaque if batch.part < 0]
+        moving = [batch for batch in self._opaque if batch.part >= 0]
+        spheres = {part: _sphere(bounds, models[part] if part >= 0 else np.eye(4))
+                   for part, bounds in self._bounds.items()}
+        self._shadows.draw([(batch.depth, np.eye(4)) for batch in static], spheres.pop(-1, None),
+                           [(batch.depth, batch.model(models)) for batch in moving],
+                           list(spheres.values()))
+
+    def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray) -> None:
+        self._shadows.texture.use(1)
+        for program in (self._loader.plain, self._loader.textured):
+            program['to_clip'].write(matrices.to_bytes(to_clip))
+            program['to_map'].write(matrices.to_bytes(self._shadows.to_map))
+            program['texel_m'].value = self._shadows.texel_m
+            program['eye'].value = tuple(eye)
+            program['sun'].value = tuple(self._sun)
+            program['shadows'].value = 1
+
+    def _draw_background(self, target: Target, camera: Camera, view: np.ndarray) -> None:
+        """Draw sky and floor, with one sample a pixel: all of their edges are horizontal."""
+        target.pixels.use()
+        target.pixels.clear(*self._light.background, 1.0)
+        self._context.enable_only(moderngl.NOTHING)
+        if self._light.zenith is not None:
+            self._sky.draw(target.pixels, camera, view, self._light.background,
+                           self._light.zenith)
+        if self._floor is not None:
+            self._floor.shaded.program['model'].write(matrices.to_bytes(np.eye(4)))
+            self._floor.shaded.render()
+
+    def _hide_below_floor(self, target: Target, to_clip: np.ndarray) -> None:
+        """Draw the depths of the floor, behind what lies on it at the same height."""
+        if self._floor is not None:
+            self._context.enable_only(moderngl.DEPTH_TEST)
+            self._context.polygon_offset = 1.0, 8.0
+            target.samples.color_mask = False, False, False, False
+            self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip))
+            self._floor.depth.render()
+            target.samples.color_mask = True, True, True, True
+            self._context.polygon_offset = 0.0, 0.0
+
+    def _render(self, batches: Sequence[Batch], models: np.ndarray) -> None:
+        for batch in batches:
+            batch.shaded.program['model'].write(matrices.to_bytes(batch.model(models)))
+            if batch.texture is not None:
+                batch.texture.use(0)
+            self._context.enable_only(batch.flags)
+            batch.shaded.render()
+
+
+def _create_context() -> moderngl.Context:
+    try:
+        # the names of the runtime libraries; those without a version are in -dev packages
+        context = moderngl.create_context(standalone=True, require=330, backend='egl',
+                                          libgl='libGL.so.1', libegl='libEGL.so.1')
+    except Exception as error:      # of several types
+        raise OpenGLError('no OpenGL 3.3 without a display: {}'.format(one_line(error)),
+                          'install libegl1 and libgl1-mesa-dri')
+    context.gc_mode = 'context_gc'  # not at once, which may be in another context
+    return context
+
+
+def _sphere(bounds: Sequence[Bounds], model: np.ndarray) -> Sphere:
+    """Return a sphere around bounds, moved by `model` (4, 4)."""
+    low = np.min([each.low for each in bounds], axis=0)
+    high = np.max([each.high for each in bounds], axis=0)
+    center = model[:3, :3] @ ((low + high) / 2) + model[:3, 3]
+    return center, float(np.linalg.norm(high - low)) / 2

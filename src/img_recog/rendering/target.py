@@ -1,0 +1,43 @@
+"""Framebuffers of the size of an image."""
+from typing import Tuple
+
+import cv2
+import moderngl
+import numpy as np
+
+from img_recog.rendering import coverage
+
+_SAMPLES = 4                # of a pixel, for antialiased edges; the only number of llvmpipe
+
+
+class Target:
+    """Framebuffers of one size.
+
+    samples: of what is antialiased, transparent elsewhere; pixels: the image; depths: for `depth`.
+    """
+
+    def __init__(self, context: moderngl.Context, size: Tuple[int, int],
+                 resolve: moderngl.Program):
+        self._texture = context.texture(size, 4, samples=_SAMPLES)
+        self.samples = context.framebuffer(
+            self._texture, context.depth_renderbuffer(size, samples=_SAMPLES))
+        self.pixels = context.framebuffer(context.renderbuffer(size, 4))
+        self.depths = context.framebuffer(depth_attachment=context.depth_texture(size))
+        self._rgba = np.empty((size[1], size[0], 4), np.uint8)
+        self._tiles = context.buffer(reserve=48 * coverage.count_tiles(*size), dynamic=True)
+        self._resolve = context.vertex_array(resolve, [(self._tiles, '2f', 'corner')])
+
+    def resolve(self, context: moderngl.Context, rectangles: np.ndarray) -> None:
+        """Draw the average of the samples of each pixel over the image, in rectangles (k, 4)."""
+        context.enable_only(moderngl.BLEND)
+        context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self.pixels.use()
+        self._texture.use(0)
+        self._tiles.write(coverage.triangles(rectangles))
+        self._resolve.render(moderngl.TRIANGLES, vertices=6 * len(rectangles))
+
+    def read(self) -> np.ndarray:
+        """Return the image, uint8 RGB."""
+        # in four bytes a pixel, as they are stored: OpenGL converts slowly
+        self.pixels.read_into(self._rgba, components=4, alignment=1)
+        return cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2RGB)

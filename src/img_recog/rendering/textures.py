@@ -1,0 +1,38 @@
+"""Images of materials."""
+import functools
+
+import numpy as np
+from PIL import Image
+
+from img_recog.errors import UserError, one_line
+
+_MAX_SIZE_PX = 4096
+_MAX_PIXELS = 50_000_000
+Image.MAX_IMAGE_PIXELS = None       # Pillow's own limit is a warning, or names no number
+
+
+class TextureError(UserError):
+    """A texture cannot be read."""
+
+
+@functools.lru_cache(maxsize=None)
+def read(path: str) -> np.ndarray:
+    """Return the image of a file, RGB of shape (rows, columns, 3); TextureError naming the file.
+
+    An image with a side of more than 4096 pixels is reduced.
+    """
+    try:
+        with Image.open(path) as image:
+            return decoded(image)
+    except Exception as error:      # Pillow raises errors of many types
+        raise TextureError('cannot read the texture {}: {}'.format(path, one_line(error)),
+                           'give a PNG or JPEG file')
+
+
+def decoded(image: Image.Image) -> np.ndarray:
+    """Return the pixels of an opened image like `read`; ValueError or OSError if it cannot be."""
+    if image.width * image.height > _MAX_PIXELS:
+        raise ValueError('{}x{} pixels are more than {}'.format(
+            image.width, image.height, _MAX_PIXELS))
+    image.thumbnail((_MAX_SIZE_PX, _MAX_SIZE_PX))
+    return np.array(image.convert('RGB'))

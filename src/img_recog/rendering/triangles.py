@@ -1,0 +1,214 @@
+"""The triangles of shapes, and meshes of files, which trimesh reads."""
+import functools
+import os
+from typing import Any, Callable, Dict, List, NamedTuple, Optional
+
+import numpy as np
+import trimesh
+
+from img_recog.errors import UserError, one_line
+from img_recog.rendering.mesh_images import MeshImages
+from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Color, Shape
+
+_SECTIONS = 48              # of a full circle
+# of a mesh file; a triangle takes 300 bytes while it is read, and 108 when it is drawn
+_MAX_BYTES, _MAX_TRIANGLES = 1 << 28, 3_000_000
+_MAX_POSITION = 1e9
+GREY: Color = (0.7, 0.7, 0.7, 1.0)
+
+
+class Triangles(NamedTuple):
+    """Triangles of one material.
+
+    positions (n, 3, 3): in m, a row a corner; normals (n, 3, 3): unit vectors; uvs (n, 3, 2): from
+    the lower left corner of the texture; color: of the material; texture (rows, columns, 3): RGB,
+    uint8, or None; has_material: whether the file states the color or texture; problem: what of
+    the file cannot be read, else ''.
+    """
+
+    positions: np.ndarray
+    normals: np.ndarray
+    uvs: np.ndarray
+    color: Color = GREY
+    texture: Optional[np.ndarray] = None
+    has_material: bool = False
+    problem: str = ''
+
+
+class MeshError(UserError):
+    """A mesh file cannot be read."""
+
+
+def of_shape(shape: Shape) -> List[Triangles]:
+    """Return the triangles of a shape; MeshError when its file cannot be read."""
+    if shape.kind == MESH:
+        scale = np.array(shape.size)
+        return [_scaled(part, scale) for part in read(shape.path)]
+    return [_PRIMITIVES[shape.kind](*shape.size)]
+
+
+@functools.lru_cache(maxsize=None)
+def read(path: str) -> List[Triangles]:
+    """Return the triangles of a mesh file, in m, in the axes that the file uses.
+
+    Like in Gazebo, the unit that a COLLADA file states counts, and its <up_axis> does not.
+    Raises MeshError naming the file.
+    """
+    try:
+        return _read(path)
+    except Exception as error:      # the readers raise errors of many types
+        raise MeshError('cannot read the mesh {}: {}'.format(path, one_line(error)),
+                        'give a DAE, OBJ or STL file that is complete')
+
+
+def _read(path: str) -> List[Triangles]:
+    if os.path.getsize(path) > _MAX_BYTES:
+        raise ValueError('it has {} bytes, more than {}'.format(os.path.getsize(path), _MAX_BYTES))
+    images = MeshImages(path)
+    scene = trimesh.load_scene(path, process=False, resolver=images)
+    parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh)
+             and len(part.faces)]
+    count = sum(len(part.faces) for part in parts)
+    if not 0 < count <= _MAX_TRIANGLES:
+        raise ValueError('it has {} triangles, allowed are 1 to {}'.format(count, _MAX_TRIANGLES))
+    # what is not a number is not less either
+    if not all(np.abs(part.vertices).max() < _MAX_POSITION for part in parts):
+        raise ValueError('it has a coordinate of more than {:g}'.format(_MAX_POSITION))
+    words = str(scene.units or '').split(' * ')     # as load_collada writes it
+    unit = float(words[0]) if len(words) == 2 else 1.0
+    triangles = [_from_trimesh(part, unit, images) for part in parts]
+    if images.problems:
+        triangles[0] = triangles[0]._replace(problem='cannot read all of the mesh {}: {}'.format(
+            path, ', '.join(images.problems)))
+    return triangles
+
+
+def _from_trimesh(mesh: 'trimesh.Trimesh', unit: float, images: MeshImages) -> Triangles:
+    positions = np.asarray(mesh.triangles, float) * unit
+    has_normals = 'vertex_normals' in mesh._cache       # not a getter, which would compute them
+    normals = (mesh.vertex_normals[mesh.faces] if has_normals
+               else np.repeat(mesh.face_normals[:, None], 3, axis=1))
+    color, texture, uvs = GREY, None, np.zeros((len(positions), 3, 2))
+    visual: Any = mesh.visual
+    if visual.kind == 'texture':
+        material = visual.material.to_simple() if hasattr(
+            visual.material, 'to_simple') else visual.material
+        color = _color(material.main_color)
+        if visual.uv is not None and material.image is not None:
+            texture = images.decoded(material.image)
+        if texture is not None:
+            uvs, color = np.asarray(visual.uv)[mesh.faces], (1.0, 1.0, 1.0, color[3])
+    elif visual.kind is not None:
+        color = _color(visual.main_color)
+    return Triangles(positions, np.asarray(normals, float), uvs, color, texture,
+                     visual.kind is not None)
+
+
+def _scaled(part: Triangles, scale: np.ndarray) -> Triangles:
+    normals = part.normals / np.where(scale == 0, 1e-12, scale)
+    normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
+    return part._replace(positions=part.positions * scale, normals=normals)
+
+
+def _flat(corners: np.ndarray, uvs: np.ndarray) -> Triangles:
+    """Return quads (n, 4, 3), corners counterclockwise seen from outside, as triangles."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    order = [0, 1, 2, 0, 2, 3]
+    return Triangles(corners[:, order].reshape(-1, 3, 3),
+                     np.repeat(normals, 6, axis=0).reshape(-1, 3, 3),
+                     uvs[:, order].reshape(-1, 3, 2))
+
+
+_QUAD_UVS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+
+
+def _plane(x: float, y: float) -> Triangles:
+    corners = np.append((_QUAD_UVS - 0.5) * (x, y), np.zeros((4, 1)), axis=1)
+    return _flat(corners[None], _QUAD_UVS[None])
+
+
+def _box(x: float, y: float, z: float) -> Triangles:
+    faces = []
+    for axis in range(3):
+        for side in (-0.5, 0.5):
+            first, second = (axis + 1) % 3, (axis + 2) % 3
+            corners = np.zeros((4, 3))
+            corners[:, axis] = side
+            corners[:, first], corners[:, second] = (_QUAD_UVS - 0.5).T
+            faces.append(corners if side > 0 else corners[[1, 0, 3, 2]])
+    corners = np.array(faces)
+    uvs = np.array([_box_uvs(face, number // 2) for number, face in enumerate(corners)])
+    return _flat(corners * (x, y, z), uvs)
+
+
+def _box_uvs(face: np.ndarray, axis: int) -> np.ndarray:
+    """Return where the corners of a side are on the texture, like in Gazebo.
+
+    It is upright on the vertical sides; on the upper one, x is upward.
+    """
+    x, y, z = face.T
+    side = face[0, axis]
+    across = {0: y * np.sign(side), 1: -x * np.sign(side), 2: -y}[axis]
+    upward = x * np.sign(side) if axis == 2 else z
+    return np.column_stack([across + 0.5, upward + 0.5])
+
+
+def _circle() -> np.ndarray:
+    angles = np.linspace(0, 2 * np.pi, _SECTIONS + 1)
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+def _cylinder(radius: float, length: float) -> Triangles:
+    circle, z = _circle() * radius, length / 2
+    low = np.column_stack([circle, np.full(len(circle), -z)])
+    high = np.column_stack([circle, np.full(len(circle), z)])
+    grid = np.stack([low, high])
+    outward = np.stack([np.column_stack([_circle(), np.zeros(len(circle))])] * 2)
+    side = _grid(grid, outward)
+    caps = []
+    for ring, side_z in ((high, 1.0), (low, -1.0)):
+        center = np.broadcast_to((0.0, 0.0, side_z * z), (_SECTIONS, 3))
+        corners = np.stack([center, ring[:-1], ring[1:]], axis=1)
+        if side_z < 0:      # counterclockwise seen from below
+            corners = corners[:, ::-1]
+        normals = np.broadcast_to((0.0, 0.0, side_z), corners.shape)
+        caps.append(Triangles(corners, normals, corners[:, :, :2] / max(2 * radius, 1e-12) + 0.5))
+    return _joined([side] + caps)
+
+
+def _sphere(radius: float) -> Triangles:
+    polar = np.linspace(-np.pi / 2, np.pi / 2, _SECTIONS // 2 + 1)
+    circle = _circle()
+    directions = np.stack([np.column_stack([circle * np.cos(angle),
+                                            np.full(len(circle), np.sin(angle))])
+                           for angle in polar])
+    return _grid(directions * radius, directions)
+
+
+def _grid(points: np.ndarray, normals: np.ndarray) -> Triangles:
+    """Return a surface of points (rows, columns, 3), rows upward and columns counterclockwise."""
+    rows, columns = points.shape[:2]
+    uvs = np.stack(np.meshgrid(np.linspace(0, 1, columns), np.linspace(0, 1, rows)), axis=2)
+
+    def corners(values: np.ndarray) -> np.ndarray:
+        a, b = values[:-1, :-1], values[:-1, 1:]
+        c, d = values[1:, 1:], values[1:, :-1]
+        return np.stack([a, b, c, a, c, d], axis=2).reshape(-1, 3, values.shape[2])
+    return Triangles(corners(points), corners(normals), corners(uvs))
+
+
+def _joined(parts: List[Triangles]) -> Triangles:
+    positions, normals, uvs = (np.concatenate(values)
+                               for values in zip(*(part[:3] for part in parts)))
+    return Triangles(positions, normals, uvs)
+
+
+def _color(values: Any) -> Color:
+    """Return a color of 0 to 255 as one of 0 to 1."""
+    red, green, blue, opacity = (float(value) / 255 for value in values)
+    return red, green, blue, opacity
+
+
+_PRIMITIVES: Dict[str, Callable[..., Triangles]] = {
+    BOX: _box, CYLINDER: _cylinder, SPHERE: _sphere, PLANE: _plane}

@@ -1,0 +1,66 @@
+"""What there is to draw: plain values that the simulation gives, and that are rendered."""
+from typing import NamedTuple, Optional, Tuple
+
+import numpy as np
+
+Color = Tuple[float, float, float, float]
+
+BOX, CYLINDER, SPHERE, PLANE, MESH = 'box', 'cylinder', 'sphere', 'plane', 'mesh'
+
+
+class Shape(NamedTuple):
+    """A shape in its own frame, with its center at the origin, in m.
+
+    kind and size: BOX (x, y, z); CYLINDER (radius, length along z); SPHERE (radius,); PLANE
+    (x, y), whose upper side is seen; MESH (scale x, y, z), of the file `path`.
+    """
+
+    kind: str
+    size: Tuple[float, ...]
+    path: str = ''
+
+
+class Material(NamedTuple):
+    """A color (red, green, blue, opacity; 0 to 1), multiplied by the image file `texture`.
+
+    texture: '' for none.
+    """
+
+    color: Color
+    texture: str = ''
+
+
+class Visual(NamedTuple):
+    """A shape of a part of the scene.
+
+    part: the number of the part, whose frame moves; pose (4, 4): of the shape in that frame, a
+    homogeneous transform in m; material: None is that of the mesh file, else grey; prefers_file:
+    whether `material` is only used for what has none in the mesh file.
+    """
+
+    part: int
+    shape: Shape
+    pose: np.ndarray
+    material: Optional[Material] = None
+    prefers_file: bool = False
+
+
+class Light(NamedTuple):
+    """How a scene is lit.
+
+    sun (3,): the direction to the sun; background: the color (0 to 1) of the sky at the horizon;
+    floor: whether there is a floor at z 0; zenith: the color straight above, None for the same.
+    """
+
+    sun: Tuple[float, float, float]
+    background: Tuple[float, float, float]
+    floor: bool = True
+    zenith: Optional[Tuple[float, float, float]] = None
+
+
+class VisualScene(NamedTuple):
+    """All visuals and the light; moving: whether the part of each number can move."""
+
+    visuals: Tuple[Visual, ...]
+    moving: Tuple[bool, ...]
+    light: Light

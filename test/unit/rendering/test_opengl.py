@@ -1,0 +1,318 @@
+"""Images by OpenGL: where things are, what color they have, what is in the shadow."""
+import math
+
+import numpy as np
+import pytest
+
+from img_recog.rendering import matrices
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.opengl import Renderer
+from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
+                               VisualScene)
+
+RED, GREEN, BLUE = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
+ABOVE = (0.0, 0.0, 1.0)
+BACKGROUND = (0.5, 0.25, 0.75)
+CAMERA = Camera(320, 240, math.radians(60))
+HERE = np.array([[0.0, 0, 0, 0, 0, 0, 1]])      # one part, at the origin
+
+
+def at(x, y, z):
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+def looking_down(height, x=0.0, y=0.0):
+    """Return the pose of a camera above a point: the world's x is upward in its image."""
+    pose = at(x, y, height)
+    pose[:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    return pose
+
+
+def visual(shape, pose, color, part=0, texture=''):
+    return Visual(part, shape, pose, Material(color, texture))
+
+
+def scene(*visuals, sun=ABOVE, floor=False, moving=(False,)):
+    return VisualScene(tuple(visuals), moving, Light(sun, BACKGROUND, floor))
+
+
+def draw(*visuals, camera=CAMERA, pose=np.eye(4), poses=HERE, **more):
+    return loaded(scene(*visuals, **more), poses).draw(camera, pose, poses)
+
+
+def loaded(content, poses):
+    renderer = Renderer()
+    assert renderer.load(content, poses) == []
+    return renderer
+
+
+def centroid(image):
+    """Return the column and row of what is red, to less than a pixel."""
+    coverage = 1 - image[:, :, 2] / round(BACKGROUND[2] * 255)
+    rows, columns = np.mgrid[:image.shape[0], :image.shape[1]]
+    return ((coverage * columns).sum() / coverage.sum(),
+            (coverage * rows).sum() / coverage.sum())
+
+
+# a camera that is turned about all axes
+TURNED = matrices.from_poses(np.array([[1.0, -2.0, 0.5, *(
+    np.array([0.1, -0.2, 0.3, 0.9]) / np.linalg.norm([0.1, -0.2, 0.3, 0.9]))]]))[0]
+
+
+@pytest.mark.parametrize('pose', [np.eye(4), looking_down(5.0), TURNED],
+                         ids=['forward', 'down', 'turned'])
+@pytest.mark.parametrize('point', [(4.0, 0.0, 0.0), (4.0, 1.5, 1.0), (6.0, -2.5, -1.5)])
+@pytest.mark.parametrize('size', [(320, 240), (321, 200)])
+def test_a_point_is_drawn_where_the_intrinsics_project_it(pose, point, size):
+    camera = Camera(*size, math.radians(62.2))
+    image = draw(visual(Shape(SPHERE, (0.05,)), pose @ at(*point), RED), camera=camera, pose=pose)
+    fx, fy, cx, cy = camera.intrinsics
+    forward, left, up = point
+    expected = cx - fx * left / forward, cy - fy * up / forward
+    assert centroid(image) == pytest.approx(expected, abs=0.15)
+
+
+def test_field_of_view_is_from_edge_to_edge():
+    # a wall whose edges are at the edges of the image
+    half = 5.0 * math.tan(math.radians(30))
+    image = draw(visual(Shape(BOX, (0.1, 2 * half - 0.1, 9.0)), at(5.05, 0, 0), RED))
+    row = image[120, :, 0] > 160
+    assert row[:2].sum() == row[-2:].sum() == 0 and row[5:-5].all()
+
+
+def test_background_and_colors():
+    image = draw(visual(Shape(BOX, (1, 1, 1)), at(5, 0, 0), BLUE))
+    assert image[0, 0].tolist() == [128, 64, 191]
+    # it faces the camera, and the sun passes by: 0.675 to 0.75 of its color
+    assert image[120, 160].tolist() in ([0, 0, 172], [0, 0, 191])
+
+
+@pytest.mark.parametrize('sun, share', [
+    ((0, 0, 1), 1.0), ((1, 0, 1), 0.75 + 0.25 * math.sqrt(0.5)), ((0, 0, -1), 0.675 - 0.175)])
+def test_light_on_a_face(sun, share):
+    image = draw(visual(Shape(PLANE, (2, 2)), at(0, 0, 0), (1.0, 1.0, 1.0, 1.0)),
+                 pose=looking_down(3.0), sun=sun)
+    assert image[120, 160].tolist() == pytest.approx([255 * share] * 3, abs=1)
+
+
+def test_a_shadow_on_the_floor():
+    tile = visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 0, 1.0), RED)
+    image = draw(tile, sun=(1, 0, 1), floor=True, pose=looking_down(8.0, x=-1.0))
+    floor = 0.7 * 255
+    lit, dark = floor * (0.75 + 0.25 * math.sqrt(0.5)), floor * (0.675 + 0.175 * math.sqrt(0.5))
+    # the shadow of a tile at 1 m is 1 m behind it, in the middle of the image
+    assert image[120, 160].tolist() == pytest.approx([dark] * 3, abs=1)
+    fx = CAMERA.intrinsics.fx
+    edge = round(0.25 * fx / 8)
+    assert image[120, 160 + edge + 3].tolist() == pytest.approx([lit] * 3, abs=1)
+    assert image[120, 160 + edge - 3].tolist() == pytest.approx([dark] * 3, abs=1)
+
+
+def test_what_moves_takes_its_shadow_with_it():
+    poses = np.array([[0.0, 0, 1, 0, 0, 0, 1]])
+    renderer = loaded(scene(visual(Shape(BOX, (0.5, 0.5, 0.02)), np.eye(4), RED), floor=True,
+                            moving=(True,)), poses)
+    down = looking_down(8.0)
+    before = renderer.draw(CAMERA, down, poses)
+    moved = poses + (1.0, 0, 0, 0, 0, 0, 0)
+    after = renderer.draw(CAMERA, down, moved)
+    shifted = renderer.draw(CAMERA, looking_down(8.0, x=1.0), moved)
+    assert np.abs(shifted.astype(int) - before).max() <= 30       # at the edges of the shadow
+    assert (shifted != before).mean() < 0.01
+    assert not np.array_equal(before, after)
+    assert np.array_equal(renderer.draw(CAMERA, down, poses), before)
+
+
+def test_a_wall_throws_no_shadow_on_itself():
+    wall = visual(Shape(BOX, (0.2, 4.0, 2.0)), at(5, 0, 0), (1.0, 1.0, 1.0, 1.0))
+    image = draw(wall, sun=(-1, 0.1, 0.5))
+    face = image[80:160, 60:260]
+    assert face.min() == face.max()
+
+
+def test_equal_scenes_and_poses_give_equal_bytes():
+    visuals = [visual(Shape(CYLINDER, (0.2, 1.0)), at(3, 0, 0), GREEN, part=1),
+               visual(Shape(BOX, (0.3, 8, 1)), at(6, 0, 0), BLUE)]
+    poses = np.array([HERE[0], [0, 0.3, 0, 0, 0, 0.1, math.sqrt(0.99)]])
+    content = scene(*visuals, sun=(0.5, -0.1, 0.9), floor=True, moving=(False, True))
+    first, second = loaded(content, poses), loaded(content, poses)
+    images = []
+    for step in range(5):       # there and back
+        moved = poses.copy()
+        moved[1, 1] += 0.37 * step
+        images.append(first.draw(CAMERA, at(0, 0, 0.5), moved))
+    assert np.array_equal(first.draw(CAMERA, at(0, 0, 0.5), poses), images[0])
+    assert np.array_equal(second.draw(CAMERA, at(0, 0, 0.5), poses), images[0])
+
+
+def test_edges_are_antialiased():
+    image = draw(visual(Shape(BOX, (0.1, 2, 2)), matrices.from_poses(
+        np.array([[5.0, 0, 0, math.sin(0.1), 0, 0, math.cos(0.1)]]))[0], BLUE))
+    colors = {tuple(color) for color in image.reshape(-1, 3)}
+    between = [color for color in colors if 5 < color[0] < 120]
+    assert len(between) >= 3
+
+
+@pytest.mark.parametrize('prefers_file, has_material, color', [
+    (False, True, (255, 0, 0)), (True, True, (0, 255, 0)), (True, False, (255, 0, 0))])
+def test_whose_material_counts(tmp_path, prefers_file, has_material, color):
+    (tmp_path / 'a.mtl').write_text('newmtl m\nKd 0 1 0\n')
+    (tmp_path / 'a.obj').write_text((
+        'mtllib a.mtl\nusemtl m\n' if has_material else '') + 'v 1 -1 -1\nv 1 1 -1\nv 1 0 2\n'
+        'f 1 2 3\n')
+    mesh = Visual(0, Shape(MESH, (1.0, 1.0, 1.0), str(tmp_path / 'a.obj')), np.eye(4),
+                  Material(RED), prefers_file)
+    image = draw(mesh, sun=(-1.0, 0.0, 0.0))
+    assert image[120, 160].tolist() == list(color)
+
+
+def test_a_transparent_face_shows_what_is_behind():
+    image = draw(visual(Shape(PLANE, (2, 2)), at(0, 0, 0), GREEN),
+                 visual(Shape(PLANE, (2, 2)), at(0, 0, 1), (1.0, 0.0, 0.0, 0.5)),
+                 pose=looking_down(4.0))
+    assert image[120, 160].tolist() == pytest.approx([128, 128, 0], abs=2)
+    assert draw(visual(Shape(PLANE, (2, 2)), at(0, 0, 0), (1.0, 0, 0, 0.0)),
+                pose=looking_down(4.0))[120, 160].tolist() == [128, 64, 191]
+
+
+@pytest.mark.parametrize('shape', [
+    Shape(BOX, (2, 2, 2)), Shape(CYLINDER, (1, 2)), Shape(SPHERE, (1,))],
+    ids=lambda shape: shape.kind)
+def test_the_inside_of_a_closed_shape_is_not_drawn(shape):
+    wall = visual(Shape(BOX, (1, 9, 9)), at(6, 0, 0), BLUE)
+    renderer = loaded(scene(visual(shape, np.eye(4), RED), wall), HERE)
+    red, green, blue = renderer.draw(CAMERA, np.eye(4), HERE)[120, 160].tolist()
+    assert red == green == 0 and blue > 150
+    assert renderer.depth(CAMERA, np.eye(4), HERE)[120, 160] == pytest.approx(5.5, abs=1e-3)
+    # and all of it from outside
+    red, green, blue = renderer.draw(CAMERA, at(-4, 0, 0), HERE)[120, 160].tolist()
+    assert red > 100 and green == blue == 0
+    assert renderer.depth(CAMERA, at(-4, 0, 0), HERE)[120, 160] == pytest.approx(3.0, abs=0.01)
+
+
+def test_through_a_transparent_shape_its_far_side_is_seen():
+    half = 1.0, 0.0, 0.0, 0.5
+    image = draw(visual(Shape(BOX, (2, 2, 2)), np.eye(4), half), pose=np.eye(4))
+    assert image[120, 160, 0] > 128 + 20 and image[120, 160, 2] < 191 - 50
+
+
+def test_both_sides_of_an_open_mesh_are_drawn(tmp_path):
+    path = tmp_path / 'half.obj'
+    path.write_text('v 0 -1 -1\nv 0 1 -1\nv 0 1 1\nv 0 -1 1\nf 1 2 3\nf 1 3 4\n')
+    content = scene(visual(Shape(MESH, (1, 1, 1), str(path)), np.eye(4), RED))
+    turned = matrices.from_poses(np.array([[4.0, 0, 0, 0, 0, 1, 0]]))[0]
+    for pose in (at(-4, 0, 0), turned):
+        image = loaded(content, HERE).draw(CAMERA, pose, HERE)
+        assert image[120, 160, 0] > 100 and image[120, 160, 2] == 0
+
+
+def test_what_is_beyond_near_and_far_is_not_drawn():
+    camera = CAMERA._replace(near=1.0, far=10.0)
+    for distance, seen in ((0.5, False), (2.0, True), (9.0, True), (11.0, False)):
+        image = draw(visual(Shape(BOX, (0.1, 9, 9)), at(distance, 0, 0), RED), camera=camera)
+        assert bool(image[120, 160, 1] == 0) is seen, distance
+
+
+@pytest.mark.parametrize('distance, expected', [
+    (0.5, 0.5), (3.0, 3.0), (9.0, 9.0), (11.0, math.inf)])
+def test_depths_along_the_optical_axis(distance, expected):
+    camera = CAMERA._replace(near=0.1, far=10.0)
+    renderer = loaded(scene(visual(Shape(BOX, (0.2, 40, 40)), at(distance + 0.1, 0, 0), RED)),
+                      HERE)
+    depths = renderer.depth(camera, np.eye(4), HERE)
+    assert depths.dtype == np.float32 and depths.shape == (240, 320)
+    assert depths == pytest.approx(np.full((240, 320), expected), rel=1e-4)
+
+
+def test_depths_of_the_floor_and_of_what_moves():
+    poses = np.array([[0.0, 0, 0.5, 0, 0, 0, 1]])
+    renderer = loaded(scene(visual(Shape(BOX, (0.2, 0.2, 0.2)), np.eye(4), RED), floor=True,
+                            moving=(True,)), poses)
+    depths = renderer.depth(CAMERA, looking_down(3.0), poses)
+    assert depths[120, 160] == pytest.approx(2.4, abs=1e-3)
+    assert depths[0, 0] == depths[239, 319] == pytest.approx(3.0, abs=1e-3)
+    lower = renderer.depth(CAMERA, looking_down(3.0), poses - (0, 0, 0.3, 0, 0, 0, 0))
+    assert lower[120, 160] == pytest.approx(2.7, abs=1e-3)
+
+
+def test_another_scene_takes_the_place_of_the_first():
+    left = scene(visual(Shape(BOX, (1, 1, 1)), at(3, 1, 0), RED), floor=True)
+    poses = np.array([[0, 0, 0, 0, 0, 0, 1.0], [3, -1, 0, 0, 0, 0, 1]])
+    right = scene(visual(Shape(BOX, (1, 1, 1)), np.eye(4), GREEN, part=1), floor=True,
+                  moving=(False, True))
+    renderer = loaded(left, HERE)
+    before = renderer.draw(CAMERA, at(0, 0, 0.5), HERE)
+    assert renderer.load(right, poses) == []
+    image = renderer.draw(CAMERA, at(0, 0, 0.5), poses)
+    assert np.array_equal(image, loaded(right, poses).draw(CAMERA, at(0, 0, 0.5), poses))
+    renderer.load(left, HERE)
+    assert np.array_equal(renderer.draw(CAMERA, at(0, 0, 0.5), HERE), before)
+
+
+def test_what_cannot_be_read_is_named_once_and_the_rest_is_drawn(tmp_path):
+    mesh, texture = tmp_path / 'cut.stl', tmp_path / 'cut.png'
+    mesh.write_bytes(b'solid')
+    texture.write_bytes(b'no image')
+    renderer = Renderer()
+    broken = visual(Shape(MESH, (1, 1, 1), str(mesh)), at(3, 0, 0), RED)
+    missing = renderer.load(scene(
+        broken, broken, visual(Shape(BOX, (1, 1, 1)), at(3, 0, 0), RED, texture=str(texture))),
+        HERE)
+    assert len(missing) == 2, missing
+    assert missing[0].startswith('cannot read the mesh {}: '.format(mesh))
+    assert missing[1].startswith('cannot read the texture {}: '.format(texture))
+    red, green, blue = renderer.draw(CAMERA, at(0, 0, 0), HERE)[120, 160].tolist()
+    assert red > 150 and green == blue == 0
+
+
+def test_the_sky_is_a_gradient_behind_everything():
+    light = Light(ABOVE, (1.0, 0.0, 0.0), False, zenith=(0.0, 0.0, 1.0))
+    box = visual(Shape(BOX, (1, 1, 1)), at(3, 0, 0), GREEN)
+    renderer = loaded(VisualScene((box,), (False,), light), HERE)
+    fy, cy = CAMERA.intrinsics.fy, CAMERA.intrinsics.cy
+
+    def sky(row, pitch=0.0):
+        height = max(0.0, math.sin(math.atan((cy - row) / fy) + pitch))
+        return [round(255 * (1 - height)), 0, round(255 * height)]
+    image = renderer.draw(CAMERA, np.eye(4), HERE)
+    assert image[120, 160].tolist()[1] > 150        # the box
+    for row in (0, 239):
+        assert image[row, 160].tolist() == pytest.approx(sky(row), abs=1)
+    up = renderer.draw(CAMERA, matrices.from_poses(np.array(
+        [[0, 0, 0, 0, -math.sin(0.4), 0, math.cos(0.4)]]))[0], HERE)
+    for row in (0, 120, 239):
+        assert up[row, 160].tolist() == pytest.approx(sky(row, 0.8), abs=1)
+    assert np.isinf(renderer.depth(CAMERA, np.eye(4), HERE)[0, 160])
+
+
+def test_the_whole_sky_is_drawn_in_all_directions_of_the_camera():
+    light = Light(ABOVE, (1.0, 0.0, 0.0), False, zenith=(0.0, 0.0, 1.0))
+    renderer = loaded(VisualScene((), (False,), light), HERE)
+    intrinsics = CAMERA.intrinsics
+    rows, columns = np.mgrid[:CAMERA.height, :CAMERA.width]
+    rays = np.stack([np.ones(rows.shape), (intrinsics.cx - columns) / intrinsics.fx,
+                     (intrinsics.cy - rows) / intrinsics.fy], axis=2)
+    rays /= np.linalg.norm(rays, axis=2, keepdims=True)
+    turns = np.random.RandomState(3).standard_normal((12, 4))
+    level = [(0, 0, 0, 1), (0, math.sqrt(0.5), 0, math.sqrt(0.5)),
+             (0, -math.sqrt(0.5), 0, math.sqrt(0.5)), (math.sqrt(0.5), 0, 0, math.sqrt(0.5)),
+             (1, 0, 0, 0)]
+    for turn in [*level, *(turns / np.linalg.norm(turns, axis=1, keepdims=True))]:
+        pose = matrices.from_poses(np.array([[1.0, -2.0, 0.5, *turn]]))[0]
+        height = np.maximum(0.0, (rays @ pose[:3, :3].T)[:, :, 2])
+        expected = 255 * np.stack([1 - height, np.zeros(height.shape), height], axis=2)
+        image = renderer.draw(CAMERA, pose, HERE)
+        assert np.abs(image - expected).max() <= 1.5, turn
+
+
+@pytest.mark.parametrize('height, z, is_seen', [
+    (3, -0.5, False), (3, 0.5, True), (-3, 0.5, False), (-3, -0.5, True)])
+def test_the_floor_hides_what_is_on_its_other_side(height, z, is_seen):
+    pose = looking_down(height)
+    if height < 0:
+        pose[:3, :3] = [[0, 0, -1], [0, 1, 0], [1, 0, 0]]
+    image = draw(visual(Shape(BOX, (0.4, 0.4, 0.4)), at(0, 0, z), RED), pose=pose, floor=True)
+    red = (image[:, :, 0] > 100) & (image[:, :, 1] < 50)
+    assert red.any() == is_seen and red[120, 160] == is_seen
