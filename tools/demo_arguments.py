@@ -134,13 +134,14 @@ def _world(name, value):
     if re.match(r'\w+$', value) and not os.path.isfile(_absolute(value)):
         return value        # a name, which demo_values.py checks
     if not os.path.isfile(_absolute(value)):
-        raise ArgumentError('{}: got {}, which is not a file; allowed are turtlebot3_world, empty '
-                            'and the path of a URDF or SDF file'.format(name, _shown(value)))
+        raise ArgumentError('{}: got {}, which is not a file; allowed are color_posts, empty, '
+                            'turtlebot3_world and the path of a URDF or SDF file'.format(
+                                name, _shown(value)))
     return _absolute(value)
 
 
 def _camera(name, value):
-    if value in ('auto', 'synthetic', 'none') or value.lower().startswith(URLS):
+    if value in ('auto', 'synthetic', 'robot', 'none') or value.lower().startswith(URLS):
         return value
     if '://' in value:
         raise ArgumentError('{}: got a URL of {}://; allowed are {}'.format(
@@ -148,8 +149,8 @@ def _camera(name, value):
     if value == '' or not os.path.exists(_absolute(value)):
         devices = sorted(word for word in os.listdir('/dev') if re.match(r'video\d+$', word))
         raise ArgumentError(
-            '{}: got {}, which does not exist; allowed are auto, synthetic, none, a URL, and the '
-            'path of a video, image, folder or device (found: {})'.format(
+            '{}: got {}, which does not exist; allowed are auto, synthetic, robot, none, a URL, '
+            'and the path of a video, image, folder or device (found: {})'.format(
                 name, _shown(value), ', '.join('/dev/' + word for word in devices) or 'no camera'))
     return _absolute(value)
 

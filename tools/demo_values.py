@@ -22,11 +22,25 @@ def check(words):
     given = dict(word.split(':=', 1) for word in words if ':=' in word)
     for name, value in given.items():
         _check(name, value)
+    if given.get('camera') == 'robot':
+        _check_robot_camera(given)
     if 'world' in given:
         resources = _module('resources')
         _module('simulation.world_file').read(
             given['world'], resources.worlds(), resources.find,
             given.get('allow_partial_world', '').lower() in ('1', 'true'))
+
+
+def _check_robot_camera(given):
+    if given.get('simulator', '').lower() in ('0', 'false'):
+        raise _module('errors').UserError(
+            'camera: got robot, which is simulated, and simulator is false',
+            'set simulator to true, or camera to none for the camera of a real robot')
+    settings = _module('simulation.settings').CameraSettings
+    for name, setting in (('image_width', 'camera_width'), ('image_height', 'camera_height'),
+                          ('framerate', 'camera_rate')):
+        if name in given:
+            settings(**{setting: _typed(given[name])})
 
 
 def _check(name, value):

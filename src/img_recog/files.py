@@ -61,7 +61,7 @@ def output_paths(source: str, output: str, extensions: Sequence[str]) -> Tuple[s
                         'make it, or set --output to another')
     paths = tuple(prefix + extension for extension in extensions)
     for path in paths:
-        if os.path.exists(path) and os.path.samefile(path, source):
+        if os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
             raise UserError('cannot write {}: that is what is replayed'.format(path),
                             'set --output to another')
     return paths

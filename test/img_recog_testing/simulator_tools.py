@@ -114,6 +114,7 @@ def show(msg):
         'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id,
         'size': [msg.width, msg.height, msg.step], 'encoding': msg.encoding,
         'green': found((0, 90, 0), (60, 255, 60)), 'white': found((205,) * 3, (255,) * 3),
+        'red': found((150, 0, 0), (255, 30, 30)),
         'wall': found((20,) * 3, (90,) * 3), 'dark': found((0,) * 3, (130,) * 3)}), flush=True)
 
 rospy.init_node('images', anonymous=True)

@@ -51,6 +51,22 @@ def test_auto_logs_which_camera_it_uses(ros):
     demo.wait_output('camera: ({})|cannot open ({})'.format(expected, expected))
 
 
+def test_the_camera_of_the_robot_gets_its_parameters_from_the_launch_file(ros):
+    arguments = ['roslaunch', '--dump-params', 'img_recog', 'demo.launch']
+    demo = ros.start(*arguments, 'camera:=robot', 'image_width:=320', 'framerate:=15')
+    demo.wait()
+    lines = demo.output.splitlines()
+    for name, value in (('frame', 'camera_link'), ('optical_frame', 'head_camera'),
+                        ('image_topic', 'usb_cam/image_raw'),
+                        ('info_topic', 'usb_cam/camera_info'), ('width', '320'),
+                        ('height', '480'), ('rate', '15')):
+        assert '/gazebo/camera_{}: {}'.format(name, value) in lines, demo.output
+    assert 'WARN' not in demo.output        # about what roslaunch ignores
+    synthetic = ros.start(*arguments)
+    synthetic.wait()
+    assert '/gazebo/world' in synthetic.output and '/gazebo/camera' not in synthetic.output
+
+
 def test_ros_tools_find_the_names_and_no_error(ros):
     demo = ros.demo()
     demo.wait_output('the robot drives forward')

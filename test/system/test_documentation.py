@@ -33,7 +33,8 @@ NODES = {
     'gazebo': ('gazebo.node', (
         simulation.PhysicsSettings, simulation.SpawnSettings, simulation.DriveSettings,
         simulation.OdometrySettings, simulation.SensorSettings, simulation.ScanSettings,
-        simulation.ImuSettings, simulation.ViewSettings, TopicSettings), ()),
+        simulation.ImuSettings, simulation.CameraSettings, simulation.ViewSettings,
+        TopicSettings), ()),
     'turtlebot3_teleop_keyboard': ('teleop_key', (TeleopSettings,), ())}
 NAME = r'[~/]?[a-z][a-z0-9_]*(?:/[a-z0-9_]+)*'
 TYPE = r'(?:[a-z0-9_]+_msgs|std_srvs|dynamic_reconfigure)(?:/\w+)?'

@@ -1,6 +1,5 @@
 """The simulator's gazebo_msgs topics and services in ROS tools, with and without the package."""
 import copy
-import importlib.util
 import math
 import os
 import sys
@@ -9,61 +8,22 @@ import xmlrpc.client
 import pytest
 import yaml
 
+from img_recog_testing.gazebo_messages import INSTALLED, write_package
+from img_recog_testing.service_calls import ServiceCalls
+from img_recog_testing.simulator_tools import Images
 from img_recog_testing.waiting import wait_for
 
 BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
 MODEL = 'turtlebot3_burger'
 NAMES = ['ground_plane', 'turtlebot3_world', MODEL]
-INSTALLED = importlib.util.find_spec('gazebo_msgs') is not None
-
-# Definitions from gazebo_msgs of ROS 1 and those that they use, without the comments.
-DEFINITIONS = {
-    'std_msgs/msg/Header.msg': 'uint32 seq\ntime stamp\nstring frame_id\n',
-    'geometry_msgs/msg/Point.msg': 'float64 x\nfloat64 y\nfloat64 z\n',
-    'geometry_msgs/msg/Vector3.msg': 'float64 x\nfloat64 y\nfloat64 z\n',
-    'geometry_msgs/msg/Quaternion.msg': 'float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n',
-    'geometry_msgs/msg/Pose.msg': 'Point position\nQuaternion orientation\n',
-    'geometry_msgs/msg/Twist.msg': 'Vector3 linear\nVector3 angular\n',
-    'gazebo_msgs/msg/ModelState.msg': 'string model_name\ngeometry_msgs/Pose pose\n'
-                                      'geometry_msgs/Twist twist\nstring reference_frame\n',
-    'gazebo_msgs/msg/ModelStates.msg': 'string[] name\ngeometry_msgs/Pose[] pose\n'
-                                       'geometry_msgs/Twist[] twist\n',
-    'gazebo_msgs/srv/GetModelState.srv': 'string model_name\nstring relative_entity_name\n---\n'
-                                         'Header header\ngeometry_msgs/Pose pose\n'
-                                         'geometry_msgs/Twist twist\nbool success\n'
-                                         'string status_message\n',
-    'gazebo_msgs/srv/SetModelState.srv': 'gazebo_msgs/ModelState model_state\n---\n'
-                                         'bool success\nstring status_message\n'}
-MANIFEST = ('<package><name>gazebo_msgs</name><version>0.0.0</version><license>none</license>'
-            '<description>stand-in</description><maintainer email="a@b.c">a</maintainer>'
-            '</package>')
 # of the real package, from code that was generated for it
 SUMS = {'msg.ModelStates': '48c080191eb15c41858319b4d8a609c2',
         'msg.ModelState': '9330fd35f2fcd82d457e54bd54e10593',
         'srv.GetModelStateResponse': 'ccd51739bb00f0141629e87b792e92b9',
-        'srv.SetModelStateRequest': 'cb042b0e91880f4661b29ea5b6234350'}
-
-
-def write_package(folder):
-    """Write a package in place of gazebo_msgs; return the additions to the environment for it."""
-    generator = pytest.importorskip('genpy.generator')
-    for name, text in DEFINITIONS.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-    package = folder / 'gazebo_msgs'
-    (package / 'package.xml').write_text(MANIFEST)
-    modules = folder / 'python' / 'gazebo_msgs'
-    search = {name: [str(folder / name / 'msg')]
-              for name in ('std_msgs', 'geometry_msgs', 'gazebo_msgs')}
-    for kind, make in (('msg', generator.MsgGenerator), ('srv', generator.SrvGenerator)):
-        files = sorted((package / kind).iterdir())
-        assert make().generate_messages('gazebo_msgs', [str(file) for file in files],
-                                        str(modules / kind), search) == 0
-        (modules / kind / '__init__.py').write_text(
-            ''.join('from ._{} import *\n'.format(file.stem) for file in files))
-    (modules / '__init__.py').write_text('')
-    return {'PYTHONPATH': str(modules.parent), 'ROS_PACKAGE_PATH': str(package)}
+        'srv.SetModelStateRequest': 'cb042b0e91880f4661b29ea5b6234350',
+        'srv.SpawnModelRequest': '6d0eba5753761cd57e6263a056b79930',
+        'srv.GetWorldPropertiesResponse': '36bb0f2eccf4d8be971410c22818ba3f',
+        'srv.GetPhysicsPropertiesResponse': '575a5e74786981b7df2e3afc567693a6'}
 
 
 @pytest.fixture(scope='module')
@@ -75,7 +35,9 @@ def gazebo(roscore, tmp_path_factory):
         for name, path in write_package(tmp_path_factory.mktemp('messages')).items():
             ros.env[name] = os.pathsep.join(filter(None, [path, ros.env.get(name)]))
     node = simulate(ros)
+    ros.services = ServiceCalls(ros)
     yield ros
+    ros.services.close()
     assert node.interrupt() == 0
 
 
@@ -90,9 +52,8 @@ def simulate(ros):
 
 def call(ros, service, request):
     """Return the response of a service of the simulator."""
-    text = ros.run('rosservice', 'call', '/gazebo/' + service, yaml.safe_dump(request))
-    answer = yaml.safe_load(text)
-    assert isinstance(answer, dict), text
+    answer = ros.services.call('/gazebo/' + service, request)
+    assert isinstance(answer, dict), answer
     return answer
 
 
@@ -132,8 +93,8 @@ def test_without_the_package_the_simulator_logs_one_line(ros):
     node = simulate(ros)
     lines = [line for line in node.output.splitlines() if 'gazebo_msgs' in line]
     assert len(lines) == 1 and lines[0].startswith('[INFO]'), node.output
-    assert lines[0].endswith('gazebo_msgs is not installed: model_states, get_model_state and '
-                             'set_model_state are not offered')
+    assert lines[0].endswith('gazebo_msgs is not installed: model_states and the services of '
+                             'models are not offered')
     topics = ros.run('rostopic', 'list')
     assert '/gazebo/real_time_factor' in topics and 'model_states' not in topics
     services = ros.run('rosservice', 'list').split()
@@ -191,12 +152,9 @@ def test_a_refused_state_leaves_the_robot_where_it_is(gazebo):
     assert answer['success'] is False
     assert answer['status_message'].startswith('state: got [nan, 0.5,')
     assert 'finite numbers' in answer['status_message']
-    answer = call(gazebo, 'set_model_state', {'model_state': {'model_name': MODEL}})
-    assert answer['success'] is False
-    assert 'zero quaternion' in answer['status_message']
-    answer = set_state(gazebo, 0.5, 0.5, name='turtlebot3_world')
+    answer = set_state(gazebo, 0.5, 0.5, name='ground_plane')
     assert (answer['success'], answer['status_message']) == (
-        False, 'model turtlebot3_world is static')
+        False, 'model ground_plane cannot be moved')
     assert_at(get_state(gazebo), -2.0, -0.5)
 
 
@@ -225,3 +183,91 @@ def test_set_state_moves_the_robot_until_the_world_is_reset(gazebo):
     assert gazebo.run('rosservice', 'call', '/gazebo/reset_world').strip() == ''
     wait_for(lambda: at(-2.0, -0.5, 0.0), lambda: echo.output[-2000:])
     assert_at(get_state(gazebo), -2.0, -0.5)
+
+
+GOAL = """<?xml version='1.0'?>
+<sdf version='1.6'><model name='any'><static>1</static><link name='l'>
+  <collision name='c'><geometry><box><size>0.1 0.1 0.1</size></box></geometry></collision>
+  <visual name='v'><pose>0 0 0.001 0 0 0</pose>
+    <geometry><box><size>4 4 0.001</size></box></geometry>
+    <material><script><name>Gazebo/Red</name></script></material>
+  </visual></link></model></sdf>"""
+
+
+def spawn(ros, name, text, x=0.0, y=0.0, z=0.0, frame='world', service='spawn_sdf_model'):
+    # like turtlebot3_machine_learning: the orientation stays a quaternion of zeros
+    return call(ros, service, {'model_name': name, 'model_xml': text,
+                               'robot_namespace': 'robotos_name_space', 'reference_frame': frame,
+                               'initial_pose': {'position': {'x': x, 'y': y, 'z': z}}})
+
+
+def names(ros):
+    answer = call(ros, 'get_world_properties', {})
+    assert (answer['success'], answer['rendering_enabled']) == (True, True)
+    return answer['model_names']
+
+
+def has_red(image):
+    return image['red']['share'] > 0.02
+
+
+def has_no_red(image):
+    return image['red']['share'] == 0.0
+
+
+def test_a_goal_is_added_seen_moved_and_deleted(gazebo):
+    images = Images(gazebo)
+    images.wait(has_no_red)
+    assert spawn(gazebo, 'goal', GOAL, 1.0, 1.0) == {'success': True, 'status_message': ''}
+    assert names(gazebo) == NAMES + ['goal']
+    assert_at(get_state(gazebo, 'goal'), 1.0, 1.0)
+    images.wait(has_red)
+    answer = spawn(gazebo, 'goal', GOAL)
+    assert (answer['success'], answer['status_message']) == (
+        False, 'there is a model goal already; give another name')
+    assert set_state(gazebo, 90.0, 0.0, name='goal')['success'] is True
+    images.wait(has_no_red)
+    assert set_state(gazebo, 1.0, 1.0, name='goal')['success'] is True
+    images.wait(has_red)
+    assert call(gazebo, 'delete_model', {'model_name': 'goal'}) == {
+        'success': True, 'status_message': ''}
+    images.wait(has_no_red)
+    images.close()
+    assert names(gazebo) == NAMES
+    assert call(gazebo, 'delete_model', {'model_name': 'goal'}) == {
+        'success': False,
+        'status_message': "no model 'goal' (models: {})".format(', '.join(NAMES))}
+
+
+def test_urdf_is_added_in_a_frame(gazebo):
+    text = ("<robot name='b'><link name='l'><inertial><mass value='1'/><inertia ixx='0.01' "
+            "ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.01'/></inertial><collision><geometry>"
+            "<box size='0.2 0.2 0.2'/></geometry></collision></link></robot>")
+    assert spawn(gazebo, 'box', text, 0.4, 0.0, 0.15, MODEL,
+                 'spawn_urdf_model')['success'] is True
+    found = get_state(gazebo, 'box', MODEL)['pose']['position']
+    assert call(gazebo, 'delete_model', {'model_name': 'box'})['success'] is True
+    assert [found['x'], found['y']] == pytest.approx([0.4, 0.0], abs=0.05)
+
+
+@pytest.mark.parametrize('name, text, status', [
+    ('', GOAL, 'model_name is empty; give the model a name'),
+    ('goal', 'no markup', 'model goal: '),
+    ('goal', GOAL.replace('0.1 0.1 0.1', 'nan 1 1'), 'model goal: '),
+    ('goal', '<sdf version="1.6"><include><uri>model://gone</uri></include></sdf>',
+     'model goal: not found, or not supported: model://gone; set GAZEBO_MODEL_PATH to')])
+def test_refused_model_is_not_added(gazebo, name, text, status):
+    answer = spawn(gazebo, name, text)
+    assert answer['success'] is False and answer['status_message'].startswith(status), answer
+    assert names(gazebo) == NAMES
+
+
+def test_physics_properties(gazebo):
+    answer = call(gazebo, 'get_physics_properties', {})
+    assert (answer['success'], answer['pause'], answer['time_step']) == (True, False, 0.001)
+    assert answer['max_update_rate'] == pytest.approx(1000.0)
+    assert answer['gravity'] == {'x': 0.0, 'y': 0.0, 'z': -9.8}
+    gazebo.run('rosservice', 'call', '/gazebo/pause_physics')
+    assert call(gazebo, 'get_physics_properties', {})['pause'] is True
+    gazebo.run('rosservice', 'call', '/gazebo/unpause_physics')
+    assert call(gazebo, 'get_physics_properties', {})['pause'] is False

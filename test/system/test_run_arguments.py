@@ -28,13 +28,12 @@ REFUSED = {
                     'camera image_width ',
     ('camra:=synthetic',): 'demo.launch has no argument camra; it has camera image_width ',
     ('camera:=/no/such.mp4',): 'camera: got /no/such.mp4, which does not exist; allowed are auto, '
-                               'synthetic, none, a URL, and the path of ',
+                               'synthetic, robot, none, a URL, and the path of ',
     ('camera:=',): "camera: got '', which does not exist",
     ('camera:=ftp://host/video.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
     ('camera_info_url:=my.yaml',): 'camera_info_url: got my.yaml, allowed are file:///PATH ',
-    ('world:=mars',): "world: got 'mars', which cannot be read as a file (",
     ('world:=mars.world',): 'world: got mars.world, which is not a file; allowed are '
-                            'turtlebot3_world, empty ',
+                            'color_posts, empty, turtlebot3_world ',
     ('colors:=no.yaml',): 'colors: there is no file no.yaml; ',
     ('urdf:=no.urdf',): 'urdf: there is no file no.urdf; ',
     ('x_pos:=here',): 'x_pos: got here, allowed is a number; write for example x_pos:=-2.0',

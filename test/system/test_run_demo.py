@@ -203,9 +203,13 @@ def test_colors_file_that_cannot_be_used_is_refused_before_anything_starts(
     ('view:=x', "view: got 'x', allowed is one of "),
     ('real_time_factor:=-1', 'real_time_factor: got -1.0, allowed is '),
     ('cmd_vel_timeout:=-1', 'cmd_vel_timeout: got -1.0, allowed is a finite number at least 0'),
-    ('x_pos:=1e9', 'x_pos: got 1000000000.0, allowed is a finite number from -1000 to 1000')])
+    ('x_pos:=1e9', 'x_pos: got 1000000000.0, allowed is a finite number from -1000 to 1000'),
+    ('world:=mars', "world: got 'mars', which cannot be read as a file ("),
+    ('camera:=robot simulator:=false', 'camera: got robot, which is simulated, and simulator is '
+                                       'false; set simulator to true, '),
+    ('camera:=robot image_width:=8000', 'camera_width: got 8000, allowed is a whole number ')])
 def test_value_that_a_node_would_refuse_is_refused_before_anything_starts(run_demo, word, words):
-    demo = run_demo('camera:=synthetic', word)
+    demo = run_demo(*(['camera:=synthetic'] if 'camera:=' not in word else []), *word.split())
     assert demo.wait() == 1
     assert last_line(demo).startswith('[run] ' + words), demo.output
     assert 'process[' not in demo.output

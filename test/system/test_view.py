@@ -77,18 +77,21 @@ def test_following_keeps_the_robot_in_the_middle(ros, simulate):
 
 
 @pytest.mark.parametrize('busy', [False, True])
-def test_the_simulation_continues_when_the_drawing_process_is_killed(ros, simulate, busy):
+def test_another_process_draws_when_the_first_one_is_killed(ros, simulate, busy):
     node = simulate('_view_rate:=2', '_real_time_factor:=5')
     clock = Echo(ros, '/clock/clock')
     clock.wait_more(1)
-    Images(ros).wait(count=2)
+    images = Images(ros)
+    images.wait(count=2)
     drawer = drawing(node)      # idle for half a second
     if busy:
         os.kill(drawer, signal.SIGSTOP)
         clock.wait_more(400)    # 0.8 s, in which an image is requested
     os.kill(drawer, signal.SIGKILL)
-    node.wait_output(r'\[WARN\].*no more view: .*; the simulation goes on without')
+    node.wait_output(r'\[WARN\].* has ended with exit code -9; it is started again')
     clock.wait_more(100)
+    images.wait(count=3)
+    assert drawing(node) != drawer
     assert len(complaints(node)) == 1, node.output
     assert node.interrupt() == 0
     assert 'Traceback' not in node.output

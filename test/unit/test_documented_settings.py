@@ -16,7 +16,7 @@ CLASSES = {
     'color_extract': (with_colors(),),
     'gazebo': (simulation.PhysicsSettings, simulation.SpawnSettings, simulation.DriveSettings,
                simulation.OdometrySettings, simulation.SensorSettings, simulation.ScanSettings,
-               simulation.ImuSettings, simulation.ViewSettings),
+               simulation.ImuSettings, simulation.CameraSettings, simulation.ViewSettings),
     'turtlebot3_teleop_keyboard': (TeleopSettings,)}
 ROWS = {(node, row[0].strip('`')): row for node in CLASSES
         for row in rows(read('doc/reference.md'), node, 'name')}
@@ -30,7 +30,10 @@ TINY = 1e-5
 
 def accepts(settings_class, name, value):
     # the highest value of a color must not be below its lowest
-    others = {name[:-3] + 'min': 0} if re.search('(saturation|value)_max$', name) else {}
+    others = {name[:-3] + 'min': 0} if re.search('(saturation|value|column)_max$', name) else {}
+    # nor the farthest distance below the nearest
+    others.update({'camera_near': {'camera_far': 1e4}, 'camera_far': {'camera_near': 1e-3}}.get(
+        name, {}))
     try:
         return getattr(settings_class(**{name: value}, **others), name) == value
     except SettingError as refused:

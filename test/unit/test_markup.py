@@ -47,7 +47,7 @@ def refusal(read, *arguments):
     with pytest.raises(UserError) as refused:
         read(*arguments)
     line = str(refused.value)
-    assert '\n' not in line and '\0' not in line and len(line) < 700
+    assert '\n' not in line and '\0' not in line and len(line) < 900
     return line
 
 

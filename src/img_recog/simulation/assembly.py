@@ -8,11 +8,11 @@ from typing import Callable, List, NamedTuple, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.settings import SettingError, from_mapping
-from img_recog.simulation import description, gazebo_tags, loading, meshes, wheels
+from img_recog.simulation import camera_tags, description, gazebo_tags, loading, meshes, wheels
 from img_recog.simulation.description import Description
 from img_recog.simulation.scene import Scene
-from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
-                                           SimulationError)
+from img_recog.simulation.settings import (CameraSettings, DriveSettings, PhysicsSettings,
+                                           RobotSettings, SimulationError)
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 from img_recog.simulation.world import World
@@ -23,21 +23,26 @@ class RobotSource(NamedTuple):
     """What the text of a URDF gives.
 
     source: what messages call the text, like robot_description or the path of a file;
-    tag_values: the settings that it gives, by name, most of them in <gazebo> tags; warnings: a
-    line each.
+    tag_values: the settings that it gives, by name, most of them in <gazebo> tags; cameras: those
+    in its <gazebo> tags; warnings: a line each.
     """
 
     source: str
     description: Description
     tag_values: gazebo_tags.Values
+    cameras: Tuple[CameraSettings, ...]
     warnings: Tuple[str, ...]
 
 
 class Assembly(NamedTuple):
-    """A simulator, the scene of which copies can be drawn, and warnings, a line each."""
+    """A simulator, the scene of which copies can be drawn, and warnings, a line each.
+
+    cameras: those of each robot that its URDF describes.
+    """
 
     simulator: Simulator
     scene: Scene
+    cameras: Tuple[Tuple[CameraSettings, ...], ...]
     warnings: Tuple[str, ...]
 
 
@@ -50,16 +55,21 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str) -> Ro
     try:
         robot = description.parse(urdf, find_mesh)
         values = gazebo_tags.settings(urdf, step_s)
+        cameras = tuple(camera_tags.cameras(urdf))
         unsupported = gazebo_tags.not_simulated(urdf)
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
     warnings = []
     if robot.missing_meshes:
         warnings.append('{}: {}'.format(source, meshes.warning_about(robot.missing_meshes)))
+    if robot.missing_materials:
+        warnings.append('{}: not known or not found, of its materials: {}; those links keep their '
+                        'other color'.format(
+                            source, ', '.join(robot.missing_materials)))
     if unsupported:
         warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
             source, ', '.join(unsupported)))
-    return RobotSource(source, robot, values, tuple(warnings))
+    return RobotSource(source, robot, values, cameras, tuple(warnings))
 
 
 def with_wheels(robot: RobotSource, drive: DriveSettings) -> RobotSource:
@@ -98,6 +108,10 @@ def build(physics: PhysicsSettings, world: WorldFile,
     simulated_world = World(physics, world, physics_client_id)
     vehicles: List[Vehicle] = []
     warnings = list(world.warnings)
+    if simulated_world.lifted:
+        warnings.append('world {}: at the start in the floor, and lifted onto it: {}'.format(
+            world.name, ', '.join('{} by {:.3f} m'.format(*each)
+                                  for each in simulated_world.lifted.items())))
     for robot, settings in robots:
         try:
             vehicles.append(Vehicle(robot.description, settings, physics.step_s,
@@ -118,7 +132,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
                         'set {}'.format(overlap, ', '.join(
                             map(option_name, ('x_pos', 'y_pos', 'z_pos')))))
     return Assembly(simulator, Scene([robot.description for robot, _ in robots], world),
-                    tuple(warnings))
+                    tuple(robot.cameras for robot, _ in robots), tuple(warnings))
 
 
 def _refused(source: str, problem: str, advice: str) -> SimulationError:

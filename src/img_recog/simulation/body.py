@@ -47,7 +47,8 @@ class Body:
     """A body in a physics client.
 
     body_id, physics_client_id: PyBullet's; fixed: whether the root link never moves; links: link
-    indices, -1 for the base; joints: index of each movable joint by name; name: of the model.
+    indices, -1 for the base; joints: index of each movable joint by name; name: of the model;
+    start: where `reset` moves it.
     """
 
     def __init__(self, body_id: int, physics_client_id: int, fixed: bool = False):
@@ -61,7 +62,7 @@ class Body:
         self.mass_in_root = pybullet.getDynamicsInfo(
             body_id, -1, physicsClientId=physics_client_id)[3:5]
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)
-        self._start = self.pose()
+        self.start = self.pose()
 
     def _movable_joints(self) -> Dict[str, int]:
         joints = {}
@@ -113,8 +114,8 @@ class Body:
                                      physicsClientId=self.physics_client_id)
 
     def reset(self) -> None:
-        """Move the parts back to where they were when the body was loaded, at rest."""
-        self.place(self._start)
+        """Move the parts back to `start`, at rest; that is where they were when it was loaded."""
+        self.place(self.start)
 
     def motion(self) -> Motion:
         """Return the motion of the root link's frame."""

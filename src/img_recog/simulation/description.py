@@ -14,10 +14,11 @@ import numpy as np
 
 from img_recog.files import FindFile, find_in
 from img_recog.markup import MarkupError, parse_xml
+from img_recog.simulation import link_materials, urdf_shapes
 from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
                                            to_rpy)
 from img_recog.simulation.meshes import resolve
-from img_recog.simulation.numbers import read_numbers
+from img_recog.simulation.numbers import read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
 
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
@@ -38,7 +39,8 @@ class Description:
 
     name: of the robot; urdf: XML text for PyBullet; root: name of the root link; frames: of all
     links of the original description; friction: lateral friction coefficients of the lumped links
-    that have one; missing_meshes: URIs of meshes that were not found.
+    that have one; missing_meshes: URIs of meshes that were not found; missing_materials: what is
+    not known or not found of the materials in <gazebo> tags.
     """
 
     name: str
@@ -47,6 +49,7 @@ class Description:
     frames: Dict[str, Frame]
     friction: Dict[str, float]
     missing_meshes: Sequence[str] = ()
+    missing_materials: Sequence[str] = ()
 
 
 class _Joint(NamedTuple):
@@ -71,6 +74,8 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     robot = root_of(urdf)
     _check_names(robot)
     missing = resolve(robot, find_mesh)
+    missing_materials = link_materials.apply(robot, find_mesh)
+    urdf_shapes.check(robot)
     links = {link.get('name', ''): link for link in robot.findall('link')}
     parents = _joints_by_child(robot, links)
     root = _root(links, parents)
@@ -97,7 +102,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     for name in {frame.link for frame in frames.values()}:
         _set_inertia(name, links[name], inertias[name])
     return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'), root,
-                       frames, friction, tuple(missing))
+                       frames, friction, tuple(missing), tuple(missing_materials))
 
 
 def root_of(urdf: str) -> ElementTree.Element:
@@ -242,7 +247,7 @@ def origin_of(element: ElementTree.Element) -> Transform:
     if origin is None:
         return IDENTITY
     name = '<origin> in <{} {}>'.format(element.tag, element.get('name', ''))
-    return from_rpy(read_numbers(name, origin.get('xyz', '0 0 0'), 3),
+    return from_rpy(read_lengths(name, origin.get('xyz', '0 0 0'), 3),
                     read_numbers(name, origin.get('rpy', '0 0 0'), 3))
 
 

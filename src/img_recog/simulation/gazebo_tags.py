@@ -1,5 +1,7 @@
 """The settings that the <gazebo> tags of a URDF give for drive, laser scanner and IMU.
 
+camera_tags.py reads those of cameras.
+
 The tags are those of libgazebo_ros_diff_drive, _laser, _gpu_laser, _imu and _imu_sensor of
 gazebo_plugins, and of Gazebo's own ray and imu sensors. description.py reads friction.
 """
@@ -7,6 +9,7 @@ import math
 import xml.etree.ElementTree as ElementTree
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
+from img_recog.simulation import camera_tags
 from img_recog.simulation.description import root_of
 from img_recog.simulation.settings import SimulationError, nearest_period
 
@@ -44,7 +47,8 @@ def settings(urdf: str, step_s: float) -> Values:
 def not_simulated(urdf: str) -> List[str]:
     """Return the plugins and sensors in <gazebo> tags that are not simulated, in their order.
 
-    Each is 'plugin FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate.
+    Each is 'plugin FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate, or
+    a part of a camera.
     Raises SimulationError when `urdf` is not a URDF.
     """
     return _sorted(urdf)[1]
@@ -84,6 +88,10 @@ def _parts(robot: ElementTree.Element) -> Iterator[_Part]:
 
 
 def _sensor_parts(sensor: ElementTree.Element, link: Optional[str]) -> Iterator[_Part]:
+    if camera_tags.is_camera(sensor):
+        for label in camera_tags.not_simulated(sensor):
+            yield _Part('', label, link, sensor, None)
+        return
     role = {'ray': 'scan', 'gpu_ray': 'scan', 'imu': 'imu'}.get(sensor.get('type', ''), '')
     plugins = sensor.findall('plugin')
     ours = next((plugin for plugin in plugins if role and _plugin_role(plugin) == role), None)

@@ -1,7 +1,7 @@
 """Rigid transforms and inertias as plain arrays: meters, radians, REP 103 axes."""
 import math
 from dataclasses import dataclass
-from typing import NamedTuple, Sequence, Union
+from typing import NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -17,9 +17,21 @@ class Transform(NamedTuple):
     def __matmul__(self, other: 'Transform') -> 'Transform':
         return Transform(self.rotation @ other.rotation, self.apply(other.translation))
 
+    @property
+    def inverse(self) -> 'Transform':
+        """The pose of the parent in the child frame."""
+        # not by np.linalg, which wakes the threads of OpenBLAS: they wait in a loop afterwards
+        return Transform(self.rotation.T, -self.rotation.T @ self.translation)
+
     def apply(self, point: np.ndarray) -> np.ndarray:
         """Return `point`, given in the child frame, in the parent frame."""
         return self.rotation @ point + self.translation
+
+    def matrix(self) -> np.ndarray:
+        """Return it as a homogeneous transform (4, 4)."""
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = self
+        return matrix
 
 
 IDENTITY = Transform(np.eye(3), np.zeros(3))
@@ -42,6 +54,22 @@ def to_rpy(rotation: np.ndarray) -> np.ndarray:
         return np.array([math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0])
     return np.array([math.atan2(rotation[2, 1], rotation[2, 2]), pitch,
                      math.atan2(rotation[1, 0], rotation[0, 0])])
+
+
+def to_quaternion(rotation: np.ndarray) -> Tuple[float, float, float, float]:
+    """Return the unit quaternion (x, y, z, w) of a rotation matrix (3, 3)."""
+    # 4 times the squares of w, x, y, z; the largest one is divided by
+    m = rotation
+    squares = (1 + m[0, 0] + m[1, 1] + m[2, 2], 1 + m[0, 0] - m[1, 1] - m[2, 2],
+               1 - m[0, 0] + m[1, 1] - m[2, 2], 1 - m[0, 0] - m[1, 1] + m[2, 2])
+    largest = int(np.argmax(squares))
+    rows = ((squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]),
+            (m[2, 1] - m[1, 2], squares[1], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]),
+            (m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], squares[2], m[1, 2] + m[2, 1]),
+            (m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[3]))
+    scale = 2 * math.sqrt(squares[largest])
+    w, x, y, z = (float(value) / scale for value in rows[largest])
+    return x, y, z, w
 
 
 @dataclass(frozen=True)

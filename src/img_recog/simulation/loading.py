@@ -6,9 +6,11 @@ from typing import Iterator
 
 import pybullet
 
+from img_recog.simulation import mesh_check
 from img_recog.simulation.geometry import IDENTITY, Transform, to_rpy
 from img_recog.simulation.settings import SimulationError
 
+_NOTHING = '<visual><geometry><box size="0 0 0"/></geometry></visual>'
 # exact cylinders: the default, a convex hull, is 1 mm larger and rolls on facets
 _URDF_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
 
@@ -26,24 +28,39 @@ def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
 
 
 def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
-              pose: Transform = IDENTITY) -> int:
+              pose: Transform = IDENTITY, visuals: bool = False) -> int:
     """Load the text of a URDF, in which all meshes have absolute paths; return its body's id.
 
-    fixed: whether the root link never moves; pose: of the root link in the world.
+    fixed: whether the root link never moves; pose: of the root link in the world; visuals: whether
+    to load those as well, which only a window needs.
     Raises SimulationError when PyBullet cannot load it.
     """
+    robot = ElementTree.fromstring(urdf)
+    if not visuals:
+        for link in robot.findall('link'):
+            for visual in link.findall('visual'):
+                link.remove(visual)
+            # without any, PyBullet shows the collision shapes, and reads their meshes again
+            link.append(ElementTree.fromstring(_NOTHING))
+        urdf = ElementTree.tostring(robot, 'unicode')
+    for mesh in robot.findall('link/collision/geometry/mesh'):
+        mesh_check.check(mesh.get('filename', ''))
     orientation = pybullet.getQuaternionFromEuler(to_rpy(pose.rotation).tolist())
     with _file(urdf) as path, _refusal('URDF'):
         body_id = pybullet.loadURDF(path, pose.translation.tolist(), orientation,
                                     useFixedBase=fixed, flags=_URDF_FLAGS,
                                     physicsClientId=physics_client_id)
-    _check_meshes(urdf, body_id, physics_client_id)
+    try:
+        _check_meshes(robot, body_id, physics_client_id)
+    except SimulationError:
+        pybullet.removeBody(body_id, physicsClientId=physics_client_id)
+        raise
     return body_id
 
 
-def _check_meshes(urdf: str, body_id: int, physics_client_id: int) -> None:
+def _check_meshes(robot: ElementTree.Element, body_id: int, physics_client_id: int) -> None:
     """Raise SimulationError if PyBullet could not read a mesh: it loads the link without it."""
-    links = ElementTree.fromstring(urdf).findall('link')
+    links = robot.findall('link')
     if not any(link.find('collision/geometry/mesh') is not None for link in links):
         return
     client = {'physicsClientId': physics_client_id}
@@ -69,11 +86,12 @@ def _refusal(kind: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _file(text: str) -> Iterator[str]:
-    """Give the path of a file in memory that holds `text`."""
+    """Give the path of a file in memory that holds the XML `text`."""
     descriptor = os.memfd_create('description')
     try:
         with os.fdopen(descriptor, 'w', closefd=False) as file:
-            file.write(text)
+            # PyBullet reads lines and breaks each after 8191 bytes, even within a number
+            file.write(text.replace('><', '>\n<'))
         yield '/proc/self/fd/{}'.format(descriptor)
     finally:
         os.close(descriptor)

@@ -10,7 +10,9 @@ from img_recog.simulation.numbers import read_numbers
 Color = Tuple[float, float, float, float]
 
 GREY: Color = (0.7, 0.7, 0.7, 1.0)      # of a visual without a material
+_AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene>
 _MAX_SCRIPT_BYTES = 1 << 20
+_GAZEBO = 'Gazebo/'
 # diffuse colors of gazebo.material of Gazebo 11
 _NAMED: Dict[str, Sequence[float]] = {
     'Black': (0, 0, 0), 'Blue': (0, 0, 1), 'BlueGlow': (0, 0, 1), 'BlueLaser': (0, 0, 1, 0.4),
@@ -45,32 +47,59 @@ def named(name: str) -> Optional[Material]:
 
     One with a texture has the mean color of that instead.
     """
-    if not name.startswith('Gazebo/'):
+    if not name.startswith(_GAZEBO):
         return None
-    color = {**_NAMED, **_TEXTURED}.get(name[len('Gazebo/'):])
+    color = {**_NAMED, **_TEXTURED}.get(name[len(_GAZEBO):])
     return None if color is None else Material(_color(color))
+
+
+def is_given(visual: ElementTree.Element) -> bool:
+    """Return whether an SDF <visual> has a material with a script or a color."""
+    return bool(visual.findtext('material/script/name', '').strip()) or any(
+        visual.find('material/' + tag) is not None for tag in ('ambient', 'diffuse'))
 
 
 def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Material, str]:
     """Return the material of an SDF <visual>, and what of it was not found or ''.
 
+    Like in Gazebo, colors count in addition to a script: they replace its colors.
     find: returns the path of the file or folder at a URI.
     """
-    element, script = visual.find('material'), visual.find('material/script')
+    script = visual.find('material/script')
     material, missing = Material(), ''
+    ambient, diffuse = _given_color(visual, 'ambient'), _given_color(visual, 'diffuse')
     if script is not None and script.findtext('name', '').strip():
         material, missing = _scripted(script, find)
-    elif element is not None:
-        for tag in ('ambient', 'diffuse'):      # the latter counts
-            if element.find(tag) is not None:
-                color = read_numbers('<{}> of visual {}'.format(tag, visual.get('name', '')),
-                                     _four(element.findtext(tag, '')), 4)
-                material = Material(_color(color.tolist()))
+        name = script.findtext('name', '').strip()
+        is_plain = not material.texture and name[len(_GAZEBO):] not in _TEXTURED
+        if diffuse is not None:
+            material = material._replace(color=diffuse if is_plain else _product(
+                material.color, diffuse))
+        elif ambient is not None and is_plain:
+            material = material._replace(color=_lit(ambient, material.color))
+    elif ambient is not None or diffuse is not None:
+        material = Material(diffuse or ambient or GREY)
     transparency = float(read_numbers(
         '<transparency> of visual ' + visual.get('name', ''),
         visual.findtext('transparency', '0'), 1)[0])
     opacity = material.color[3] * min(max(1.0 - transparency, 0.0), 1.0)
     return material._replace(color=(*material.color[:3], opacity)), missing
+
+
+def _given_color(visual: ElementTree.Element, tag: str) -> Optional[Color]:
+    text = visual.findtext('material/' + tag)
+    return None if text is None else _color(read_numbers(
+        '<{}> of visual {}'.format(tag, visual.get('name', '')), _four(text), 4).tolist())
+
+
+def _product(first: Color, second: Color) -> Color:
+    return _color([one * other for one, other in zip(first, second)])
+
+
+def _lit(ambient: Color, diffuse: Color) -> Color:
+    """Return the color that both colors of a material give together."""
+    return _color([_AMBIENT_LIGHT * one + (1 - _AMBIENT_LIGHT) * other
+                   for one, other in zip(ambient[:3], diffuse[:3])] + [diffuse[3]])
 
 
 def _scripted(script: ElementTree.Element, find: FindFile) -> Tuple[Material, str]:

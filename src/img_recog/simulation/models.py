@@ -1,10 +1,13 @@
-"""The bodies of a simulation by name, like Gazebo's models: their states, read and set."""
-from typing import Dict, List, NamedTuple, Sequence
+"""The models of a simulation by name, like Gazebo's: read, set, added and removed."""
+from typing import Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 import pybullet
 
-from img_recog.simulation.body import Body, Pose, Quaternion, rotation_matrix
+from img_recog.simulation.body import (Body, Motion, Pose, Quaternion, motion_of_frame,
+                                       rotation_matrix)
+from img_recog.simulation.geometry import IDENTITY, Transform, to_quaternion
+from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
@@ -17,6 +20,8 @@ _MAX_VALUE = 1e6
 class State(NamedTuple):
     """Pose and velocity of a model in a reference frame: m, unit quaternion (x, y, z, w), m/s,
     rad/s.
+
+    Like in Gazebo, a quaternion of zeros that is given is no rotation.
     """
 
     position: Sequence[float]
@@ -28,28 +33,60 @@ class State(NamedTuple):
 _REST = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
+class _Model:
+    """The bodies of a model; its frame is fixed to the root link of the first one."""
+
+    def __init__(self, bodies: List[Body], root: Transform = IDENTITY,
+                 vehicle: Optional[Vehicle] = None):
+        """root: the pose of that root link in the frame of the model."""
+        self.bodies, self.vehicle, self._root = bodies, vehicle, root
+
+    def motion(self) -> Motion:
+        """Return the motion of the frame of the model."""
+        root = self.bodies[0].motion()
+        turn = rotation_matrix(root.orientation)
+        pose = Transform(turn, root.position) @ self._root.inverse
+        return motion_of_frame(
+            (pose.translation.tolist(), to_quaternion(pose.rotation)), root.position.tolist(),
+            (turn @ root.linear).tolist(), (turn @ root.angular).tolist())
+
+    def place(self, pose: Transform, linear: np.ndarray, angular: np.ndarray) -> None:
+        """Move all bodies rigidly; pose, linear and angular: of the model in the world."""
+        motion = self.motion()
+        now = Transform(rotation_matrix(motion.orientation), motion.position)
+        for body in self.bodies:
+            old = body.pose()
+            new = pose @ now.inverse @ Transform(rotation_matrix(old.orientation),
+                                                 np.array(old.position))
+            body.place(Pose(new.translation.tolist(), to_quaternion(new.rotation), old.joints))
+            if not body.fixed:
+                arm = new.translation - pose.translation
+                body.set_velocity((linear + np.cross(angular, arm)).tolist(), angular.tolist())
+
+
 class Models:
-    """The models of a simulator: the floor, the bodies of the world, the robots."""
+    """The models of a simulator: the floor, those of the world, the robots."""
 
     def __init__(self, simulator: Simulator):
-        self._bodies: Dict[str, Body] = {}
-        self._vehicles: Dict[str, Vehicle] = {}
-        for body in [simulator.world.floor, *simulator.world.bodies]:
-            self._bodies[self._free_name(body.name)] = body
+        self._world = world = simulator.world
+        self._models: Dict[str, _Model] = {world.floor.name: _Model([world.floor])}
+        self._floor = world.floor.name
+        for model in _grouped(world.file.trees, world.bodies):
+            self._models[self._free_name(model.bodies[0].name)] = model
         for vehicle in simulator.vehicles:
-            name = self._free_name(vehicle.robot.name)
-            self._bodies[name], self._vehicles[name] = vehicle.robot, vehicle
+            self._models[self._free_name(vehicle.robot.name)] = _Model([vehicle.robot],
+                                                                       vehicle=vehicle)
 
     def _free_name(self, name: str) -> str:
         number, free = 0, name
-        while free in self._bodies:
+        while free in self._models:
             free, number = '{}_{}'.format(name, number), number + 1
         return free
 
     @property
     def names(self) -> List[str]:
         """The names of all models."""
-        return list(self._bodies)
+        return list(self._models)
 
     def state(self, name: str, frame: str = WORLD) -> State:
         """Return the state of a model relative to `frame`, the world or another model.
@@ -68,37 +105,77 @@ class Models:
     def set_state(self, name: str, state: State, frame: str = WORLD) -> None:
         """Move a model to `state`, given in `frame`; its joints stay as they are.
 
-        Velocities are relative to the world, along the axes of `frame`.
-        Raises SimulationError when there is no such model or frame, the model is static, or the
-        state has a number that is not finite or an orientation that is not a rotation.
+        Velocities are relative to the world, along the axes of `frame`; a static model has none.
+        Raises SimulationError when there is no such model or frame, the model is the floor, or the
+        state has a number that is not finite.
         """
-        body, origin = self._body(name), self._frame(frame)
-        if body.mass() == 0 or body.fixed:
-            raise SimulationError('model {} is static'.format(name))
+        model, origin = self._model(name), _transform(self._frame(frame))
+        if name == self._floor:
+            raise SimulationError('model {} cannot be moved'.format(name))
         _check(state)
-        norm = np.linalg.norm(state.orientation)
-        position, orientation = pybullet.multiplyTransforms(
-            origin.position, origin.orientation, state.position,
-            (np.array(state.orientation) / norm).tolist())
-        turn = rotation_matrix(origin.orientation)
-        body.place(Pose(position, orientation, body.pose().joints))
-        body.set_velocity((turn @ state.linear).tolist(), (turn @ state.angular).tolist())
-        if name in self._vehicles:
-            self._vehicles[name].notify_teleported()
+        model.place(origin @ _transform(state), origin.rotation @ state.linear,
+                    origin.rotation @ state.angular)
+        if model.vehicle is not None:
+            model.vehicle.notify_teleported()
+        if any(body.fixed for body in model.bodies):
+            self._world.notify_rearranged()
 
-    def _body(self, name: str) -> Body:
-        if name not in self._bodies:
+    def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD) -> None:
+        """Add a model to the world.
+
+        trees: of the model, as they are when its file is the world; state: that the world of the
+        file has in `frame`.
+        Raises SimulationError when there is no such frame, a model has that name, the state is not
+        allowed or PyBullet cannot load the model.
+        """
+        if name in self._models:
+            raise SimulationError('there is a model {} already'.format(name), 'give another name')
+        origin = _transform(self._frame(frame))
+        _check(state)
+        pose = origin @ _transform(state)
+        placed = [tree._replace(pose=pose @ tree.pose) for tree in trees]
+        count = len(self._world.bodies)
+        self._world.add(placed)
+        self._models[name], = _grouped(placed, self._world.bodies[count:])
+
+    def remove(self, name: str) -> None:
+        """Remove a model from the world; SimulationError if it is the floor or a robot."""
+        model = self._model(name)
+        if name == self._floor or model.vehicle is not None:
+            raise SimulationError('model {} cannot be deleted'.format(name))
+        self._world.remove(model.bodies)
+        del self._models[name]
+
+    def _model(self, name: str) -> _Model:
+        if name not in self._models:
             raise SimulationError('no model {!r} (models: {})'.format(name, ', '.join(self.names)))
-        return self._bodies[name]
+        return self._models[name]
 
     def _frame(self, name: str) -> State:
         return _REST if name == WORLD else self._state_in_world(name)
 
     def _state_in_world(self, name: str) -> State:
-        motion = self._body(name).motion()
+        motion = self._model(name).motion()
         turn = rotation_matrix(motion.orientation)
         return State(motion.position.tolist(), motion.orientation, turn @ motion.linear,
                      turn @ motion.angular)
+
+
+def _grouped(trees: Sequence[Tree], bodies: Sequence[Body]) -> List[_Model]:
+    """Return the models of trees that were loaded as bodies."""
+    models: List[_Model] = []
+    for tree, body in zip(trees, bodies):
+        if tree.first:
+            models.append(_Model([body], tree.in_model))
+        else:
+            models[-1].bodies.append(body)
+    return models
+
+
+def _transform(state: State) -> Transform:
+    norm = np.linalg.norm(state.orientation)
+    turn = (np.array(state.orientation) / norm).tolist() if norm > 1e-6 else (0, 0, 0, 1)
+    return Transform(rotation_matrix(turn), np.array(state.position, float))
 
 
 def _check(state: State) -> None:
@@ -108,5 +185,3 @@ def _check(state: State) -> None:
     if np.abs(values).max() > _MAX_VALUE:
         raise SimulationError('state: got {0}, expected numbers from -{1:g} to {1:g}'.format(
             values.tolist(), _MAX_VALUE))
-    if np.linalg.norm(state.orientation) < 1e-6:
-        raise SimulationError('state: got a zero quaternion as orientation, expected a rotation')

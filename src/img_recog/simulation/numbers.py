@@ -6,6 +6,8 @@ import numpy as np
 
 from img_recog.simulation.settings import SimulationError
 
+_MAX_LENGTH = 1e6
+
 
 def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
     """Return `count` finite numbers; SimulationError naming what they are when it is not that."""
@@ -16,4 +18,13 @@ def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
     if len(values) != count or not all(math.isfinite(value) for value in values):
         raise SimulationError('{}: got {!r}, expected {} finite number{}'.format(
             name, text, count, '' if count == 1 else 's'))
+    return values
+
+
+def read_lengths(name: str, text: Optional[str], count: int) -> np.ndarray:
+    """Return `count` lengths in m, or scales; SimulationError when one is too large to be used."""
+    values = read_numbers(name, text, count)
+    if np.abs(values).max() > _MAX_LENGTH:
+        raise SimulationError('{}: got {!r}, expected numbers from {:g} to {:g}'.format(
+            name, text, -_MAX_LENGTH, _MAX_LENGTH))
     return values

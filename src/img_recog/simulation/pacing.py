@@ -7,7 +7,7 @@ from typing import Callable, Optional
 _MAX_DELAY_S = 0.5
 _MEASURING_PERIOD_S = 1.0
 _REPORT_PERIOD_S = 30.0     # of wall time, between two reports that the machine is too slow
-_WORSE = 0.8                # times the factor that was reported last
+_WORSE = 0.5
 
 
 class RealTimePacer:

@@ -8,7 +8,7 @@ import multiprocessing
 import os
 import signal
 from multiprocessing.connection import Connection
-from typing import Callable, NamedTuple, Sequence, Tuple
+from typing import Callable, List, NamedTuple, Sequence, Tuple
 
 import pybullet
 
@@ -35,18 +35,28 @@ class SceneCopy:
 
     def __init__(self, scene: Scene, physics_client_id: int, floor: bool):
         """Load the scene; floor: whether to add a visible floor."""
-        world = scene.world._replace(trees=tuple(
-            tree._replace(urdf=split_links_by_color(tree.urdf)) for tree in scene.world.trees))
-        self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id),
-                             physics_client_id) for robot in scene.robots]
-        self._bodies += load_bodies(world, physics_client_id)
+        self._physics_client_id = physics_client_id
+        self._bodies: List[Body] = []
+        self.load(scene)
+        if floor:
+            add_floor(physics_client_id, visible=True)
+
+    def load(self, scene: Scene) -> None:
+        """Replace the bodies by those of a scene."""
+        physics_client_id = self._physics_client_id
+        for body in self._bodies:
+            pybullet.removeBody(body.body_id, physicsClientId=physics_client_id)
+        trees = [tree._replace(urdf=split_links_by_color(tree.urdf))
+                 for tree in scene.world.trees]
+        self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id,
+                                       visuals=True), physics_client_id)
+                        for robot in scene.robots]
+        self._bodies += load_bodies(trees, physics_client_id, visuals=True)
         for body in self._bodies:
             for link in body.links:
                 # otherwise each tall body would show a reflection of the sun
                 pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0),
                                            physicsClientId=physics_client_id)
-        if floor:
-            add_floor(physics_client_id, visible=True)
 
     def place(self, poses: Sequence[Pose]) -> None:
         """Move the bodies to the poses that `poses_of` returns for the simulation."""

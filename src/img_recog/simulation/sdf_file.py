@@ -9,15 +9,16 @@ import numpy as np
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation import sdf_models
-from img_recog.simulation.geometry import to_rpy
+from img_recog.simulation.geometry import Transform, to_rpy
 from img_recog.simulation.numbers import read_numbers
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.sdf_shapes import find_relative
 from img_recog.simulation.settings import SimulationError
 
-# Gazebo's models of the floor and the light: the simulator has both in every world
-_BUILT_IN = ('model://ground_plane', 'model://sun')
 _MODEL_URI = 'model://'
+_GROUND_PLANE = 'ground_plane'
+# Gazebo's models of the floor and the light: the simulator has both in every world
+_BUILT_IN = (_MODEL_URI + _GROUND_PLANE, 'model://sun')
 _URLS = ('http://', 'https://', 'ftp://')
 
 
@@ -25,13 +26,18 @@ class Contents(NamedTuple):
     """What an SDF describes.
 
     trees: of all models; gravity (3,): m/s2; has_physics: whether it has a <physics>; missing:
-    names of what cannot be had.
+    names of what cannot be had; ignored: names of plugins and sensors; has_floor: False for a
+    world without Gazebo's ground_plane; camera: the pose of Gazebo's user camera in the world, if
+    it is given.
     """
 
     trees: Tuple[Tree, ...]
     gravity: Optional[np.ndarray]
     has_physics: bool
     missing: Tuple[str, ...]
+    ignored: Tuple[str, ...]
+    has_floor: bool
+    camera: Optional[Transform]
 
 
 def read(root: ElementTree.Element, path: str, find: FindFile) -> Contents:
@@ -44,14 +50,18 @@ def read(root: ElementTree.Element, path: str, find: FindFile) -> Contents:
     reader = _Reader(find)
     world = root.find('world')
     reader.read(root if world is None else world, _version(root), path, (os.path.abspath(path),))
-    gravity = None
+    gravity, camera = None, None
     if world is not None:
         text = world.findtext('gravity')
         text = world.findtext('physics/gravity') if text is None else text
         gravity = None if text is None else read_numbers('<gravity>', text, 3)
+        element = world.find('gui/camera')
+        if element is not None and element.find('pose') is not None:
+            camera = sdf_models.pose_of(element)
     return Contents(tuple(reader.trees), gravity,
                     world is not None and world.find('physics') is not None,
-                    tuple(reader.missing))
+                    tuple(reader.missing), tuple(reader.ignored),
+                    world is None or reader.has_ground_plane, camera)
 
 
 class _Reader:
@@ -61,11 +71,14 @@ class _Reader:
         self._find = find
         self.trees: List[Tree] = []
         self.missing: List[str] = []
+        self.ignored: List[str] = []
+        self.has_ground_plane = False
 
     def read(self, parent: ElementTree.Element, version: float, path: str,
              stack: Sequence[str]) -> None:
         """Add the models in a <world> or an <sdf>."""
         state = parent.find('state')
+        self._ignore(parent.findall('plugin'), parent.get('name', ''))
         for element in list(parent):
             if element.tag == 'include':
                 included = self._included(element, path, stack)
@@ -81,6 +94,9 @@ class _Reader:
     def _add(self, model: ElementTree.Element, version: float, path: str,
              state: Optional[ElementTree.Element]) -> None:
         _apply_state(model, state)
+        self._ignore([each for each in model.iter() if each.tag in ('plugin', 'sensor')],
+                     model.get('name', ''))
+        self.has_ground_plane |= model.get('name') == _GROUND_PLANE
         self.trees += sdf_models.trees(model, version, self._finder(path), self.missing)
 
     def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
@@ -88,6 +104,7 @@ class _Reader:
         """Return the model of an <include>, its version of SDF and its file; None for none."""
         uri = include.findtext('uri', '').strip()
         if uri.rstrip('/') in _BUILT_IN:
+            self.has_ground_plane |= uri.rstrip('/') == _MODEL_URI + _GROUND_PLANE
             return None
         if uri.startswith(_URLS):
             raise SimulationError('it includes {}, a URL, which is not downloaded'.format(uri),
@@ -98,7 +115,7 @@ class _Reader:
             self._miss(uri or 'an <include> without a <uri>')
             return None
         if file in stack:
-            raise SimulationError('{} includes itself'.format(file))
+            raise SimulationError('{} includes itself'.format(file), 'remove that <include>')
         root = _parsed(file)
         model = root.find('model')
         if model is None:
@@ -142,6 +159,11 @@ class _Reader:
                 return _find_above(folder, uri[len(_MODEL_URI):].lstrip('/'))
             return found
         return find
+
+    def _ignore(self, elements: Sequence[ElementTree.Element], model: str) -> None:
+        for element in elements:
+            self.ignored.append('{} {} of {}'.format(
+                element.tag, element.get('filename') or element.get('name', ''), model))
 
     def _miss(self, name: str) -> None:
         if name not in self.missing:

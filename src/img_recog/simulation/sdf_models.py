@@ -7,7 +7,7 @@ import numpy as np
 from img_recog.files import FindFile
 from img_recog.simulation import meshes, sdf_shapes
 from img_recog.simulation.geometry import IDENTITY, Transform, from_rpy
-from img_recog.simulation.numbers import read_numbers
+from img_recog.simulation.numbers import read_lengths, read_numbers
 from img_recog.simulation.sdf_shapes import Unsupported
 from img_recog.simulation.settings import SimulationError
 
@@ -22,13 +22,16 @@ class Tree(NamedTuple):
 
     name: of the model, with ::LINK for the roots after the first; urdf: its text, in which all
     meshes have absolute paths; pose: of the root link in the world; fixed: whether that never
-    moves.
+    moves; in_model: the pose of the root link in the frame of the model; first: whether it is the
+    first tree of its model.
     """
 
     name: str
     urdf: str
     pose: Transform
     fixed: bool
+    in_model: Transform = IDENTITY
+    first: bool = True
 
 
 class _Link(NamedTuple):
@@ -64,14 +67,14 @@ def trees(model: ElementTree.Element, version: float, find: FindFile,
     pose = pose_of(model)
     builder.collect(model, '', IDENTITY, False)
     if not builder.links:
-        raise SimulationError('model {} has no link'.format(name))
+        raise SimulationError('model {} has no link'.format(name), 'add a <link> to it')
     return builder.trees(name, pose)
 
 
 def pose_of(element: ElementTree.Element) -> Transform:
     """Return the <pose> of an element, in the frame that it is given in."""
     text = element.findtext('pose', '').strip() or '0 0 0 0 0 0'
-    values = read_numbers('<pose> of {} {}'.format(element.tag, element.get('name', '')), text, 6)
+    values = read_lengths('<pose> of {} {}'.format(element.tag, element.get('name', '')), text, 6)
     return from_rpy(values[:3], values[3:])
 
 
@@ -182,8 +185,9 @@ class _Builder:
         seen: Set[str] = set()
         for link in self.links.values():
             if link.name not in joined:
-                found.append(self._tree('{}::{}'.format(name, link.name) if found else name,
-                                        link, pose, seen))
+                tree = self._tree(name, link, pose, seen)
+                found.append(tree._replace(name='{}::{}'.format(name, link.name), first=False)
+                             if found else tree)
         if len(seen) < len(self.links):
             raise SimulationError('model {}: link {} is its own ancestor'.format(
                 name, min(set(self.links) - seen)))
@@ -214,7 +218,7 @@ class _Builder:
                     names.append(joint.child)
                     self._add_joint_element(robot, joint, _relative(frames[link], joint.pose))
         return Tree(name, ElementTree.tostring(robot, 'unicode'), pose @ base,
-                    is_fixed or base is not root.pose)
+                    is_fixed or base is not root.pose, base)
 
     def _add_link(self, robot: ElementTree.Element, link: _Link, frame: Transform,
                   is_fixed: bool) -> None:

@@ -6,13 +6,14 @@ from typing import Callable, Dict, Optional, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.simulation import materials
+from img_recog.simulation import link_materials, materials
 from img_recog.simulation.geometry import Transform, to_rpy
 from img_recog.simulation.meshes import READABLE
-from img_recog.simulation.numbers import read_numbers
+from img_recog.simulation.numbers import read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
 
 _PLANE_THICKNESS_M = 0.01       # below the plane
+PLANE = 'plane'     # the attribute of a box that is a plane, the upper side of it
 
 Geometry = Tuple[ElementTree.Element, Transform]
 
@@ -37,14 +38,10 @@ def add(link: ElementTree.Element, shape: ElementTree.Element, pose: Transform, 
         if concave and geometry.tag == 'mesh':
             added.set('concave', 'yes')
         return ''
-    if geometry.tag == 'mesh' and shape.find('material') is None:
+    if geometry.tag == 'mesh' and not materials.is_given(shape):
         return ''       # the file has materials
     material, missing = materials.of_sdf(shape, find)
-    # a name for each: in a URDF, materials of one name are the same
-    element = ElementTree.SubElement(added, 'material', name='{} {}'.format(*material))
-    ElementTree.SubElement(element, 'color', rgba=_words(material.color))
-    if material.texture:
-        ElementTree.SubElement(element, 'texture', filename=material.texture)
+    added.append(link_materials.element(material))
     return missing
 
 
@@ -68,7 +65,7 @@ def _geometry(shape: ElementTree.Element, find: FindFile) -> Geometry:
 
 
 def _size(name: str, element: ElementTree.Element, tag: str, count: int) -> np.ndarray:
-    values = read_numbers('<{}> of {}'.format(tag, name), element.findtext(tag), count)
+    values = read_lengths('<{}> of {}'.format(tag, name), element.findtext(tag), count)
     if np.any(values <= 0):
         raise SimulationError('<{}> of {}: got {!r}, expected more than 0'.format(
             tag, name, element.findtext(tag)))
@@ -102,8 +99,8 @@ def _plane(name: str, element: ElementTree.Element, _: FindFile) -> Geometry:
     if element.find('size') is not None:
         size = _size(name, element, 'size', 2).tolist()
     rotation = _turn_z_to(normal / np.linalg.norm(normal))
-    return (ElementTree.Element('box', size=_words((*size, _PLANE_THICKNESS_M))),
-            Transform(rotation, rotation @ (0, 0, -_PLANE_THICKNESS_M / 2)))
+    box = ElementTree.Element('box', {'size': _words((*size, _PLANE_THICKNESS_M)), PLANE: 'true'})
+    return (box, Transform(rotation, rotation @ (0, 0, -_PLANE_THICKNESS_M / 2)))
 
 
 def _turn_z_to(direction: np.ndarray) -> np.ndarray:
@@ -122,7 +119,7 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> Geometry:
         raise Unsupported('mesh ' + uri)
     if not path.lower().endswith(READABLE):
         raise Unsupported('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
-    scale = read_numbers('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
+    scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
     return (ElementTree.Element('mesh', filename=os.path.abspath(path), scale=_words(scale)),
             Transform(np.eye(3), np.zeros(3)))
 

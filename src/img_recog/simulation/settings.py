@@ -3,8 +3,8 @@ import math
 from dataclasses import dataclass
 
 from img_recog.errors import UserError
-from img_recog.settings import (Allowed, Settings, above, any_value, at_least, between, not_empty,
-                                one_of, setting)
+from img_recog.settings import (Allowed, SettingError, Settings, above, any_value, at_least,
+                                between, not_empty, one_of, setting)
 
 
 class SimulationError(UserError):
@@ -17,9 +17,9 @@ class PhysicsSettings(Settings):
 
     step_s: of the physics; clock_period_s: between two /clock messages, a multiple of step_s.
     real_time_factor: simulated seconds per second of wall time; 0 is as fast as possible.
-    world: turtlebot3_world, empty, the name of a world of turtlebot3_gazebo if that is found, or
-    the path of a URDF or SDF file. allow_partial_world: whether a world of which something is not
-    found is loaded without that.
+    world: turtlebot3_world, color_posts, empty, the name of a world of turtlebot3_gazebo if that
+    is found, or the path of a URDF or SDF file. allow_partial_world: whether a world of which
+    something is not found is loaded without that.
     """
 
     step_s: float = setting(0.001, between(1e-5, 0.1))
@@ -117,6 +117,49 @@ class ImuSettings(Settings):
     imu_frame: str = setting('imu_link', not_empty())
     gyro_noise: float = setting(2e-4, at_least(0))
     accel_noise: float = setting(1.7e-2, at_least(0))
+
+
+@dataclass(frozen=True)
+class CameraSettings(Settings):
+    """A camera on a robot.
+
+    camera_frame: the link that carries it, '' for no camera; camera_x to camera_yaw: its pose in
+    that link, in m and rad; it looks along its x axis, with z upward in the image.
+    camera_optical_frame: frame of the images (x to the right, z forward: REP 103). camera_width,
+    camera_height: pixels. camera_horizontal_fov: rad, from edge to edge; that of the Raspberry Pi
+    camera v2 is 62.2 degrees. camera_near, camera_far: m, what else is not seen. camera_rate: Hz.
+    camera_noise: standard deviation of each color, of 0 to 1. The topics of depth images may be
+    empty: there are none then.
+    """
+
+    camera_frame: str = setting('', any_value())
+    camera_x: float = setting(0.0, between(-100, 100))
+    camera_y: float = setting(0.0, between(-100, 100))
+    camera_z: float = setting(0.0, between(-100, 100))
+    camera_roll: float = setting(0.0, any_value())
+    camera_pitch: float = setting(0.0, any_value())
+    camera_yaw: float = setting(0.0, any_value())
+    camera_optical_frame: str = setting('camera_rgb_optical_frame', not_empty())
+    camera_width: int = setting(640, between(16, 4096))
+    camera_height: int = setting(480, between(16, 4096))
+    camera_horizontal_fov: float = setting(1.085595, between(0.01, 3.0))
+    camera_near: float = setting(0.03, between(0.001, 100))
+    camera_far: float = setting(100.0, between(0.01, 10000))
+    camera_rate: float = setting(30.0, between(0.01, 1000))
+    camera_noise: float = setting(0.0, between(0, 1))
+    camera_image_topic: str = setting('camera/rgb/image_raw', not_empty())
+    camera_info_topic: str = setting('camera/rgb/camera_info', not_empty())
+    camera_depth_topic: str = setting('', any_value())
+    camera_depth_info_topic: str = setting('', any_value())
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.camera_near >= self.camera_far:
+            raise SettingError('camera_near', self.camera_near,
+                               'less than camera_far, which is {}'.format(self.camera_far))
+        if self.camera_depth_topic and not self.camera_depth_info_topic:
+            raise SettingError('camera_depth_info_topic', '', 'a topic, as camera_depth_topic is '
+                               'given')
 
 
 @dataclass(frozen=True)

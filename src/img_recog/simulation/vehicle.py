@@ -1,5 +1,5 @@
 """A robot with its drive and its sensors."""
-from typing import Any, Dict, List, NamedTuple
+from typing import Any, Callable, Dict, List, NamedTuple
 
 import numpy as np
 
@@ -9,8 +9,10 @@ from img_recog.simulation.imu import Imu
 from img_recog.simulation.laser_scanner import LaserScanner
 from img_recog.simulation.odometry import make_odometry
 from img_recog.simulation.robot import JointStates, Robot
+from img_recog.simulation.robot_camera import RobotCamera
 from img_recog.simulation.sensor import ScheduledSensor, Sensor
-from img_recog.simulation.settings import ImuSettings, RobotSettings, ScanSettings, whole_steps
+from img_recog.simulation.settings import (CameraSettings, ImuSettings, RobotSettings,
+                                           ScanSettings, nearest_period, whole_steps)
 
 
 class Reading(NamedTuple):
@@ -50,7 +52,7 @@ class Vehicle:
         step_s: of the physics. Raises SimulationError when a setting does not fit the robot or
         the physics.
         """
-        self.settings = settings
+        self.settings, self._step_s = settings, step_s
         self.robot = Robot(description, settings.drive, settings.spawn, physics_client_id)
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s, step_s)
         self._drive = DifferentialDrive(settings.drive)
@@ -76,6 +78,21 @@ class Vehicle:
             self.missing_sensors[sensor] = frame
             return False
         return True
+
+    def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
+        """Add a camera, which is disabled; return the name of the sensor.
+
+        poses: returns the poses (n, 7) of all parts of the scene.
+        Raises SimulationError when the robot has no link for it.
+        """
+        name = 'camera_{}'.format(sum(isinstance(each.sensor, RobotCamera)
+                                      for each in self._sensors.values()))
+        camera = RobotCamera(self.robot, settings, poses)
+        period_s = nearest_period(settings.camera_rate, self._step_s)
+        self._sensors[name] = ScheduledSensor(
+            name, whole_steps('camera_rate', period_s, self._step_s), camera)
+        self._sensors[name].enabled = False
+        return name
 
     def _period_steps(self, sensor: str, step_s: float) -> int:
         name = sensor + '_period_s'

@@ -9,11 +9,15 @@ import pybullet
 
 from img_recog.simulation.body import Pose
 from img_recog.simulation.loading import connect
-from img_recog.simulation.rendering import FIELD_OF_VIEW, WINDOW_LIGHT
 from img_recog.simulation.scene import Helper, Scene, SceneCopy
-from img_recog.simulation.view import ABOVE
+from img_recog.simulation.view import ABOVE, FIELD_OF_VIEW, Viewpoint
+from img_recog.simulation.visual_scene import SUN
 
 _PERIOD_S = 1 / 30
+# Far away, so that all light has the same direction; bodies need specularColor (0, 0, 0), or a
+# tall one shows a reflection of the light.
+_LIGHT = {'lightPosition': tuple(100 * axis for axis in SUN), 'shadowMapWorldSize': 14,
+          'shadowMapResolution': 4096}
 # The window's vertical field of view is 90 degrees: its camera must be nearer than the view's to
 # show the same part of the floor. 1.25: from nearer, tall bodies look larger than in the view.
 _DISTANCE_FACTOR = (1.25 * math.tan(math.radians(FIELD_OF_VIEW / 2))
@@ -25,14 +29,19 @@ _OPTIONS = ('--background_color_red=0.7 --background_color_green=0.7 '
 class Window:
     """The sending end of a window, which a separate process shows."""
 
-    def __init__(self, scene: Scene):
-        """Open the window."""
-        self._helper = Helper(_show, (scene,))
+    def __init__(self, scene: Scene, viewpoint: Viewpoint = ABOVE):
+        """Open the window, which shows the scene from `viewpoint`."""
+        self._helper = Helper(_show, (scene, viewpoint))
         self._next_s = 0.0
+        self._new_scene: Optional[Scene] = None
 
     def due(self) -> bool:
         """Return whether it is time to send new poses."""
         return time.monotonic() >= self._next_s
+
+    def set_scene(self, scene: Scene) -> None:
+        """Show another scene: the poses of the next `show` are those of its bodies."""
+        self._new_scene = scene
 
     def show(self, poses: Sequence[Pose]) -> Optional[str]:
         """Send the poses; return the reason when the window is gone, else None."""
@@ -43,6 +52,9 @@ class Window:
             poller = select.poll()
             poller.register(connection, select.POLLOUT)
             if poller.poll(0):
+                if self._new_scene is not None:
+                    connection.send(self._new_scene)
+                    self._new_scene = None
                 connection.send(poses)
         except OSError:
             return 'closed' if self._helper.end() else 'it could not be opened or broke'
@@ -53,22 +65,26 @@ class Window:
         self._helper.end()
 
 
-def _show(connection: Connection, scene: Scene) -> None:
+def _show(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
     """Show the newest poses until the window or the other end of the connection is closed."""
     physics_client_id = connect(pybullet.GUI, _OPTIONS)
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0,
                                       physicsClientId=physics_client_id)
-    pybullet.configureDebugVisualizer(physicsClientId=physics_client_id, **WINDOW_LIGHT)
-    copy = SceneCopy(scene, physics_client_id, floor=True)
+    pybullet.configureDebugVisualizer(physicsClientId=physics_client_id, **_LIGHT)
+    copy = SceneCopy(scene, physics_client_id, floor=scene.world.has_floor)
     pybullet.resetDebugVisualizerCamera(
-        cameraDistance=ABOVE.distance * _DISTANCE_FACTOR, cameraYaw=ABOVE.yaw,
-        cameraPitch=ABOVE.pitch, cameraTargetPosition=ABOVE.target,
+        cameraDistance=viewpoint.distance * _DISTANCE_FACTOR, cameraYaw=viewpoint.yaw,
+        cameraPitch=viewpoint.pitch, cameraTargetPosition=viewpoint.target,
         physicsClientId=physics_client_id)
     try:
         while pybullet.isConnected(physicsClientId=physics_client_id):
-            poses = connection.recv()
+            messages = [connection.recv()]
             while connection.poll():
-                poses = connection.recv()
-            copy.place(poses)
+                messages.append(connection.recv())
+            scenes = [message for message in messages if isinstance(message, Scene)]
+            if scenes:
+                copy.load(scenes[-1])
+            if not isinstance(messages[-1], Scene):
+                copy.place(messages[-1])
     except (EOFError, pybullet.error):
         pass

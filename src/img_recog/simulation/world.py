@@ -1,28 +1,36 @@
 """The physics client, and everything in it except robots."""
-from typing import List
+from typing import Dict, List, Sequence
 
 import pybullet
 
 from img_recog.simulation.body import Body
 from img_recog.simulation.loading import load_urdf
+from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
 from img_recog.simulation.world_file import WorldFile
 
 _FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
 _FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
+_MAX_DEPTH_M = 0.005            # in the floor at the start
 _FRICTION = 1.0                 # PyBullet multiplies it with the robot's coefficient
 
 
 class World:
     """A physics client with gravity, a floor at z 0 and the bodies of a world file.
 
-    physics_client_id: to be passed to every PyBullet call; step_s: of the physics; floor; bodies:
-    those of the world file.
+    physics_client_id: to be passed to every PyBullet call; step_s: of the physics; floor; file:
+    what stands in the world now; bodies: one for each tree in `file`; revision: the number of
+    times that something was added or removed, or that something fixed was moved; lifted: how far,
+    in m, each body was moved upward that was in the floor when it was added, by name.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int):
         """Build the world in a physics client; SimulationError when PyBullet cannot load it."""
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
+        self.file, self.revision = file._replace(trees=()), 0
+        self._is_rearranged = False
+        self.bodies: List[Body] = []
+        self.lifted: Dict[str, float] = {}
         pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
         pybullet.setGravity(*file.gravity, physicsClientId=physics_client_id)
         # contacts in a fixed order, so that equal commands give equal trajectories
@@ -30,11 +38,50 @@ class World:
                                            physicsClientId=physics_client_id)
         self.floor = Body(add_floor(physics_client_id), physics_client_id, fixed=True)
         self.floor.name = 'ground_plane'        # Gazebo's name for it
-        self.bodies = load_bodies(file, physics_client_id)
-        for body in [self.floor] + self.bodies:
-            for link in body.links:
-                pybullet.changeDynamics(body.body_id, link, lateralFriction=_FRICTION,
-                                        physicsClientId=physics_client_id)
+        self._set_friction(self.floor)
+        try:
+            self.add(file.trees)
+        except SimulationError as error:
+            raise SimulationError('world {}: {}'.format(file.name, error.problem), error.advice)
+
+    def add(self, trees: Sequence[Tree]) -> None:
+        """Add trees to the world; SimulationError when PyBullet cannot load all of them."""
+        added = load_bodies(trees, self.physics_client_id)
+        for body in added:
+            self._set_friction(body)
+            if not body.fixed:
+                self._lift(body)
+        self.bodies += added
+        self.file = self.file._replace(trees=(*self.file.trees, *trees))
+        self.revision += 1
+
+    def _lift(self, body: Body) -> None:
+        """Move a body that is in the floor onto it.
+
+        The physics would throw it into the air; that of Gazebo lifts it by 1 cm/s at most.
+        """
+        points = pybullet.getClosestPoints(body.body_id, self.floor.body_id, 0.0,
+                                           physicsClientId=self.physics_client_id)
+        depth_m = -min((point[8] for point in points), default=0.0)
+        if depth_m > _MAX_DEPTH_M:
+            x, y, z = body.start.position
+            body.start = body.start._replace(position=(x, y, z + depth_m))
+            body.reset()
+            self.lifted[body.name] = depth_m
+
+    def remove(self, bodies: Sequence[Body]) -> None:
+        """Remove some of `bodies` from the world."""
+        kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
+        for body in bodies:
+            pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+        self.bodies = [self.bodies[number] for number in kept]
+        self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
+        self.revision += 1
+
+    def _set_friction(self, body: Body) -> None:
+        for link in body.links:
+            pybullet.changeDynamics(body.body_id, link, lateralFriction=_FRICTION,
+                                    physicsClientId=self.physics_client_id)
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
@@ -44,9 +91,17 @@ class World:
             step(physicsClientId=physics_client_id)
 
     def reset(self) -> None:
-        """Move all bodies back to where they were at the start, at rest."""
+        """Move all bodies back to where they were when they were added, at rest."""
         for body in self.bodies:
             body.reset()
+        if self._is_rearranged:
+            self.notify_rearranged()
+            self._is_rearranged = False
+
+    def notify_rearranged(self) -> None:
+        """Call after a fixed body was moved."""
+        self.revision += 1
+        self._is_rearranged = True
 
 
 def add_floor(physics_client_id: int, visible: bool = False) -> int:
@@ -61,16 +116,19 @@ def add_floor(physics_client_id: int, visible: bool = False) -> int:
     return pybullet.createMultiBody(0, plane, slab, physicsClientId=physics_client_id)
 
 
-def load_bodies(file: WorldFile, physics_client_id: int) -> List[Body]:
-    """Load what a world file describes; SimulationError when PyBullet cannot."""
-    bodies = []
-    for tree in file.trees:
+def load_bodies(trees: Sequence[Tree], physics_client_id: int,
+                visuals: bool = False) -> List[Body]:
+    """Load trees, all or none, like `load_urdf`; SimulationError when PyBullet cannot."""
+    bodies: List[Body] = []
+    for tree in trees:
         try:
-            body = Body(load_urdf(tree.urdf, physics_client_id, tree.fixed, tree.pose),
+            body = Body(load_urdf(tree.urdf, physics_client_id, tree.fixed, tree.pose,
+                                  visuals),
                         physics_client_id, tree.fixed)
         except SimulationError as error:
-            raise SimulationError('world {}: model {}: {}'.format(
-                file.name, tree.name, error.problem), error.advice)
+            for loaded in bodies:
+                pybullet.removeBody(loaded.body_id, physicsClientId=physics_client_id)
+            raise SimulationError('model {}: {}'.format(tree.name, error.problem), error.advice)
         body.name = tree.name
         bodies.append(body)
     return bodies

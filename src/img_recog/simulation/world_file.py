@@ -1,12 +1,12 @@
 """Reads the file of a world; any number of physics clients can load the result."""
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, NamedTuple, Sequence, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.markup import MarkupError, parse_xml, read_bytes
-from img_recog.simulation import meshes, sdf_file
-from img_recog.simulation.geometry import IDENTITY
+from img_recog.simulation import meshes, sdf_file, urdf_shapes
+from img_recog.simulation.geometry import IDENTITY, Transform
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
 
@@ -19,7 +19,8 @@ class WorldFile(NamedTuple):
 
     name: of its model or file; trees: what stands in it, besides the floor; gravity (3,): m/s2;
     has_physics: whether the file has a <physics>, which is not used; warnings: a line for each
-    thing that was left out.
+    thing that was left out; has_floor: whether the floor is seen, which carries in every world;
+    camera: the pose of Gazebo's user camera in the world, if the file gives it.
     """
 
     name: str
@@ -27,6 +28,8 @@ class WorldFile(NamedTuple):
     gravity: Tuple[float, ...] = GRAVITY
     has_physics: bool = False
     warnings: Tuple[str, ...] = ()
+    has_floor: bool = True
+    camera: Optional[Transform] = None
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
@@ -56,21 +59,32 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
             'true to load the rest')
     if missing:
         file = file._replace(warnings=(
-            'world {}: loaded without: {}'.format(world, ', '.join(missing)),))
+            'world {}: loaded without: {}'.format(world, ', '.join(missing)), *file.warnings))
     return file
 
 
 def _read_urdf(world: str, root: ElementTree.Element, path: str,
                find: FindFile) -> Tuple[WorldFile, Sequence[str]]:
     in_folder = find_in(os.path.dirname(os.path.abspath(path)))
-    missing = meshes.resolve(root, lambda uri: in_folder(uri) or find(uri))
-    for collision in root.findall('link/collision'):
+    tree, missing = fixed_tree(root, root.get('name', world),
+                               lambda uri: in_folder(uri) or find(uri))
+    return WorldFile(tree.name, (tree,)), missing
+
+
+def fixed_tree(robot: ElementTree.Element, name: str,
+               find: FindFile) -> Tuple[Tree, Sequence[str]]:
+    """Return a URDF whose root link never moves, and names of what was not found.
+
+    Raises SimulationError when it has several root links.
+    """
+    missing = meshes.resolve(robot, find)
+    for collision in robot.findall('link/collision'):
         if collision.find('geometry/mesh') is not None:
             collision.set('concave', 'yes')
-    _check_tree(root)
-    name = root.get('name', world)
-    tree = Tree(name, ElementTree.tostring(root, 'unicode'), IDENTITY, True)
-    return WorldFile(name, (tree,)), ['mesh ' + uri for uri in missing]
+    urdf_shapes.check(robot)
+    _check_tree(robot)
+    return (Tree(name, ElementTree.tostring(robot, 'unicode'), IDENTITY, True),
+            ['mesh ' + uri for uri in missing])
 
 
 def _read_sdf(root: ElementTree.Element, path: str,
@@ -78,7 +92,10 @@ def _read_sdf(root: ElementTree.Element, path: str,
     contents = sdf_file.read(root, path, find)
     gravity = GRAVITY if contents.gravity is None else tuple(contents.gravity.tolist())
     name = os.path.splitext(os.path.basename(path))[0]
-    return WorldFile(name, contents.trees, gravity, contents.has_physics), contents.missing
+    warnings = () if not contents.ignored else ('world {}: not simulated: {}'.format(
+        name, ', '.join(contents.ignored)),)
+    return WorldFile(name, contents.trees, gravity, contents.has_physics, warnings,
+                     contents.has_floor, contents.camera), contents.missing
 
 
 def _check_tree(robot: ElementTree.Element) -> None:

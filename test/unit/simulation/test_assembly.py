@@ -5,6 +5,7 @@ from img_recog.simulation import assembly, world_file
 from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
                                            SimulationError, SpawnSettings)
 from img_recog_testing.robots import WORLDS, assemble, burger
+from img_recog_testing.sdf import CRATE, sdf
 
 TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <wheelSeparation>0.3</wheelSeparation><updateRate>50</updateRate></plugin></gazebo>
@@ -105,6 +106,13 @@ def test_warnings_of_the_world_file_come_first(tmp_path):
     warnings = assemble(str(path), urdf=burger().replace('imu_link', 'a_link'),
                         allow_partial=True).warnings
     assert len(warnings) == 2 and 'model://table' in warnings[0] and 'imu' in warnings[1]
+
+
+def test_warns_of_what_was_lifted_out_of_the_floor(tmp_path):
+    path = tmp_path / 'hall.world'
+    path.write_text(sdf(CRATE.format('2 0 0 0 0 0')))
+    assert assemble(str(path)).warnings == (
+        'world hall: at the start in the floor, and lifted onto it: crate by 0.100 m',)
 
 
 @pytest.mark.parametrize('urdf, words', [

@@ -221,7 +221,7 @@ def test_what_is_not_simulated_is_listed_in_order():
     urdf = robot(gazebo(camera, 'a'), gazebo(plugin('', 'gazebo_ros_p3d') + '<plugin/>'),
                  gazebo('<sensor type="contact" name="b"/>', 'a'), ray())
     assert not_simulated(urdf) == [
-        'sensor camera', 'plugin libgazebo_ros_camera.so', 'plugin libgazebo_ros_p3d.so',
+        'plugin libgazebo_ros_p3d.so',
         'plugin without filename', 'sensor contact']
     assert overrides(urdf) == SCAN_SETTINGS
 

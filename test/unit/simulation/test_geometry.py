@@ -31,6 +31,19 @@ def test_transforms_compose():
     assert np.allclose((a @ b).apply(point), a.apply(b.apply(point)))
 
 
+def test_the_inverse_takes_points_back():
+    pose = from_rpy((1, -2, 3), (0.4, -0.3, 2.0))
+    point = np.array([0.3, -0.2, 0.5])
+    assert np.allclose(pose.inverse.apply(pose.apply(point)), point)
+    assert np.allclose((pose @ pose.inverse).matrix(), np.eye(4))
+
+
+def test_a_homogeneous_matrix_moves_points_like_the_transform():
+    pose = from_rpy((1, -2, 3), (0.4, -0.3, 2.0))
+    point = np.array([0.3, -0.2, 0.5])
+    assert np.allclose(pose.matrix() @ (*point, 1.0), (*pose.apply(point), 1.0))
+
+
 def test_two_point_masses_make_a_dumbbell():
     left = Inertia(1.0, np.array([0.0, 1.0, 0.0]), np.zeros((3, 3)))
     right = Inertia(3.0, np.array([0.0, -1.0, 0.0]), np.zeros((3, 3)))

@@ -20,3 +20,18 @@ def test_first_client_has_the_number_0_and_a_negative_one_is_an_error(number):
     else:
         with pytest.raises(SimulationError, match='cannot start a physics client'):
             loading.connect()
+
+
+@pytest.mark.parametrize('padding', range(0, 40, 4))
+def test_a_long_line_is_not_broken(padding):
+    # the position of a visual stands at or near byte 8192
+    begin = ('<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" ixy="0" '
+             'ixz="0" iyy="1" iyz="0" izz="1"/></inertial>')
+    shape = '<geometry><sphere radius="1"/></geometry>'
+    visual = '<visual><origin xyz="1.23456789 2.34567891 3.45678912"/>' + shape + '</visual>'
+    empty = '<gazebo/>'
+    begin += empty * ((8192 - 30 - padding - len(begin)) // len(empty))
+    client = loading.connect()
+    body = loading.load_urdf(begin + visual + '</link></robot>', client, visuals=True)
+    data, = pybullet.getVisualShapeData(body, physicsClientId=client)
+    assert data[5] == pytest.approx((1.23456789, 2.34567891, 3.45678912))

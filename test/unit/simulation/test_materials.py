@@ -53,6 +53,25 @@ def test_colors(inside, color):
     assert read(inside) == (Material(color), '')
 
 
+@pytest.mark.parametrize('name, colors, color', [
+    ('Gazebo/Grey', '<diffuse>0 0.5 1 1</diffuse>', (0, 0.5, 1, 1)),
+    ('Gazebo/Wood', '<diffuse>0.5 0.5 0.5 1</diffuse>', (0.37, 0.325, 0.32, 1)),
+    # the goal of turtlebot3_stage_1: grey in the sun, red in the shade
+    ('Gazebo/Grey', '<ambient>1 0 0 1</ambient>', (0.82, 0.42, 0.42, 1)),
+    ('Gazebo/Wood', '<ambient>1 0 0 1</ambient>', (0.74, 0.65, 0.64, 1))])
+def test_colors_count_in_addition_to_a_script(name, colors, color):
+    material, missing = read(script(name).replace('</material>', colors + '</material>'))
+    assert material.color == pytest.approx(color) and missing == ''
+
+
+@pytest.mark.parametrize('inside, is_given', [
+    ('', False), ('<material><lighting>1</lighting><script/></material>', False),
+    ('<material><ambient>1 1 1</ambient></material>', True), (script('a'), True)])
+def test_a_material_needs_a_script_or_a_color(inside, is_given):
+    visual = ElementTree.fromstring('<visual>{}</visual>'.format(inside))
+    assert materials.is_given(visual) is is_given
+
+
 @pytest.mark.parametrize('transparency, opacity', [
     ('0', 0.5), ('0.5', 0.25), ('1', 0), ('2', 0), ('-1', 0.5)])
 def test_transparency_is_less_opacity(transparency, opacity):

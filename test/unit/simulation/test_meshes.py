@@ -99,7 +99,7 @@ def test_relative_path_that_was_found_becomes_absolute(monkeypatch, tmp_path):
 
 def test_pybullet_loads_the_meshes(find):
     client = loading.connect()
-    body = loading.load_urdf(parse(TOY, find).urdf, client)
+    body = loading.load_urdf(parse(TOY, find).urdf, client, visuals=True)
     seen = [(shape[1], os.path.basename(shape[4].decode()), shape[3])
             for shape in pybullet.getVisualShapeData(body, physicsClientId=client)
             if shape[2] == pybullet.GEOM_MESH]

@@ -2,8 +2,10 @@
 import math
 
 import numpy as np
+import pybullet
 import pytest
 
+from img_recog.simulation import model_file
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.settings import ImuSettings, OdometrySettings, SimulationError
 from img_recog_testing.robots import simulator
@@ -169,18 +171,131 @@ def test_model_that_is_called_like_the_robot_is_not_it(tmp_path):
     assert np.linalg.norm(first.linear_acceleration - [0, 0, 9.8]) < 0.5
 
 
-def test_what_is_fixed_is_static_even_where_a_part_of_it_does(tmp_path):
-    static = with_crates(tmp_path, ('shelf', '3 0 1 0 0 0'), static='true')
-    mass = ('<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
-            '</inertial>')
-    (tmp_path / 'gate.urdf').write_text(
-        '<robot name="gate"><link name="post">{0}</link><link name="door">{0}</link>'
-        '<joint name="hinge" type="continuous"><parent link="post"/><child link="door"/>'
-        '<axis xyz="0 0 1"/></joint></robot>'.format(mass))
-    for sim, name in ((static, 'shelf'), (simulator(str(tmp_path / 'gate.urdf')), 'gate')):
-        with pytest.raises(SimulationError) as error:
-            Models(sim).set_state(name, GOOD)
-        assert str(error.value) == 'model {} is static'.format(name)
+def test_static_model_is_moved_until_the_world_is_reset(tmp_path):
+    sim = with_crates(tmp_path, ('shelf', '3 0 0.1 0 0 0'), static='true')
+    models, world = Models(sim), sim.world
+    revision = world.revision
+    assert ahead(sim) == close(2.9)
+    models.set_state('shelf', State((2.0, 0.0, 0.1), UPRIGHT, (1.0, 0.0, 0.0), REST))
+    assert world.revision == revision + 1
+    sim.advance(1000)
+    assert models.state('shelf') == State(*map(close, ((2.0, 0.0, 0.1), UPRIGHT, REST, REST)))
+    assert ahead(sim) == close(1.9)
+    sim.reset_world()
+    assert models.state('shelf').position == close((3.0, 0.0, 0.1))
+    assert ahead(sim) == close(2.9) and world.revision == revision + 2
+    sim.reset_world()
+    assert world.revision == revision + 2
+
+
+def test_zero_quaternion_is_no_rotation_like_in_gazebo():
+    models = Models(simulator(yaw=1.0))
+    models.set_state(ROBOT, State((1.0, 2.0, 0.0), (0.0, 0.0, 0.0, 0.0), REST, REST))
+    assert models.state(ROBOT).orientation == close(UPRIGHT)
+    assert models.state(ROBOT).position == close((1.0, 2.0, 0.0))
+
+
+def test_model_with_loose_links_is_one_model_that_moves_rigidly(tmp_path):
+    link = '<link name="{}"><pose>{}</pose><collision name="c"><geometry><sphere><radius>0.1' \
+        '</radius></sphere></geometry></collision></link>'
+    path = tmp_path / 'pair.sdf'
+    path.write_text('<sdf version="1.6"><model name="pair"><pose>1 0 0 0 0 0</pose>' + link.format(
+        'a', '0 1 1 0 0 0') + link.format('b', '0 -1 1 0 0 0') + '</model></sdf>')
+    sim = simulator(str(path))
+    models = Models(sim)
+    assert models.names == ['ground_plane', 'pair', ROBOT]
+    assert models.state('pair').position == close((1, 0, 0))
+    models.set_state('pair', State((5.0, 0.0, 1.0), LEFT, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    a, b = (body.motion() for body in sim.world.bodies)
+    assert a.position == close((4, 0, 2)) and b.position == close((6, 0, 2))
+    assert models.state('pair').orientation == close(LEFT)
+    assert models.state('pair').linear == close((1, 0, 0))
+    # in their own frames, which are turned to the left; the model turns about its origin
+    assert a.linear == close((-1, -1, 0)) and b.linear == close((1, -1, 0))
+    models.remove('pair')
+    assert models.names == ['ground_plane', ROBOT] and sim.world.bodies == []
+
+
+BALL = """<sdf version="1.6"><model name="any"><pose>0 0 0.5 0 0 0</pose><link name="l">
+  <inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz></inertia>
+  </inertial><collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry>
+  </collision></link></model></sdf>"""
+
+
+def ahead(sim):
+    """Return the distance along x from (0, 0, 0.1) to a surface, past the robot."""
+    hit = pybullet.rayTest((0.3, 0, 0.1), (9, 0, 0.1),
+                           physicsClientId=sim.world.physics_client_id)[0]
+    return hit[3][0]
+
+
+def nowhere(_):
+    return None
+
+
+def test_added_model_is_simulated_seen_and_removed():
+    sim = simulator(yaw=0.0)
+    models = Models(sim)
+    ball = State((2.0, 1.0, 0.0), (0.0, 0.0, 0.0, 0.0), REST, REST)
+    models.add('ball', model_file.read(BALL, 'ball', nowhere), ball)
+    assert models.names == ['ground_plane', ROBOT, 'ball']
+    assert models.state('ball').position == close((2, 1, 0.5))
+    sim.advance(1500)
+    assert models.state('ball').position == pytest.approx([2, 1, 0.1], abs=2e-3)
+    models.set_state('ball', State((2.0, 0.0, 0.1), UPRIGHT, REST, REST))
+    assert ahead(sim) == pytest.approx(1.9, abs=1e-3)
+    sim.reset_world()
+    assert models.state('ball').position == close((2, 1, 0.5))
+    models.remove('ball')
+    assert models.names == ['ground_plane', ROBOT] and sim.world.file.trees == ()
+    assert ahead(sim) == 0.0        # nothing is hit
+    sim.advance(100)
+    assert models.state(ROBOT).position == pytest.approx([0, 0, 0], abs=0.02)
+
+
+def test_added_model_stands_in_the_frame_of_another():
+    models = Models(simulator(x=1.0, yaw=math.pi / 2))
+    models.add('ball', model_file.read(BALL, 'ball', nowhere),
+               State((1.0, 0.0, 0.0), UPRIGHT, REST, REST), ROBOT)
+    assert models.state('ball').position == pytest.approx([1, 1, 0.5], abs=1e-3)
+    assert models.state('ball').orientation == pytest.approx(LEFT, abs=1e-3)
+
+
+@pytest.mark.parametrize('name, state, frame, words', [
+    (ROBOT, GOOD, 'world', 'there is a model {} already; give another name'.format(ROBOT)),
+    ('ball', GOOD._replace(position=(0.0, NAN, 0.0)), 'world', 'finite numbers'),
+    ('ball', GOOD, 'map', "no model 'map' (models: ground_plane, ")])
+def test_refused_model_is_not_added(name, state, frame, words):
+    sim = simulator()
+    models, revision = Models(sim), sim.world.revision
+    with pytest.raises(SimulationError) as error:
+        models.add(name, model_file.read(BALL, name, nowhere), state, frame)
+    assert words in str(error.value)
+    assert models.names == ['ground_plane', ROBOT] and sim.world.revision == revision
+    assert sim.world.bodies == []
+
+
+def test_model_that_pybullet_cannot_load_leaves_nothing(tmp_path):
+    (tmp_path / 'cut.stl').write_bytes(b'solid')
+    text = BALL.replace('<sphere><radius>0.1</radius></sphere>',
+                        '<mesh><uri>{}</uri></mesh>'.format(tmp_path / 'cut.stl'))
+    sim = simulator()
+    models = Models(sim)
+    bodies = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
+    with pytest.raises(SimulationError, match='model ball: cannot read the mesh'):
+        models.add('ball', model_file.read(text, 'ball', nowhere), GOOD)
+    assert models.names == ['ground_plane', ROBOT]
+    assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == bodies
+
+
+@pytest.mark.parametrize('name', ['ground_plane', ROBOT])
+def test_floor_and_robot_cannot_be_deleted(name):
+    models = Models(simulator())
+    with pytest.raises(SimulationError, match='model {} cannot be deleted'.format(name)):
+        models.remove(name)
+    assert models.names == ['ground_plane', ROBOT]
+    with pytest.raises(SimulationError, match="no model 'r2d2' .models: ground_plane, "):
+        models.remove('r2d2')
 
 
 @pytest.mark.parametrize('name, state, frame, words', [
@@ -192,9 +307,7 @@ def test_what_is_fixed_is_static_even_where_a_part_of_it_does(tmp_path):
     (ROBOT, GOOD._replace(position=(-1e300, 0.0, 0.0)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, 0.0, 1e200)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, NAN, 1.0)), 'world', 'finite numbers'),
-    (ROBOT, GOOD._replace(orientation=(0.0, 0.0, 0.0, 0.0)), 'world', 'zero quaternion'),
-    ('ground_plane', GOOD, 'world', 'model ground_plane is static'),
-    ('turtlebot3_world', GOOD, 'world', 'model turtlebot3_world is static')])
+    ('ground_plane', GOOD, 'world', 'model ground_plane cannot be moved')])
 def test_refusals_leave_everything_where_it_is(name, state, frame, words):
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
     models = Models(sim)

@@ -121,8 +121,8 @@ def test_factor_is_zero_when_paused(clock):
 
 def test_a_slow_machine_is_reported_once_then_when_it_is_worse_and_every_30_s(clock):
     reports = SlowReports(clock)
-    factors = {0.0: 0.5, 1.0: 0.45, 2.0: 0.41, 3.0: 0.4, 4.0: 0.5, 32.9: 0.4, 33.0: 0.45,
-               62.9: 0.4, 62.99: 0.36}
+    factors = {0.0: 0.5, 1.0: 0.3, 2.0: 0.26, 3.0: 0.25, 4.0: 0.5, 32.9: 0.2, 33.0: 0.4,
+               62.9: 0.21, 62.99: 0.2}
     reported, last_s = [], 0.0
     for time_s, factor in factors.items():
         clock.advance(time_s - last_s)

@@ -150,7 +150,8 @@ def test_refuses_an_included_file(folder, text, words):
 
 def test_a_light_is_not_loaded(folder):
     (folder / 'models' / 'table' / 'model.sdf').write_text('<sdf><light name="s"/></sdf>')
-    assert read(folder, include('model://table'))[0::3] == ((), ())
+    contents = read(folder, include('model://table'))
+    assert (contents.trees, contents.missing) == ((), ())
 
 
 def test_two_files_that_include_each_other(folder):
@@ -167,3 +168,33 @@ def test_a_url_is_refused(folder, uri):
 def test_a_wrong_gravity_is_refused(folder):
     assert "<gravity>: got '9.8', expected 3 finite numbers" in refusal(
         folder, '<gravity>9.8</gravity>')
+
+
+def test_plugins_and_sensors_are_named(folder):
+    plugin = '<plugin name="p" filename="lib{}.so"/>'
+    model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK.replace(
+        '</link>', '<sensor name="eye" type="camera"/></link>') + plugin.format('b'))
+    assert read(folder, plugin.format('a'), include('model://table')).ignored == (
+        'plugin liba.so of default', 'sensor eye of table', 'plugin libb.so of table')
+    assert read(folder).ignored == ()
+
+
+@pytest.mark.parametrize('inside, has_floor', [
+    ('', False), (BUILT_IN, True), (include('model://ground_plane/'), True),
+    (include('model://sun'), False),
+    ('<model name="ground_plane"><static>1</static>' + LINK + '</model>', True)])
+def test_the_floor_is_seen_in_a_world_that_has_it(folder, inside, has_floor):
+    assert read(folder, inside).has_floor is has_floor
+
+
+def test_a_model_alone_has_the_floor(folder):
+    root = ElementTree.fromstring('<sdf><model name="m">' + LINK + '</model></sdf>')
+    assert sdf_file.read(root, str(folder / 'm.sdf'), lambda uri: None).has_floor
+
+
+def test_the_pose_of_the_user_camera(folder):
+    gui = '<gui><camera name="user_camera">{}</camera></gui>'
+    assert read(folder, gui.format('<pose>1 2 3 0 0 0</pose>')).camera.translation.tolist() == [
+        1, 2, 3]
+    assert read(folder, gui.format('')).camera is None and read(folder).camera is None
+    assert '<pose> of camera user_camera' in refusal(folder, gui.format('<pose>1</pose>'))

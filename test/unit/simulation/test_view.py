@@ -1,4 +1,4 @@
-"""Copies of the simulation that are drawn: when, from where, and what is sent to them."""
+"""Where the simulation is seen from, and the copy that the window shows."""
 import operator
 import os
 import signal
@@ -11,12 +11,12 @@ import pytest
 
 from img_recog.simulation import scene, view, window
 from img_recog.simulation.body import Pose
+from img_recog.simulation.geometry import from_rpy
 from img_recog.simulation.loading import connect
-from img_recog.simulation.rendering import FIELD_OF_VIEW, WINDOW_LIGHT
 from img_recog.simulation.scene import SceneCopy, poses_of
-from img_recog.simulation.settings import SimulationError, ViewSettings
-from img_recog.simulation.view import ABOVE, View, ViewImage, follow
+from img_recog.simulation.view import ABOVE, FIELD_OF_VIEW, follow
 from img_recog_testing import robots
+from img_recog_testing.sdf import BUILT_IN, SHELF, sdf
 
 LEFT = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))       # a quarter turn
 DEADLINE_S = 60
@@ -41,48 +41,76 @@ class FakeHelper:
 def helpers(monkeypatch, clock):
     """The helpers that are made; time stands still but for `clock`."""
     monkeypatch.setattr(FakeHelper, 'made', [])
-    for module in (view, window):
-        monkeypatch.setattr(module, 'Helper', FakeHelper)
-        monkeypatch.setattr(module, 'time', types.SimpleNamespace(monotonic=clock))
+    monkeypatch.setattr(window, 'Helper', FakeHelper)
+    monkeypatch.setattr(window, 'time', types.SimpleNamespace(monotonic=clock))
     return FakeHelper.made
 
 
-def test_cameras():
+def test_viewpoints():
     assert ABOVE == ((0.8, 0.0, 0.0), 12.0, -90.0, -89.99)
-    camera = follow(Pose((1.0, 2.0, 3.0), LEFT, ()))
-    assert camera.target == (1.0, 2.0, 3.0)
-    assert camera[1:] == pytest.approx((1.3, 0.0, -68.0))
+    viewpoint = follow(Pose((1.0, 2.0, 3.0), LEFT, ()))
+    assert viewpoint.target == (1.0, 2.0, 3.0)
+    assert viewpoint[1:] == pytest.approx((1.3, 0.0, -68.0))
 
 
-def test_one_image_at_a_time_and_not_more_often_than_the_rate(helpers, clock):
-    images = View('scene', ViewSettings(view_rate=4.0))
-    assert images.due() and helpers == [] and images.next_image(0.0) is None
-    images.request(['pose'], 1.5)
-    assert len(helpers) == 1 and helpers[0].args[0] == 'scene'
-    assert helpers[0].theirs.recv() == (['pose'], 1.5)
-    clock.advance(10.0)
-    assert not images.due() and images.next_image(0.0) is None
-    helpers[0].theirs.send('image')
-    assert images.next_image(0.0) == 'image' and images.due()
-    images.request(['pose'], 2.0)
-    helpers[0].theirs.send('image')
-    assert images.next_image(0.0) == 'image' and not images.due()
-    clock.advance(0.25)
-    assert images.due() and len(helpers) == 1
-    images.close()
-    assert helpers[0].ended
+def in_world(tmp_path, *inside):
+    (tmp_path / 'hall.world').write_text(sdf(*inside))
+    return view.above(robots.assemble(str(tmp_path / 'hall.world'), x=50.0).simulator.world)
 
 
-def test_process_that_ends_is_an_error(helpers):
-    images = View('scene', ViewSettings())
-    images.close()
-    images.request([], 0.0)
-    helpers[0].theirs.close()
-    with pytest.raises(SimulationError, match='^the process that draws the view has ended$'):
-        images.next_image(0.0)
-    images.request([], 0.0)
-    images.close()
-    assert helpers[0].ended
+@pytest.mark.parametrize('pose', [
+    (0.8, 0.0, 12.0, 0, 1.5708, 0), (0.0, 0.0, 17.0, 0, 1.5708, 0),
+    (2.7696, -1.93094, 6.71513, 0, 1.1618, 2.27182), (1, 2, 17, 0, 1.5708, 1.0)])
+def test_the_view_above_is_that_of_gazebos_user_camera(tmp_path, pose):
+    found = in_world(tmp_path, '<gui><camera name="user_camera"><pose>{} {} {} {} {} {}</pose>'
+                     '</camera></gui>'.format(*pose)).pose()
+    wanted = from_rpy(pose[:3], pose[3:])
+    assert found[:3, 3] == pytest.approx(wanted.translation, abs=0.01)
+    assert found[:3, :3] == pytest.approx(wanted.rotation, abs=1e-3)
+
+
+def test_a_user_camera_that_looks_upward_or_is_far_away(tmp_path):
+    camera = '<gui><camera name="user_camera"><pose>{}</pose></camera></gui>'
+    assert in_world(tmp_path, camera.format('0 0 1 0 -0.5 0')).distance == 50.0
+    assert in_world(tmp_path, camera.format('0 0 1e5 0 1.5708 0')).distance == 50.0
+    near = in_world(tmp_path, camera.format('0 0 5 0 1.5708 0'), SHELF)
+    assert near.distance == pytest.approx(6)
+    assert in_world(tmp_path, camera.format('0 0 5 0 1.5 0'), SHELF).distance < 5.1
+    assert in_world(tmp_path, camera.format('0 0 -1 0 1.5708 0')).distance == 0.5
+
+
+def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
+    def shelf(x, y):
+        return SHELF.replace('1 2 1 0 0 0', '{} {} 1 0 0 0'.format(x, y)).replace(
+            'shelf', 'shelf{}'.format(abs(x + y)))
+    assert in_world(tmp_path, BUILT_IN) == ABOVE
+    assert in_world(tmp_path, shelf(-3, 0), shelf(4, 5)) == ABOVE
+    found = in_world(tmp_path, shelf(-3, 0), shelf(9, 6))
+    assert found == ABOVE._replace(target=(pytest.approx(3.0, abs=0.1), pytest.approx(
+        3.0, abs=0.1), 0.0), distance=16.0)
+    assert in_world(tmp_path, shelf(-300, 0), shelf(90, 60)).distance == 50.0
+    plane = SHELF.replace('0.8 0.8 0.2', '99 99 0.01').replace('1 2 1 0 0 0', '0 0 0 0 0 0')
+    assert in_world(tmp_path, plane) == ABOVE
+
+
+def test_the_pose_of_a_viewpoint():
+    pose = ABOVE.pose()
+    # at (0.8, 0, 12); its x axis leads down, its z axis, upward in the image, along the world's x
+    assert pose[:3, 3] == pytest.approx([0.8, 0, 12], abs=0.01)
+    assert pose[:3, 0] == pytest.approx([0, 0, -1], abs=1e-3)
+    assert pose[:3, 2] == pytest.approx([1, 0, 0], abs=1e-3)
+    behind = follow(Pose((1.0, 2.0, 0.0), LEFT, ())).pose()
+    # it looks along the body's heading, the world's y, and down
+    assert behind[:3, 3] == pytest.approx(
+        [1, 2 - 1.3 * np.cos(np.radians(68)), 1.3 * np.sin(np.radians(68))], abs=1e-3)
+    assert behind[:3, 0] == pytest.approx([0, np.cos(np.radians(68)), -np.sin(np.radians(68))],
+                                          abs=1e-3)
+    assert behind[:3, 1] == pytest.approx([-1, 0, 0], abs=1e-3)
+
+
+def test_field_of_view_is_60_degrees_at_4_to_3():
+    assert np.degrees(view.horizontal_fov(640, 480)) == pytest.approx(60, abs=0.1)
+    assert np.degrees(view.horizontal_fov(480, 480)) == pytest.approx(46.8)
 
 
 class Requests:
@@ -103,29 +131,6 @@ class Requests:
         self.sent.append(value)
 
 
-@pytest.mark.parametrize('name', ['above', 'follow'])
-def test_drawing_uses_the_camera_and_the_size_of_the_settings(monkeypatch, name):
-    drawn = []
-    monkeypatch.setattr(view, 'render', lambda *args: drawn.append(args[1:]) or 'pixels')
-    assembly = robots.assemble(x=0.5)
-    poses = poses_of(assembly.simulator)
-    connection = Requests((poses, 0.25), (poses, 0.5))
-    view._draw(connection, assembly.scene, ViewSettings(view=name, view_width=64, view_height=32))
-    assert drawn == [(follow(poses[0]) if name == 'follow' else ABOVE, 64, 32)] * 2
-    assert connection.sent == [ViewImage('pixels', 0.25), ViewImage('pixels', 0.5)]
-
-
-def test_image_comes_from_a_process():
-    assembly = robots.assemble()
-    images = View(assembly.scene, ViewSettings(view_width=32, view_height=24, view='follow'))
-    images.request(poses_of(assembly.simulator), 0.125)
-    image = images.next_image(DEADLINE_S)
-    assert image.pixels.shape == (24, 32, 3) and image.time_s == 0.125
-    assert image.pixels.std() > 0
-    images.close()
-    assert images._helper._process.exitcode == 0
-
-
 @pytest.mark.parametrize('floor', [False, True])
 def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
     assembly = robots.assemble('turtlebot3_world', -2.0, -0.5)
@@ -143,6 +148,40 @@ def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
         # one color for each link
         assert len({shape[1] for shape in shapes}) == len({(*shape[7], shape[1])
                                                           for shape in shapes})
+
+
+def test_copy_of_another_scene_replaces_all_but_the_floor():
+    first, second = robots.assemble('turtlebot3_world', -2.0, -0.5), robots.assemble(x=3.0)
+    client = connect()
+    copy = SceneCopy(first.scene, client, True)
+    copy.load(second.scene)
+    assert pybullet.getNumBodies(physicsClientId=client) == 2
+    copy.place(poses_of(second.simulator))
+    assert [body.pose().position[:2] for body in copy._bodies] == [
+        pytest.approx((3.0, 0.0), abs=1e-6)]
+
+
+def test_window_gets_another_scene_before_its_poses(helpers, clock):
+    shown = window.Window('scene')
+    shown.set_scene('other')
+    shown.set_scene('newest')
+    for poses in ('poses', 'more'):
+        shown.show(poses)
+    ours = helpers[0].theirs
+    assert [ours.recv() for _ in range(3)] == ['newest', 'poses', 'more'] and not ours.poll()
+
+
+def test_window_never_places_poses_of_an_old_scene(monkeypatch):
+    first, second, client = robots.assemble('turtlebot3_world'), robots.assemble(), connect()
+    monkeypatch.setattr(window, 'connect', lambda *args: client)
+    done = []
+    for name in ('place', 'load'):
+        monkeypatch.setattr(SceneCopy, name, lambda _, value, name=name: done.append(
+            (name, value)))
+    window._show(Requests('old', second.scene, 'new', None, 'old', second.scene), first.scene,
+                 ABOVE)
+    assert done == [('load', first.scene), ('load', second.scene), ('place', 'new'),
+                    ('load', second.scene)]
 
 
 def test_floor_that_is_seen_is_grey_and_large():
@@ -195,7 +234,7 @@ def test_helper_ignores_ctrl_c_and_gives_way_to_the_simulation(monkeypatch):
 
 def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
     shown = window.Window('scene')
-    assert helpers[0].args == ('scene',) and shown.due()
+    assert helpers[0].args == ('scene', ABOVE) and shown.due()
     assert shown.show(['pose']) is None and helpers[0].theirs.recv() == ['pose']
     clock.advance(0.03)
     assert not shown.due()
@@ -222,7 +261,7 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
                         seen.update(camera=kwargs))
     placed = []
     monkeypatch.setattr(SceneCopy, 'place', lambda _, poses: placed.append(poses))
-    window._show(Requests('old', poses, None), assembly.scene)
+    window._show(Requests('old', poses, None), assembly.scene, ABOVE)
     assert placed == [poses, None]
     assert seen['connected'][0] == pybullet.GUI
     assert seen['connected'][1].split() == [
@@ -230,7 +269,7 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
         '--background_color_blue=0.7', '--width=1024', '--height=768']
     assert seen['configured'] == [
         ((pybullet.COV_ENABLE_GUI, 0), {'physicsClientId': client}),
-        ((), dict(WINDOW_LIGHT, physicsClientId=client))]
+        ((), dict(window._LIGHT, physicsClientId=client))]
     factor = 1.25 * np.tan(np.radians(FIELD_OF_VIEW / 2))
     assert seen['camera'] == {
         'cameraDistance': pytest.approx(12.0 * factor), 'cameraYaw': -90.0,
@@ -243,4 +282,6 @@ def test_window_ends_when_it_is_closed(monkeypatch):
     assembly, client = robots.assemble(), connect()
     monkeypatch.setattr(window, 'connect', lambda *args: client)
     monkeypatch.setattr(pybullet, 'isConnected', lambda **kwargs: False)
-    window._show(None, assembly.scene)
+    window._show(None, assembly.scene._replace(world=assembly.scene.world._replace(
+        has_floor=False)), ABOVE)
+    assert pybullet.getNumBodies(physicsClientId=client) == 1      # the robot

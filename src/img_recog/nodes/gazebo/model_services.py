@@ -1,18 +1,22 @@
 """The topics and services of Gazebo's models, where the package gazebo_msgs is installed."""
-from typing import Callable
+from typing import Any, Callable
 
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 
+from img_recog import resources
 from img_recog.conversions import robot_msgs
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.simulation import model_file
 from img_recog.simulation.models import WORLD, Models, State
 from img_recog.simulation.settings import SimulationError
 
 try:
-    from gazebo_msgs.msg import ModelState, ModelStates
-    from gazebo_msgs.srv import (GetModelState, GetModelStateRequest, GetModelStateResponse,
-                                 SetModelState, SetModelStateRequest, SetModelStateResponse)
+    from gazebo_msgs.msg import ModelStates
+    from gazebo_msgs.srv import (DeleteModel, DeleteModelRequest, DeleteModelResponse,
+                                 GetModelState, GetModelStateRequest, GetModelStateResponse,
+                                 SetModelState, SetModelStateRequest, SetModelStateResponse,
+                                 SpawnModel, SpawnModelRequest, SpawnModelResponse)
     AVAILABLE = True
 except ImportError:
     AVAILABLE = False
@@ -21,7 +25,8 @@ _WORLD_NAMES = ('', 'world', 'map', '/map')         # gazebo_ros's names for the
 
 
 class ModelServices:
-    """Publishes ~model_states and serves ~get_model_state and ~set_model_state.
+    """Publishes ~model_states; serves ~get_model_state, ~set_model_state, ~spawn_sdf_model,
+    ~spawn_urdf_model and ~delete_model.
 
     Must be created only when AVAILABLE.
     """
@@ -32,6 +37,9 @@ class ModelServices:
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
         rospy.Service('~get_model_state', GetModelState, self._get)
         rospy.Service('~set_model_state', SetModelState, self._set)
+        for name in ('~spawn_sdf_model', '~spawn_urdf_model'):
+            rospy.Service(name, SpawnModel, self._spawn)
+        rospy.Service('~delete_model', DeleteModel, self._delete)
 
     def update(self) -> None:
         """Publish the states of all models; to be called by the loop."""
@@ -59,12 +67,40 @@ class ModelServices:
 
     def _set(self, request: 'SetModelStateRequest') -> 'SetModelStateResponse':
         wanted = request.model_state
+        return self._answer(SetModelStateResponse, lambda: self._models.set_state(
+            wanted.model_name, _state_of(wanted.pose, wanted.twist),
+            _frame_of(wanted.reference_frame)))
+
+    def _spawn(self, request: 'SpawnModelRequest') -> 'SpawnModelResponse':
+        name, frame = request.model_name.strip(), _frame_of(request.reference_frame)
+        state = _state_of(request.initial_pose, Twist())
         try:
-            self._calls.call(lambda: self._models.set_state(
-                wanted.model_name, _state_of(wanted), _frame_of(wanted.reference_frame)))
+            if not name:
+                raise SimulationError('model_name is empty', 'give the model a name')
+            # read in the thread of the service: the simulation goes on meanwhile
+            trees = model_file.read(request.model_xml, name, resources.find)
         except SimulationError as error:
-            return SetModelStateResponse(success=False, status_message=str(error))
-        return SetModelStateResponse(success=True)
+            return SpawnModelResponse(success=False, status_message=str(error))
+        response = self._answer(SpawnModelResponse,
+                                lambda: self._models.add(name, trees, state, frame))
+        if response.success:
+            rospy.loginfo('added the model %s', name)
+        return response
+
+    def _delete(self, request: 'DeleteModelRequest') -> 'DeleteModelResponse':
+        response = self._answer(DeleteModelResponse,
+                                lambda: self._models.remove(request.model_name))
+        if response.success:
+            rospy.loginfo('deleted the model %s', request.model_name)
+        return response
+
+    def _answer(self, response: Callable[..., Any], action: Callable[[], None]) -> Any:
+        """Have the loop call `action`; return the response with its result."""
+        try:
+            self._calls.call(action)
+        except SimulationError as error:
+            return response(success=False, status_message=str(error))
+        return response(success=True)
 
 
 def _frame_of(name: str) -> str:
@@ -79,9 +115,9 @@ def _twist_of(state: State) -> Twist:
     return Twist(Vector3(*state.linear), Vector3(*state.angular))
 
 
-def _state_of(msg: 'ModelState') -> State:
-    position, orientation = msg.pose.position, msg.pose.orientation
-    linear, angular = msg.twist.linear, msg.twist.angular
+def _state_of(pose: Pose, twist: Twist) -> State:
+    position, orientation = pose.position, pose.orientation
+    linear, angular = twist.linear, twist.angular
     return State((position.x, position.y, position.z),
                  (orientation.x, orientation.y, orientation.z, orientation.w),
                  (linear.x, linear.y, linear.z), (angular.x, angular.y, angular.z))

@@ -7,13 +7,16 @@ odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_sta
 (sensor_msgs/LaserScan, frame base_scan, 5 Hz), ~real_time_factor (std_msgs/Float64, measured,
 1 Hz of wall time), ~view/image_raw (sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
 ~model_states (gazebo_msgs/ModelStates, 100 Hz) if gazebo_msgs is installed, /diagnostics
-(diagnostic_msgs/DiagnosticArray, 1 Hz of wall time).
-Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), and
-~get_model_state, ~set_model_state (gazebo_msgs) if that is installed.
+(diagnostic_msgs/DiagnosticArray, 1 Hz of wall time), /tf_static (tf2_msgs/TFMessage) for cameras.
+Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image) and
+camera/rgb/camera_info, camera/depth/camera_info (sensor_msgs/CameraInfo).
+Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), and if
+it is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_model,
+~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
 Reads: robot_description, and the fields of all settings of the simulation as private parameters.
 """
 import time
-from typing import Optional, Tuple
+from typing import Optional, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -25,9 +28,10 @@ from img_recog import resources
 from img_recog.conversions import robot_msgs
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics, State
+from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.physics_services import PhysicsServices, ServiceCalls
+from img_recog.nodes.gazebo.property_services import Now, PropertyServices
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings
-from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.transport.direct_publisher import DirectPublisher
@@ -36,8 +40,9 @@ from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer, SlowReports
 from img_recog.simulation.scene import poses_of
-from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
-                                           ViewSettings, whole_steps)
+from img_recog.simulation.settings import (CameraSettings, DriveSettings, PhysicsSettings,
+                                           RobotSettings, ViewSettings, whole_steps)
+from img_recog.simulation.view import above
 from img_recog.simulation.window import Window
 
 _POLL_PERIOD_S = 0.1
@@ -50,9 +55,10 @@ class PybulletSim:
         physics, view = parameters.read(PhysicsSettings), parameters.read(ViewSettings)
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
-        built, topics = _build(physics)
+        built, topics, cameras = _build(physics)
         self._simulator = built.simulator
-        self._window: Optional[Window] = Window(built.scene) if view.gui else None
+        self._window: Optional[Window] = (
+            Window(built.scene, above(self._simulator.world)) if view.gui else None)
         self._factor, self._wanted_factor = RealTimeFactor(), physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
         self._slow_reports = SlowReports()
@@ -63,8 +69,9 @@ class PybulletSim:
         PhysicsServices(self._calls, {
             'pause_physics': self._pause, 'unpause_physics': self._unpause,
             'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
-        self._models = self._model_services()
-        self._view = ViewTopic(built.scene, view)
+        self._models = self._model_services(physics)
+        self._scene, self._revision = built.scene, self._simulator.world.revision
+        self._images = Images(self._simulator, built.scene, view, cameras)
         self._topics = {vehicle.robot.name: RobotTopics(vehicle, topics)
                         for vehicle in self._simulator.vehicles}
         self._diagnostics = SimulationDiagnostics()
@@ -77,29 +84,38 @@ class PybulletSim:
             rospy.loginfo('the robot is at the start: x %.2f m, y %.2f m, yaw %.2f rad; time '
                           'starts at 0', spawn.x_pos, spawn.y_pos, spawn.yaw)
 
-    def _model_services(self) -> 'Optional[model_services.ModelServices]':
-        if model_services.AVAILABLE:
-            return model_services.ModelServices(Models(self._simulator), self._calls,
-                                                lambda: self._simulator.time_s)
-        rospy.loginfo('gazebo_msgs is not installed: model_states, get_model_state and '
-                      'set_model_state are not offered')
-        return None
+    def _model_services(self, physics: PhysicsSettings
+                        ) -> 'Optional[model_services.ModelServices]':
+        if not model_services.AVAILABLE:
+            rospy.loginfo('gazebo_msgs is not installed: model_states and the services of models '
+                          'are not offered')
+            return None
+        models = Models(self._simulator)
+        PropertyServices(models, self._simulator.world, physics, self._calls,
+                         lambda: Now(self._simulator.time_s, self._paused))
+        return model_services.ModelServices(models, self._calls,
+                                            lambda: self._simulator.time_s)
 
     def spin(self) -> None:
         """Simulate until the node is shut down."""
-        while not rospy.is_shutdown():
-            if self._paused:
-                self._calls.process(_POLL_PERIOD_S)
-                self._pacer.restart()
-                self._publish_factor(0.0)
-            else:
-                self._advance()
-                self._publish_factor(self._clock_period_s)
-                self._wait(self._pacer.delay_s(self._clock_period_s))
-            self._show()
-        self._view.close()
-        if self._window is not None:
-            self._window.close()
+        try:
+            while not rospy.is_shutdown():
+                self._advance_or_wait()
+                self._show()
+        finally:        # publishing fails if a topic is closed meanwhile
+            self._images.close()
+            if self._window is not None:
+                self._window.close()
+
+    def _advance_or_wait(self) -> None:
+        if self._paused:
+            self._calls.process(_POLL_PERIOD_S)
+            self._pacer.restart()
+            self._publish_factor(0.0)
+        else:
+            self._advance()
+            self._publish_factor(self._clock_period_s)
+            self._wait(self._pacer.delay_s(self._clock_period_s))
 
     def _wait(self, delay_s: float) -> None:
         """Process service calls for `delay_s`, or until shutdown, checked each _POLL_PERIOD_S."""
@@ -113,11 +129,15 @@ class PybulletSim:
         begin_s = time.perf_counter()
         for topics in self._topics.values():
             topics.apply_command()
+        self._update_scene()
+        self._images.enable_cameras()
         readings = self._simulator.advance(self._clock_steps)
         # the clock first, so that no reading is stamped in the future
         self._publish_clock()
         for reading in readings:
-            self._topics[reading.robot].publish(reading)
+            if not self._images.is_camera(reading.sensor):
+                self._topics[reading.robot].publish(reading)
+        self._images.draw(readings)
         if self._models is not None:
             self._models.update()
         self._diagnostics.steps.add(time.perf_counter() - begin_s)
@@ -129,6 +149,7 @@ class PybulletSim:
             self._calls.waiting, self._calls.late.total))
         for topics in self._topics.values():
             topics.report(status)
+        self._images.report(status)
 
     def _publish_clock(self) -> None:
         now = robot_msgs.stamp_of(self._simulator.time_s)
@@ -149,13 +170,24 @@ class PybulletSim:
 
     def _show(self) -> None:
         """Send the poses to the view and the window, if they need new ones."""
-        self._view.update(self._simulator)
+        self._update_scene()
+        self._images.update_view()
         if self._window is None or not self._window.due():
             return
         reason = self._window.show(poses_of(self._simulator))
         if reason is not None:
             rospy.logwarn('no window: %s; the simulation goes on without it', reason)
             self._window = None
+
+    def _update_scene(self) -> None:
+        """Show what a service added or rearranged."""
+        world = self._simulator.world
+        if self._revision != world.revision:
+            self._revision = world.revision
+            self._scene = self._scene._replace(world=world.file)
+            self._images.set_scene(self._scene)
+            if self._window is not None:
+                self._window.set_scene(self._scene)
 
     def _pause(self) -> None:
         self._paused = True
@@ -178,14 +210,20 @@ class PybulletSim:
             topics.discard_command()
 
 
-def _build(physics: PhysicsSettings) -> Tuple[Assembly, TopicSettings]:
-    """Build the simulator from robot_description and the parameters, and log its warnings."""
+def _build(physics: PhysicsSettings
+           ) -> Tuple[Assembly, TopicSettings, Sequence[CameraSettings]]:
+    """Build the simulator from robot_description and the parameters, and log its warnings.
+
+    Returns the cameras of the robot too.
+    """
     robot = assembly.read_robot(parameters.robot_description(), physics.step_s, resources.find,
                                 'robot_description')
     robot = assembly.with_wheels(robot, parameters.read(DriveSettings, robot.tag_values))
     settings = parameters.read_group(RobotSettings, robot.tag_values)
     topics = parameters.read(TopicSettings, robot.tag_values)
-    parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings,
+    camera = parameters.read(CameraSettings)
+    cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
+    parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings, CameraSettings,
                                *map(type, vars(settings).values()))
     world = world_file.read(physics.world, resources.worlds(), resources.find,
                             physics.allow_partial_world)
@@ -195,7 +233,7 @@ def _build(physics: PhysicsSettings) -> Tuple[Assembly, TopicSettings]:
     built = assembly.build(physics, world, [(robot, settings)])
     for warning in robot.warnings + built.warnings:
         rospy.logwarn('%s', warning)
-    return built, topics
+    return built, topics, cameras
 
 
 def _warn_of_other_clocks() -> None:

@@ -1,53 +1,63 @@
 """The image topic of the simulation."""
-import threading
+import time
 
-import rospy
 from std_msgs.msg import Header
 
 from img_recog.conversions import robot_msgs
+from img_recog.nodes.gazebo.drawing import Drawing, Job
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.process import Drawn, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
-from img_recog.simulation.scene import Scene, poses_of
-from img_recog.simulation.settings import SimulationError, ViewSettings
+from img_recog.simulation import view
+from img_recog.simulation.settings import ViewSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.view import View, ViewImage
+from img_recog.simulation.view import Viewpoint
+from img_recog.simulation.visual_scene import Parts
 
 _FRAME = 'view'                 # not a frame of tf: the camera is not part of the robot
-_POLL_PERIOD_S = 0.1
+_NEAR_M, _FAR_M = 0.05, 60.0
+
+
+def camera_of(settings: ViewSettings) -> Camera:
+    """Return the camera of the images."""
+    return Camera(settings.view_width, settings.view_height,
+                  view.horizontal_fov(settings.view_width, settings.view_height), _NEAR_M, _FAR_M)
 
 
 class ViewTopic:
-    """Publishes ~view/image_raw (sensor_msgs/Image, rgb8) while it has a subscriber."""
+    """Publishes ~view/image_raw (sensor_msgs/Image, rgb8) while it has a subscriber.
 
-    def __init__(self, scene: Scene, settings: ViewSettings):
-        self._view = View(scene, settings)
+    At most one image in each period of wall time. While images of a camera are drawn, it is drawn
+    with the next one: the simulation does not wait for it.
+    """
+
+    def __init__(self, settings: ViewSettings, drawing: Drawing, number: int, above: Viewpoint):
+        """Advertise the topic; number: of its camera in `drawing`; above: of the view `above`."""
+        self._settings, self._drawing, self._number = settings, drawing, number
+        self._above = above
         self._images = ImagePublisher('~view/image_raw')
-        self._ended = threading.Event()
-        self._publisher = threading.Thread(target=self._publish, daemon=True)
-        self._publisher.start()
+        self._next_s = 0.0
 
-    def update(self, simulator: Simulator) -> None:
+    def update(self, simulator: Simulator, parts: Parts) -> None:
         """Request an image if there is a subscriber and it is time; to be called by the loop."""
-        if (self._images.get_num_connections() and self._view.due()
-                and not self._ended.is_set()):
-            self._view.request(poses_of(simulator), simulator.time_s)
+        if not self._images.get_num_connections():
+            return
+        self._drawing.start()
+        now_s = time.monotonic()
+        if now_s < self._next_s or not self._drawing.is_ready:
+            return
+        self._next_s = now_s + 1 / self._settings.view_rate
+        self._drawing.add_to_next(lambda time_s: self._job(simulator, time_s))
+        if not self._drawing.is_busy:
+            self._drawing.submit([], parts.poses(), simulator.time_s)
 
-    def _publish(self) -> None:
-        while not self._ended.is_set():
-            try:
-                image = self._view.next_image(_POLL_PERIOD_S)
-            except SimulationError as error:
-                self._ended.set()
-                rospy.logwarn('no more view: %s; the simulation goes on without it', error)
-                return
-            if image is not None:
-                self._publish_image(image)
+    def _job(self, simulator: Simulator, time_s: float) -> Job:
+        viewpoint = self._above
+        if self._settings.view == 'follow':
+            viewpoint = view.follow(simulator.vehicles[0].robot.pose())
+        return Job(Shot(self._number, viewpoint.pose()),
+                   lambda drawn: self._publish(drawn, time_s))
 
-    def _publish_image(self, image: ViewImage) -> None:
-        header = Header(stamp=robot_msgs.stamp_of(image.time_s), frame_id=_FRAME)
-        self._images.publish(image.pixels, 'rgb8', header)
-
-    def close(self) -> None:
-        """End the process that draws."""
-        self._ended.set()
-        self._publisher.join()      # it must not use the view after it is closed
-        self._view.close()
+    def _publish(self, drawn: Drawn, time_s: float) -> None:
+        header = Header(stamp=robot_msgs.stamp_of(time_s), frame_id=_FRAME)
+        self._images.publish(drawn.image, 'rgb8', header)

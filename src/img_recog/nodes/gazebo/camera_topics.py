@@ -1,0 +1,146 @@
+"""The topics of the cameras on a simulated robot."""
+import itertools
+from typing import Dict, Iterable, Sequence
+
+import numpy as np
+import rosgraph
+import rospy
+from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+
+from img_recog.conversions import robot_msgs
+from img_recog.errors import UserError
+from img_recog.nodes.gazebo.drawing import Drawing, Job
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.noise import PixelNoise
+from img_recog.rendering.process import Drawn, Shot
+from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.settings import SettingError
+from img_recog.simulation.geometry import to_quaternion
+from img_recog.simulation.robot_camera import Exposure, optical_frame
+from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.vehicle import Reading, Vehicle
+
+_TOPICS = ('camera_image_topic', 'camera_info_topic', 'camera_depth_topic',
+           'camera_depth_info_topic')
+_INFO_QUEUE_SIZE = 10       # so that each image has its camera info, also if a sender has to wait
+
+
+def check(cameras: Iterable[CameraSettings]) -> None:
+    """Raise a UserError if a topic of the cameras has no valid name, or is that of two."""
+    owners: Dict[str, str] = {}
+    for camera in cameras:
+        for setting in _TOPICS:
+            topic = getattr(camera, setting)
+            if not topic:
+                continue
+            if not rosgraph.names.is_legal_name(topic):
+                raise SettingError(setting, topic, 'a valid topic name')
+            owner = '{} of the camera on {}'.format(setting, camera.camera_frame)
+            other = owners.setdefault(rospy.resolve_name(topic), owner)
+            if other is not owner:
+                raise UserError('the topic {} is {} and {}'.format(topic, other, owner),
+                                'give each camera other topics: in a <gazebo> tag, another '
+                                '<cameraName>; as parameters, another ' + setting)
+
+
+class CameraTopics:
+    """Publishes the images of one camera, and what is true about them.
+
+    Topics, all with the same header: images (sensor_msgs/Image, rgb8), depths (sensor_msgs/Image,
+    32FC1, m; only of a depth camera) and for each of the two a sensor_msgs/CameraInfo.
+    """
+
+    def __init__(self, settings: CameraSettings, number: int):
+        """Advertise the topics; number: of the camera among those that are drawn."""
+        self._settings, self._number = settings, number
+        self.camera = Camera(settings.camera_width, settings.camera_height,
+                             settings.camera_horizontal_fov, settings.camera_near,
+                             settings.camera_far)
+        self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
+        self._images = ImagePublisher(settings.camera_image_topic)
+        self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo,
+                                       queue_size=_INFO_QUEUE_SIZE)]
+        self._depths = None
+        if settings.camera_depth_topic:
+            self._depths = ImagePublisher(settings.camera_depth_topic)
+            self._infos.append(rospy.Publisher(settings.camera_depth_info_topic, CameraInfo,
+                                               queue_size=_INFO_QUEUE_SIZE))
+
+    def is_wanted(self) -> bool:
+        """Return whether any of the topics has a subscriber."""
+        return (self._images.get_num_connections() > 0 or self._wants_depth()
+                or any(publisher.get_num_connections() > 0 for publisher in self._infos))
+
+    def _wants_depth(self) -> bool:
+        return self._depths is not None and self._depths.get_num_connections() > 0
+
+    def job(self, exposure: Exposure, time_s: float) -> Job:
+        """Return what is to be drawn of an exposure, and how it is published."""
+        shot = Shot(self._number, exposure.camera_pose, self._wants_depth())
+        return Job(shot, lambda drawn: self._publish(drawn, time_s))
+
+    def _publish(self, drawn: Drawn, time_s: float) -> None:
+        header = Header(stamp=robot_msgs.stamp_of(time_s),
+                        frame_id=self._settings.camera_optical_frame)
+        if self._noise is not None:
+            self._noise.add(drawn.image, round(time_s * 1e6))
+        self._images.publish(drawn.image, 'rgb8', header)
+        if self._depths is not None and drawn.depth is not None:
+            as_bytes = drawn.depth.view(np.uint8).reshape(*drawn.depth.shape, 4)
+            self._depths.publish(as_bytes, '32FC1', header)
+        info = self.info(header)
+        for publisher in self._infos:
+            publisher.publish(info)
+
+    def info(self, header: Header) -> CameraInfo:
+        """Return the intrinsic parameters: a camera without distortion."""
+        fx, fy, cx, cy = self.camera.intrinsics
+        return CameraInfo(
+            header=header, width=self.camera.width, height=self.camera.height,
+            distortion_model='plumb_bob', D=[0.0] * 5,
+            K=[fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0],
+            R=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+            P=[fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
+
+
+class RobotCameras:
+    """All cameras of a vehicle. A camera is used while one of its topics has a subscriber."""
+
+    def __init__(self, vehicle: Vehicle, names: Sequence[str], topics: Sequence[CameraTopics],
+                 drawing: Drawing):
+        """Connect the sensors `names` of a vehicle to topics, whose images `drawing` draws."""
+        self._vehicle, self._drawing = vehicle, drawing
+        self._topics = dict(zip(names, topics))
+
+    def __contains__(self, sensor: str) -> bool:
+        return sensor in self._topics
+
+    def update(self) -> None:
+        """Enable the cameras that are used; to be called by the loop before it simulates."""
+        for name, topics in self._topics.items():
+            is_wanted = topics.is_wanted()
+            if is_wanted:
+                self._drawing.start()
+            self._vehicle.set_sensor_enabled(name, is_wanted and self._drawing.is_ready)
+
+    def draw(self, readings: Iterable[Reading]) -> None:
+        """Draw what the cameras among the sensors have read; waits for earlier images."""
+        for _, same_time in itertools.groupby(
+                (each for each in readings if each.sensor in self._topics),
+                key=lambda each: each.time_s):
+            exposed = list(same_time)
+            self._drawing.submit([self._topics[each.sensor].job(each.value, each.time_s)
+                                  for each in exposed], exposed[0].value.poses,
+                                 exposed[0].time_s)
+
+
+def optical_transform(settings: CameraSettings) -> TransformStamped:
+    """Return the pose of the optical frame in the link of the camera, for /tf_static."""
+    optical = optical_frame(settings)
+    transform = TransformStamped(child_frame_id=settings.camera_optical_frame)
+    transform.header.frame_id = settings.camera_frame
+    transform.transform.translation = Vector3(*optical.translation)
+    transform.transform.rotation = Quaternion(*to_quaternion(optical.rotation))
+    return transform

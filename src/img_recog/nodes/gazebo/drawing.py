@@ -1,0 +1,171 @@
+"""Images that a separate process draws, and a thread publishes."""
+import math
+import threading
+import time
+from typing import Callable, List, NamedTuple, Optional, Sequence
+
+import numpy as np
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from img_recog.errors import one_line
+from img_recog.rendering.camera import Camera
+from img_recog.rendering import renderer
+from img_recog.rendering.process import (Drawn, DrawingError, DrawingProcess, ProcessEnded,
+                                         Shot)
+from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durations
+from img_recog.simulation.tiny_renderer import TinyRenderer
+from img_recog.visuals import VisualScene
+
+_POLL_PERIOD_S = 0.1
+_MAX_WAIT_S = 60.0          # for images or a scene; then the process hangs
+
+
+class Job(NamedTuple):
+    """An image to be drawn, and what to do with it: publish(drawn) is called in a thread."""
+
+    shot: Shot
+    publish: Callable[[Drawn], None]
+
+
+class Drawing:
+    """Draws jobs, one request at a time, in a process.
+
+    A process that dies after it has drawn is replaced by the next `start`.
+
+    `report` may be called in any thread, the other methods in that of the simulation.
+    """
+
+    def __init__(self, scene: VisualScene, poses: np.ndarray, cameras: Sequence[Camera]):
+        self._scene, self._poses, self._cameras = scene, poses, list(cameras)
+        self._process: Optional[DrawingProcess] = None
+        self._jobs: List[Job] = []
+        self._condition = threading.Condition()
+        self._is_ready = self._has_ended = self._is_busy = self._has_drawn = False
+        self._thread: Optional[threading.Thread] = None
+        self._make_extra_job: Optional[Callable[[float], Job]] = None
+        self._requested_s, self._problem = 0.0, ''
+        self._images, self._durations = Counter(), Durations()
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it can draw; False until the scene is loaded, and after an error."""
+        return self._is_ready and not self._has_ended
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a request is being drawn."""
+        return self._is_busy
+
+    def start(self) -> None:
+        """Start the process, which loads the scene; no effect if it is started."""
+        if self._process is None and not self._has_ended:
+            self._process = process = DrawingProcess(self._scene, self._poses, self._cameras,
+                                                     renderer.make, TinyRenderer)
+            self._has_drawn = False
+            self._thread = threading.Thread(target=self._run, args=(process,), name='drawing',
+                                            daemon=True)
+            self._thread.start()
+
+    def set_scene(self, scene: VisualScene, poses: np.ndarray) -> None:
+        """Draw another scene from now on; waits until earlier images are drawn."""
+        with self._condition:
+            self._scene, self._poses = scene, poses
+            if self._wait_idle() and self._process is not None:
+                self._jobs, self._is_busy = [], True
+                self._process.load(scene, poses)
+
+    def add_to_next(self, make_job: Callable[[float], Job]) -> None:
+        """Draw one more image with the next request; its time in s is the argument of make_job.
+
+        It replaces an earlier one that is not requested yet.
+        """
+        self._make_extra_job = make_job
+
+    def submit(self, jobs: Sequence[Job], poses: np.ndarray, time_s: float) -> None:
+        """Request images of all parts at `poses` (n, 7); waits until those before are drawn.
+
+        time_s: the simulated time of the poses.
+        """
+        make_job, self._make_extra_job = self._make_extra_job, None
+        with self._condition:
+            if not self._wait_idle() or self._process is None:
+                return
+            self._jobs = [*jobs, make_job(time_s)] if make_job is not None else list(jobs)
+            self._is_busy = True
+            self._requested_s = time.monotonic()
+            self._process.request([job.shot for job in self._jobs], poses)
+
+    def _wait_idle(self) -> bool:
+        """Wait until nothing is drawn; return whether there may be a next request."""
+        end_s = time.monotonic() + _MAX_WAIT_S
+        while self._is_busy and not rospy.is_shutdown():
+            if not self._condition.wait(_POLL_PERIOD_S) and time.monotonic() > end_s:
+                end_s = math.inf
+                if self._process is not None:
+                    self._process.kill()        # a defect of a driver, for example
+        return not self._has_ended and not rospy.is_shutdown()
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Add to a status what was drawn; to be called once in each period."""
+        add_counter(status, 'images', self._images)
+        add_durations(status, 'drawing', self._durations)
+        if self._problem:
+            status.mergeSummary(DiagnosticStatus.WARN, 'no more images: ' + self._problem)
+
+    def close(self) -> None:
+        """End the process."""
+        with self._condition:
+            self._has_ended = True
+            self._condition.notify_all()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _run(self, process: DrawingProcess) -> None:
+        try:
+            self._wait_ready(process)
+            while not self._has_ended:
+                self._take_answer(process)
+        except DrawingError as error:
+            if isinstance(error, ProcessEnded) and self._has_drawn:
+                rospy.logwarn('%s; it is started again', one_line(error))
+            else:
+                self._has_ended, self._problem = True, one_line(error)
+                rospy.logwarn('no more images: %s; the simulation goes on without them',
+                              self._problem)
+        finally:
+            process.close()
+            with self._condition:
+                self._process, self._is_ready, self._is_busy = None, False, False
+                self._condition.notify_all()
+
+    def _wait_ready(self, process: DrawingProcess) -> None:
+        while not self._has_ended:
+            if process.wait_ready(_POLL_PERIOD_S):
+                if process.fallback_reason:
+                    rospy.logwarn('images are drawn without shadows, and slowly: %s',
+                                  process.fallback_reason)
+                _warn_of_missing(process)
+                self._is_ready = True
+                return
+
+    def _take_answer(self, process: DrawingProcess) -> None:
+        drawn = process.answer(_POLL_PERIOD_S)
+        if drawn is None:
+            return
+        _warn_of_missing(process)
+        if drawn:
+            self._durations.add(time.monotonic() - self._requested_s)
+        with self._condition:
+            jobs, self._is_busy = self._jobs, False
+            self._condition.notify_all()
+        for job, image in zip(jobs, drawn):
+            self._has_drawn = True
+            job.publish(image)
+            self._images.add()
+
+
+def _warn_of_missing(process: DrawingProcess) -> None:
+    for reason in process.take_missing():
+        rospy.logwarn('not drawn: %s', reason)

@@ -1,0 +1,72 @@
+"""Refuses mesh files that PyBullet would read beyond their end, or report in lines of its own."""
+import os
+import struct
+from xml.parsers import expat
+
+from img_recog.errors import one_line
+from img_recog.simulation.settings import SimulationError
+
+_MAX_BYTES = 1 << 28            # 5 million triangles of a binary STL
+_STL_HEADER, _STL_TRIANGLE = 84, 50     # bytes; the header ends with the number of triangles
+
+
+class _Damaged(Exception):
+    """Why a file cannot be used."""
+
+
+def check(path: str) -> None:
+    """Raise SimulationError unless a mesh file is complete and not too large."""
+    advice = 'give a complete DAE, OBJ or binary STL file'
+    try:
+        size = os.path.getsize(path)
+        if size > _MAX_BYTES:
+            advice = 'give one with fewer triangles'
+            raise _Damaged('it has {} bytes, more than {}'.format(size, _MAX_BYTES))
+        _CHECKS.get(os.path.splitext(path)[1].lower(), lambda path: None)(path)
+    except (OSError, ValueError, expat.ExpatError, _Damaged) as error:
+        raise SimulationError('cannot read the mesh {}: {}'.format(path, one_line(error)), advice)
+
+
+def _check_stl(path: str) -> None:
+    with open(path, 'rb') as file:
+        content = file.read()
+    count = 0
+    if len(content) >= _STL_HEADER:
+        count, = struct.unpack_from('<I', content, _STL_HEADER - 4)
+    expected = _STL_HEADER + _STL_TRIANGLE * count
+    if len(content) != expected:
+        raise _Damaged('it is an ASCII STL, and PyBullet reads binary ones'
+                       if content.lstrip().startswith(b'solid') else
+                       'it has {} bytes, expected {} for {} triangles'.format(
+                           len(content), expected, count))
+
+
+def _check_obj(path: str) -> None:
+    count = highest = 0
+    with open(path, 'rb') as file:
+        for line in file:
+            words = line.split()
+            if words[:1] == [b'v']:
+                count += 1
+            elif words[:1] == [b'f']:
+                indices = [int(word.split(b'/')[0]) for word in words[1:]]
+                if min(indices, default=1) < -count:    # counted backward from here
+                    raise _Damaged('a face refers to vertex {} of {}'.format(min(indices), count))
+                if 0 in indices:
+                    raise _Damaged('a face refers to vertex 0, the first is 1')
+                highest = max([highest] + [abs(index) for index in indices])
+    if not 0 < highest <= count:
+        raise _Damaged('a face refers to vertex {} of {}'.format(highest, count) if highest
+                       else 'it has no face')
+
+
+def _check_dae(path: str) -> None:
+    def refuse(name, *_):
+        raise _Damaged('it has the entity {}'.format(name))
+    parser = expat.ParserCreate()
+    parser.EntityDeclHandler = refuse
+    with open(path, 'rb') as file:
+        parser.ParseFile(file)
+
+
+_CHECKS = {'.stl': _check_stl, '.obj': _check_obj, '.dae': _check_dae}

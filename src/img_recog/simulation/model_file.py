@@ -1,0 +1,64 @@
+"""Reads the text of a model that is added to a world while that is simulated."""
+import os
+import xml.etree.ElementTree as ElementTree
+from typing import List, Sequence, Tuple
+
+from img_recog.files import FindFile
+from img_recog.markup import MarkupError, parse_xml
+from img_recog.simulation import description, sdf_file, world_file
+from img_recog.simulation.geometry import IDENTITY
+from img_recog.simulation.sdf_models import Tree
+from img_recog.simulation.settings import SimulationError
+
+_NOWHERE = os.path.join(os.sep, 'model.sdf')        # a text has no folder
+_WORLD_LINK = 'world'       # a URDF whose root has that name is fixed to the world
+
+
+def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
+    """Return the trees of a model that is given as SDF or URDF, under a new name.
+
+    find: returns the path of a file or folder at a URI.
+    Raises SimulationError when it is neither, or something in it cannot be had.
+    """
+    try:
+        root = parse_xml(text)
+        if root.tag == 'robot':
+            trees, missing = _of_urdf(root, text, name, find)
+        elif root.tag == 'sdf':
+            trees, missing = _of_sdf(root, name, find)
+        else:
+            raise SimulationError('got the root element <{}>, expected <sdf> or <robot> (URDF)'
+                                  .format(root.tag))
+    except (MarkupError, SimulationError) as error:
+        raise SimulationError('model {}: {}'.format(name, error.problem), error.advice)
+    if missing:
+        raise SimulationError('model {}: not found, or not supported: {}'.format(
+            name, ', '.join(missing)), 'set GAZEBO_MODEL_PATH to the folders of the models')
+    return trees
+
+
+def _of_sdf(root: ElementTree.Element, name: str,
+            find: FindFile) -> Tuple[Sequence[Tree], Sequence[str]]:
+    models = root.findall('model') + root.findall('include')
+    if len(models) != 1:
+        raise SimulationError('got {} models, expected one <model> in <sdf>'.format(len(models)))
+    if models[0].tag == 'model':
+        models[0].set('name', name)
+    else:
+        for old in models[0].findall('name'):
+            models[0].remove(old)
+        ElementTree.SubElement(models[0], 'name').text = name
+    contents = sdf_file.read(root, _NOWHERE, find)
+    return contents.trees, contents.missing
+
+
+def _of_urdf(root: ElementTree.Element, text: str, name: str,
+             find: FindFile) -> Tuple[Sequence[Tree], Sequence[str]]:
+    children = {child.get('link') for child in root.findall('joint/child')}
+    if any(link.get('name') == _WORLD_LINK and _WORLD_LINK not in children
+           for link in root.findall('link')):
+        tree, missing = world_file.fixed_tree(root, name, find)
+        return [tree], missing
+    robot = description.parse(text, find)
+    uris: List[str] = ['mesh ' + uri for uri in robot.missing_meshes]
+    return [Tree(name, robot.urdf, IDENTITY, False)], uris

@@ -1,0 +1,205 @@
+"""The topics of a camera on the simulated robot."""
+import math
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import CameraInfo
+
+from img_recog.errors import UserError
+from img_recog.nodes.gazebo import camera_topics
+from img_recog.nodes.gazebo.camera_topics import CameraTopics, RobotCameras, optical_transform
+from img_recog.rendering.process import Drawn
+from img_recog.simulation.robot_camera import Exposure
+from img_recog.simulation.settings import CameraSettings
+from img_recog.simulation.vehicle import Reading
+
+SETTINGS = CameraSettings(camera_frame='camera_link', camera_width=32, camera_height=24,
+                          camera_horizontal_fov=1.0, camera_optical_frame='lens',
+                          camera_image_topic='eye/image_raw', camera_info_topic='eye/camera_info')
+DEPTH = dict(camera_depth_topic='eye/depth', camera_depth_info_topic='eye/depth_info')
+
+
+class FakePublisher:
+    """Takes what is published; `subscribers` is set by the test."""
+
+    made = {}
+
+    def __init__(self, topic, *_, **__):
+        self.sent, self.subscribers = [], 0
+        self.made[topic] = self
+
+    def get_num_connections(self):
+        return self.subscribers
+
+    def publish(self, *values):
+        self.sent.append(values)
+
+
+@pytest.fixture
+def publishers(monkeypatch):
+    """The publishers that are made, by topic."""
+    monkeypatch.setattr(FakePublisher, 'made', {})
+    monkeypatch.setattr(camera_topics, 'ImagePublisher', FakePublisher)
+    monkeypatch.setattr(camera_topics.rospy, 'Publisher', FakePublisher)
+    return FakePublisher.made
+
+
+def settings(**more):
+    return CameraSettings(**{**vars(SETTINGS), **more})
+
+
+def exposure(x=0.0):
+    pose = np.eye(4)
+    pose[0, 3] = x
+    return Exposure(pose, np.full((2, 7), x))
+
+
+def drawn(depth=False):
+    return Drawn(np.full((24, 32, 3), 7, np.uint8),
+                 np.full((24, 32), 1.5, np.float32) if depth else None)
+
+
+def test_an_image_and_its_info_have_one_header(publishers):
+    topics = CameraTopics(SETTINGS, 3)
+    assert set(publishers) == {'eye/image_raw', 'eye/camera_info'}
+    job = topics.job(exposure(5.0), 1.25)
+    assert (job.shot.camera, job.shot.depth) == (3, False) and job.shot.pose[0, 3] == 5.0
+    job.publish(drawn())
+    (image, encoding, header), = publishers['eye/image_raw'].sent
+    (info,), = publishers['eye/camera_info'].sent
+    assert image.shape == (24, 32, 3) and encoding == 'rgb8' and np.all(image == 7)
+    assert (header.frame_id, header.stamp.to_sec()) == ('lens', 1.25)
+    assert info.header is header
+
+
+def test_the_info_is_that_of_a_pinhole_camera(publishers):
+    info = CameraTopics(SETTINGS, 0).info(None)
+    assert isinstance(info, CameraInfo) and (info.width, info.height) == (32, 24)
+    focal = 16 / math.tan(0.5)
+    assert info.K == pytest.approx([focal, 0, 15.5, 0, focal, 11.5, 0, 0, 1])
+    assert info.P == pytest.approx([focal, 0, 15.5, 0, 0, focal, 11.5, 0, 0, 0, 1, 0])
+    assert info.R == [1, 0, 0, 0, 1, 0, 0, 0, 1]
+    assert (info.distortion_model, info.D) == ('plumb_bob', [0.0] * 5)
+
+
+@pytest.mark.parametrize('topic', ['eye/image_raw', 'eye/camera_info', 'eye/depth',
+                                   'eye/depth_info'])
+def test_a_subscriber_of_any_topic_wants_images(publishers, topic):
+    topics = CameraTopics(settings(**DEPTH), 0)
+    assert not topics.is_wanted()
+    publishers[topic].subscribers = 1
+    assert topics.is_wanted()
+    assert topics.job(exposure(), 0.0).shot.depth is (topic == 'eye/depth')
+
+
+def test_depths_are_published_as_floats(publishers):
+    topics = CameraTopics(settings(**DEPTH), 0)
+    publishers['eye/depth'].subscribers = 1
+    topics.job(exposure(), 2.0).publish(drawn(depth=True))
+    (image, encoding, header), = publishers['eye/depth'].sent
+    assert encoding == '32FC1' and image.shape == (24, 32, 4) and image.dtype == np.uint8
+    assert np.all(image.copy().view(np.float32) == 1.5)
+    assert publishers['eye/depth_info'].sent[0][0].header is header
+
+
+def test_noise_is_that_of_the_time(publishers):
+    topics = CameraTopics(settings(camera_noise=0.1), 0)
+    for time_s in (1.0, 2.0, 1.0):
+        topics.job(exposure(), time_s).publish(drawn())
+    first, second, again = (values[0] for values in publishers['eye/image_raw'].sent)
+    assert first.std() > 5 and np.array_equal(first, again) and not np.array_equal(first, second)
+
+
+class FakeDrawing:
+    """Takes requests."""
+
+    def __init__(self):
+        self.is_ready, self.is_started, self.requests = False, False, []
+
+    def start(self):
+        self.is_started = True
+
+    def submit(self, jobs, poses, time_s):
+        self.requests.append((jobs, poses, time_s))
+
+
+class FakeVehicle:
+    """Keeps which sensors are enabled."""
+
+    def __init__(self):
+        self.enabled = {}
+
+    def set_sensor_enabled(self, name, enabled):
+        self.enabled[name] = enabled
+
+
+@pytest.fixture
+def rig(publishers):
+    """Two cameras on a vehicle."""
+    other = settings(camera_image_topic='back/image_raw', camera_info_topic='back/camera_info')
+    vehicle, drawing = FakeVehicle(), FakeDrawing()
+    topics = [CameraTopics(SETTINGS, 1), CameraTopics(other, 2)]
+    return RobotCameras(vehicle, ['camera_0', 'camera_1'], topics, drawing), vehicle, drawing
+
+
+def test_a_camera_is_enabled_while_it_is_used_and_can_be_drawn(rig, publishers):
+    cameras, vehicle, drawing = rig
+    cameras.update()
+    assert vehicle.enabled == {'camera_0': False, 'camera_1': False} and not drawing.is_started
+    publishers['back/image_raw'].subscribers = 1
+    cameras.update()
+    assert drawing.is_started and not any(vehicle.enabled.values())
+    drawing.is_ready = True
+    cameras.update()
+    assert vehicle.enabled == {'camera_0': False, 'camera_1': True}
+    publishers['back/image_raw'].subscribers = 0
+    cameras.update()
+    assert not any(vehicle.enabled.values())
+
+
+def test_exposures_of_one_time_are_one_request(rig):
+    cameras, _, drawing = rig
+    assert 'camera_0' in cameras and 'scan' not in cameras
+    cameras.draw([Reading('r', 'odometry', 0.5, None), Reading('r', 'camera_0', 0.5, exposure(1)),
+                  Reading('r', 'camera_1', 0.5, exposure(1)),
+                  Reading('r', 'camera_0', 0.6, exposure(2))])
+    assert [[job.shot.camera for job in jobs] for jobs, *_ in drawing.requests] == [[1, 2], [1]]
+    assert [(poses[0, 0], time_s) for _, poses, time_s in drawing.requests] == [(1, 0.5), (2, 0.6)]
+    cameras.draw([])
+    assert len(drawing.requests) == 2
+
+
+def test_the_optical_frame_of_a_camera_that_looks_ahead():
+    transform = optical_transform(settings(camera_x=0.1, camera_z=0.2))
+    assert (transform.header.frame_id, transform.child_frame_id) == ('camera_link', 'lens')
+    place, turn = transform.transform.translation, transform.transform.rotation
+    assert (place.x, place.y, place.z) == pytest.approx((0.1, 0, 0.2))
+    assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx((-0.5, 0.5, -0.5, 0.5))
+
+
+def refusal(*cameras):
+    with pytest.raises(UserError) as error:
+        camera_topics.check(cameras)
+    assert '\n' not in str(error.value)
+    return str(error.value)
+
+
+def test_topics_of_two_cameras_must_differ():
+    second = settings(camera_frame='rear', camera_image_topic='rear/image_raw')
+    assert refusal(SETTINGS, second) == (
+        'the topic eye/camera_info is camera_info_topic of the camera on camera_link and '
+        'camera_info_topic of the camera on rear; give each camera other topics: in a <gazebo> '
+        'tag, another <cameraName>; as parameters, another camera_info_topic')
+    assert 'the topic /eye/image_raw is' in refusal(
+        SETTINGS, settings(camera_image_topic='/eye/image_raw', camera_info_topic='info'))
+    assert 'the topic eye/image_raw is camera_image_topic of the camera on camera_link and ' \
+        'camera_depth_topic' in refusal(settings(**{**DEPTH, 'camera_depth_topic':
+                                                    'eye/image_raw'}))
+    camera_topics.check([SETTINGS, settings(camera_image_topic='a', camera_info_topic='b',
+                                            **DEPTH)])
+
+
+@pytest.mark.parametrize('topic', ['a b', '1/a', 'eye//!', 'é'])
+def test_a_topic_needs_a_valid_name(topic):
+    assert 'camera_info_topic: got {!r}, allowed is a valid topic name'.format(topic) == refusal(
+        settings(camera_info_topic=topic))

@@ -1,0 +1,55 @@
+"""The text of a model that is added: SDF and URDF, and what is refused."""
+import pytest
+
+from img_recog.simulation import model_file
+from img_recog.simulation.settings import SimulationError
+
+LINK = '<link name="{}"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
+MASS = ('<inertial><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        '</inertial>')
+SDF = '<sdf version="1.6">{}</sdf>'
+MODEL = '<model name="old"><pose>1 2 3 0 0 0</pose><static>1</static><link name="l"/></model>'
+
+
+def nowhere(_):
+    return None
+
+
+def test_sdf_model_gets_the_name_and_keeps_its_pose():
+    tree, = model_file.read(SDF.format(MODEL), 'goal', nowhere)
+    assert (tree.name, tree.fixed, tree.pose.translation.tolist()) == ('goal', True, [1, 2, 3])
+
+
+def test_included_model_gets_the_name(tmp_path):
+    (tmp_path / 'model.sdf').write_text(SDF.format(MODEL))
+    text = SDF.format('<include><uri>model://old</uri><name>other</name></include>')
+    tree, = model_file.read(text, 'goal', lambda uri: str(tmp_path) if 'old' in uri else None)
+    assert (tree.name, tree.fixed) == ('goal', True)
+
+
+def test_urdf_can_move_unless_its_root_is_the_world():
+    post = LINK.format('post').replace('</link>', MASS + '</link>')
+    tree, = model_file.read('<robot name="r">{}</robot>'.format(post), 'post', nowhere)
+    assert (tree.name, tree.fixed) == ('post', False) and 'value="2.0"' in tree.urdf
+    text = ('<robot name="r"><link name="world"/>{}<joint name="j" type="fixed">'
+            '<parent link="world"/><child link="post"/></joint></robot>'.format(post))
+    tree, = model_file.read(text, 'post', nowhere)
+    assert (tree.name, tree.fixed) == ('post', True)
+
+
+@pytest.mark.parametrize('text, words', [
+    ('', 'model m: '), ('<sdf', 'model m: '),
+    ('<html/>', 'model m: got the root element <html>, expected <sdf> or <robot> (URDF)'),
+    (SDF.format(''), 'model m: got 0 models, expected one <model> in <sdf>'),
+    (SDF.format(MODEL * 2), 'model m: got 2 models, expected one <model> in <sdf>'),
+    (SDF.format('<include><uri>model://gone</uri></include>'),
+     'model m: not found, or not supported: model://gone; set GAZEBO_MODEL_PATH to'),
+    (SDF.format('<include><uri>https://a/b</uri></include>'), 'model m: it includes https://a/b'),
+    ('<robot name="r">{}</robot>'.format(LINK.format('l')),
+     'model m: link l can move but has no mass; add an <inertial>'),
+    ('<robot name="r"><link name="world"><visual><geometry><mesh filename="package://a/b.dae"/>'
+     '</geometry></visual></link></robot>', 'not supported: mesh package://a/b.dae')])
+def test_refusals_are_one_line(text, words):
+    with pytest.raises(SimulationError) as error:
+        model_file.read(text, 'm', nowhere)
+    assert words in str(error.value) and '\n' not in str(error.value)
