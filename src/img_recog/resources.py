@@ -50,7 +50,8 @@ def worlds() -> Dict[str, str]:
                  for name in os.listdir(folder) if name.endswith('.world')}
     except (rospkg.ResourceNotFound, OSError):
         pass
-    return {**found, DEFAULT_WORLD: _own_file('turtlebot3_world.urdf')}
+    return {**found, DEFAULT_WORLD: _own_file('turtlebot3_world.urdf'),
+            'color_posts': _own_file('color_posts.sdf')}
 
 
 def burger() -> str:

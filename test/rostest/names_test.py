@@ -42,7 +42,8 @@ ARROWS = {('/usb_cam', '/usb_cam/image_raw', '/color_extract'),
           ('/gazebo', '/joint_states', '/robot_state_publisher')}
 PARENTS = {'base_footprint': 'odom', 'base_link': 'base_footprint',
            'wheel_left_link': 'base_link', 'wheel_right_link': 'base_link',
-           'caster_back_link': 'base_link', 'imu_link': 'base_link', 'base_scan': 'base_link'}
+           'caster_back_link': 'base_link', 'imu_link': 'base_link', 'base_scan': 'base_link',
+           'camera_link': 'base_link'}
 # a status of each node, and a counter in it that increases
 COUNTERS = {'usb_cam: camera': 'frames',
             'color_extract: recognition': 'images processed',

@@ -89,11 +89,11 @@ def test_names_of_worlds(packages):
     for name in ('turtlebot3_house.world', 'turtlebot3_world.world', 'readme.txt'):
         (worlds / name).write_text('')
     found = resources.worlds()
-    assert set(found) == {'turtlebot3_house', 'turtlebot3_world'}
+    assert set(found) == {'color_posts', 'turtlebot3_house', 'turtlebot3_world'}
     assert found['turtlebot3_house'] == str(worlds / 'turtlebot3_house.world')
     assert found['turtlebot3_world'].endswith('/urdf/turtlebot3_world.urdf')
 
 
 def test_names_of_worlds_without_turtlebot3_gazebo(monkeypatch, tmp_path):
     monkeypatch.setattr(resources, '_packages', rospkg.RosPack([str(tmp_path)]))
-    assert set(resources.worlds()) == {'turtlebot3_world'}
+    assert set(resources.worlds()) == {'color_posts', 'turtlebot3_world'}

@@ -11,6 +11,7 @@ _TO_HSV = {'bgr8': cv2.COLOR_BGR2HSV, 'bgra8': cv2.COLOR_BGR2HSV,
            'rgb8': cv2.COLOR_RGB2HSV, 'rgba8': cv2.COLOR_RGB2HSV}
 _TO_BGR = {'bgra8': cv2.COLOR_BGRA2BGR, 'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR}
 ENCODINGS = tuple(_TO_HSV)
+_WHOLE = (0.0, 1.0)
 
 
 class ColorExtractor:
@@ -51,7 +52,8 @@ class ColorExtractor:
         if masks is None or masks.shape != (height, width):
             masks = self._computed_masks = Masks((height, width), self._settings.colors)
         masks.compute(part, _TO_HSV[encoding])
-        self._masks, self._areas_px = masks.masks, masks.areas_px
+        self._masks, self._areas_px = masks.masks, list(masks.areas_px)
+        self._drop_outside()
         if self._settings.min_blob_size > 1 and part.size:
             self._drop_small_blobs()
             self._areas_px = [cv2.countNonZero(mask) for mask in self._masks]
@@ -107,6 +109,19 @@ class ColorExtractor:
         if self._image.size:        # OpenCV rejects an image without pixels
             cv2.cvtColor(self._image, conversion, dst=bgr)
         return bgr
+
+    def _drop_outside(self) -> None:
+        """Remove the pixels outside of the rows and columns of a color."""
+        starts = [part.start for part in self._region]
+        for number, color in enumerate(self._settings.colors):
+            if (color.rows, color.columns) != (_WHOLE, _WHOLE):
+                (top, bottom), (left, right) = (
+                    [max(0, round(share * size) - start) for share in shares]
+                    for shares, size, start in zip((color.rows, color.columns),
+                                                   self._image.shape[:2], starts))
+                mask = self._masks[number]
+                mask[:top], mask[bottom:], mask[:, :left], mask[:, right:] = 0, 0, 0, 0
+                self._areas_px[number] = cv2.countNonZero(mask) if mask.size else 0
 
     def _drop_small_blobs(self) -> None:
         for mask in self._masks:

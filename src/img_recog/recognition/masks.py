@@ -1,6 +1,6 @@
 """Binary masks of color ranges, computed with few operations on few pixels."""
 import functools
-from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -30,25 +30,29 @@ class Masks:
     than cv2.inRange on three channels, and a test that two colors share runs once. The conversion
     to HSV takes most of the time, so only the pixels that need it are converted: a pixel with the
     saturation of a color has different values in its channels, and finding those pixels takes a
-    third of the time of the conversion.
+    third of the time of the conversion. A color that holds every pixel needs no conversion.
     """
 
     def __init__(self, shape: Tuple[int, int], colors: Sequence[Color]):
         self.shape = shape
         self.masks = [np.zeros(shape, np.uint8) for _ in colors]
         self.areas_px = [0] * len(colors)
-        plan = MaskPlan(colors)
-        bound = _chroma_bound(frozenset((color.saturation, color.value) for color in colors))
+        self._tested = [number for number, color in enumerate(colors) if list(_tests(color))]
+        self._full = [number for number in range(len(colors)) if number not in self._tested]
+        tested = [colors[number] for number in self._tested]
+        tested_masks = [self.masks[number] for number in self._tested]
+        plan = MaskPlan(tested)
+        bound = _chroma_bound(frozenset((color.saturation, color.value) for color in tested))
         height, width = shape
         rows = max(1, min(height, _STRIP_PX // max(1, width)))
         scratch = [np.empty((rows, width, 3), np.uint8)]
         scratch += [np.empty((rows, width), np.uint8) for _ in range(plan.first_mask - 1)]
         self._strips = []
-        for top in range(0, height if width else 0, rows):
+        for top in range(0, height if width and tested else 0, rows):
             strip = slice(top, min(height, top + rows))
             arrays = [array[:strip.stop - top] for array in scratch]
             self._strips.append((strip, _MaskStrip(
-                arrays + [mask[strip] for mask in self.masks], plan, bound)))
+                arrays + [mask[strip] for mask in tested_masks], plan, bound)))
 
     def compute(self, image: np.ndarray, conversion: int) -> None:
         """Compute the masks of an image.
@@ -57,7 +61,11 @@ class Masks:
         conversion: the code for cv2.cvtColor that converts it to HSV.
         """
         strip_areas_px = [strip.compute(image[rows], conversion) for rows, strip in self._strips]
-        self.areas_px = [sum(areas) for areas in zip(*strip_areas_px)] or [0] * len(self.masks)
+        for number, areas_px in zip(self._tested, zip(*strip_areas_px)):
+            self.areas_px[number] = sum(areas_px)
+        for number in self._full:
+            self.masks[number].fill(255)
+            self.areas_px[number] = self.masks[number].size
 
 
 class _MaskStrip:
@@ -125,19 +133,23 @@ class MaskPlan:
         results: Dict[Tuple[int, int, int], int] = {}       # of each test: index of its array
         results_of_colors = []
         for color in colors:
-            color_results = []
-            for channel, (low, high) in enumerate((color.hue, color.saturation, color.value)):
-                if low > 0 or high < _MAX_HSV[channel]:
-                    test = channel, low, high
-                    if test not in results:
-                        results[test] = _RESULTS + len(results)
-                        self.operations += _test_operations(
-                            _PLANES + channel, low, high, _MAX_HSV[channel], results[test])
-                    color_results.append(results[test])
-            results_of_colors.append(color_results)
+            for test in _tests(color):
+                if test not in results:
+                    results[test] = _RESULTS + len(results)
+                    channel, low, high = test
+                    self.operations += _test_operations(
+                        _PLANES + channel, low, high, _MAX_HSV[channel], results[test])
+            results_of_colors.append([results[test] for test in _tests(color)])
         self.first_mask = _RESULTS + max(1, len(results))
         for number, color_results in enumerate(results_of_colors):
             self.operations += _conjunction_operations(color_results, self.first_mask + number)
+
+
+def _tests(color: Color) -> Iterator[Tuple[int, int, int]]:
+    """Yield the channel and its lowest and highest value for each test that a color needs."""
+    for channel, (low, high) in enumerate((color.hue, color.saturation, color.value)):
+        if low > 0 or high < _MAX_HSV[channel]:
+            yield channel, low, high
 
 
 def _test_operations(plane: int, low: int, high: int, max_value: int,
@@ -161,8 +173,6 @@ def _test_operations(plane: int, low: int, high: int, max_value: int,
 
 def _conjunction_operations(inputs: Sequence[int], result: int) -> List[_Operation]:
     """Return the operations that compute where the results of all tests are nonzero."""
-    if not inputs:
-        return [lambda arrays: arrays[result].fill(255)]
     if len(inputs) == 1:
         return [lambda arrays: np.copyto(arrays[result], arrays[inputs[0]])]
     return [_and_operation(inputs[0], inputs[1], result),

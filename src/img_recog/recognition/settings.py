@@ -16,6 +16,8 @@ class Color(NamedTuple):
     wraps around through 0.
     area_limit_px: the command is published if more pixels than this are inside the range.
     linear_x in m/s, angular_z in rad/s: the command.
+    columns, rows: the part of the image in which pixels are counted, as shares of its width from 0
+    (left) to 1, and of its height from 0 (top) to 1.
     """
 
     name: str
@@ -25,6 +27,8 @@ class Color(NamedTuple):
     area_limit_px: int
     linear_x: float
     angular_z: float
+    columns: Tuple[float, float] = (0.0, 1.0)
+    rows: Tuple[float, float] = (0.0, 1.0)
 
     @property
     def middle_hue(self) -> int:
@@ -35,7 +39,7 @@ class Color(NamedTuple):
 
 
 _HUES = 180        # hues wrap around here
-_HUE, _LEVEL = between(0, 180), between(0, 255)
+_HUE, _LEVEL, _SHARE = between(0, 180), between(0, 255), between(0, 1)
 # parameters of each color: type, allowed values, description
 _PARTS: Dict[str, Tuple[type, Allowed, str]] = {
     'hue_min': (int, _HUE, 'lowest hue; if above hue_max, the range wraps around through 0'),
@@ -47,11 +51,16 @@ _PARTS: Dict[str, Tuple[type, Allowed, str]] = {
     'area_limit': (int, at_least(0), 'the command is published above this number of pixels'),
     'linear_x': (float, any_value(), 'command, m/s'),
     'angular_z': (float, any_value(), 'command, rad/s'),
+    'column_min': (float, _SHARE, 'pixels left of this part of the width do not count'),
+    'column_max': (float, _SHARE, 'pixels right of this part of the width do not count'),
+    'row_min': (float, _SHARE, 'pixels above this part of the height do not count'),
+    'row_max': (float, _SHARE, 'pixels below this part of the height do not count'),
 }
 # defaults of any other color: its command stops the robot
 _DEFAULTS: Mapping[str, Any] = {
     'saturation_min': 100, 'saturation_max': 255, 'value_min': 100, 'value_max': 255,
-    'area_limit': 1000, 'linear_x': 0.0, 'angular_z': 0.0}
+    'area_limit': 1000, 'linear_x': 0.0, 'angular_z': 0.0, 'column_min': 0.0, 'column_max': 1.0,
+    'row_min': 0.0, 'row_max': 1.0}
 # the article's numbers
 _ARTICLE_COLORS: Mapping[str, Mapping[str, Any]] = {
     'blue': {'hue_min': 50, 'hue_max': 150, 'linear_x': 10.0},
@@ -88,7 +97,7 @@ class RecognitionSettings(Settings):
     def __post_init__(self):
         super().__post_init__()
         for name in self.color_names:
-            for part in ('saturation', 'value'):
+            for part in ('saturation', 'value', 'column', 'row'):
                 low, high = ('{}_{}_{}'.format(name, part, end) for end in ('min', 'max'))
                 if getattr(self, low) > getattr(self, high):
                     raise SettingError(low, getattr(self, low), 'at most {}, which is {}'.format(
@@ -112,7 +121,9 @@ class RecognitionSettings(Settings):
         return Color(name, (values['hue_min'], values['hue_max']),
                      (values['saturation_min'], values['saturation_max']),
                      (values['value_min'], values['value_max']),
-                     values['area_limit'], values['linear_x'], values['angular_z'])
+                     values['area_limit'], values['linear_x'], values['angular_z'],
+                     (values['column_min'], values['column_max']),
+                     (values['row_min'], values['row_max']))
 
 
 def with_colors(names: Iterable[str] = DEFAULT_COLORS) -> Type[RecognitionSettings]:

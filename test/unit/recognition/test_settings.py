@@ -37,6 +37,9 @@ def test_replacing_a_field_leaves_the_original_unchanged():
     ({'blue_hue_max': 181}, 'blue_hue_max: got 181, allowed is a whole number from 0 to 180'),
     ({'red_value_max': 256}, 'red_value_max: got 256, allowed is a whole number from 0 to 255'),
     ({'red_value_min': 1.5}, 'red_value_min: got 1.5, allowed is a whole number from 0 to 255'),
+    ({'red_row_min': 0.6, 'red_row_max': 0.5},
+     'red_row_min: got 0.6, allowed is at most red_row_max, which is 0.5'),
+    ({'red_column_max': 1.5}, 'red_column_max: got 1.5, allowed is a finite number from 0 to 1'),
     ({'blue_saturation_min': 200, 'blue_saturation_max': 150},
      'blue_saturation_min: got 200, allowed is at most blue_saturation_max, which is 150'),
     ({'red_value_max': 149}, 'red_value_min: got 150, allowed is at most red_value_max, which is '

@@ -158,8 +158,8 @@ def test_bars_have_the_color_of_their_hue():
     assert np.abs(hues[hues.shape[0] // 2, column] - bar).max() < 12
 
 
-@pytest.mark.parametrize('settings', [ARTICLE, FIVE], ids=['article', 'five'])
-@pytest.mark.parametrize('shape', [(1, 1, 3), (1, 3000, 3), (3000, 2, 3), (1080, 1920, 3)])
+@pytest.mark.parametrize('shape, settings', [
+    ((1, 1, 3), FIVE), ((1, 3000, 3), ARTICLE), ((3000, 2, 3), FIVE), ((1080, 1920, 3), ARTICLE)])
 def test_images_of_any_size(shape, settings):
     figure, areas_px = tuning_picture.draw(noise(2, shape), settings)
     assert rendered(figure).shape[1] == 1200

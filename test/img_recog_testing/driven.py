@@ -1,0 +1,60 @@
+"""What a robot that drives by its camera sees and does, recorded for the rostests."""
+import math
+
+import rospy
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan, PointCloud
+
+from img_recog_testing.recording import Recorder, from_node, wait_for
+
+START = -2.0, -0.5
+
+
+class Robot:
+    """Records the odometry, the scans, the areas of colors and the commands for them."""
+
+    def __init__(self):
+        self.odometry = Recorder('/odom', Odometry)
+        self.scans = Recorder('/scan', LaserScan)
+        self.detections = Recorder('/color_detection', PointCloud)
+        self.commands = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
+        for recorder in (self.odometry, self.scans, self.detections):
+            recorder.wait()
+        self.commands.wait_connected('/color_extract')
+
+    def wait_start(self, reset):
+        """Call `reset`, which moves the robot to its start; forget what was before."""
+        reset()
+        wait_for(lambda: math.dist(place(self.odometry.wait()[-1]), START) < 0.05,
+                 'the robot at its start')
+        now = self.odometry.messages[-1].header.stamp
+        for recorder in (self.odometry, self.scans, self.detections):
+            recorder.messages = [msg for msg in recorder.messages if msg.header.stamp >= now]
+        self.commands.messages = []
+
+    def areas(self, color):
+        """Return the stamp and the area in pixels of a color, of each image."""
+        return [(msg.header.stamp.to_sec(), channel.values[number])
+                for msg in list(self.detections.messages)
+                for number, channel in enumerate(msg.channels) if channel.name == color]
+
+    def rests(self, seconds):
+        """Return whether the robot has stood for so long, in simulated time."""
+        messages = list(self.odometry.messages)
+        last = messages[-1].header.stamp
+        if last - messages[0].header.stamp < rospy.Duration(seconds):
+            return False
+        return all(math.dist(place(msg), place(messages[-1])) < 0.002
+                   and abs(yaw(msg) - yaw(messages[-1])) < 0.005 for msg in reversed(messages)
+                   if last - msg.header.stamp < rospy.Duration(seconds))
+
+
+def place(msg):
+    """Return x and y of an odometry."""
+    return msg.pose.pose.position.x, msg.pose.pose.position.y
+
+
+def yaw(msg):
+    """Return the heading of an odometry."""
+    return 2 * math.atan2(msg.pose.pose.orientation.z, msg.pose.pose.orientation.w)
