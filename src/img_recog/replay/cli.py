@@ -7,12 +7,23 @@ from img_recog import resources, still_images
 from img_recog.errors import UserError
 from img_recog.replay.inputs import DEFAULT_TOPICS
 from img_recog.settings import SettingError
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.simulation.assembly import Assembly
+from img_recog.simulation.settings import CameraSettings, SpawnSettings
+
+_MAX_SECONDS = 1e6
+_CAMERA_LINK, _CAMERA_FRAME = 'camera_link', 'head_camera'     # those of the demo
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Return the options: those below, and the input and the initial pose."""
-    return _parser().parse_args(arguments)
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    if bool(options.input) == bool(options.camera):
+        parser.error('give VIDEO_OR_BAG or --camera robot')
+    if not 0 < options.seconds <= _MAX_SECONDS:
+        parser.error('argument --seconds: got {:g}, allowed is more than 0 and at most {:g}'
+                     .format(options.seconds, _MAX_SECONDS))
+    return options
 
 
 def world_name(name: str) -> str:
@@ -30,14 +41,33 @@ def spawn_settings(options: argparse.Namespace) -> SpawnSettings:
             error.name.replace('_', '-'), error.got, error.allowed))
 
 
+def camera_settings(built: Assembly) -> CameraSettings:
+    """Return the camera of the robot: the first in its URDF, else one on its link camera_link.
+
+    Raises UserError if it has neither.
+    """
+    if built.cameras[0]:
+        return built.cameras[0][0]
+    if built.simulator.vehicles[0].robot.has_frame(_CAMERA_LINK):
+        return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)
+    raise UserError('--camera robot: the robot has no camera: neither a <sensor type="camera"> in '
+                    'its URDF nor a link ' + _CAMERA_LINK, 'add one of them, or set --urdf to a '
+                    'robot that has one')
+
+
 def _parser() -> argparse.ArgumentParser:
     spawn = SpawnSettings()
     parser = argparse.ArgumentParser(
         prog='replay.py', description='Run a video or a bag through the color recognition '
         'and the simulated robot, as fast as possible and without a ROS master; write the result '
         'as a bag, a table (CSV) and a picture (PNG).', allow_abbrev=False)
-    parser.add_argument('input', metavar='VIDEO_OR_BAG',
+    parser.add_argument('input', metavar='VIDEO_OR_BAG', nargs='?', default='',
                         help='a video file, or a bag with images')
+    parser.add_argument('--camera', choices=['robot'], default='',
+                        help='robot: instead of a video, the images of a camera on the robot, '
+                        'which moves by what it sees')
+    parser.add_argument('--seconds', type=float, default=60.0,
+                        help='simulated time with --camera (default: %(default)s)')
     parser.add_argument('--topic', default='', help='topic of the images in a bag (default: {}, '
                         'or the only topic with images)'.format(' or '.join(DEFAULT_TOPICS)))
     still_images.add_option(parser)
@@ -50,8 +80,8 @@ def _parser() -> argparse.ArgumentParser:
                         help='do not send the zeros of the idle teleop: each command holds until '
                         'the next one')
     parser.add_argument('--world', default=resources.DEFAULT_WORLD,
-                        help='turtlebot3_world, empty, a world of turtlebot3_gazebo, or a URDF or '
-                        'SDF file (default: %(default)s)')
+                        help='turtlebot3_world, color_posts, empty, a world of turtlebot3_gazebo, '
+                        'or a URDF or SDF file (default: %(default)s)')
     parser.add_argument('--allow-partial-world', action='store_true',
                         help='load a world without what is not found of it')
     parser.add_argument('--urdf', default=resources.burger(),

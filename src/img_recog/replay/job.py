@@ -21,17 +21,19 @@ from img_recog.replay.painter import Painter
 from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder
 from img_recog.replay.signals import Interrupts
+from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.body import Motion
 from img_recog.simulation.footprints import footprints
 
 if TYPE_CHECKING:
     from img_recog.replay.bags import BagFrames
+    from img_recog.replay.robot_frames import RobotFrames
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
 _PREFETCHED_FRAMES = 8
 _LOG_FATAL, _FFMPEG_QUIET = 1, -8       # LOG_LEVEL_FATAL of OpenCV, AV_LOG_QUIET of ffmpeg
 _log = logging.getLogger('replay.py')
-Frames = Union[VideoFrames, 'BagFrames']
+Frames = Union[VideoFrames, 'BagFrames', 'RobotFrames']
 
 
 def main(painter: Painter, begin_s: float) -> int:
@@ -71,13 +73,15 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     interrupts: handles the signals that end the program.
     Raises UserError if it is not possible; no file is written then.
     """
-    frames = _open_input(os.path.expanduser(options.input), options.topic,
-                         options.max_image_pixels)
+    recording = None if options.camera else _open_input(
+        os.path.expanduser(options.input), options.topic, options.max_image_pixels)
     settings = _recognition_settings(options.colors)
-    paths = files.output_paths(os.path.expanduser(options.input),
-                               os.path.expanduser(options.output), _EXTENSIONS)
-    simulator = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
-                               cli.spawn_settings(options), options.allow_partial_world)
+    name = os.path.expanduser(options.input) or 'robot_in_' + os.path.basename(options.world)
+    paths = files.output_paths(name, os.path.expanduser(options.output), _EXTENSIONS)
+    built = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
+                           cli.spawn_settings(options), options.allow_partial_world)
+    frames = recording or _robot_frames(built, options)
+    simulator = built.simulator
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file):
@@ -86,15 +90,16 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
         table = TableRecorder(text, settings.color_names)
         start_s = time.perf_counter()
+        chain = Chain(simulator, settings, options.teleop, [bag, table, plot])
         with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
-            progress = tqdm(prefetch(measure(frames, settings), _PREFETCHED_FRAMES),
-                            unit=' frames', total=frames.expected or None, disable=None)
+            progress = tqdm(_measurements(frames, settings, chain), unit=' frames',
+                            total=frames.expected or None, disable=None)
         with progress:
-            end_ns = _run(Chain(simulator, settings, options.teleop, [bag, table, plot]),
-                          progress, frames)
+            end_ns = _run(chain, progress, frames)
         loop_s = time.perf_counter() - start_s
         painter.begin('Replay of {}, {} frames, in the world {}'.format(
-            os.path.basename(options.input), plot.frames, os.path.basename(options.world)),
+            os.path.basename(options.input) or "the robot's camera", plot.frames,
+            os.path.basename(options.world)),
                       plot.data(end_ns / SECOND_NS, footprints(simulator.world)))
         bag.close()
         text.flush()
@@ -103,6 +108,21 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         _log.warning('%s', warning)
     whole_s = time.perf_counter() - begin_s
     return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.motion(), paths)
+
+
+def _robot_frames(built: Assembly, options: argparse.Namespace) -> 'RobotFrames':
+    # imported here because loading OpenGL and trimesh takes time
+    from img_recog.replay.robot_frames import RobotFrames
+    return RobotFrames(built, cli.camera_settings(built), options.seconds)
+
+
+def _measurements(frames: Frames, settings: RecognitionSettings,
+                  chain: Chain) -> Iterable[FrameMeasurement]:
+    """Return the measurements of the frames, those of a recording ahead of the chain."""
+    if hasattr(frames, 'follow'):
+        frames.follow(chain.simulate_until)
+        return measure(frames, settings)
+    return prefetch(measure(frames, settings), _PREFETCHED_FRAMES)
 
 
 def _run(chain: Chain, measurements: Iterable[FrameMeasurement], frames: Frames) -> int:

@@ -4,16 +4,16 @@ import logging
 
 from img_recog import resources, robot_file
 from img_recog.simulation import assembly, world_file
+from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
-from img_recog.simulation.simulator import Simulator
 
 _log = logging.getLogger(__name__)
 _UNUSED_SENSORS = ('imu', 'scan')
 
 
 def build(world: str, urdf_path: str, spawn: SpawnSettings,
-          allow_partial_world: bool = False) -> Simulator:
-    """Return the simulator of a robot in a world, both as in the demo.
+          allow_partial_world: bool = False) -> Assembly:
+    """Return a robot in a world, both as in the demo.
 
     world, urdf_path, allow_partial_world: like the launch arguments. Logs the warnings.
     Raises UserError when something cannot be read or built.
@@ -26,7 +26,7 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     built = assembly.build(physics, file, [(robot, settings)], _UNUSED_SENSORS, _option)
     for warning in robot.warnings + built.warnings:
         _log.warning('%s', warning)
-    return built.simulator
+    return built
 
 
 def _option(setting: str) -> str:

@@ -56,7 +56,8 @@ def test_defaults_of_the_options():
     assert options == {
         'input': 'a.bag', 'topic': '', 'colors': '', 'output': '', 'teleop': True,
         'world': 'turtlebot3_world', 'urdf': resources.burger(), 'x_pos': -2.0, 'y_pos': -0.5,
-        'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000, 'allow_partial_world': False}
+        'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000, 'allow_partial_world': False,
+        'camera': '', 'seconds': 60.0}
 
 
 def test_all_options():
@@ -66,13 +67,18 @@ def test_all_options():
     assert options == {
         'input': 'a.bag', 'topic': 't', 'colors': 'c', 'output': 'o', 'teleop': False,
         'world': 'w', 'urdf': 'u', 'x_pos': 1.0, 'y_pos': 2.0, 'z_pos': 3.0, 'yaw': 0.5,
-        'max_image_pixels': 9, 'allow_partial_world': True}
+        'max_image_pixels': 9, 'allow_partial_world': True, 'camera': '', 'seconds': 60.0}
     assert cli.spawn_settings(cli.parse(['a', '--x-pos', '1', '--yaw', '2'])) == SpawnSettings(
         1.0, -0.5, 0.0, 2.0)
 
 
 @pytest.mark.parametrize('arguments, words', [
-    ([], 'VIDEO_OR_BAG'), (['a', '--outp', 'b'], 'unrecognized arguments: --outp'),
+    ([], 'give VIDEO_OR_BAG or --camera robot'),
+    (['a', '--camera', 'robot'], 'give VIDEO_OR_BAG or --camera robot'),
+    (['--camera', 'usb'], "argument --camera: invalid choice: 'usb'"),
+    (['--camera', 'robot', '--seconds', '0'],
+     'argument --seconds: got 0, allowed is more than 0'),
+    (['a', '--outp', 'b'], 'unrecognized arguments: --outp'),
     (['a', '--x-pos', 'b'], "argument --x-pos: invalid float value: 'b'"),
     (['a', '--yaw'], 'argument --yaw: expected one argument')])
 def test_options_that_are_refused(capsys, arguments, words):

@@ -24,7 +24,7 @@ def robot_file(tmp_path):
 
 
 def build(path, world='empty', **spawn):
-    return scenario.build(world, path, SpawnSettings(**spawn))
+    return scenario.build(world, path, SpawnSettings(**spawn)).simulator
 
 
 def test_the_demos_robot_in_the_demos_world(caplog):

@@ -1,0 +1,71 @@
+"""The frames of a camera on the simulated robot: what it sees depends on the commands before."""
+import logging
+from typing import Any, Callable, Iterator, List
+
+import genpy
+from std_msgs.msg import Header
+
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.noise import PixelNoise
+from img_recog.rendering import renderer
+from img_recog.replay.chain import SECOND_NS, Frame
+from img_recog.simulation import visual_scene
+from img_recog.simulation.assembly import Assembly
+from img_recog.simulation.robot_camera import RobotCamera
+from img_recog.simulation.settings import CameraSettings, nearest_period
+from img_recog.simulation.tiny_renderer import TinyRenderer
+from img_recog.simulation.visual_scene import Parts
+
+_log = logging.getLogger(__name__)
+
+
+class RobotFrames:
+    """Draws a frame in each period of the camera, when the simulation has come to its time.
+
+    expected: the number of frames; period_ns: time between two frames; warnings: messages for the
+    user.
+    """
+
+    def __init__(self, built: Assembly, settings: CameraSettings, seconds: float):
+        """Load the scene; UserError when it cannot be drawn or the robot has no such link."""
+        self._parts = Parts(built.simulator)
+        self._camera = Camera(settings.camera_width, settings.camera_height,
+                              settings.camera_horizontal_fov, settings.camera_near,
+                              settings.camera_far)
+        vehicle = built.simulator.vehicles[0]
+        self._sensor = RobotCamera(vehicle.robot, settings, self._parts.poses)
+        self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
+        self._frame_id = settings.camera_optical_frame
+        step_s = built.simulator.world.step_s
+        self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
+        self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
+        self.warnings: List[str] = []
+        self._renderer = _make_renderer()
+        for reason in self._renderer.load(visual_scene.read(built.scene, self._parts),
+                                          self._parts.poses()):
+            _log.warning('not drawn: %s', reason)
+        self._simulate_until: Callable[[int], None] = lambda time_ns: None
+
+    def follow(self, simulate_until: Callable[[int], None]) -> None:
+        """Set the function that simulates until a time in ns; to be called before iterating."""
+        self._simulate_until = simulate_until
+
+    def __iter__(self) -> Iterator[Frame]:
+        """Yield all frames."""
+        for number in range(self.expected):
+            stamp_ns = number * self.period_ns
+            self._simulate_until(stamp_ns)
+            exposure = self._sensor.read()
+            image = self._renderer.draw(self._camera, exposure.camera_pose, exposure.poses)
+            if self._noise is not None:
+                self._noise.add(image, number)
+            header = Header(seq=number, stamp=genpy.Time(nsecs=stamp_ns), frame_id=self._frame_id)
+            yield Frame(number, stamp_ns, header, image, 'rgb8')
+
+
+def _make_renderer() -> Any:
+    try:
+        return renderer.make()
+    except renderer.OpenGLError as error:
+        _log.warning('images are drawn without shadows, and slowly: %s', error)
+        return TinyRenderer()

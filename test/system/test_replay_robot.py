@@ -1,0 +1,87 @@
+"""replay.py --camera robot as a user runs it: the loop from vision to motion, without a master."""
+import csv
+import os
+import re
+
+import cv2
+import pytest
+
+ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+FOLLOW = os.path.join(ROOT, 'config', 'follow.yaml')
+BURGER = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
+FILES = ['robot_in_color_posts.replay' + extension for extension in ('.bag', '.csv', '.png')]
+TAG = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera><image>'
+       '<width>160</width><height>120</height></image></camera>'
+       '<plugin name="p" filename="libgazebo_ros_camera.so"><updateRate>10</updateRate>'
+       '<frameName>eye_optical</frameName></plugin></sensor></gazebo>')
+
+
+@pytest.fixture
+def replay(ros, tmp_path):
+    """A function that runs replay.py --camera robot; there is no master. It returns its line."""
+    def run(*arguments):
+        process = ros.start('rosrun', 'img_recog', 'replay.py', '--camera', 'robot', '--world',
+                            'color_posts', *arguments, cwd=str(tmp_path),
+                            env=dict(ros.env, HOME=str(tmp_path), PWD=str(tmp_path)))
+        assert process.wait() == 0, process.output
+        line, = (line for line in process.output.splitlines()
+                 if not line.startswith('pybullet build time'))
+        return line
+    return run
+
+
+def contents(folder):
+    return {name: (folder / name).read_bytes() for name in sorted(os.listdir(str(folder)))
+            if '.replay.' in name}
+
+
+def rows(folder):
+    with open(str(folder / FILES[1])) as file:
+        return list(csv.DictReader(file))
+
+
+def without_durations(line):
+    """Return a summary without how long it took."""
+    short = re.sub(r'simulated in .* world and plot\)', 'simulated', line)
+    assert short != line
+    return short
+
+
+@pytest.mark.parametrize('colors', [[], ['--colors', FOLLOW]])
+def test_two_runs_write_the_same_bytes(replay, tmp_path, colors):
+    line = replay('--seconds', '3', *colors)
+    first = contents(tmp_path)
+    assert list(first) == FILES
+    assert line.startswith('91 frames, 3.003 s simulated in ')
+    assert without_durations(replay('--seconds', '3', *colors)) == without_durations(line)
+    assert contents(tmp_path) == first
+
+
+def test_the_article_colors_drive_to_blue(replay, tmp_path, ros):
+    line = replay('--seconds', '6')
+    found = rows(tmp_path)
+    blue = [int(row['blue_px']) for row in found]
+    seen = next(number for number, area in enumerate(blue) if area <= 1000)
+    assert seen > 60 and max(blue) > 4 * blue[0] > 4000 and blue[-1] == 0
+    assert {row['commands_linear_x_m_per_s'] for row in found[:seen]} == {'10.0'}
+    assert {row['commands_linear_x_m_per_s'] for row in found[seen:]} == {''}
+    assert float(found[0]['x_m']) == -2.0 and -0.4 < float(found[seen]['x_m']) < 0.3
+    assert float(found[-1]['linear_x_m_per_s']) == pytest.approx(0.0, abs=0.01)
+    assert 'ends at x {:.3f} m'.format(float(found[-1]['x_m'])) in line
+    assert cv2.imread(str(tmp_path / FILES[2])).shape == (900, 1400, 3)
+    info = ros.run('rosbag', 'info', str(tmp_path / FILES[0]))
+    assert re.search(r'color_detection +182 msgs', info), info
+
+
+def test_a_robot_with_a_camera_tag_follows(replay, tmp_path):
+    with open(BURGER) as file:
+        (tmp_path / 'robot.urdf').write_text(file.read().replace('</robot>', TAG + '</robot>'))
+    line = replay('--seconds', '16', '--colors', FOLLOW, '--urdf', 'robot.urdf')
+    assert line.startswith('160 frames, 16.000 s simulated in ')
+    found = rows(tmp_path)
+    assert max(int(row['ahead_px']) for row in found) < 19200
+    assert {row['search_px'] for row in found} == {'19200'}
+    # half a meter before the post at 0.5, -0.15
+    assert -0.2 < float(found[-1]['x_m']) < 0.05
+    assert float(found[-1]['linear_x_m_per_s']) == pytest.approx(0.0, abs=0.01)
+    assert found[-1]['commands_angular_z_rad_per_s'].split()[-1] == '0.0'
