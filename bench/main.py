@@ -3,14 +3,15 @@ import json
 import sys
 
 import camera
+import drawing
 import recognition
+import robot_camera
 import simulator
+import transport
 from tqdm import tqdm
 
-import transport
-
-BENCHMARKS = {'simulator': simulator, 'camera': camera, 'recognition': recognition,
-              'transport': transport}
+BENCHMARKS = {'simulator': simulator, 'drawing': drawing, 'robot_camera': robot_camera,
+              'camera': camera, 'recognition': recognition, 'transport': transport}
 
 
 def main() -> int:

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from typing import Dict, Optional
+from typing import Dict, List, Optional
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 _START_TIMEOUT_S = 60.0
@@ -15,7 +15,10 @@ _POLL = threading.Event()
 
 
 class Master:
-    """A context manager: a master on a free port, and the nodes that are started with it."""
+    """A context manager: a master on a free port, and the nodes that are started with it.
+
+    env: of what uses this master; pid: of roscore.
+    """
 
     def __init__(self):
         with socket.socket() as probe:
@@ -24,7 +27,7 @@ class Master:
         self.env = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:{}'.format(port),
                         ROS_HOSTNAME='localhost')
         self._processes = []
-        self.start('roscore', '-p', str(port))
+        self.pid = self.start('roscore', '-p', str(port)).pid
 
     def __enter__(self) -> 'Master':
         wait_for(lambda: self._call('rosparam', 'list') == 0, 'the master')
@@ -75,6 +78,23 @@ def run_script(name: str, *arguments, env: Optional[Dict[str, str]] = None):
     output = subprocess.run(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                             check=True).stdout
     return json.loads(output.decode().splitlines()[-1])
+
+
+def descendants(*pids: int) -> List[int]:
+    """Return the ids of processes and of all their descendants."""
+    children: Dict[int, List[int]] = {}
+    for name in filter(str.isdigit, os.listdir('/proc')):
+        try:
+            with open('/proc/{}/stat'.format(name)) as file:
+                # PID (NAME) STATE PARENT ...; the name may contain spaces and brackets
+                parent = int(file.read().rpartition(')')[2].split()[1])
+        except OSError:         # the process has ended meanwhile
+            continue
+        children.setdefault(parent, []).append(int(name))
+    found = list(pids)
+    for pid in found:
+        found += children.get(pid, [])
+    return found
 
 
 def cpu_s(pid: int) -> float:
