@@ -5,6 +5,11 @@ import numpy as np
 
 Color = Tuple[float, float, float, float]
 
+GREY: Color = (0.7, 0.7, 0.7, 1.0)      # of what has no material
+# from the frame of a camera body (x forward, y to the left, z up) to OpenGL's (x right, y up,
+# z backward)
+BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
+
 BOX, CYLINDER, SPHERE, PLANE, MESH = 'box', 'cylinder', 'sphere', 'plane', 'mesh'
 
 
@@ -26,7 +31,7 @@ class Material(NamedTuple):
     texture: '' for none.
     """
 
-    color: Color
+    color: Color = GREY
     texture: str = ''
 
 

@@ -4,11 +4,9 @@ from typing import Sequence, Union
 
 import numpy as np
 
-Vector = Union[Sequence[float], np.ndarray]
+from img_recog.visuals import BODY_TO_OPENGL
 
-# from the frame of a camera body (x forward, y to the left, z up) to OpenGL's (x right, y up,
-# z backward)
-_BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
+Vector = Union[Sequence[float], np.ndarray]
 
 
 def from_poses(poses: np.ndarray) -> np.ndarray:
@@ -42,7 +40,7 @@ def view(camera_pose: np.ndarray) -> np.ndarray:
 
     camera_pose (4, 4): of the camera body, which looks along its x axis, in the world.
     """
-    return _BODY_TO_OPENGL @ inverse(camera_pose)
+    return BODY_TO_OPENGL @ inverse(camera_pose)
 
 
 def perspective(slope_x: float, slope_y: float, near: float, far: float) -> np.ndarray:

@@ -8,13 +8,12 @@ import trimesh
 
 from img_recog.errors import UserError, one_line
 from img_recog.rendering.mesh_images import MeshImages
-from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Color, Shape
+from img_recog.visuals import BOX, CYLINDER, GREY, MESH, PLANE, SPHERE, Color, Shape
 
 _SECTIONS = 48              # of a full circle
 # of a mesh file; a triangle takes 300 bytes while it is read, and 108 when it is drawn
 _MAX_BYTES, _MAX_TRIANGLES = 1 << 28, 3_000_000
 _MAX_POSITION = 1e9
-GREY: Color = (0.7, 0.7, 0.7, 1.0)
 
 
 class Triangles(NamedTuple):

@@ -6,7 +6,7 @@ from typing import List
 
 from img_recog.files import FindFile
 from img_recog.simulation import materials
-from img_recog.simulation.materials import Material
+from img_recog.visuals import Material
 
 # In a URDF, a <material> is that of a mesh whose file has none, like in RViz; Gazebo 11 ignores
 # it. A material of an SDF or of a <gazebo> tag replaces that of the file; it has this attribute.

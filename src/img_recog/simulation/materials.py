@@ -2,14 +2,12 @@
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, Optional, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.simulation.numbers import read_numbers
+from img_recog.visuals import GREY, Color, Material
 
-Color = Tuple[float, float, float, float]
-
-GREY: Color = (0.7, 0.7, 0.7, 1.0)      # of a visual without a material
 _AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene>
 _MAX_SCRIPT_BYTES = 1 << 20
 _GAZEBO = 'Gazebo/'
@@ -33,13 +31,6 @@ _NAMED: Dict[str, Sequence[float]] = {
 # the mean color of the texture that Gazebo has for it
 _TEXTURED: Dict[str, Sequence[float]] = {
     'Bricks': (0.56, 0.38, 0.37), 'Wood': (0.74, 0.65, 0.64), 'WoodPallet': (0.54, 0.38, 0.18)}
-
-
-class Material(NamedTuple):
-    """A color (red, green, blue, opacity; 0 to 1), and the path of a texture or ''."""
-
-    color: Color = GREY
-    texture: str = ''
 
 
 def named(name: str) -> Optional[Material]:

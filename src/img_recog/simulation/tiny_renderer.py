@@ -7,15 +7,11 @@ import pybullet
 
 from img_recog.simulation.geometry import Transform, to_quaternion
 from img_recog.simulation.loading import connect
-from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape, Visual,
-                               VisualScene)
+from img_recog.visuals import (BODY_TO_OPENGL, BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape,
+                               Visual, VisualScene)
 
 _PLANE_THICKNESS_M = 0.002
 _BACKGROUND_DEPTH = 1 - 5e-7
-_GREY = Material((0.7, 0.7, 0.7, 1.0))
-# from the frame of a camera body (x forward, y to the left, z up) to OpenGL's (x right, y up,
-# z backward)
-_BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
 
 
 class TinyRenderer:
@@ -72,7 +68,7 @@ class TinyRenderer:
             pybullet.resetBasePositionAndOrientation(body_id, *turned,
                                                      physicsClientId=self._client)
         pose = Transform(camera_pose[:3, :3], camera_pose[:3, 3])
-        view = _BODY_TO_OPENGL @ pose.inverse.matrix()
+        view = BODY_TO_OPENGL @ pose.inverse.matrix()
         slope_x, slope_y = camera.slopes
         near, far = camera.near, camera.far
         # TinyRenderer's pixel is at its lower left corner instead of its middle
@@ -91,7 +87,7 @@ class TinyRenderer:
 
     def _load(self, visual: Visual) -> int:
         """Return the id of a body that shows a visual."""
-        material = visual.material or _GREY
+        material = visual.material or Material()
         shape_id = pybullet.createVisualShape(
             rgbaColor=material.color, specularColor=(0, 0, 0), physicsClientId=self._client,
             **_options(visual.shape))

@@ -8,15 +8,13 @@ import pybullet
 from img_recog.simulation.body import Pose, rotation_matrix
 from img_recog.simulation.geometry import Transform, to_rpy
 from img_recog.simulation.world import World
+from img_recog.visuals import BODY_TO_OPENGL
 
 FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, like Gazebo's camera
 _FOLLOW_DISTANCE_M = 1.3        # distance and pitch look over the walls of turtlebot3_world
 _FOLLOW_PITCH_DEG = -68.0
 _MIN_DISTANCE_M, _MAX_DISTANCE_M = 0.5, 50.0
 _MAX_FLAT_M = 0.01
-# from the frame of a camera body (x forward, y to the left, z up) to OpenGL's (x right, y up,
-# z backward)
-_BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
 
 
 class Viewpoint(NamedTuple):
@@ -34,7 +32,7 @@ class Viewpoint(NamedTuple):
         """Return the pose (4, 4) in the world of a camera that looks along its x axis."""
         view = np.reshape(pybullet.computeViewMatrixFromYawPitchRoll(
             self.target, self.distance, self.yaw, self.pitch, 0, 2), (4, 4)).T
-        return Transform(view[:3, :3], view[:3, 3]).inverse.matrix() @ _BODY_TO_OPENGL
+        return Transform(view[:3, :3], view[:3, 3]).inverse.matrix() @ BODY_TO_OPENGL
 
 
 # like Gazebo's user camera of turtlebot3_world: straight down from (0.8, 0, 12), x upwards

@@ -11,8 +11,7 @@ from img_recog.simulation.description import origin_of
 from img_recog.simulation.numbers import read_numbers
 from img_recog.simulation.scene import Scene
 from img_recog.simulation.simulator import Simulator
-from img_recog.visuals import (MESH, PLANE, Light, Material, Shape, Visual,
-                               VisualScene)
+from img_recog.visuals import MESH, PLANE, Light, Material, Shape, Visual, VisualScene
 
 # the direction to the sun: the opposite of <direction> of Gazebo's default sun
 SUN = (0.5, -0.1, 0.9)
@@ -90,7 +89,8 @@ def _poses(body: Body) -> List[Tuple[float, ...]]:
 
 def _visual(element: ElementTree.Element, part: int,
             named: Dict[Optional[str], ElementTree.Element]) -> Visual:
-    shape, given, pose = urdf_shapes.read(element), element.find('material'), _matrix(element)
+    shape, given = urdf_shapes.read(element), element.find('material')
+    pose = origin_of(element).matrix()
     box = element.find('geometry/box')
     if box is not None and box.get(sdf_shapes.PLANE):
         x, y, z = shape.size
@@ -98,14 +98,6 @@ def _visual(element: ElementTree.Element, part: int,
     return Visual(part, shape, pose, _material(element, named),
                   shape.kind == MESH and given is not None
                   and given.get(link_materials.REPLACES) is None)
-
-
-def _matrix(visual: ElementTree.Element) -> np.ndarray:
-    """Return the <origin> of a visual as a homogeneous transform (4, 4)."""
-    origin = origin_of(visual)
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = origin.rotation, origin.translation
-    return matrix
 
 
 def _material(visual: ElementTree.Element,

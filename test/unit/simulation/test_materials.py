@@ -4,8 +4,8 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.simulation import materials
-from img_recog.simulation.materials import GREY, Material
 from img_recog.simulation.settings import SimulationError
+from img_recog.visuals import GREY, Material
 
 SCRIPT = '''
 // material commented { technique { pass { diffuse 1 1 1 } } }

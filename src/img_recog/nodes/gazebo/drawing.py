@@ -10,10 +10,9 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.errors import one_line
-from img_recog.rendering.camera import Camera
 from img_recog.rendering import renderer
-from img_recog.rendering.process import (Drawn, DrawingError, DrawingProcess, ProcessEnded,
-                                         Shot)
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.process import DrawingError, DrawingProcess, Drawn, ProcessEnded, Shot
 from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durations
 from img_recog.simulation.tiny_renderer import TinyRenderer
 from img_recog.visuals import VisualScene
