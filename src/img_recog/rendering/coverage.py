@@ -11,7 +11,10 @@ _EDGES = np.array([(first, second) for first in range(8) for second in range(fir
 
 
 class Boxes:
-    """Boxes that move with parts, and cover all that is drawn."""
+    """Boxes that move with parts, and cover all that is drawn.
+
+    parts (n,): the number of the part of each, -1 for the world.
+    """
 
     def __init__(self, bounds: Sequence[Tuple[int, np.ndarray, np.ndarray]]):
         """Make them.
@@ -19,14 +22,14 @@ class Boxes:
         bounds: for each box the number of its part, -1 for the world, and its lowest and highest
         x, y and z in the frame of the part.
         """
-        self._parts = np.array([part for part, _, _ in bounds], int)
+        self.parts = np.array([part for part, _, _ in bounds], int)
         low = np.array([low for _, low, _ in bounds]).reshape(-1, 1, 3)
         high = np.array([high for _, _, high in bounds]).reshape(-1, 1, 3)
         self._corners = low + _CORNERS * (high - low)
 
     def in_world(self, models: np.ndarray) -> np.ndarray:
         """Return the corners (n, 8, 3); models (m, 4, 4): transforms of the parts."""
-        moved = np.concatenate([models, np.eye(4)[np.newaxis]])[self._parts]
+        moved = np.concatenate([models, np.eye(4)[np.newaxis]])[self.parts]
         return self._corners @ moved[:, :3, :3].transpose(0, 2, 1) + moved[:, np.newaxis, :3, 3]
 
 
@@ -49,19 +52,23 @@ def rectangles(corners: np.ndarray, to_clip: np.ndarray, near: float) -> np.ndar
                            np.where(seen, places, -np.inf).max(axis=1, initial=-np.inf)], axis=1)
 
 
+def are_on_image(rectangles_: np.ndarray) -> np.ndarray:
+    """Return (n,) which rectangles (n, 4), as returned by `rectangles`, overlap the image."""
+    return (rectangles_[:, :2] <= 1).all(axis=1) & (rectangles_[:, 2:] >= -1).all(axis=1)
+
+
 def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
     """Return rectangles (k, 4) of whole tiles, of which no two overlap, that hold others.
 
-    rectangles_ (n, 4): as returned by `rectangles`, and so is the result. width, height: of the
-    image in pixels.
+    rectangles_ (n, 4): of what is on the image, as returned by `rectangles`, and so is the result.
+    width, height: of the image in pixels.
     """
     size = np.array([width, height])
     counts = -(-size // TILE_PX)
     marked = np.zeros((counts[1], counts[0] + 2), np.int8)
-    seen = rectangles_[np.isfinite(rectangles_[:, 0])]
     # and a pixel around, for the rounding of OpenGL
-    low = np.floor(((seen[:, :2] + 1) / 2 * size - 1).clip(0, size) / TILE_PX).astype(int)
-    high = np.ceil(((seen[:, 2:] + 1) / 2 * size + 1).clip(0, size) / TILE_PX).astype(int)
+    low = np.floor(((rectangles_[:, :2] + 1) / 2 * size - 1).clip(0, size) / TILE_PX).astype(int)
+    high = np.ceil(((rectangles_[:, 2:] + 1) / 2 * size + 1).clip(0, size) / TILE_PX).astype(int)
     for (left, top), (right, bottom) in zip(low, high):
         marked[top:bottom, left + 1:right + 1] = 1
     steps = np.diff(marked, axis=1)

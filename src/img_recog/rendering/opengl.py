@@ -6,10 +6,10 @@ import numpy as np
 
 from img_recog.errors import one_line
 from img_recog.rendering import coverage, matrices, shaders
-from img_recog.rendering.batches import Batch, Bounds, Loader
+from img_recog.rendering.batches import Batch, Loader
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.renderer import OpenGLError
-from img_recog.rendering.shadow_map import ShadowMap, Sphere
+from img_recog.rendering.shadow_map import ShadowMap
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
 from img_recog.visuals import VisualScene
@@ -39,14 +39,12 @@ class Renderer:
         self._sun = np.array(scene.light.sun) / np.linalg.norm(scene.light.sun)
         with self._context:     # the process may have other contexts
             loaded = self._loader.load(scene, matrices.from_poses(poses))
-            self._shadows = ShadowMap(self._context, self._sun, self._loader.depth)
+            self._opaque = [batch for batch in loaded.batches if not batch.is_transparent]
+            self._transparent = [batch for batch in loaded.batches if batch.is_transparent]
+            self._shadows = ShadowMap(self._context, self._sun, self._loader.depth, self._opaque,
+                                      loaded.bounds)
             self._context.gc()
         self._floor, self._boxes = loaded.floor, coverage.Boxes(loaded.bounds)
-        self._opaque = [batch for batch in loaded.batches if not batch.is_transparent]
-        self._transparent = [batch for batch in loaded.batches if batch.is_transparent]
-        self._bounds: Dict[int, List[Bounds]] = {}      # by part
-        for each in loaded.bounds:
-            self._bounds.setdefault(each.part, []).append(each)
         return loaded.missing
 
     def draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
@@ -61,31 +59,34 @@ class Renderer:
     def _draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
         models = matrices.from_poses(poses)
         if self._shadow_poses != poses.tobytes():       # else of another camera
-            self._draw_shadows(models)
+            self._shadows.draw(models)
             self._shadow_poses = poses.tobytes()
         target = self._target(camera.width, camera.height)
+        target.pixels.use()
+        target.pixels.clear(*self._light.background, 1.0)   # OpenGL begins to draw the shadows
         # upside down: the first row that is read is the lowest
         projection = np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
             *camera.slopes, camera.near, camera.far)
         view = matrices.view(camera_pose)
         to_clip = projection @ view
-        self._set_frame(to_clip, camera_pose[:3, 3])
-        self._draw_background(target, camera, view)
         corners = self._boxes.in_world(models)
         rectangles = coverage.rectangles(corners, to_clip, camera.near)
-        covered = coverage.runs(rectangles, camera.width, camera.height)
-        if len(covered):
-            seen = np.isfinite(rectangles[:, 0])
+        is_seen = coverage.are_on_image(rectangles)
+        self._set_frame(to_clip, camera_pose[:3, 3])
+        self._draw_background(target, camera, view)
+        if is_seen.any():
             target.samples.use()
             target.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
-            if camera_pose[2, 3] < 0 or corners[seen, :, 2].min() < -_FLOOR_TOLERANCE_M:
+            if camera_pose[2, 3] < 0 or corners[is_seen, :, 2].min() < -_FLOOR_TOLERANCE_M:
                 self._hide_below_floor(target, to_clip)
-            self._render(self._opaque, models)
+            parts = set(self._boxes.parts[is_seen])
+            self._render([batch for batch in self._opaque if batch.part in parts], models)
             # the colors of the samples are multiplied with their opacity already
             self._context.blend_func = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA,
                                         moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
-            self._render(self._transparent, models)
-            target.resolve(self._context, covered)
+            self._render([batch for batch in self._transparent if batch.part in parts], models)
+            target.resolve(self._context, coverage.runs(rectangles[is_seen], camera.width,
+                                                        camera.height))
         return target.read()
 
     def depth(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
@@ -124,15 +125,6 @@ class Renderer:
             self._targets[size] = Target(self._context, size, self._resolve)
         return self._targets[width, height]
 
-    def _draw_shadows(self, models: np.ndarray) -> None:
-        static = [batch for batch in self._opaque if batch.part < 0]
-        moving = [batch for batch in self._opaque if batch.part >= 0]
-        spheres = {part: _sphere(bounds, models[part] if part >= 0 else np.eye(4))
-                   for part, bounds in self._bounds.items()}
-        self._shadows.draw([(batch.depth, np.eye(4)) for batch in static], spheres.pop(-1, None),
-                           [(batch.depth, batch.model(models)) for batch in moving],
-                           list(spheres.values()))
-
     def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray) -> None:
         self._shadows.texture.use(1)
         for program in (self._loader.plain, self._loader.textured):
@@ -145,8 +137,6 @@ class Renderer:
 
     def _draw_background(self, target: Target, camera: Camera, view: np.ndarray) -> None:
         """Draw sky and floor, with one sample a pixel: all of their edges are horizontal."""
-        target.pixels.use()
-        target.pixels.clear(*self._light.background, 1.0)
         self._context.enable_only(moderngl.NOTHING)
         if self._light.zenith is not None:
             self._sky.draw(target.pixels, camera, view, self._light.background,
@@ -185,11 +175,3 @@ def _create_context() -> moderngl.Context:
                           'install libegl1 and libgl1-mesa-dri')
     context.gc_mode = 'context_gc'  # not at once, which may be in another context
     return context
-
-
-def _sphere(bounds: Sequence[Bounds], model: np.ndarray) -> Sphere:
-    """Return a sphere around bounds, moved by `model` (4, 4)."""
-    low = np.min([each.low for each in bounds], axis=0)
-    high = np.max([each.high for each in bounds], axis=0)
-    center = model[:3, :3] @ ((low + high) / 2) + model[:3, 3]
-    return center, float(np.linalg.norm(high - low)) / 2

@@ -1,34 +1,38 @@
 """Which points the sun reaches: depths of a scene, seen from the sun."""
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Sequence, Tuple
 
 import moderngl
 import numpy as np
 
 from img_recog.rendering import matrices, shaders
+from img_recog.rendering.batches import Batch, Bounds
 
 _SIZE = 2048                # texels
 _MIN_RADIUS_M, _MAX_RADIUS_M = 6.0, 30.0
 _GRID_M = 5.0               # of the centers that the map may have outside of the static scene
+# Of a transform: bodies that rest still move by micrometers. It is rounded, not compared with a
+# tolerance, as the same poses must give the same image.
+_DECIMALS = 4
 _HALF_DEPTH_M = shaders.SHADOW_DEPTH_M / 2
 
-Sphere = Tuple[np.ndarray, float]       # center (3,) and radius in m
-# a vertex array, and its transform (4, 4) to the world
-Caster = Tuple[moderngl.VertexArray, np.ndarray]
+Rectangle = Tuple[int, int, int, int]   # x, y, width and height in texels
 
 
 class ShadowMap:
     """A depth texture of a square region, drawn from the sun.
 
-    What does not move is drawn once for a region; in each frame only the rectangles that hold what
-    moves are drawn again.
+    What has not moved yet is drawn once for a region; in each frame only the rectangles that hold
+    parts that did move are drawn again.
     """
 
-    def __init__(self, context: moderngl.Context, sun: np.ndarray, program: moderngl.Program):
+    def __init__(self, context: moderngl.Context, sun: np.ndarray, program: moderngl.Program,
+                 batches: Sequence[Batch], bounds: Sequence[Bounds]):
         """Create the textures.
 
-        sun (3,): the direction to it; program: draws the casters.
+        sun (3,): the direction to it; program: draws the batches; bounds: of all that is drawn.
         """
-        self._context, self._program = context, program
+        self._context, self._program, self._batches = context, program, batches
+        self._spheres = _Spheres(bounds)
         self._sun_view = matrices.looking(-sun)
         self._kept, self._kept_target = _depth_target(context)
         self.texture, self._target = _depth_target(context)
@@ -36,9 +40,11 @@ class ShadowMap:
         copy = context.program(vertex_shader=shaders.WHOLE_VERTEX,
                                fragment_shader=shaders.COPY_DEPTH_FRAGMENT)
         self._copy = context.vertex_array(copy, [(whole_image(context), '2f', 'corner')])
+        self._first = np.empty((0, 4, 4))
+        self._moved = np.empty(0, bool)     # parts; the last one is the world, which never moves
         self._region: Tuple[float, ...] = ()
         self._to_clip = np.eye(4)
-        self._drawn: List[Tuple[int, int, int, int]] = []
+        self._drawn: List[Rectangle] = []
         self.texel_m = 1.0
 
     @property
@@ -48,23 +54,35 @@ class ShadowMap:
         halves[:3, 3] = 0.5
         return halves @ self._to_clip
 
-    def draw(self, static_casters: Sequence[Caster], static: Optional[Sphere],
-             moving_casters: Sequence[Caster], moving: Sequence[Sphere]) -> None:
-        """Draw the depths; `static` and `moving` hold all that does not and does move."""
+    def draw(self, models: np.ndarray) -> None:
+        """Draw the depths; models (n, 4, 4): the transforms of all parts to the world."""
         self._context.enable_only(moderngl.DEPTH_TEST)
-        region = _region(static, moving)
-        if region != self._region:
+        models = models.round(_DECIMALS)
+        centers = self._spheres.centers(models)
+        region = self._spheres.region(centers)
+        if self._note_moved(models) or region != self._region:
             self._region = region
             self._set_region(np.array(region[:3]), region[3])
             self._kept_target.use()
             self._kept_target.clear(depth=1.0)
-            self._render(static_casters)
+            self._render(models, False)
             self._restore([(0, 0, _SIZE, _SIZE)])
         else:
             self._restore(self._drawn)
         self._target.use()
-        self._render(moving_casters)
-        self._drawn = [self._rectangle(*sphere) for sphere in moving]
+        self._render(models, True)
+        moved = self._moved[self._spheres.parts]
+        self._drawn = self._rectangles(centers[moved], self._spheres.radii[moved])
+
+    def _note_moved(self, models: np.ndarray) -> bool:
+        """Return whether a part moved that never did before."""
+        if len(self._first) != len(models):
+            self._first, self._moved = models, np.zeros(len(models) + 1, bool)
+        moved = self._moved.copy()
+        moved[:-1] |= (models != self._first).any(axis=(1, 2))
+        is_new = bool((moved != self._moved).any())
+        self._moved = moved
+        return is_new
 
     def _set_region(self, center: np.ndarray, radius_m: float) -> None:
         self.texel_m = 2 * radius_m / _SIZE
@@ -73,13 +91,16 @@ class ShadowMap:
         projection = matrices.orthographic(radius_m, radius_m, -_HALF_DEPTH_M, _HALF_DEPTH_M)
         self._to_clip = projection @ view
 
-    def _render(self, casters: Sequence[Caster]) -> None:
-        for array, model in casters:
-            self._program['to_clip'].write(matrices.to_bytes(self._to_clip @ model))
-            array.render()
+    def _render(self, models: np.ndarray, moved: bool) -> None:
+        """Draw the batches of parts that moved, or those of all others."""
+        for batch in self._batches:
+            if self._moved[batch.part] == moved:
+                self._program['to_clip'].write(
+                    matrices.to_bytes(self._to_clip @ batch.model(models)))
+                batch.depth.render()
 
-    def _restore(self, rectangles: Sequence[Tuple[int, int, int, int]]) -> None:
-        """Copy the static depths of the rectangles."""
+    def _restore(self, rectangles: Sequence[Rectangle]) -> None:
+        """Copy the kept depths of the rectangles."""
         self._context.depth_func = '1'
         self._target.use()
         self._kept.use(0)
@@ -89,28 +110,49 @@ class ShadowMap:
         self._target.scissor = None
         self._context.depth_func = '<'
 
-    def _rectangle(self, center: np.ndarray, radius_m: float) -> Tuple[int, int, int, int]:
-        """Return x, y, width and height of the texels that hold a sphere."""
-        middle = (self.to_map @ (*center, 1.0))[:2] * _SIZE
-        reach = radius_m / self.texel_m + 2
-        low = np.clip(np.floor(middle - reach), 0, _SIZE).astype(int)
-        high = np.clip(np.ceil(middle + reach), 0, _SIZE).astype(int)
-        return (int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1]))
+    def _rectangles(self, centers: np.ndarray, radii: np.ndarray) -> List[Rectangle]:
+        """Return the texels that hold spheres (k, 3) and (k,)."""
+        middles = (centers @ self.to_map[:2, :3].T + self.to_map[:2, 3]) * _SIZE
+        reaches = radii[:, np.newaxis] / self.texel_m + 2
+        low = np.floor(middles - reaches).clip(0, _SIZE).astype(int)
+        sizes = np.ceil(middles + reaches).clip(0, _SIZE).astype(int) - low
+        return [(x, y, width, height)
+                for (x, y), (width, height) in zip(low.tolist(), sizes.tolist())]
 
 
-def _region(static: Optional[Sphere], moving: Sequence[Sphere]) -> Tuple[float, ...]:
-    """Return the center and the radius of a sphere to be mapped.
+class _Spheres:
+    """A sphere around each part and one around all that cannot move.
 
-    It depends on nothing else: the same poses must give the same image. It is that of the static
-    scene, or of the first one that moves if that is outside.
+    parts (k,): their numbers, -1 for what cannot move; radii (k,): m.
     """
-    center, radius_m = static or (np.zeros(3), 0.0)
-    radius_m = min(max(radius_m, _MIN_RADIUS_M), _MAX_RADIUS_M)
-    if moving:
-        first, size_m = moving[0]
-        if np.linalg.norm(first - center) + size_m > radius_m:
-            center = np.round(first / _GRID_M) * _GRID_M
-    return (*map(float, center), float(radius_m))
+
+    def __init__(self, bounds: Sequence[Bounds]):
+        self.parts = np.unique(np.array([each.part for each in bounds], int))
+        boxes = [[each for each in bounds if each.part == part] for part in self.parts]
+        low = np.array([np.min([each.low for each in box], axis=0) for box in boxes])
+        high = np.array([np.max([each.high for each in box], axis=0) for box in boxes])
+        self._middles = ((low + high) / 2).reshape(-1, 3)
+        self.radii = np.linalg.norm((high - low).reshape(-1, 3), axis=1) / 2
+
+    def centers(self, models: np.ndarray) -> np.ndarray:
+        """Return the centers (k, 3) in the world; models (n, 4, 4): transforms of the parts."""
+        moved = np.concatenate([models, np.eye(4)[np.newaxis]])[self.parts]
+        return (moved[:, :3, :3] @ self._middles[..., np.newaxis])[..., 0] + moved[:, :3, 3]
+
+    def region(self, centers: np.ndarray) -> Tuple[float, ...]:
+        """Return the center and the radius of a sphere to be mapped.
+
+        It depends on nothing else: the same poses must give the same image. It is that of the
+        static scene, or of the first part that can move if that is outside.
+        """
+        center, radius_m = np.zeros(3), 0.0
+        if -1 in self.parts:
+            center, radius_m = centers[0], self.radii[0]
+        radius_m = min(max(radius_m, _MIN_RADIUS_M), _MAX_RADIUS_M)
+        for first, size_m in zip(centers[self.parts >= 0][:1], self.radii[self.parts >= 0]):
+            if np.linalg.norm(first - center) + size_m > radius_m:
+                center = np.round(first / _GRID_M) * _GRID_M
+        return (*map(float, center), float(radius_m))
 
 
 def _depth_target(context: moderngl.Context) -> Tuple[moderngl.Texture, moderngl.Framebuffer]:

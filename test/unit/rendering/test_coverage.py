@@ -82,6 +82,14 @@ def test_tiles_hold_all_that_is_seen_and_do_not_overlap():
         assert (count[pixels[:, 1], pixels[:, 0]] == 1).all()
 
 
+def test_what_is_on_the_image():
+    def on_image(*rectangle):
+        return coverage.are_on_image(np.array([rectangle])).tolist() == [True]
+    assert on_image(-5.0, -5.0, 5.0, 5.0) and on_image(0.9, -3.0, 2.0, -0.9)
+    assert not on_image(1.1, -1.0, 2.0, 1.0) and not on_image(-1.0, -2.0, 1.0, -1.1)
+    assert not on_image(np.inf, np.inf, -np.inf, -np.inf)
+
+
 def test_no_tiles_where_nothing_is_seen():
     assert coverage.runs(np.array([[np.inf, np.inf, -np.inf, -np.inf]]), 64, 64).shape == (0, 4)
     assert coverage.runs(np.zeros((0, 4)), 64, 64).shape == (0, 4)

@@ -1,4 +1,4 @@
-"""Images by OpenGL: where things are, what color they have, what is in the shadow."""
+"""Images by OpenGL: where things are, and what color they have."""
 import math
 
 import numpy as np
@@ -9,43 +9,8 @@ from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
                                VisualScene)
-
-RED, GREEN, BLUE = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
-ABOVE = (0.0, 0.0, 1.0)
-BACKGROUND = (0.5, 0.25, 0.75)
-CAMERA = Camera(320, 240, math.radians(60))
-HERE = np.array([[0.0, 0, 0, 0, 0, 0, 1]])      # one part, at the origin
-
-
-def at(x, y, z):
-    matrix = np.eye(4)
-    matrix[:3, 3] = x, y, z
-    return matrix
-
-
-def looking_down(height, x=0.0, y=0.0):
-    """Return the pose of a camera above a point: the world's x is upward in its image."""
-    pose = at(x, y, height)
-    pose[:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
-    return pose
-
-
-def visual(shape, pose, color, part=0, texture=''):
-    return Visual(part, shape, pose, Material(color, texture))
-
-
-def scene(*visuals, sun=ABOVE, floor=False, moving=(False,)):
-    return VisualScene(tuple(visuals), moving, Light(sun, BACKGROUND, floor))
-
-
-def draw(*visuals, camera=CAMERA, pose=np.eye(4), poses=HERE, **more):
-    return loaded(scene(*visuals, **more), poses).draw(camera, pose, poses)
-
-
-def loaded(content, poses):
-    renderer = Renderer()
-    assert renderer.load(content, poses) == []
-    return renderer
+from img_recog_testing.drawn import (ABOVE, BACKGROUND, BLUE, CAMERA, GREEN, HERE, RED, at, draw,
+                                     loaded, looking_down, scene, visual)
 
 
 def centroid(image):
@@ -95,56 +60,6 @@ def test_light_on_a_face(sun, share):
     image = draw(visual(Shape(PLANE, (2, 2)), at(0, 0, 0), (1.0, 1.0, 1.0, 1.0)),
                  pose=looking_down(3.0), sun=sun)
     assert image[120, 160].tolist() == pytest.approx([255 * share] * 3, abs=1)
-
-
-def test_a_shadow_on_the_floor():
-    tile = visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 0, 1.0), RED)
-    image = draw(tile, sun=(1, 0, 1), floor=True, pose=looking_down(8.0, x=-1.0))
-    floor = 0.7 * 255
-    lit, dark = floor * (0.75 + 0.25 * math.sqrt(0.5)), floor * (0.675 + 0.175 * math.sqrt(0.5))
-    # the shadow of a tile at 1 m is 1 m behind it, in the middle of the image
-    assert image[120, 160].tolist() == pytest.approx([dark] * 3, abs=1)
-    fx = CAMERA.intrinsics.fx
-    edge = round(0.25 * fx / 8)
-    assert image[120, 160 + edge + 3].tolist() == pytest.approx([lit] * 3, abs=1)
-    assert image[120, 160 + edge - 3].tolist() == pytest.approx([dark] * 3, abs=1)
-
-
-def test_what_moves_takes_its_shadow_with_it():
-    poses = np.array([[0.0, 0, 1, 0, 0, 0, 1]])
-    renderer = loaded(scene(visual(Shape(BOX, (0.5, 0.5, 0.02)), np.eye(4), RED), floor=True,
-                            moving=(True,)), poses)
-    down = looking_down(8.0)
-    before = renderer.draw(CAMERA, down, poses)
-    moved = poses + (1.0, 0, 0, 0, 0, 0, 0)
-    after = renderer.draw(CAMERA, down, moved)
-    shifted = renderer.draw(CAMERA, looking_down(8.0, x=1.0), moved)
-    assert np.abs(shifted.astype(int) - before).max() <= 30       # at the edges of the shadow
-    assert (shifted != before).mean() < 0.01
-    assert not np.array_equal(before, after)
-    assert np.array_equal(renderer.draw(CAMERA, down, poses), before)
-
-
-def test_a_wall_throws_no_shadow_on_itself():
-    wall = visual(Shape(BOX, (0.2, 4.0, 2.0)), at(5, 0, 0), (1.0, 1.0, 1.0, 1.0))
-    image = draw(wall, sun=(-1, 0.1, 0.5))
-    face = image[80:160, 60:260]
-    assert face.min() == face.max()
-
-
-def test_equal_scenes_and_poses_give_equal_bytes():
-    visuals = [visual(Shape(CYLINDER, (0.2, 1.0)), at(3, 0, 0), GREEN, part=1),
-               visual(Shape(BOX, (0.3, 8, 1)), at(6, 0, 0), BLUE)]
-    poses = np.array([HERE[0], [0, 0.3, 0, 0, 0, 0.1, math.sqrt(0.99)]])
-    content = scene(*visuals, sun=(0.5, -0.1, 0.9), floor=True, moving=(False, True))
-    first, second = loaded(content, poses), loaded(content, poses)
-    images = []
-    for step in range(5):       # there and back
-        moved = poses.copy()
-        moved[1, 1] += 0.37 * step
-        images.append(first.draw(CAMERA, at(0, 0, 0.5), moved))
-    assert np.array_equal(first.draw(CAMERA, at(0, 0, 0.5), poses), images[0])
-    assert np.array_equal(second.draw(CAMERA, at(0, 0, 0.5), poses), images[0])
 
 
 def test_edges_are_antialiased():

@@ -1,0 +1,45 @@
+"""Scenes and cameras for tests of drawing."""
+import math
+
+import numpy as np
+
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.opengl import Renderer
+from img_recog.visuals import Light, Material, Visual, VisualScene
+
+RED, GREEN, BLUE = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
+ABOVE = (0.0, 0.0, 1.0)
+BACKGROUND = (0.5, 0.25, 0.75)
+CAMERA = Camera(320, 240, math.radians(60))
+HERE = np.array([[0.0, 0, 0, 0, 0, 0, 1]])      # one part, at the origin
+
+
+def at(x, y, z):
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix
+
+
+def looking_down(height, x=0.0, y=0.0):
+    """Return the pose of a camera above a point: the world's x is upward in its image."""
+    pose = at(x, y, height)
+    pose[:3, :3] = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    return pose
+
+
+def visual(shape, pose, color, part=0, texture=''):
+    return Visual(part, shape, pose, Material(color, texture))
+
+
+def scene(*visuals, sun=ABOVE, floor=False, moving=(False,)):
+    return VisualScene(tuple(visuals), moving, Light(sun, BACKGROUND, floor))
+
+
+def draw(*visuals, camera=CAMERA, pose=np.eye(4), poses=HERE, **more):
+    return loaded(scene(*visuals, **more), poses).draw(camera, pose, poses)
+
+
+def loaded(content, poses):
+    renderer = Renderer()
+    assert renderer.load(content, poses) == []
+    return renderer

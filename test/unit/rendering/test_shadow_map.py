@@ -1,0 +1,74 @@
+"""Shadows: where they are, and that they do not depend on what was drawn before."""
+import math
+
+import numpy as np
+import pytest
+
+from img_recog.visuals import BOX, CYLINDER, Shape
+from img_recog_testing.drawn import (BLUE, CAMERA, GREEN, HERE, RED, at, draw, loaded,
+                                     looking_down, scene, visual)
+
+
+def test_a_shadow_on_the_floor():
+    tile = visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 0, 1.0), RED)
+    image = draw(tile, sun=(1, 0, 1), floor=True, pose=looking_down(8.0, x=-1.0))
+    floor = 0.7 * 255
+    lit, dark = floor * (0.75 + 0.25 * math.sqrt(0.5)), floor * (0.675 + 0.175 * math.sqrt(0.5))
+    # the shadow of a tile at 1 m is 1 m behind it, in the middle of the image
+    assert image[120, 160].tolist() == pytest.approx([dark] * 3, abs=1)
+    fx = CAMERA.intrinsics.fx
+    edge = round(0.25 * fx / 8)
+    assert image[120, 160 + edge + 3].tolist() == pytest.approx([lit] * 3, abs=1)
+    assert image[120, 160 + edge - 3].tolist() == pytest.approx([dark] * 3, abs=1)
+
+
+def test_what_moves_takes_its_shadow_with_it():
+    poses = np.array([[0.0, 0, 1, 0, 0, 0, 1]])
+    renderer = loaded(scene(visual(Shape(BOX, (0.5, 0.5, 0.02)), np.eye(4), RED), floor=True,
+                            moving=(True,)), poses)
+    down = looking_down(8.0)
+    before = renderer.draw(CAMERA, down, poses)
+    moved = poses + (1.0, 0, 0, 0, 0, 0, 0)
+    after = renderer.draw(CAMERA, down, moved)
+    shifted = renderer.draw(CAMERA, looking_down(8.0, x=1.0), moved)
+    assert np.abs(shifted.astype(int) - before).max() <= 30       # at the edges of the shadow
+    assert (shifted != before).mean() < 0.01
+    assert not np.array_equal(before, after)
+    assert np.array_equal(renderer.draw(CAMERA, down, poses), before)
+
+
+def test_a_wall_throws_no_shadow_on_itself():
+    wall = visual(Shape(BOX, (0.2, 4.0, 2.0)), at(5, 0, 0), (1.0, 1.0, 1.0, 1.0))
+    image = draw(wall, sun=(-1, 0.1, 0.5))
+    face = image[80:160, 60:260]
+    assert face.min() == face.max()
+
+
+def test_equal_scenes_and_poses_give_equal_bytes():
+    visuals = [visual(Shape(CYLINDER, (0.2, 1.0)), at(3, 0, 0), GREEN, part=1),
+               visual(Shape(BOX, (0.3, 8, 1)), at(6, 0, 0), BLUE)]
+    poses = np.array([HERE[0], [0, 0.3, 0, 0, 0, 0.1, math.sqrt(0.99)]])
+    content = scene(*visuals, sun=(0.5, -0.1, 0.9), floor=True, moving=(False, True))
+    first, second = loaded(content, poses), loaded(content, poses)
+    images = []
+    for step in range(5):       # there and back
+        moved = poses.copy()
+        moved[1, 1] += 0.37 * step
+        images.append(first.draw(CAMERA, at(0, 0, 0.5), moved))
+    assert np.array_equal(first.draw(CAMERA, at(0, 0, 0.5), poses), images[0])
+    assert np.array_equal(second.draw(CAMERA, at(0, 0, 0.5), poses), images[0])
+
+
+def test_what_moves_through_the_shadow_of_another_part_leaves_it_there():
+    tiles = [visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 0, height), RED, part)
+             for part, height in enumerate((1.0, 0.5))]
+    content = scene(*tiles, sun=(1, 0, 1), floor=True, moving=(True, True))
+    apart = np.concatenate([HERE, HERE])
+    apart[1, 1] = 3.0
+    together, both = apart.copy(), apart.copy()
+    together[1, 1], both[:, 1] = 0.2, (0.5, 0.7)
+    renderer = loaded(content, apart)
+    # only one of them moves at first, later both
+    for poses in (apart, together, apart, both, together, apart):
+        assert np.array_equal(renderer.draw(CAMERA, looking_down(8.0), poses),
+                              loaded(content, poses).draw(CAMERA, looking_down(8.0), poses))
