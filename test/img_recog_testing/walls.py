@@ -3,8 +3,8 @@ import ast
 import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('errors', 'files', 'markup', 'resources', 'robot_file', 'settings', 'still_images',
-                'visuals')
+GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'resources', 'robot_file',
+                'settings', 'still_images', 'visuals')
 # libraries that only one folder may use
 OWNERS = {'pybullet': 'simulation', 'pybullet_data': 'simulation',
           'pybullet_utils': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering'}
@@ -16,10 +16,11 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'markup', 'settings', 'still_images', 'visuals')
-       for folder in PURE},
+    **{folder: ('errors', 'files', 'helper_process', 'markup', 'settings', 'still_images',
+                'visuals') for folder in PURE},
     'markup': ('errors',),
-    '__init__': (), 'errors': (), 'visuals': (), 'files': ('errors',), 'settings': ('errors',),
+    '__init__': (), 'errors': (), 'helper_process': (), 'visuals': (),
+    'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'markup'), 'still_images': ('errors', 'settings'),
     'ros': ('errors', 'settings'),

@@ -66,16 +66,32 @@ def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
     size = np.array([width, height])
     counts = -(-size // TILE_PX)
     marked = np.zeros((counts[1], counts[0] + 2), np.int8)
-    # and a pixel around, for the rounding of OpenGL
-    low = np.floor(((rectangles_[:, :2] + 1) / 2 * size - 1).clip(0, size) / TILE_PX).astype(int)
-    high = np.ceil(((rectangles_[:, 2:] + 1) / 2 * size + 1).clip(0, size) / TILE_PX).astype(int)
-    for (left, top), (right, bottom) in zip(low, high):
+    for left, top, right, bottom in _tiles(rectangles_, size):
         marked[top:bottom, left + 1:right + 1] = 1
     steps = np.diff(marked, axis=1)
     rows, lefts = np.nonzero(steps == 1)
     _, rights = np.nonzero(steps == -1)
     tiles = np.stack([lefts, rows, rights, rows + 1], axis=1) * TILE_PX
     return tiles / np.tile(size, 2) * 2 - 1
+
+
+def around(rectangles_: np.ndarray, width: int, height: int) -> Tuple[int, int, int, int]:
+    """Return x, y, width and height in pixels of a rectangle that holds all that `runs` returns.
+
+    rectangles_ (n, 4), width, height: like there, but at least one rectangle.
+    """
+    tiles = _tiles(rectangles_, np.array([width, height]))
+    x, y = (tiles[:, :2].min(axis=0) * TILE_PX).tolist()
+    end_x, end_y = np.minimum(tiles[:, 2:].max(axis=0) * TILE_PX, (width, height)).tolist()
+    return x, y, end_x - x, end_y - y
+
+
+def _tiles(rectangles_: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Return the first column and row of tiles that rectangles cover, and those after the last."""
+    # and a pixel around, for the rounding of OpenGL
+    low = ((rectangles_[:, :2] + 1) / 2 * size - 1).clip(0, size) / TILE_PX
+    high = ((rectangles_[:, 2:] + 1) / 2 * size + 1).clip(0, size) / TILE_PX
+    return np.hstack([np.floor(low), np.ceil(high)]).astype(int)
 
 
 def triangles(rectangles_: np.ndarray) -> bytes:

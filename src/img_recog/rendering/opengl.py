@@ -14,7 +14,8 @@ from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
 from img_recog.visuals import VisualScene
 
-_FLOOR_TOLERANCE_M = 0.001
+_FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is seen
+_CLIP_DISTANCE0 = 0x3000        # of OpenGL; moderngl has no name for it
 
 
 class Renderer:
@@ -69,16 +70,15 @@ class Renderer:
             *camera.slopes, camera.near, camera.far)
         view = matrices.view(camera_pose)
         to_clip = projection @ view
-        corners = self._boxes.in_world(models)
-        rectangles = coverage.rectangles(corners, to_clip, camera.near)
+        rectangles = coverage.rectangles(self._boxes.in_world(models), to_clip, camera.near)
         is_seen = coverage.are_on_image(rectangles)
         self._set_frame(to_clip, camera_pose[:3, 3])
         self._draw_background(target, camera, view)
         if is_seen.any():
             target.samples.use()
-            target.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
-            if camera_pose[2, 3] < 0 or corners[is_seen, :, 2].min() < -_FLOOR_TOLERANCE_M:
-                self._hide_below_floor(target, to_clip)
+            self._context.enable_direct(_CLIP_DISTANCE0)
+            target.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=coverage.around(
+                rectangles[is_seen], camera.width, camera.height))
             parts = set(self._boxes.parts[is_seen])
             self._render([batch for batch in self._opaque if batch.part in parts], models)
             # the colors of the samples are multiplied with their opacity already
@@ -127,11 +127,15 @@ class Renderer:
 
     def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray) -> None:
         self._shadows.texture.use(1)
+        # on the camera's side of the floor, or all
+        kept_heights = ((0.0, 1.0) if self._floor is None
+                        else (-1.0 if eye[2] < 0 else 1.0, _FLOOR_TOLERANCE_M))
         for program in (self._loader.plain, self._loader.textured):
             program['to_clip'].write(matrices.to_bytes(to_clip))
             program['to_map'].write(matrices.to_bytes(self._shadows.to_map))
             program['texel_m'].value = self._shadows.texel_m
             program['eye'].value = tuple(eye)
+            program['kept_heights'].value = kept_heights
             program['sun'].value = tuple(self._sun)
             program['shadows'].value = 1
 
@@ -144,17 +148,6 @@ class Renderer:
         if self._floor is not None:
             self._floor.shaded.program['model'].write(matrices.to_bytes(np.eye(4)))
             self._floor.shaded.render()
-
-    def _hide_below_floor(self, target: Target, to_clip: np.ndarray) -> None:
-        """Draw the depths of the floor, behind what lies on it at the same height."""
-        if self._floor is not None:
-            self._context.enable_only(moderngl.DEPTH_TEST)
-            self._context.polygon_offset = 1.0, 8.0
-            target.samples.color_mask = False, False, False, False
-            self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip))
-            self._floor.depth.render()
-            target.samples.color_mask = True, True, True, True
-            self._context.polygon_offset = 0.0, 0.0
 
     def _render(self, batches: Sequence[Batch], models: np.ndarray) -> None:
         for batch in batches:

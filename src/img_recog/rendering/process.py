@@ -1,17 +1,15 @@
 """A separate process that draws: the physics goes on meanwhile."""
 import multiprocessing
-import os
-import signal
 from multiprocessing.connection import Connection
 from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
 from img_recog.errors import UserError
+from img_recog.helper_process import HelperProcess
 from img_recog.rendering.camera import Camera
 from img_recog.visuals import VisualScene
 
-_EXIT_TIMEOUT_S = 2.0
 _SLOTS = 2                  # one that is drawn into, and one that is read
 _NICENESS = 5               # where OpenGL runs on the processor, the physics comes first
 _FIRST_CAMERA = Camera(16, 16, 1.0)
@@ -95,17 +93,11 @@ class DrawingProcess:
         poses (n, 7): of all parts at the start. make_fallback: used when make_renderer raises
         UserError. Both are functions of modules.
         """
-        # a forked child would share descriptors and locks
-        context = multiprocessing.get_context('spawn')
         self._layout = _Layout(cameras)
-        memory = context.RawArray('B', self._layout.size * _SLOTS)
+        memory = multiprocessing.get_context('spawn').RawArray('B', self._layout.size * _SLOTS)
         self._bytes = np.frombuffer(memory, np.uint8)
-        self._connection, other = context.Pipe()
-        self._process = context.Process(
-            target=_serve, daemon=True,
-            args=(other, memory, scene, poses, list(cameras), make_renderer, make_fallback))
-        self._process.start()
-        other.close()
+        self._helper = HelperProcess(
+            _serve, (memory, scene, poses, list(cameras), make_renderer, make_fallback), _NICENESS)
         self._requests = 0
         self._is_busy = False
         self._shots: List[Shot] = []
@@ -148,7 +140,7 @@ class DrawingProcess:
     def _send(self, shots: Sequence[Shot], message: Union[_Draw, _Load]) -> None:
         self._shots, self._is_busy = list(shots), True
         try:
-            self._connection.send(message)
+            self._helper.connection.send(message)
         except OSError:
             pass            # the process has ended; `answer` raises the error
 
@@ -167,13 +159,12 @@ class DrawingProcess:
     def _receive(self, timeout_s: Optional[float]) -> Optional[_Answer]:
         """Return the next answer of the process, None if there is none in time."""
         try:
-            if not self._connection.poll(timeout_s):
+            if not self._helper.connection.poll(timeout_s):
                 return None
-            answer: _Answer = self._connection.recv()
+            answer: _Answer = self._helper.connection.recv()
         except (EOFError, OSError):
-            self._process.join(_EXIT_TIMEOUT_S)
             raise ProcessEnded('the process that draws has ended with exit code {}'.format(
-                self._process.exitcode))
+                self._helper.wait()))
         if answer.problem:
             raise DrawingError(answer.problem, answer.advice)
         self._missing += answer.missing
@@ -181,15 +172,11 @@ class DrawingProcess:
 
     def kill(self) -> None:
         """End the process at once; the next call of `answer` raises ProcessEnded."""
-        self._process.kill()
+        self._helper.kill()
 
     def close(self) -> None:
         """End the process."""
-        self._connection.close()
-        self._process.join(_EXIT_TIMEOUT_S)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join()
+        self._helper.end()
 
 
 class _Layout:
@@ -222,9 +209,6 @@ def _serve(connection: Connection, memory: Any, scene: VisualScene, poses: np.nd
            cameras: Sequence[Camera], make_renderer: MakeRenderer,
            make_fallback: MakeRenderer) -> None:
     """Draw until the other end of the connection is closed."""
-    # Ctrl-C reaches the whole process group; this process ends when its parent does
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.nice(_NICENESS)
     reason = ''
     try:
         try:

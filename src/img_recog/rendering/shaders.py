@@ -79,6 +79,7 @@ SHADED_VERTEX = '''
 uniform mat4 to_clip, model, to_map;
 uniform vec3 eye, sun;
 uniform float texel_m;
+uniform vec2 kept_heights;      // factor and offset; what is negative then is not drawn
 in vec3 position, normal;
 in vec2 uv;
 in vec4 color;
@@ -96,6 +97,7 @@ void main() {
     on_map.z -= texel_m / DEPTH_M * (1.0 + sqrt(1.0 - cosine * cosine) / max(abs(cosine), 0.1));
     on_image = uv;
     tint = color;
+    gl_ClipDistance[0] = kept_heights.x * world.z + kept_heights.y;
     gl_Position = to_clip * world;
 }
 '''.replace('DEPTH_M', repr(SHADOW_DEPTH_M))

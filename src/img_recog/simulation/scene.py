@@ -4,11 +4,7 @@ Drawing takes far longer than a step of the physics, and PyBullet ends the proce
 is closed or no display can be opened. Therefore a copy is drawn, to which the simulation sends
 poses; whether it exists does not influence the simulation.
 """
-import multiprocessing
-import os
-import signal
-from multiprocessing.connection import Connection
-from typing import Callable, List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Sequence
 
 import pybullet
 
@@ -19,8 +15,6 @@ from img_recog.simulation.loading import load_urdf
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.world import add_floor, load_bodies
 from img_recog.simulation.world_file import WorldFile
-
-_EXIT_TIMEOUT_S = 2.0
 
 
 class Scene(NamedTuple):
@@ -68,32 +62,3 @@ def poses_of(simulator: Simulator) -> Sequence[Pose]:
     """Return the poses of robots and world bodies in the order of a SceneCopy."""
     bodies = [vehicle.robot for vehicle in simulator.vehicles] + simulator.world.bodies
     return [body.pose() for body in bodies]
-
-
-class Helper:
-    """A process that runs `target(connection, *args)`; `connection` is this end of its pipe."""
-
-    def __init__(self, target: Callable[..., None], args: Tuple):
-        # a forked child would share the simulation's descriptors and locks
-        context = multiprocessing.get_context('spawn')
-        self.connection, other = context.Pipe()
-        self._process = context.Process(target=_run, args=(target, other, args), daemon=True)
-        self._process.start()
-        other.close()
-
-    def end(self) -> bool:
-        """Close the pipe and wait for the process to exit; return whether its exit code is 0."""
-        self.connection.close()
-        self._process.join(_EXIT_TIMEOUT_S)
-        if self._process.is_alive():
-            self._process.terminate()
-            self._process.join()
-        return self._process.exitcode == 0
-
-
-def _run(target: Callable[..., None], connection: Connection, args: Tuple) -> None:
-    # Ctrl-C reaches the whole process group; this process exits when the simulation does
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # where OpenGL runs on the processor, drawing must not slow down the physics
-    os.nice(10)
-    target(connection, *args)

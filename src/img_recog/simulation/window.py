@@ -7,13 +7,15 @@ from typing import Optional, Sequence
 
 import pybullet
 
+from img_recog.helper_process import HelperProcess
 from img_recog.simulation.body import Pose
 from img_recog.simulation.loading import connect
-from img_recog.simulation.scene import Helper, Scene, SceneCopy
+from img_recog.simulation.scene import Scene, SceneCopy
 from img_recog.simulation.view import ABOVE, FIELD_OF_VIEW, Viewpoint
 from img_recog.simulation.visual_scene import SUN
 
 _PERIOD_S = 1 / 30
+_NICENESS = 10              # where OpenGL runs on the processor, the physics comes first
 # Far away, so that all light has the same direction; bodies need specularColor (0, 0, 0), or a
 # tall one shows a reflection of the light.
 _LIGHT = {'lightPosition': tuple(100 * axis for axis in SUN), 'shadowMapWorldSize': 14,
@@ -31,7 +33,7 @@ class Window:
 
     def __init__(self, scene: Scene, viewpoint: Viewpoint = ABOVE):
         """Open the window, which shows the scene from `viewpoint`."""
-        self._helper = Helper(_show, (scene, viewpoint))
+        self._helper = HelperProcess(_show, (scene, viewpoint), _NICENESS)
         self._next_s = 0.0
         self._new_scene: Optional[Scene] = None
 
@@ -57,7 +59,7 @@ class Window:
                     self._new_scene = None
                 connection.send(poses)
         except OSError:
-            return 'closed' if self._helper.end() else 'it could not be opened or broke'
+            return 'closed' if self._helper.end() == 0 else 'it could not be opened or broke'
         return None
 
     def close(self) -> None:

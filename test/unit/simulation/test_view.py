@@ -1,7 +1,4 @@
 """Where the simulation is seen from, and the copy that the window shows."""
-import operator
-import os
-import signal
 import types
 from multiprocessing import Pipe
 
@@ -9,7 +6,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.simulation import scene, view, window
+from img_recog.simulation import view, window
 from img_recog.simulation.body import Pose
 from img_recog.simulation.geometry import from_rpy
 from img_recog.simulation.loading import connect
@@ -19,7 +16,6 @@ from img_recog_testing import robots
 from img_recog_testing.sdf import BUILT_IN, SHELF, sdf
 
 LEFT = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))       # a quarter turn
-DEADLINE_S = 60
 
 
 class FakeHelper:
@@ -27,21 +23,21 @@ class FakeHelper:
 
     made = []
 
-    def __init__(self, target, args):
-        self.target, self.args, self.ended = target, args, False
+    def __init__(self, target, args, niceness):
+        self.target, self.args, self.niceness, self.ended = target, args, niceness, False
         self.connection, self.theirs = Pipe()
         self.made.append(self)
 
     def end(self):
         self.ended = True
-        return True
+        return 0
 
 
 @pytest.fixture
 def helpers(monkeypatch, clock):
     """The helpers that are made; time stands still but for `clock`."""
     monkeypatch.setattr(FakeHelper, 'made', [])
-    monkeypatch.setattr(window, 'Helper', FakeHelper)
+    monkeypatch.setattr(window, 'HelperProcess', FakeHelper)
     monkeypatch.setattr(window, 'time', types.SimpleNamespace(monotonic=clock))
     return FakeHelper.made
 
@@ -206,32 +202,6 @@ def test_no_part_of_a_copy_reflects_the_sun(monkeypatch):
     assert len(changed) > 10
 
 
-def test_helper_runs_its_target_with_the_connection_and_ends():
-    helper = scene.Helper(operator.methodcaller('send', 5), ())
-    assert helper.connection.poll(DEADLINE_S) and helper.connection.recv() == 5
-    assert helper._process.daemon
-    helper._process.join(DEADLINE_S)
-    assert helper.end() is True
-
-
-def test_helper_that_fails_says_so():
-    helper = scene.Helper(operator.methodcaller('no_such_method'), ())
-    helper._process.join(DEADLINE_S)
-    assert helper.end() is False
-    killed = scene.Helper(operator.methodcaller('recv'), ())
-    killed._process.kill()
-    killed._process.join(DEADLINE_S)
-    assert killed._process.exitcode < 0 and killed.end() is False
-
-
-def test_helper_ignores_ctrl_c_and_gives_way_to_the_simulation(monkeypatch):
-    done = []
-    monkeypatch.setattr(signal, 'signal', lambda *args: done.append(args))
-    monkeypatch.setattr(os, 'nice', done.append)
-    scene._run(lambda *args: done.append(args), 'connection', (1, 2))
-    assert done == [(signal.SIGINT, signal.SIG_IGN), 10, ('connection', 1, 2)]
-
-
 def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
     shown = window.Window('scene')
     assert helpers[0].args == ('scene', ABOVE) and shown.due()
@@ -244,7 +214,7 @@ def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
         assert shown.show([bytes(10000)]) is None
     helpers[0].theirs.close()
     assert shown.show(['pose']) == 'closed' and helpers[0].ended
-    helpers[0].end = lambda: False
+    helpers[0].end = lambda: 1
     assert shown.show(['pose']) == 'it could not be opened or broke'
     closed = window.Window('scene')
     closed.close()
