@@ -1,4 +1,5 @@
 """Which points the sun reaches: depths of a scene, seen from the sun."""
+import itertools
 from typing import List, Sequence, Tuple
 
 import moderngl
@@ -7,9 +8,9 @@ import numpy as np
 from img_recog.rendering import matrices, shaders
 from img_recog.rendering.batches import Batch, Bounds
 
-_SIZE = 2048                # texels
-_MIN_RADIUS_M, _MAX_RADIUS_M = 6.0, 30.0
-_GRID_M = 5.0               # of the centers that the map may have outside of the static scene
+_TEXEL_M, _MAX_TEXELS = 0.007, 2048
+_MIN_HALF_M, _MAX_HALF_M = 4.0, 30.0
+_GRID_M = 4.0               # of the centers that the map may have outside of the static scene
 # Of a transform: bodies that rest still move by micrometers. It is rounded, not compared with a
 # tolerance, as the same poses must give the same image.
 _DECIMALS = 4
@@ -19,7 +20,7 @@ Rectangle = Tuple[int, int, int, int]   # x, y, width and height in texels
 
 
 class ShadowMap:
-    """A depth texture of a square region, drawn from the sun.
+    """A depth texture of a rectangular region, drawn from the sun.
 
     What has not moved yet is drawn once for a region; in each frame only the rectangles that hold
     parts that did move are drawn again.
@@ -34,18 +35,21 @@ class ShadowMap:
         self._context, self._program, self._batches = context, program, batches
         self._spheres = _Spheres(bounds)
         self._sun_view = matrices.looking(-sun)
-        self._kept, self._kept_target = _depth_target(context)
-        self.texture, self._target = _depth_target(context)
+        self._center, self._halves_m = _region(bounds, self._sun_view[:2, :3])
+        # not larger than needed: what does not fit into the cache of the processor is slow
+        size = np.minimum(np.ceil(2 * self._halves_m / _TEXEL_M), _MAX_TEXELS).astype(int)
+        self._size = int(size[0]), int(size[1])
+        self.texel_m = float((2 * self._halves_m / size).max())
+        self._kept, self._kept_target = _depth_target(context, self._size)
+        self.texture, self._target = _depth_target(context, self._size)
         self.texture.compare_func = '<='
         copy = context.program(vertex_shader=shaders.WHOLE_VERTEX,
                                fragment_shader=shaders.COPY_DEPTH_FRAGMENT)
         self._copy = context.vertex_array(copy, [(whole_image(context), '2f', 'corner')])
         self._first = np.empty((0, 4, 4))
         self._moved = np.empty(0, bool)     # parts; the last one is the world, which never moves
-        self._region: Tuple[float, ...] = ()
         self._to_clip = np.eye(4)
         self._drawn: List[Rectangle] = []
-        self.texel_m = 1.0
 
     @property
     def to_map(self) -> np.ndarray:
@@ -59,14 +63,13 @@ class ShadowMap:
         self._context.enable_only(moderngl.DEPTH_TEST)
         models = models.round(_DECIMALS)
         centers = self._spheres.centers(models)
-        region = self._spheres.region(centers)
-        if self._note_moved(models) or region != self._region:
-            self._region = region
-            self._set_region(np.array(region[:3]), region[3])
+        to_clip = self._region_to_clip(centers)
+        if self._note_moved(models) or (to_clip != self._to_clip).any():
+            self._to_clip = to_clip
             self._kept_target.use()
             self._kept_target.clear(depth=1.0)
             self._render(models, False)
-            self._restore([(0, 0, _SIZE, _SIZE)])
+            self._restore([(0, 0, *self._size)])
         else:
             self._restore(self._drawn)
         self._target.use()
@@ -84,12 +87,21 @@ class ShadowMap:
         self._moved = moved
         return is_new
 
-    def _set_region(self, center: np.ndarray, radius_m: float) -> None:
-        self.texel_m = 2 * radius_m / _SIZE
+    def _region_to_clip(self, centers: np.ndarray) -> np.ndarray:
+        """Return the projection (4, 4) of the region; centers (k, 3): of the spheres.
+
+        It depends on nothing else: the same poses must give the same image. It is around what
+        cannot move, or near the first part that can if that is outside.
+        """
+        center = self._center
+        can_move = self._spheres.parts >= 0
+        for first, radius_m in zip(centers[can_move][:1], self._spheres.radii[can_move]):
+            aside = np.abs(self._sun_view[:2, :3] @ (first - center))
+            if (aside + radius_m > self._halves_m).any():
+                center = np.round(first / _GRID_M) * _GRID_M
         view = self._sun_view.copy()
         view[:3, 3] = -self._sun_view[:3, :3] @ center
-        projection = matrices.orthographic(radius_m, radius_m, -_HALF_DEPTH_M, _HALF_DEPTH_M)
-        self._to_clip = projection @ view
+        return matrices.orthographic(*self._halves_m, -_HALF_DEPTH_M, _HALF_DEPTH_M) @ view
 
     def _render(self, models: np.ndarray, moved: bool) -> None:
         """Draw the batches of parts that moved, or those of all others."""
@@ -112,10 +124,10 @@ class ShadowMap:
 
     def _rectangles(self, centers: np.ndarray, radii: np.ndarray) -> List[Rectangle]:
         """Return the texels that hold spheres (k, 3) and (k,)."""
-        middles = (centers @ self.to_map[:2, :3].T + self.to_map[:2, 3]) * _SIZE
+        middles = (centers @ self.to_map[:2, :3].T + self.to_map[:2, 3]) * self._size
         reaches = radii[:, np.newaxis] / self.texel_m + 2
-        low = np.floor(middles - reaches).clip(0, _SIZE).astype(int)
-        sizes = np.ceil(middles + reaches).clip(0, _SIZE).astype(int) - low
+        low = np.floor(middles - reaches).clip(0, self._size).astype(int)
+        sizes = np.ceil(middles + reaches).clip(0, self._size).astype(int) - low
         return [(x, y, width, height)
                 for (x, y), (width, height) in zip(low.tolist(), sizes.tolist())]
 
@@ -139,24 +151,24 @@ class _Spheres:
         moved = np.concatenate([models, np.eye(4)[np.newaxis]])[self.parts]
         return (moved[:, :3, :3] @ self._middles[..., np.newaxis])[..., 0] + moved[:, :3, 3]
 
-    def region(self, centers: np.ndarray) -> Tuple[float, ...]:
-        """Return the center and the radius of a sphere to be mapped.
 
-        It depends on nothing else: the same poses must give the same image. It is that of the
-        static scene, or of the first part that can move if that is outside.
-        """
-        center, radius_m = np.zeros(3), 0.0
-        if -1 in self.parts:
-            center, radius_m = centers[0], self.radii[0]
-        radius_m = min(max(radius_m, _MIN_RADIUS_M), _MAX_RADIUS_M)
-        for first, size_m in zip(centers[self.parts >= 0][:1], self.radii[self.parts >= 0]):
-            if np.linalg.norm(first - center) + size_m > radius_m:
-                center = np.round(first / _GRID_M) * _GRID_M
-        return (*map(float, center), float(radius_m))
+def _region(bounds: Sequence[Bounds], across: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Return the center (3,) and half the size (2,) of what cannot move, seen from the sun, in m.
+
+    across (2, 3): the axes of the image of the sun.
+    """
+    corners = np.array([[x, y, z] for each in bounds if each.part < 0
+                        for x, y, z in itertools.product(*zip(each.low, each.high))])
+    if not len(corners):
+        return np.zeros(3), np.full(2, _MIN_HALF_M)
+    places = corners @ across.T
+    low, high = places.min(axis=0), places.max(axis=0)
+    return (low + high) / 2 @ across, ((high - low) / 2).clip(_MIN_HALF_M, _MAX_HALF_M)
 
 
-def _depth_target(context: moderngl.Context) -> Tuple[moderngl.Texture, moderngl.Framebuffer]:
-    texture = context.depth_texture((_SIZE, _SIZE))
+def _depth_target(context: moderngl.Context, size: Tuple[int, int]
+                  ) -> Tuple[moderngl.Texture, moderngl.Framebuffer]:
+    texture = context.depth_texture(size)
     texture.compare_func = ''
     texture.filter = moderngl.NEAREST, moderngl.NEAREST
     texture.repeat_x = texture.repeat_y = False
