@@ -101,7 +101,8 @@ class ShadowMap:
                 center = np.round(first / _GRID_M) * _GRID_M
         view = self._sun_view.copy()
         view[:3, 3] = -self._sun_view[:3, :3] @ center
-        return matrices.orthographic(*self._halves_m, -_HALF_DEPTH_M, _HALF_DEPTH_M) @ view
+        half_x, half_y = self._halves_m
+        return matrices.orthographic(half_x, half_y, -_HALF_DEPTH_M, _HALF_DEPTH_M) @ view
 
     def _render(self, models: np.ndarray, moved: bool) -> None:
         """Draw the batches of parts that moved, or those of all others."""
