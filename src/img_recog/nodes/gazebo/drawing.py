@@ -19,6 +19,7 @@ from img_recog.visuals import VisualScene
 
 _POLL_PERIOD_S = 0.1
 _MAX_WAIT_S = 60.0          # for images or a scene; then the process hangs
+_WARN_AFTER_S = 5.0
 
 
 class Job(NamedTuple):
@@ -98,12 +99,19 @@ class Drawing:
 
     def _wait_idle(self) -> bool:
         """Wait until nothing is drawn; return whether there may be a next request."""
-        end_s = time.monotonic() + _MAX_WAIT_S
+        begin_s = time.monotonic()
+        warn_after_s, kill_after_s = _WARN_AFTER_S, _MAX_WAIT_S
         while self._is_busy and not rospy.is_shutdown():
-            if not self._condition.wait(_POLL_PERIOD_S) and time.monotonic() > end_s:
-                end_s = math.inf
-                if self._process is not None:
-                    self._process.kill()        # a defect of a driver, for example
+            self._condition.wait(_POLL_PERIOD_S)
+            waited_s = time.monotonic() - begin_s
+            if self._is_busy and waited_s > warn_after_s:
+                warn_after_s = math.inf
+                rospy.logwarn('the simulation waits for images: the process that draws has not '
+                              'answered for %.0f s; it is replaced after %.0f s', waited_s,
+                              kill_after_s)
+            if self._is_busy and waited_s > kill_after_s and self._process is not None:
+                kill_after_s = math.inf
+                self._process.kill()        # a defect of a driver, for example
         return not self._has_ended and not rospy.is_shutdown()
 
     def report(self, status: DiagnosticStatusWrapper) -> None:

@@ -183,14 +183,17 @@ def test_a_process_that_was_killed_is_replaced(made, warnings):
 
 
 def test_a_process_that_hangs_is_killed(made, warnings, monkeypatch):
-    monkeypatch.setattr(drawing, '_MAX_WAIT_S', 0.2)
+    monkeypatch.setattr(drawing, '_WARN_AFTER_S', 0.2)
+    monkeypatch.setattr(drawing, '_MAX_WAIT_S', 0.6)
     process, published = start(made), []
     made.submit([job(published)], POSES, 0.0)
     process.answers.put([image()])
     wait_for(lambda: published, 'the image')
     made.submit([job(published)], POSES, 0.0)
     made.submit([job(published)], POSES, 0.0)       # waits, and is dropped
-    assert warnings == ['killed; it is started again'] and len(process.requests) == 2
+    assert warnings == ['the simulation waits for images: the process that draws has not answered '
+                        'for 0 s; it is replaced after 1 s', 'killed; it is started again']
+    assert len(process.requests) == 2
 
 
 def test_shutdown_does_not_wait_for_an_image(made, monkeypatch):
