@@ -1,5 +1,6 @@
 """Images are drawn one request at a time, and published in a thread."""
 import queue
+import re
 import threading
 
 import numpy as np
@@ -191,8 +192,9 @@ def test_a_process_that_hangs_is_killed(made, warnings, monkeypatch):
     wait_for(lambda: published, 'the image')
     made.submit([job(published)], POSES, 0.0)
     made.submit([job(published)], POSES, 0.0)       # waits, and is dropped
-    assert warnings == ['the simulation waits for images: the process that draws has not answered '
-                        'for 0 s; it is replaced after 1 s', 'killed; it is started again']
+    assert re.match('the simulation waits for images: the process that draws has not answered for '
+                    '. s; it is replaced after 1 s$', warnings[0])
+    assert warnings[1:] == ['killed; it is started again']
     assert len(process.requests) == 2
 
 
