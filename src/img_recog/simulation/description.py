@@ -80,7 +80,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     parents = _joints_by_child(robot, links)
     root = _root(links, parents)
     friction = {name: value for name, value in
-                ((name, _friction(robot, name, link)) for name, link in links.items())
+                ((name, friction_of(robot, name, link)) for name, link in links.items())
                 if value is not None}
     inertias = {name: _inertia(name, link) for name, link in links.items()}
     frames = {name: _frame(name, parents, friction) for name in links}
@@ -188,17 +188,17 @@ def _frame(name: str, parents: Dict[str, _Joint], friction: Dict[str, float]) ->
     return Frame(carrier, pose)
 
 
-def _friction(robot: ElementTree.Element, name: str,
-              link: ElementTree.Element) -> Optional[float]:
+def friction_of(robot: ElementTree.Element, name: str,
+                link: ElementTree.Element) -> Optional[float]:
     """Return mu1 of Gazebo's tag for the link, else PyBullet's lateral_friction, else None."""
     for tag in robot.findall('gazebo'):
         element = tag.find('mu1')
         if tag.get('reference') == name and element is not None:
-            return read_numbers('mu1 of link ' + name, element.text, 1)[0]
+            return float(read_numbers('mu1 of link ' + name, element.text, 1)[0])
     element = link.find('contact/lateral_friction')
     if element is None:
         return None
-    return read_numbers('lateral_friction of link ' + name, element.get('value'), 1)[0]
+    return float(read_numbers('lateral_friction of link ' + name, element.get('value'), 1)[0])
 
 
 def _inertia(name: str, link: ElementTree.Element) -> Inertia:

@@ -2,7 +2,7 @@
 import contextlib
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import Iterator
+from typing import Dict, Iterator
 
 import pybullet
 
@@ -63,13 +63,11 @@ def _check_meshes(robot: ElementTree.Element, body_id: int, physics_client_id: i
     links = robot.findall('link')
     if not any(link.find('collision/geometry/mesh') is not None for link in links):
         return
-    client = {'physicsClientId': physics_client_id}
-    loaded = {pybullet.getBodyInfo(body_id, **client)[0].decode(): -1}
-    for index in range(pybullet.getNumJoints(body_id, **client)):
-        loaded[pybullet.getJointInfo(body_id, index, **client)[12].decode()] = index
+    loaded = link_indices(body_id, physics_client_id)
     for link in links:
         meshes = [mesh.get('filename', '') for mesh in link.findall('collision/geometry/mesh')]
-        shapes = pybullet.getCollisionShapeData(body_id, loaded[link.get('name', '')], **client)
+        shapes = pybullet.getCollisionShapeData(body_id, loaded[link.get('name', '')],
+                                                physicsClientId=physics_client_id)
         if meshes and len(shapes) < len(link.findall('collision')):
             raise SimulationError('PyBullet cannot read {}'.format(
                 ' or '.join(sorted(set(meshes)))), 'give a complete DAE, OBJ or STL file')
@@ -95,3 +93,12 @@ def _file(text: str) -> Iterator[str]:
         yield '/proc/self/fd/{}'.format(descriptor)
     finally:
         os.close(descriptor)
+
+
+def link_indices(body_id: int, physics_client_id: int) -> Dict[str, int]:
+    """Return PyBullet's index of each link of a body by its name, -1 for the root link."""
+    client = {'physicsClientId': physics_client_id}
+    indices = {pybullet.getBodyInfo(body_id, **client)[0].decode(): -1}
+    for index in range(pybullet.getNumJoints(body_id, **client)):
+        indices[pybullet.getJointInfo(body_id, index, **client)[12].decode()] = index
+    return indices

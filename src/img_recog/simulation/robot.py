@@ -11,6 +11,9 @@ from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnS
 
 COLLISION_GROUP = 64            # the bit by which rays ignore the robot that they start in
 _DEFAULT_FRICTION = 1.0         # of links without a coefficient (Gazebo's default)
+# rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
+# wheels, while their motors go on and turn the robot over.
+_MAX_JOINT_VELOCITY = 1e5
 
 
 class JointStates(NamedTuple):
@@ -143,6 +146,7 @@ class Robot(Body):
             pybullet.changeDynamics(
                 self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
                 lateralFriction=description.friction.get(name, _DEFAULT_FRICTION),
+                maxJointVelocity=_MAX_JOINT_VELOCITY,
                 physicsClientId=self.physics_client_id)
         for wheel in self._wheels:
             pybullet.changeDynamics(

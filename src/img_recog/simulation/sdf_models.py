@@ -229,6 +229,7 @@ class _Builder:
             _add_massless(added)
         else:
             _add_inertial(added, link.element, offset)
+        _add_friction(added, link.element)
         scope = _Scope(link.element)
         for tag in ('visual', 'collision'):
             for shape in link.element.findall(tag):
@@ -301,3 +302,16 @@ def _add_inertial(link: ElementTree.Element, source: ElementTree.Element,
     ElementTree.SubElement(inertial, 'mass', value=repr(mass))
     ElementTree.SubElement(inertial, 'inertia',
                            {key: repr(value) for key, value in values.items()})
+
+
+def _add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None:
+    """Add the coefficient of the first collision that has one: PyBullet has one for each link."""
+    text = source.findtext('collision/surface/friction/ode/mu')
+    if text is None:
+        return
+    name = '<mu> of link ' + source.get('name', '')
+    value = float(read_numbers(name, text, 1)[0])
+    if value < 0:
+        raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
+    contact = ElementTree.SubElement(link, 'contact')
+    ElementTree.SubElement(contact, 'lateral_friction', value=repr(value))

@@ -1,10 +1,12 @@
 """The physics client, and everything in it except robots."""
+import xml.etree.ElementTree as ElementTree
 from typing import Dict, List, Sequence
 
 import pybullet
 
 from img_recog.simulation.body import Body
-from img_recog.simulation.loading import load_urdf
+from img_recog.simulation.description import friction_of
+from img_recog.simulation.loading import link_indices, load_urdf
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
 from img_recog.simulation.world_file import WorldFile
@@ -12,7 +14,7 @@ from img_recog.simulation.world_file import WorldFile
 _FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
 _FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
 _MAX_DEPTH_M = 0.005            # in the floor at the start
-_FRICTION = 1.0                 # PyBullet multiplies it with the robot's coefficient
+_FRICTION = 1.0                 # of links without a coefficient (Gazebo's default)
 
 
 class World:
@@ -38,7 +40,7 @@ class World:
                                            physicsClientId=physics_client_id)
         self.floor = Body(add_floor(physics_client_id), physics_client_id, fixed=True)
         self.floor.name = 'ground_plane'        # Gazebo's name for it
-        self._set_friction(self.floor)
+        self._set_friction(self.floor, {})
         try:
             self.add(file.trees)
         except SimulationError as error:
@@ -47,8 +49,8 @@ class World:
     def add(self, trees: Sequence[Tree]) -> None:
         """Add trees to the world; SimulationError when PyBullet cannot load all of them."""
         added = load_bodies(trees, self.physics_client_id)
-        for body in added:
-            self._set_friction(body)
+        for body, tree in zip(added, trees):
+            self._set_friction(body, _friction(tree))
             if not body.fixed:
                 self._lift(body)
         self.bodies += added
@@ -78,10 +80,14 @@ class World:
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
         self.revision += 1
 
-    def _set_friction(self, body: Body) -> None:
-        for link in body.links:
-            pybullet.changeDynamics(body.body_id, link, lateralFriction=_FRICTION,
-                                    physicsClientId=self.physics_client_id)
+    def _set_friction(self, body: Body, coefficients: Dict[str, float]) -> None:
+        """Set the coefficients of the links of a body, which are given by their names."""
+        client = {'physicsClientId': self.physics_client_id}
+        for name, link in link_indices(body.body_id, self.physics_client_id).items():
+            # PyBullet multiplies those of two bodies. Gazebo takes the lower one: a higher one
+            # than that of the floor makes no difference.
+            pybullet.changeDynamics(body.body_id, link, lateralFriction=min(
+                coefficients.get(name, _FRICTION), _FRICTION), **client)
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""
@@ -102,6 +108,14 @@ class World:
         """Call after a fixed body was moved."""
         self.revision += 1
         self._is_rearranged = True
+
+
+def _friction(tree: Tree) -> Dict[str, float]:
+    """Return the friction coefficients of links that have one, by their names."""
+    robot = ElementTree.fromstring(tree.urdf)
+    found = {name: friction_of(robot, name, link) for name, link in (
+        (link.get('name', ''), link) for link in robot.findall('link'))}
+    return {name: value for name, value in found.items() if value is not None}
 
 
 def add_floor(physics_client_id: int, visible: bool = False) -> int:
