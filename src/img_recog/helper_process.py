@@ -1,28 +1,68 @@
 """A separate process that works for this one, and ends with it."""
 import multiprocessing
 import os
+import queue
 import signal
+import threading
 from multiprocessing.connection import Connection
-from typing import Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple
 
 _EXIT_TIMEOUT_S = 2.0
+_END = object()             # the message after the last one
 
 
 class HelperProcess:
-    """A process that runs `target(connection, *args)`; `connection` is this end of its pipe.
+    """A process that runs `target(connection, *inherited, *args)`.
 
-    The target returns when the other end of its connection is closed.
+    The target returns when the other end of its connection is closed. connection: this end, to
+    receive what the target sends.
     """
 
-    def __init__(self, target: Callable[..., None], args: Tuple, niceness: int):
-        """Start it; target: a function of a module, niceness: how far others come first."""
+    def __init__(self, target: Callable[..., None], args: Tuple, niceness: int,
+                 inherited: Tuple = ()):
+        """Start it.
+
+        target: a function of a module. niceness: how far other processes come first. inherited:
+        arguments that only a new process can get, like shared memory.
+        """
         # a forked child would share descriptors and locks
         context = multiprocessing.get_context('spawn')
         self.connection, other = context.Pipe()
-        self._process = context.Process(target=_run, args=(target, other, args, niceness),
-                                        daemon=True)
+        self._process = context.Process(
+            target=_run, args=(target, other, inherited, niceness), daemon=True)
         self._process.start()
         other.close()
+        self._outbox: 'queue.Queue[Any]' = queue.Queue()
+        self._given = self._taken = 0       # messages
+        self._is_broken = False
+        threading.Thread(target=self._send_all, name='to the helper', daemon=True).start()
+        self.send(args)
+
+    def send(self, message: object) -> None:
+        """Send a message; never waits, also if the process does not read."""
+        self._given += 1
+        self._outbox.put(message)
+
+    @property
+    def is_sending(self) -> bool:
+        """Whether the process has not taken all messages yet."""
+        return self._given > self._taken
+
+    @property
+    def is_broken(self) -> bool:
+        """Whether a message could not be sent: the process has ended."""
+        return self._is_broken
+
+    def _send_all(self) -> None:
+        while not self._is_broken:
+            message = self._outbox.get()
+            if message is _END:
+                return
+            try:
+                self.connection.send(message)
+            except Exception:       # the process has ended, or `end` has closed the connection
+                self._is_broken = True
+            self._taken += 1
 
     def wait(self) -> Optional[int]:
         """Wait for the exit of a process that must be about to exit; return its exit code.
@@ -38,14 +78,20 @@ class HelperProcess:
 
     def end(self) -> Optional[int]:
         """Close the pipe, wait for the process to exit, or kill it; return its exit code."""
+        self._outbox.put(_END)
         self.connection.close()
         if self.wait() is None:
             self.kill()
         return self.wait()
 
 
-def _run(target: Callable[..., None], connection: Connection, args: Tuple, niceness: int) -> None:
+def _run(target: Callable[..., None], connection: Connection, inherited: Tuple, niceness: int
+         ) -> None:
     # Ctrl-C reaches the whole process group; this process exits when its parent does
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.nice(niceness)
-    target(connection, *args)
+    try:
+        args = connection.recv()
+    except (EOFError, OSError):
+        return
+    target(connection, *inherited, *args)

@@ -1,4 +1,5 @@
 """A helper process: its connection, its signals, and how it ends."""
+import multiprocessing
 import operator
 import os
 import signal
@@ -7,7 +8,7 @@ import time
 import pytest
 
 from img_recog.helper_process import HelperProcess
-from img_recog_testing.waiting import DEADLINE_S, stretch
+from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 
 def receive(helper):
@@ -22,6 +23,19 @@ def report(connection, *args):
         connection.recv()
     except EOFError:
         pass
+
+
+def echo(connection):
+    """Send back what comes, until the other end is closed."""
+    try:
+        while True:
+            connection.send(connection.recv())
+    except (EOFError, OSError):
+        pass
+
+
+def write(connection, memory, value):
+    memory[0] = value
 
 
 def hang(connection):
@@ -48,6 +62,42 @@ def test_it_runs_its_target_and_exits_when_it_is_to_end(start):
     args, niceness, pid = receive(helper)
     assert args == (1, 'two') and niceness == os.nice(0) + 3 and pid != os.getpid()
     assert helper.end() == 0
+
+
+def test_what_only_a_new_process_can_get(start):
+    memory = multiprocessing.get_context('spawn').RawArray('B', 1)
+    helper = start(write, (7,), 0, (memory,))
+    wait_for(lambda: not helper.is_sending, 'the arguments')
+    assert helper.end() == 0
+    assert memory[0] == 7
+
+
+def test_messages_arrive_in_order(start):
+    helper = start(echo, (), 0)
+    for number in range(100):
+        helper.send(number)
+    assert [receive(helper) for _ in range(100)] == list(range(100))
+    wait_for(lambda: not helper.is_sending, 'the last message')
+    assert not helper.is_broken
+
+
+def test_to_send_never_waits(start):
+    helper = start(echo, (), 0)
+    helper.send('ready')
+    receive(helper)
+    os.kill(helper._process.pid, signal.SIGSTOP)
+    for _ in range(3):
+        helper.send(bytes(10 ** 7))     # more than a pipe holds
+    assert helper.is_sending and not helper.is_broken
+    helper.kill()
+    wait_for(lambda: helper.is_broken, 'the end')
+    helper.send('nobody')
+    assert helper.end() == -signal.SIGKILL
+
+
+def test_one_that_is_ended_before_it_has_started(start):
+    helper = start(report, (bytes(10 ** 7),), 0)
+    assert helper.end() in (0, -signal.SIGKILL)     # the latter if it starts slowly
 
 
 def test_ctrl_c_does_not_end_it(start):

@@ -97,7 +97,8 @@ class DrawingProcess:
         memory = multiprocessing.get_context('spawn').RawArray('B', self._layout.size * _SLOTS)
         self._bytes = np.frombuffer(memory, np.uint8)
         self._helper = HelperProcess(
-            _serve, (memory, scene, poses, list(cameras), make_renderer, make_fallback), _NICENESS)
+            _serve, (scene, poses, list(cameras), make_renderer, make_fallback), _NICENESS,
+            inherited=(memory,))
         self._requests = 0
         self._is_busy = False
         self._shots: List[Shot] = []
@@ -139,10 +140,7 @@ class DrawingProcess:
 
     def _send(self, shots: Sequence[Shot], message: Union[_Draw, _Load]) -> None:
         self._shots, self._is_busy = list(shots), True
-        try:
-            self._helper.connection.send(message)
-        except OSError:
-            pass            # the process has ended; `answer` raises the error
+        self._helper.send(message)      # if the process has ended, `answer` raises the error
 
     def answer(self, timeout_s: Optional[float]) -> Optional[List[Drawn]]:
         """Return the images of the request in its order; None if they are not drawn in time.

@@ -1,6 +1,5 @@
 """A window that shows the simulation."""
 import math
-import select
 import time
 from multiprocessing.connection import Connection
 from typing import Optional, Sequence
@@ -48,18 +47,13 @@ class Window:
     def show(self, poses: Sequence[Pose]) -> Optional[str]:
         """Send the poses; return the reason when the window is gone, else None."""
         self._next_s = time.monotonic() + _PERIOD_S
-        connection = self._helper.connection
-        try:
-            # a window that opens slowly or stalls must not block the simulation
-            poller = select.poll()
-            poller.register(connection, select.POLLOUT)
-            if poller.poll(0):
-                if self._new_scene is not None:
-                    connection.send(self._new_scene)
-                    self._new_scene = None
-                connection.send(poses)
-        except OSError:
+        if self._helper.is_broken:
             return 'closed' if self._helper.end() == 0 else 'it could not be opened or broke'
+        if not self._helper.is_sending:     # else it opens slowly, or hangs
+            if self._new_scene is not None:
+                self._helper.send(self._new_scene)
+                self._new_scene = None
+            self._helper.send(poses)
         return None
 
     def close(self) -> None:
