@@ -6,11 +6,13 @@ import numpy as np
 
 from img_recog.errors import one_line
 from img_recog.rendering import shaders, textures, triangles
+from img_recog.rendering.file_cache import FileCache
 from img_recog.visuals import BOX, CYLINDER, PLANE, SPHERE, Shape, Visual, VisualScene
 
 _FLOOR_COLOR = (0.7, 0.7, 0.7, 1.0)
 _FLOOR_SIZE_M = 400.0
 _CLOSED = BOX, CYLINDER, SPHERE         # of which one never sees the inside; a mesh may be open
+_NO_TEXTURE = -1
 _VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
                     ('color', 'u1', 4)])
 
@@ -76,12 +78,15 @@ class Loader:
             for fragment in (shaders.PLAIN_FRAGMENT, shaders.TEXTURED_FRAGMENT))
         self.depth = context.program(vertex_shader=shaders.SHADOW_VERTEX,
                                      fragment_shader=shaders.SHADOW_FRAGMENT)
-        self._textures: Dict[int, moderngl.Texture] = {}
+        self._meshes, self._images = FileCache(triangles.read), FileCache(textures.read)
+        # by the id of their image, which therefore is kept
+        self._textures: Dict[int, Tuple[np.ndarray, moderngl.Texture]] = {}
         self._missing: List[str] = []
 
     def load(self, scene: VisualScene, models: np.ndarray) -> Loaded:
         """Load a scene; models (n, 4, 4): the transforms of all parts to the world."""
         self._missing = []
+        old_textures, self._textures = self._textures, {}
         bounds: List[Bounds] = []
         grouped: Dict[_Key, List[np.ndarray]] = {}
         for visual in scene.visuals:
@@ -91,8 +96,11 @@ class Loader:
             for corners, image, is_transparent in self._vertices(visual, pose):
                 bounds.append(Bounds(part, corners['position'].min(axis=0),
                                      corners['position'].max(axis=0)))
-                key = is_transparent, part, self._texture(image), visual.shape.kind in _CLOSED
+                key = (is_transparent, part, self._texture(image, old_textures),
+                       visual.shape.kind in _CLOSED)
                 grouped.setdefault(key, []).append(corners)
+        self._meshes.forget_unused()
+        self._images.forget_unused()
         batches = [self._batch(key, np.concatenate(grouped[key])) for key in sorted(grouped)]
         return Loaded(batches, bounds, self._floor() if scene.light.floor else None, self._missing)
 
@@ -108,7 +116,7 @@ class Loader:
 
     def _triangles(self, shape: Shape) -> List[triangles.Triangles]:
         try:
-            parts = triangles.of_shape(shape)
+            parts = triangles.of_shape(shape, self._meshes.get)
         except triangles.MeshError as error:
             self._miss(one_line(error))
             return []
@@ -123,7 +131,7 @@ class Loader:
         if material is None or (visual.prefers_file and part.has_material):
             return part.color, part.texture
         try:
-            image = textures.read(material.texture) if material.texture else None
+            image = self._images.get(material.texture) if material.texture else None
         except textures.TextureError as error:
             self._miss(one_line(error))
             image = None
@@ -140,7 +148,8 @@ class Loader:
             flags |= moderngl.BLEND
         elif is_closed:
             flags |= moderngl.CULL_FACE
-        buffer, image = self._context.buffer(corners.tobytes()), self._textures.get(texture)
+        buffer = self._context.buffer(corners.tobytes())
+        image = self._textures[texture][1] if texture != _NO_TEXTURE else None
         shaded = (
             self._context.vertex_array(self.plain, [
                 (buffer, '3f 3f 8x 4f1', 'position', 'normal', 'color')])
@@ -151,20 +160,23 @@ class Loader:
 
     def _floor(self) -> Batch:
         part, = triangles.of_shape(Shape(PLANE, (_FLOOR_SIZE_M, _FLOOR_SIZE_M)))
-        return self._batch((False, -1, -1, False), _corners(part, np.eye(4), _FLOOR_COLOR))
+        return self._batch((False, -1, _NO_TEXTURE, False), _corners(part, np.eye(4), _FLOOR_COLOR))
 
-    def _texture(self, image: Optional[np.ndarray]) -> int:
-        """Return the key of an image in `_textures`, -1 for none."""
+    def _texture(self, image: Optional[np.ndarray],
+                 old: Dict[int, Tuple[np.ndarray, moderngl.Texture]]) -> int:
+        """Return the key of an image in `_textures`; old: those of the last scene."""
         if image is None:
-            return -1
-        key = id(image)         # the readers keep their images
+            return _NO_TEXTURE
+        key = id(image)
+        if key in old:
+            self._textures[key] = old[key]
         if key not in self._textures:
             height, width = image.shape[:2]
             # OpenGL's first row is the lowest
             texture = self._context.texture((width, height), 3, image[::-1].tobytes(), alignment=1)
             texture.build_mipmaps()
             texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
-            self._textures[key] = texture
+            self._textures[key] = image, texture
         return key
 
 

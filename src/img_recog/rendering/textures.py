@@ -1,6 +1,4 @@
 """Images of materials."""
-import functools
-
 import numpy as np
 from PIL import Image
 
@@ -15,7 +13,6 @@ class TextureError(UserError):
     """A texture cannot be read."""
 
 
-@functools.lru_cache(maxsize=None)
 def read(path: str) -> np.ndarray:
     """Return the image of a file, RGB of shape (rows, columns, 3); TextureError naming the file.
 

@@ -1,5 +1,4 @@
 """The triangles of shapes, and meshes of files, which trimesh reads."""
-import functools
 import os
 from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
@@ -38,15 +37,6 @@ class MeshError(UserError):
     """A mesh file cannot be read."""
 
 
-def of_shape(shape: Shape) -> List[Triangles]:
-    """Return the triangles of a shape; MeshError when its file cannot be read."""
-    if shape.kind == MESH:
-        scale = np.array(shape.size)
-        return [_scaled(part, scale) for part in read(shape.path)]
-    return [_PRIMITIVES[shape.kind](*shape.size)]
-
-
-@functools.lru_cache(maxsize=None)
 def read(path: str) -> List[Triangles]:
     """Return the triangles of a mesh file, in m, in the axes that the file uses.
 
@@ -58,6 +48,18 @@ def read(path: str) -> List[Triangles]:
     except Exception as error:      # the readers raise errors of many types
         raise MeshError('cannot read the mesh {}: {}'.format(path, one_line(error)),
                         'give a DAE, OBJ or STL file that is complete')
+
+
+def of_shape(shape: Shape, read_file: Callable[[str], List[Triangles]] = read
+             ) -> List[Triangles]:
+    """Return the triangles of a shape; read_file: `read`, or a cache of it.
+
+    Raises MeshError when its file cannot be read.
+    """
+    if shape.kind == MESH:
+        scale = np.array(shape.size)
+        return [_scaled(part, scale) for part in read_file(shape.path)]
+    return [_PRIMITIVES[shape.kind](*shape.size)]
 
 
 def _read(path: str) -> List[Triangles]:

@@ -5,7 +5,7 @@ from typing import List, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml
-from img_recog.simulation import description, sdf_file, world_file
+from img_recog.simulation import description, sdf_file, visual_scene, world_file
 from img_recog.simulation.geometry import IDENTITY
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
@@ -29,6 +29,8 @@ def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
         else:
             raise SimulationError('got the root element <{}>, expected <sdf> or <robot> (URDF)'
                                   .format(root.tag))
+        for tree in trees:
+            visual_scene.check(tree.urdf)
     except (MarkupError, SimulationError) as error:
         raise SimulationError('model {}: {}'.format(name, error.problem), error.advice)
     if missing:

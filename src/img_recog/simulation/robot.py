@@ -6,7 +6,7 @@ import pybullet
 from img_recog.simulation.body import Body, Motion, Pose, Quaternion, Vector, motion_of_frame
 from img_recog.simulation.description import Description
 from img_recog.simulation.geometry import to_rpy
-from img_recog.simulation.loading import load_urdf
+from img_recog.simulation.loading import link_indices, load_urdf
 from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
 
 COLLISION_GROUP = 64            # the bit by which rays ignore the robot that they start in
@@ -42,8 +42,7 @@ class Robot(Body):
         self._spawn = spawn
         self._torques = (drive.wheel_torque, drive.wheel_torque)
         self.root, self._frames = description.root, description.frames
-        self._link_indices = {self._link_name(index): index for index in self.links[1:]}
-        self._link_indices[description.root] = -1
+        self._link_indices = link_indices(self.body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
         self._joint_names = tuple(self.joints)
         if drive.left_joint == drive.right_joint:
@@ -146,8 +145,10 @@ class Robot(Body):
             pybullet.changeDynamics(
                 self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
                 lateralFriction=description.friction.get(name, _DEFAULT_FRICTION),
-                maxJointVelocity=_MAX_JOINT_VELOCITY,
                 physicsClientId=self.physics_client_id)
+        # of all joints, and not in the call above: PyBullet would set those of the root link by it
+        pybullet.changeDynamics(self.body_id, -1, maxJointVelocity=_MAX_JOINT_VELOCITY,
+                                physicsClientId=self.physics_client_id)
         for wheel in self._wheels:
             pybullet.changeDynamics(
                 self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
@@ -171,7 +172,3 @@ class Robot(Body):
                                                 physicsClientId=self.physics_client_id)
         widths = [shape[3][0] for shape in shapes if shape[2] == pybullet.GEOM_CYLINDER]
         return friction * max(widths, default=0.0) / 4
-
-    def _link_name(self, link: int) -> str:
-        return pybullet.getJointInfo(self.body_id, link,
-                                     physicsClientId=self.physics_client_id)[12].decode()

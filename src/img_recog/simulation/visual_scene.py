@@ -1,6 +1,7 @@
 """What a simulation looks like: its visuals, and the poses of the parts that carry them."""
+import collections
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, Iterator, List, Optional, Tuple
 
 import numpy as np
 import pybullet
@@ -8,6 +9,7 @@ import pybullet
 from img_recog.simulation import link_materials, sdf_shapes, urdf_shapes
 from img_recog.simulation.body import Body
 from img_recog.simulation.description import origin_of
+from img_recog.simulation.loading import link_indices
 from img_recog.simulation.numbers import read_numbers
 from img_recog.simulation.scene import Scene
 from img_recog.simulation.simulator import Simulator
@@ -50,33 +52,37 @@ class Parts:
 
     def numbers(self) -> List[Dict[str, int]]:
         """Return the numbers of the links of each body, by name."""
-        return [{name: number for number, name in enumerate(_link_names(body), rows.start)}
+        return [{name: number for number, name in enumerate(
+            link_indices(body.body_id, body.physics_client_id), rows.start)}
                 for body, rows in zip(self._bodies, self._rows)]
 
 
 def read(scene: Scene, parts: Parts) -> VisualScene:
     """Return what there is to draw; SimulationError when a number in it is wrong."""
     texts = [robot.urdf for robot in scene.robots] + [tree.urdf for tree in scene.world.trees]
-    visuals: List[Visual] = []
-    for text, numbers in zip(texts, parts.numbers()):
-        robot = ElementTree.fromstring(text)
-        named = {material.get('name'): material for material in robot.findall('material')}
-        for link in robot.findall('link'):
-            for element in link.findall('visual'):
-                visuals.append(_visual(element, numbers[link.get('name', '')], named))
+    visuals = [visual for text, numbers in zip(texts, parts.numbers())
+               for visual in _visuals(text, numbers)]
     return VisualScene(tuple(visuals), parts.moving,
                        Light(SUN, _HORIZON, scene.world.has_floor, zenith=_ZENITH))
 
 
+def check(urdf: str) -> None:
+    """Raise SimulationError when a number in a visual of a URDF is wrong."""
+    for _ in _visuals(urdf, collections.defaultdict(int)):
+        pass
+
+
+def _visuals(urdf: str, numbers: Dict[str, int]) -> Iterator[Visual]:
+    """Yield the visuals of a URDF; numbers: of its links, by name."""
+    robot = ElementTree.fromstring(urdf)
+    named = {material.get('name'): material for material in robot.findall('material')}
+    for link in robot.findall('link'):
+        for element in link.findall('visual'):
+            yield _visual(element, numbers[link.get('name', '')], named)
+
+
 def _moving(body: Body) -> List[bool]:
     return [not body.fixed or (link != -1 and bool(body.joints)) for link in body.links]
-
-
-def _link_names(body: Body) -> List[str]:
-    client = {'physicsClientId': body.physics_client_id}
-    return [pybullet.getBodyInfo(body.body_id, **client)[0].decode()] + [
-        pybullet.getJointInfo(body.body_id, link, **client)[12].decode()
-        for link in body.links[1:]]
 
 
 def _poses(body: Body) -> List[Tuple[float, ...]]:

@@ -1,8 +1,10 @@
 """Images by OpenGL: where things are, and what color they have."""
 import math
+import os
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
@@ -180,6 +182,20 @@ def test_what_cannot_be_read_is_named_once_and_the_rest_is_drawn(tmp_path):
     assert missing[1].startswith('cannot read the texture {}: '.format(texture))
     red, green, blue = renderer.draw(CAMERA, at(0, 0, 0), HERE)[120, 160].tolist()
     assert red > 150 and green == blue == 0
+
+
+def test_a_texture_that_has_changed_is_drawn_anew(tmp_path):
+    path, images = tmp_path / 'a.png', []
+    content = scene(visual(Shape(BOX, (1, 4, 4)), at(3, 0, 0), (1.0, 1.0, 1.0, 1.0),
+                           texture=str(path)))
+    renderer = Renderer()
+    for time, color in enumerate([(255, 0, 0), (0, 0, 255), (0, 0, 255)]):
+        Image.new('RGB', (8, 8), color).save(str(path))
+        os.utime(str(path), (time, time))
+        assert renderer.load(content, HERE) == []
+        images.append(renderer.draw(CAMERA, np.eye(4), HERE)[120, 160])
+    assert images[0][0] > 100 and images[0][2] == 0
+    assert images[1][2] > 100 and images[1][0] == 0 and np.array_equal(images[1], images[2])
 
 
 def test_the_sky_is_a_gradient_behind_everything():

@@ -131,7 +131,7 @@ def textured(folder, image):
     (folder / 'meshes' / 'a.mtl').write_text('newmtl m\nKd 0.2 0.4 0.6\nmap_Kd {}\n'.format(
         image))
     (folder / 'meshes' / 'a.obj').write_text(TEXTURED)
-    part, = triangles.read.__wrapped__(str(folder / 'meshes' / 'a.obj'))
+    part, = triangles.read(str(folder / 'meshes' / 'a.obj'))
     return part
 
 

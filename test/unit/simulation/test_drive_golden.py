@@ -3,6 +3,7 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog.simulation.loading import link_indices
 from img_recog_testing import robots
 
 
@@ -41,9 +42,10 @@ def test_links_are_undamped_and_have_the_friction_of_the_description():
     simulator = robots.simulator('turtlebot3_world', -2.0, -0.5)
     robot, client = simulator.vehicles[0].robot, simulator.world.physics_client_id
     frictions = {}
+    names = {link: name for name, link in link_indices(robot.body_id, client).items()}
     for link in robot.links:
         info = pybullet.getDynamicsInfo(robot.body_id, link, physicsClientId=client)
-        name = 'base' if link == -1 else robot._link_name(link)
+        name = 'base' if link == -1 else names[link]
         frictions[name] = info[1], info[7]
         if link != -1:
             assert pybullet.getJointInfo(robot.body_id, link, physicsClientId=client)[6] == 0

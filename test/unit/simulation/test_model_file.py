@@ -45,6 +45,10 @@ def test_urdf_can_move_unless_its_root_is_the_world():
     (SDF.format('<include><uri>model://gone</uri></include>'),
      'model m: not found, or not supported: model://gone; set GAZEBO_MODEL_PATH to'),
     (SDF.format('<include><uri>https://a/b</uri></include>'), 'model m: it includes https://a/b'),
+    ('<robot name="r">{}</robot>'.format(LINK.format('l').replace('</link>', MASS + '</link>')
+                                         .replace('</visual>', '<material name="red"><color '
+                                                  'rgba="1 0 x"/></material></visual>')),
+     "model m: rgba of material red: got '1 0 x', expected 4 finite numbers"),
     ('<robot name="r">{}</robot>'.format(LINK.format('l')),
      'model m: link l can move but has no mass; add an <inertial>'),
     ('<robot name="r"><link name="world"><visual><geometry><mesh filename="package://a/b.dae"/>'

@@ -237,3 +237,24 @@ TWO = LINK.format('a', '') + LINK.format('b', '')
      "<ixx> of link a: got 'x', expected 1 finite number")])
 def test_refuses_what_crashes_pybullet_or_stands_nowhere(inside, words):
     assert words in refusal(inside)
+
+
+@pytest.mark.parametrize('surface, friction', [
+    ('', 1.0), ('<mu>0.25</mu>', 0.25), ('<mu>100</mu><mu2>50</mu2>', 1.0), ('<mu>0</mu>', 0.0)])
+def test_friction_is_that_of_the_first_collision_and_at_most_that_of_the_floor(surface, friction):
+    link = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{}</ode></friction>'
+                                        '</surface><geometry>'.format(surface))
+    world = load(link, LINK.format('b', '1 0 0 0 0 0'))
+    assert [pybullet.getDynamicsInfo(body.body_id, -1, physicsClientId=world.physics_client_id)[1]
+            for body in world.bodies] == pytest.approx([friction, 1.0])
+
+
+@pytest.mark.parametrize('mu, words', [
+    ('-1', '<mu> of link a: got -1, expected at least 0'),
+    ('much', "<mu> of link a: got 'much', expected 1 finite number")])
+def test_friction_that_is_refused(mu, words):
+    with pytest.raises(SimulationError) as error:
+        convert(LINK.format('a', '').replace(
+            '<geometry>', '<surface><friction><ode><mu>{}</mu></ode></friction></surface>'
+            '<geometry>'.format(mu)))
+    assert words in str(error.value)

@@ -86,6 +86,19 @@ def test_forward_and_back_with_slipping_wheels_keeps_the_heading():
     assert abs(yaw_of(sim.vehicles[0].robot.motion())) < 0.2
 
 
+def test_at_the_speed_of_the_article_it_stays_on_its_wheels():
+    # the command is 10 m/s: its wheels turn with more than 300 rad/s
+    sim = simulator()
+    sim.vehicles[0].command(10.0, 0.0)
+    for second in range(1, 13):
+        sim.advance(1000)
+        motion = sim.vehicles[0].robot.motion()
+        assert abs(motion.position[2]) < 0.002
+        velocities = sim.vehicles[0].robot.joint_states().velocities
+        assert velocities == pytest.approx([min(second, 10) / 0.033] * 2, rel=0.02)
+    assert np.linalg.norm(motion.linear) > 4
+
+
 def test_twist_is_in_the_robots_own_frame():
     sim = simulator(yaw=math.pi / 2)
     sim.vehicles[0].command(0.2, 0.0)

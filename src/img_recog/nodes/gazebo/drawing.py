@@ -2,7 +2,7 @@
 import math
 import threading
 import time
-from typing import Callable, List, NamedTuple, Optional, Sequence
+from typing import Callable, List, NamedTuple, Optional, Sequence, Set
 
 import numpy as np
 import rospy
@@ -18,8 +18,9 @@ from img_recog.simulation.tiny_renderer import TinyRenderer
 from img_recog.visuals import VisualScene
 
 _POLL_PERIOD_S = 0.1
-_MAX_WAIT_S = 60.0          # for images or a scene; then the process hangs
+_MAX_WAIT_S = 60.0          # for images, a scene or the start; then the process hangs
 _WARN_AFTER_S = 5.0
+_MAX_FAILURES = 3           # of processes, one after the other, that end before they draw
 
 
 class Job(NamedTuple):
@@ -32,7 +33,7 @@ class Job(NamedTuple):
 class Drawing:
     """Draws jobs, one request at a time, in a process.
 
-    A process that dies after it has drawn is replaced by the next `start`.
+    A process that dies is replaced by the next `start`, unless three in a row have not drawn.
 
     `report` may be called in any thread, the other methods in that of the simulation.
     """
@@ -42,7 +43,9 @@ class Drawing:
         self._process: Optional[DrawingProcess] = None
         self._jobs: List[Job] = []
         self._condition = threading.Condition()
-        self._is_ready = self._has_ended = self._is_busy = self._has_drawn = False
+        self._is_ready = self._has_ended = self._is_busy = False
+        self._failures = 0
+        self._said: Set[str] = set()
         self._thread: Optional[threading.Thread] = None
         self._make_extra_job: Optional[Callable[[float], Job]] = None
         self._requested_s, self._problem = 0.0, ''
@@ -61,9 +64,13 @@ class Drawing:
     def start(self) -> None:
         """Start the process, which loads the scene; no effect if it is started."""
         if self._process is None and not self._has_ended:
-            self._process = process = DrawingProcess(self._scene, self._poses, self._cameras,
-                                                     renderer.make, TinyRenderer)
-            self._has_drawn = False
+            try:
+                process = DrawingProcess(self._scene, self._poses, self._cameras, renderer.make,
+                                         TinyRenderer)
+            except OSError as error:        # too many open files, for example
+                self._give_up('cannot start the process that draws: ' + one_line(error))
+                return
+            self._process = process
             self._thread = threading.Thread(target=self._run, args=(process,), name='drawing',
                                             daemon=True)
             self._thread.start()
@@ -135,44 +142,53 @@ class Drawing:
             while not self._has_ended:
                 self._take_answer(process)
         except DrawingError as error:
-            if isinstance(error, ProcessEnded) and self._has_drawn:
+            self._failures += 1
+            if isinstance(error, ProcessEnded) and self._failures < _MAX_FAILURES:
                 rospy.logwarn('%s; it is started again', one_line(error))
             else:
-                self._has_ended, self._problem = True, one_line(error)
-                rospy.logwarn('no more images: %s; the simulation goes on without them',
-                              self._problem)
+                self._give_up(one_line(error))
         finally:
             process.close()
             with self._condition:
                 self._process, self._is_ready, self._is_busy = None, False, False
                 self._condition.notify_all()
 
+    def _give_up(self, problem: str) -> None:
+        self._has_ended, self._problem = True, problem
+        rospy.logwarn('no more images: %s; the simulation goes on without them', problem)
+
     def _wait_ready(self, process: DrawingProcess) -> None:
+        end_s = time.monotonic() + _MAX_WAIT_S
         while not self._has_ended:
             if process.wait_ready(_POLL_PERIOD_S):
                 if process.fallback_reason:
                     rospy.logwarn('images are drawn without shadows, and slowly: %s',
                                   process.fallback_reason)
-                _warn_of_missing(process)
+                self._warn_of_missing(process)
                 self._is_ready = True
                 return
+            if time.monotonic() > end_s:
+                end_s = math.inf
+                process.kill()
 
     def _take_answer(self, process: DrawingProcess) -> None:
         drawn = process.answer(_POLL_PERIOD_S)
         if drawn is None:
             return
-        _warn_of_missing(process)
+        self._warn_of_missing(process)
         if drawn:
             self._durations.add(time.monotonic() - self._requested_s)
         with self._condition:
             jobs, self._is_busy = self._jobs, False
             self._condition.notify_all()
         for job, image in zip(jobs, drawn):
-            self._has_drawn = True
+            self._failures = 0
             job.publish(image)
             self._images.add()
 
-
-def _warn_of_missing(process: DrawingProcess) -> None:
-    for reason in process.take_missing():
-        rospy.logwarn('not drawn: %s', reason)
+    def _warn_of_missing(self, process: DrawingProcess) -> None:
+        """Log what cannot be drawn, each line once."""
+        for reason in process.take_missing():
+            if reason not in self._said:
+                self._said.add(reason)
+                rospy.logwarn('not drawn: %s', reason)

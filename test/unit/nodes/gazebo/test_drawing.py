@@ -207,15 +207,75 @@ def test_shutdown_does_not_wait_for_an_image(made, monkeypatch):
     assert len(process.requests) == 1
 
 
-def test_a_process_that_dies_before_it_has_drawn_is_not_replaced(made, warnings):
-    process = start(made)
-    made.submit([job([])], POSES, 0.0)
-    process.answers.put(ProcessEnded('ended with exit code 1'))
-    wait_for(lambda: not made.is_ready, 'the end')
+def die(made, number, **when):
+    """Start the process of that number, and let it die."""
     made.start()
-    assert len(FakeProcess.made) == 1 and process.is_closed
-    assert warnings == ['no more images: ended with exit code 1; the simulation goes on without '
-                        'them']
+    process = FakeProcess.made[number]
+    if when.get('ready', True):
+        process.ready.put('')
+        wait_for(lambda: made.is_ready, 'the drawing')
+        made.submit([job([])], POSES, 0.0)
+        process.answers.put(ProcessEnded('exit code 1'))
+    else:
+        process.ready.put(ProcessEnded('exit code 1'))
+    wait_for(lambda: made._process is None, 'the end')
+    assert process.is_closed
+
+
+def test_three_processes_in_a_row_that_die_before_they_draw_are_the_last(made, warnings):
+    die(made, 0)
+    die(made, 1, ready=False)
+    assert warnings == ['exit code 1; it is started again'] * 2
+    die(made, 2)
+    made.start()
+    assert len(FakeProcess.made) == 3
+    assert warnings[2:] == ['no more images: exit code 1; the simulation goes on without them']
+
+
+def test_a_process_that_draws_ends_the_row(made, warnings):
+    published = []
+    for number in (0, 1):
+        die(made, number)
+    made.start()
+    process = FakeProcess.made[2]
+    process.ready.put('')
+    wait_for(lambda: made.is_ready, 'the drawing')
+    made.submit([job(published)], POSES, 0.0)
+    process.answers.put([image()])
+    wait_for(lambda: published, 'the image')
+    process.answers.put(ProcessEnded('exit code 1'))
+    wait_for(lambda: made._process is None, 'the end')
+    die(made, 3)
+    assert warnings == ['exit code 1; it is started again'] * 4
+
+
+def test_a_process_that_hangs_while_it_starts_is_killed(made, warnings, monkeypatch):
+    monkeypatch.setattr(drawing, '_MAX_WAIT_S', 0.2)
+    monkeypatch.setattr(FakeProcess, 'kill', lambda self: self.ready.put(ProcessEnded('killed')))
+    made.start()
+    wait_for(lambda: warnings, 'the warning')
+    assert warnings == ['killed; it is started again']
+
+
+def test_a_process_that_cannot_be_started(made, warnings, monkeypatch):
+    def refuse(*args):
+        raise OSError(24, 'Too many open files')
+    monkeypatch.setattr(drawing, 'DrawingProcess', refuse)
+    made.start()
+    made.start()
+    made.submit([job([])], POSES, 0.0)
+    assert warnings == ['no more images: cannot start the process that draws: Too many open '
+                        'files; the simulation goes on without them']
+
+
+def test_what_is_missing_is_said_once(made, warnings):
+    process, published = start(made), []
+    for number in (1, 2):
+        process.missing = ['no mesh', 'no texture'][:number]
+        made.submit([job(published)], POSES, 0.0)
+        process.answers.put([image()])
+        wait_for(lambda number=number: len(published) == number, 'the image')
+    assert warnings == ['not drawn: no mesh', 'not drawn: no texture']
 
 
 @pytest.mark.parametrize('while_starting', [True, False])
