@@ -160,7 +160,8 @@ class Loader:
 
     def _floor(self) -> Batch:
         part, = triangles.of_shape(Shape(PLANE, (_FLOOR_SIZE_M, _FLOOR_SIZE_M)))
-        return self._batch((False, -1, _NO_TEXTURE, False), _corners(part, np.eye(4), _FLOOR_COLOR))
+        return self._batch((False, -1, _NO_TEXTURE, False),
+                           _corners(part, np.eye(4), _FLOOR_COLOR))
 
     def _texture(self, image: Optional[np.ndarray],
                  old: Dict[int, Tuple[np.ndarray, moderngl.Texture]]) -> int:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.ticker import FuncFormatter
 
 from img_recog.recognition.settings import Color
 from img_recog.replay.plot_data import AREAS, SPEED, TIME, TURN, YAW, PlotData, X, Y
@@ -16,6 +17,8 @@ _SIZE_IN, _DPI = (14.0, 9.0), 100
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
 _START, _LAST, _WALL = '#2ca02c', '#d62728', '#d0d0d0'
 _MIN_MARGIN_M = 0.02            # around the path in the close-up
+_MAX_NAMES = 5                  # in an entry of a legend
+_MAX_TICK_PX = 250_000          # longer numbers do not fit beside the axis
 _LEGEND_COLUMNS = 4             # legends with more entries do not fit beside the title
 
 
@@ -64,11 +67,18 @@ def _draw_areas(axes: Axes, rows: np.ndarray, colors: Sequence[Color]) -> None:
         limits.setdefault(color.area_limit_px, []).append(color.name)
     for limit_px, names in limits.items():
         axes.axhline(limit_px, color=_FAINT, linestyle='--', linewidth=1,
-                     label='limit of {}: {} px'.format(', '.join(names), limit_px))
-    scale = 1.4 if len(axes.lines) > _LEGEND_COLUMNS else 1.0     # leaves space for the legend
-    axes.set_ylim(0, scale * axes.get_ylim()[1])
+                     label='limit of {}: {} px'.format(
+                         ', '.join(names) if len(names) <= _MAX_NAMES
+                         else '{} colors'.format(len(names)), limit_px))
+    # leaves space for the legend
+    scales = ((2 * _LEGEND_COLUMNS, 1.8), (_LEGEND_COLUMNS, 1.4), (0, 1.0))
+    top = axes.get_ylim()[1] * next(scale for count, scale in scales if len(axes.lines) > count)
+    axes.set_ylim(0, top)
     _set_title(axes, 'Area of each color')
     axes.set_ylabel('area (px)')
+    if top > _MAX_TICK_PX:
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda area, _: '{:g}'.format(area / 1000)))
+        axes.set_ylabel('area (1000 px)')
     _finish(axes)
 
 

@@ -36,7 +36,8 @@ class ServiceCalls:
             return self._queue.call(action, _TIMEOUT_S)
         except CallTimeoutError:
             self.late.add()
-            raise SimulationError('the simulation does not answer')
+            raise SimulationError('the simulation did not answer within {:g} s'.format(_TIMEOUT_S),
+                                  'wait and look: what it has begun, it completes')
 
     def process(self, timeout_s: float) -> None:
         """Call in the loop: do the waiting calls, or wait up to `timeout_s` for the first."""
