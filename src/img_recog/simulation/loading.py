@@ -6,7 +6,7 @@ from typing import Dict, Iterator
 
 import pybullet
 
-from img_recog.simulation import mesh_check
+from img_recog.simulation import mesh_check, names
 from img_recog.simulation.geometry import IDENTITY, Transform, to_rpy
 from img_recog.simulation.settings import SimulationError
 
@@ -33,9 +33,10 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
 
     fixed: whether the root link never moves; pose: of the root link in the world; visuals: whether
     to load those as well, which only a window needs.
-    Raises SimulationError when PyBullet cannot load it.
+    Raises SimulationError when PyBullet cannot load it, or would crash.
     """
     robot = ElementTree.fromstring(urdf)
+    names.check_robot(robot)
     if not visuals:
         for link in robot.findall('link'):
             for visual in link.findall('visual'):

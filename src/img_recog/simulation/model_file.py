@@ -5,7 +5,7 @@ from typing import List, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml
-from img_recog.simulation import description, sdf_file, visual_scene, world_file
+from img_recog.simulation import description, names, sdf_file, visual_scene, world_file
 from img_recog.simulation.geometry import IDENTITY
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
@@ -18,8 +18,10 @@ def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
     """Return the trees of a model that is given as SDF or URDF, under a new name.
 
     find: returns the path of a file or folder at a URI.
-    Raises SimulationError when it is neither, or something in it cannot be had.
+    Raises SimulationError when it is neither, something in it cannot be had, or the name is not
+    allowed.
     """
+    names.check('model', name)
     try:
         root = parse_xml(text)
         if root.tag == 'robot':

@@ -4,6 +4,7 @@ from typing import Dict, List, Sequence
 
 import pybullet
 
+from img_recog.errors import shortened
 from img_recog.simulation.body import Body
 from img_recog.simulation.description import friction_of
 from img_recog.simulation.loading import link_indices, load_urdf
@@ -142,7 +143,8 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int,
         except SimulationError as error:
             for loaded in bodies:
                 pybullet.removeBody(loaded.body_id, physicsClientId=physics_client_id)
-            raise SimulationError('model {}: {}'.format(tree.name, error.problem), error.advice)
+            raise SimulationError('model {}: {}'.format(
+                shortened(tree.name), error.problem), error.advice)
         body.name = tree.name
         bodies.append(body)
     return bodies

@@ -35,3 +35,21 @@ def test_a_long_line_is_not_broken(padding):
     body = loading.load_urdf(begin + visual + '</link></robot>', client, visuals=True)
     data, = pybullet.getVisualShapeData(body, physicsClientId=client)
     assert data[5] == pytest.approx((1.23456789, 2.34567891, 3.45678912))
+
+
+NAMED = ('<robot name="{robot}"><link name="{link}"/><link name="b"/><joint name="{joint}" '
+         'type="fixed"><parent link="{link}"/><child link="b"/></joint></robot>')
+
+
+@pytest.mark.parametrize('key, kind', [
+    ('robot', 'robot or model'), ('link', 'link'), ('joint', 'joint')])
+def test_names_that_would_crash_pybullet(key, kind):
+    longest = {'robot': 'r', 'link': 'a', 'joint': 'j', key: '\u00e4' * 250}
+    client = loading.connect()
+    body = loading.load_urdf(NAMED.format(**longest), client, fixed=True)
+    assert pybullet.getNumJoints(body, physicsClientId=client) == 1
+    longest[key] += 'x'
+    with pytest.raises(SimulationError) as error:
+        loading.load_urdf(NAMED.format(**longest), client, fixed=True)
+    assert str(error.value) == ('the name of a {} that begins with {} has 501 bytes, allowed are '
+                                '500; give a shorter name'.format(kind, '\u00e4' * 40))

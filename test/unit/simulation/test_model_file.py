@@ -1,4 +1,6 @@
 """The text of a model that is added: SDF and URDF, and what is refused."""
+import xml.etree.ElementTree as ElementTree
+
 import pytest
 
 from img_recog.simulation import model_file
@@ -57,3 +59,25 @@ def test_refusals_are_one_line(text, words):
     with pytest.raises(SimulationError) as error:
         model_file.read(text, 'm', nowhere)
     assert words in str(error.value) and '\n' not in str(error.value)
+
+
+@pytest.mark.parametrize('name, words', [
+    ('a\x01b', r"the name of a model, a\x01b, has the character '\x01', which XML does not allow; "
+     'give a name without control characters'),
+    ('a\0', r"the name of a model, a\x00, has the character '\x00', which XML does not allow"),
+    ('a\ufffe', r"the name of a model, a\ufffe, has the character '\ufffe'"),
+    ('a\udcff', r"the name of a model, a\udcff, has the character '\udcff'"),
+    ('b' * 501, 'the name of a model that begins with {} has 501 bytes, allowed are 500; give a '
+     'shorter name'.format('b' * 40))])
+@pytest.mark.parametrize('text', [
+    SDF.format(MODEL), '<robot name="r"><link name="world"/></robot>'])
+def test_names_that_are_refused(text, name, words):
+    with pytest.raises(SimulationError) as error:
+        model_file.read(text, name, nowhere)
+    assert str(error.value).startswith(words)
+
+
+def test_unusual_names():
+    for name in ('a b', 'a\nb', '\u00e4\u2603', '%s<&">', '\U0001f916' * 125):
+        tree, = model_file.read(SDF.format(MODEL), name, nowhere)
+        assert ElementTree.fromstring(tree.urdf).get('name') == name

@@ -1,0 +1,37 @@
+"""The names that a model, a link or a joint can have."""
+import re
+import xml.etree.ElementTree as ElementTree
+
+from img_recog.errors import shortened
+from img_recog.simulation.settings import SimulationError
+
+# PyBullet 3.2.7 cuts names of 1024 bytes and crashes soon after: at 1100 for that of a robot
+_MAX_BYTES = 500
+_SHOWN = 40         # characters in a message
+_NOT_IN_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+
+
+def check(kind: str, name: str) -> None:
+    """Raise SimulationError unless a name can be given to PyBullet; kind: of what has it."""
+    found = _NOT_IN_XML.search(name)
+    if found:
+        raise SimulationError('the name of a {}, {}, has the character {!r}, which XML does not '
+                              'allow'.format(kind, _begin(name), found.group()),
+                              'give a name without control characters')
+    length = len(name.encode())
+    if length > _MAX_BYTES:
+        raise SimulationError('the name of a {} that begins with {} has {} bytes, allowed are {}'
+                              .format(kind, _begin(name), length, _MAX_BYTES),
+                              'give a shorter name')
+
+
+def check_robot(robot: ElementTree.Element) -> None:
+    """Check the names in a <robot>, those of its links and joints and its own."""
+    check('robot or model', robot.get('name', ''))
+    for tag in ('link', 'joint'):
+        for element in robot.findall(tag):
+            check(tag, element.get('name', ''))
+
+
+def _begin(name: str) -> str:
+    return shortened(name[:_SHOWN])
