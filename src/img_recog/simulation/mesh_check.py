@@ -3,15 +3,17 @@ import os
 import struct
 from xml.parsers import expat
 
+import numpy as np
+
 from img_recog.errors import one_line
+from img_recog.simulation import dae_check
+from img_recog.simulation.dae_check import DamagedMesh
 from img_recog.simulation.settings import SimulationError
 
 _MAX_BYTES = 1 << 28            # 5 million triangles of a binary STL
-_STL_HEADER, _STL_TRIANGLE = 84, 50     # bytes; the header ends with the number of triangles
-
-
-class _Damaged(Exception):
-    """Why a file cannot be used."""
+_STL_HEADER = 84                # bytes; it ends with the number of triangles
+_TRIANGLE = np.dtype([('normal', '<f4', 3), ('vertices', '<f4', 9), ('attributes', '<u2')])
+_MAX_NUMBER = float(np.finfo(np.float32).max)
 
 
 def check(path: str) -> None:
@@ -21,9 +23,9 @@ def check(path: str) -> None:
         size = os.path.getsize(path)
         if size > _MAX_BYTES:
             advice = 'give one with fewer triangles'
-            raise _Damaged('it has {} bytes, more than {}'.format(size, _MAX_BYTES))
+            raise DamagedMesh('it has {} bytes, more than {}'.format(size, _MAX_BYTES))
         _CHECKS.get(os.path.splitext(path)[1].lower(), lambda path: None)(path)
-    except (OSError, ValueError, expat.ExpatError, _Damaged) as error:
+    except (OSError, ValueError, expat.ExpatError, DamagedMesh) as error:
         raise SimulationError('cannot read the mesh {}: {}'.format(path, one_line(error)), advice)
 
 
@@ -33,12 +35,15 @@ def _check_stl(path: str) -> None:
     count = 0
     if len(content) >= _STL_HEADER:
         count, = struct.unpack_from('<I', content, _STL_HEADER - 4)
-    expected = _STL_HEADER + _STL_TRIANGLE * count
+    expected = _STL_HEADER + _TRIANGLE.itemsize * count
     if len(content) != expected:
-        raise _Damaged('it is an ASCII STL, and PyBullet reads binary ones'
-                       if content.lstrip().startswith(b'solid') else
-                       'it has {} bytes, expected {} for {} triangles'.format(
-                           len(content), expected, count))
+        raise DamagedMesh('it is an ASCII STL, and PyBullet reads binary ones'
+                          if content.lstrip().startswith(b'solid') else
+                          'it has {} bytes, expected {} for {} triangles'.format(
+                              len(content), expected, count))
+    triangles = np.frombuffer(content, _TRIANGLE, offset=_STL_HEADER)
+    if not np.all(np.isfinite(triangles['vertices'])):
+        raise DamagedMesh('a coordinate of a vertex is not a finite number')
 
 
 def _check_obj(path: str) -> None:
@@ -48,25 +53,21 @@ def _check_obj(path: str) -> None:
             words = line.split()
             if words[:1] == [b'v']:
                 count += 1
+                if len(words) < 4 or not all(abs(float(word)) <= _MAX_NUMBER
+                                             for word in words[1:4]):
+                    raise DamagedMesh('vertex {} does not have 3 finite coordinates'.format(
+                        count))
             elif words[:1] == [b'f']:
                 indices = [int(word.split(b'/')[0]) for word in words[1:]]
                 if min(indices, default=1) < -count:    # counted backward from here
-                    raise _Damaged('a face refers to vertex {} of {}'.format(min(indices), count))
+                    raise DamagedMesh('a face refers to vertex {} of {}'.format(
+                        min(indices), count))
                 if 0 in indices:
-                    raise _Damaged('a face refers to vertex 0, the first is 1')
+                    raise DamagedMesh('a face refers to vertex 0, the first is 1')
                 highest = max([highest] + [abs(index) for index in indices])
     if not 0 < highest <= count:
-        raise _Damaged('a face refers to vertex {} of {}'.format(highest, count) if highest
-                       else 'it has no face')
+        raise DamagedMesh('a face refers to vertex {} of {}'.format(highest, count) if highest
+                          else 'it has no face')
 
 
-def _check_dae(path: str) -> None:
-    def refuse(name, *_):
-        raise _Damaged('it has the entity {}'.format(name))
-    parser = expat.ParserCreate()
-    parser.EntityDeclHandler = refuse
-    with open(path, 'rb') as file:
-        parser.ParseFile(file)
-
-
-_CHECKS = {'.stl': _check_stl, '.obj': _check_obj, '.dae': _check_dae}
+_CHECKS = {'.stl': _check_stl, '.obj': _check_obj, '.dae': dae_check.check}

@@ -11,7 +11,7 @@ ASCII = (b'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n
          b'endloop\nendfacet\nendsolid a\n')
 BINARY = bytes(80) + struct.pack('<I', 1) + struct.pack('<12f', 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1,
                                                         0) + bytes(2)
-DAE = b'<COLLADA><asset/></COLLADA>'
+DAE = b'<COLLADA><asset/><library_geometries/></COLLADA>'
 ROBOT = ('<robot name="r"><link name="l"><inertial><mass value="1"/><inertia ixx="1" ixy="0" '
          'ixz="0" iyy="1" iyz="0" izz="1"/></inertial><collision><geometry><mesh filename="{}"/>'
          '</geometry></collision></link></robot>')
@@ -35,7 +35,7 @@ def test_complete_files(tmp_path, name, content):
 
 
 @pytest.mark.parametrize('name, content, words', [
-    ('a.obj', OBJ[:30], 'it has no face'), ('a.obj', b'', 'it has no face'),
+    ('a.obj', OBJ[:32], 'it has no face'), ('a.obj', b'', 'it has no face'),
     ('a.obj', OBJ[:-11].replace(b'v 0 0 1\n', b''), 'a face refers to vertex 4 of 3'),
     ('a.obj', OBJ.replace(b'f 1 3', b'f 0 3'), 'a face refers to vertex 0, the first is 1'),
     ('a.obj', OBJ.replace(b'f -4', b'f -5'), 'a face refers to vertex -5 of 4'),
@@ -43,6 +43,10 @@ def test_complete_files(tmp_path, name, content):
     ('a.stl', ASCII, 'it is an ASCII STL, and PyBullet reads binary ones'),
     ('a.stl', BINARY[:-1], 'it has 133 bytes, expected 134 for 1 triangles'),
     ('a.stl', BINARY[:50], 'it has 50 bytes, expected 84'), ('a.stl', b'', 'it has 0 bytes'),
+    ('a.obj', OBJ.replace(b'v 1 0 0', b'v 1 nan 0'), 'vertex 2 does not have 3 finite coord'),
+    ('a.obj', OBJ.replace(b'v 1 0 0', b'v 1 0 1e39'), 'vertex 2 does not have 3 finite coord'),
+    ('a.obj', OBJ.replace(b'v 1 0 0', b'v 1 0'), 'vertex 2 does not have 3 finite coord'),
+    ('a.stl', BINARY[:96] + b'\0\0\x80\x7f' + BINARY[100:], 'of a vertex is not a finite number'),
     ('a.dae', DAE[:-3], 'unclosed token'), ('a.dae', b'', 'no element found'),
     ('a.dae', b'<!DOCTYPE a [<!ENTITY b "c">]>' + DAE, 'it has the entity b')])
 def test_damaged_files(tmp_path, name, content, words):
