@@ -19,6 +19,7 @@ _MODEL_URI = 'model://'
 _GROUND_PLANE = 'ground_plane'
 # Gazebo's models of the floor and the light: the simulator has both in every world
 _BUILT_IN = (_MODEL_URI + _GROUND_PLANE, 'model://sun')
+_MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
 _URLS = ('http://', 'https://', 'ftp://')
 
 
@@ -73,6 +74,7 @@ class _Reader:
         self.missing: List[str] = []
         self.ignored: List[str] = []
         self.has_ground_plane = False
+        self._included_count = self._depth = 0
 
     def read(self, parent: ElementTree.Element, version: float, path: str,
              stack: Sequence[str]) -> None:
@@ -114,8 +116,7 @@ class _Reader:
         if file is None:
             self._miss(uri or 'an <include> without a <uri>')
             return None
-        if file in stack:
-            raise SimulationError('{} includes itself'.format(file), 'remove that <include>')
+        self._check_include(file, stack)
         root = _parsed(file)
         model = root.find('model')
         if model is None:
@@ -132,8 +133,21 @@ class _Reader:
         model.set('name', include.findtext('name', '').strip() or model.get('name', ''))
         return model, _version(root), file
 
+    def _check_include(self, file: str, stack: Sequence[str]) -> None:
+        """Raise SimulationError unless a file can be included; stack: the files it stands in."""
+        if file in stack:
+            raise SimulationError('{} includes itself'.format(file), 'remove that <include>')
+        self._included_count += 1
+        if self._included_count > _MAX_INCLUDED:
+            raise SimulationError('it includes more than {} models, at {}'.format(
+                _MAX_INCLUDED, file), 'remove some <include>s')
+
     def _expand(self, model: ElementTree.Element, path: str, stack: Sequence[str]) -> None:
         """Replace each <include> in a model, at any depth; make the URIs in it absolute."""
+        self._depth += 1
+        if self._depth > _MAX_NESTED:
+            raise SimulationError('models are nested more than {} deep, at {} in {}'.format(
+                _MAX_NESTED, model.get('name', ''), path), 'include the innermost ones directly')
         for include in model.findall('include'):
             model.remove(include)
             included = self._included(include, path, stack)
@@ -147,6 +161,7 @@ class _Reader:
                 found = finder(element.text.strip())
                 if found is not None:
                     element.text = os.path.abspath(found)
+        self._depth -= 1
 
     def _finder(self, path: str) -> FindFile:
         """Return a function that finds what a file refers to."""

@@ -160,6 +160,39 @@ def test_two_files_that_include_each_other(folder):
     assert 'model.sdf includes itself' in refusal(folder, include('model://table'))
 
 
+def chain(folder, length):
+    """Write model 0, which includes 1, and so on up to `length`, which has a link."""
+    for number in range(length):
+        (folder / 'models' / str(number)).mkdir()
+        model(folder / 'models' / str(number) / 'model.sdf', 'm', include(
+            'model://{}'.format(number + 1 if number + 1 < length else 'table')))
+
+
+def test_models_nested_too_deeply(folder):
+    chain(folder, 120)
+    tree, = read(folder, include('model://21')).trees
+    assert tree.name == 'm' and 'link name="' + 'm::' * 98 + 'table::l"' in tree.urdf
+    assert refusal(folder, include('model://20')) == (
+        'models are nested more than 100 deep, at table in {}; include the innermost ones directly'
+        .format(folder / 'models' / 'table' / 'model.sdf'))
+    inside = '<model name="n">' * 60 + include('model://0') + '</model>' * 60
+    assert refusal(folder, '<model name="o">{}</model>'.format(inside)).startswith(
+        'models are nested more than 100 deep, at m in ')
+
+
+def test_too_many_included_models(folder):
+    for number in range(30):        # 2 ** 30 models
+        (folder / 'models' / str(number)).mkdir()
+        model(folder / 'models' / str(number) / 'model.sdf', 'm', ''.join(include(
+            'model://{}'.format(number + 1 if number < 29 else 'table'),
+            '<name>{}</name>'.format(name)) for name in 'ab'))
+    assert refusal(folder, include('model://0')).startswith(
+        'it includes more than 5000 models, at {}'.format(folder / 'models'))
+    many = ''.join(include('model://table', '<name>{}</name>'.format(number))
+                   for number in range(40))
+    assert len(read(folder, many).trees) == 40
+
+
 @pytest.mark.parametrize('uri', ['https://host/table', 'http://host/table'])
 def test_a_url_is_refused(folder, uri):
     assert 'it includes {}, a URL'.format(uri) in refusal(folder, include(uri))
