@@ -53,6 +53,9 @@ def _of_sdf(root: ElementTree.Element, name: str,
             models[0].remove(old)
         ElementTree.SubElement(models[0], 'name').text = name
     contents = sdf_file.read(root, _NOWHERE, find)
+    if not contents.trees and not contents.missing:
+        raise SimulationError('it has only a floor or lights, which every world here has already',
+                              'add a model that has a <link>')
     return contents.trees, contents.missing
 
 
@@ -64,5 +67,5 @@ def _of_urdf(root: ElementTree.Element, text: str, name: str,
         tree, missing = world_file.fixed_tree(root, name, find)
         return [tree], missing
     robot = description.parse(text, find)
-    uris: List[str] = ['mesh ' + uri for uri in robot.missing_meshes]
-    return [Tree(name, robot.urdf, IDENTITY, False)], uris
+    missing: List[str] = ['mesh ' + uri for uri in robot.missing_meshes]
+    return [Tree(name, robot.urdf, IDENTITY, False)], missing + list(robot.missing_materials)

@@ -5,7 +5,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.markup import MarkupError, parse_xml, read_bytes
-from img_recog.simulation import meshes, sdf_file, urdf_shapes
+from img_recog.simulation import link_materials, meshes, sdf_file, urdf_shapes
 from img_recog.simulation.geometry import IDENTITY, Transform
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
@@ -77,14 +77,14 @@ def fixed_tree(robot: ElementTree.Element, name: str,
 
     Raises SimulationError when it has several root links.
     """
-    missing = meshes.resolve(robot, find)
+    missing = ['mesh ' + uri for uri in meshes.resolve(robot, find)]
+    missing += link_materials.apply(robot, find)
     for collision in robot.findall('link/collision'):
         if collision.find('geometry/mesh') is not None:
             collision.set('concave', 'yes')
     urdf_shapes.check(robot)
     _check_tree(robot)
-    return (Tree(name, ElementTree.tostring(robot, 'unicode'), IDENTITY, True),
-            ['mesh ' + uri for uri in missing])
+    return Tree(name, ElementTree.tostring(robot, 'unicode'), IDENTITY, True), missing
 
 
 def _read_sdf(root: ElementTree.Element, path: str,

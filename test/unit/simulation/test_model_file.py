@@ -61,6 +61,16 @@ def test_refusals_are_one_line(text, words):
     assert words in str(error.value) and '\n' not in str(error.value)
 
 
+@pytest.mark.parametrize('uri', ['model://ground_plane', 'model://sun/', 'model://lamp'])
+def test_only_a_floor_or_a_light(tmp_path, uri):
+    (tmp_path / 'model.sdf').write_text(SDF.format('<light name="lamp"/>'))
+    with pytest.raises(SimulationError) as error:
+        model_file.read(SDF.format('<include><uri>{}</uri></include>'.format(uri)), 'm',
+                        lambda uri: str(tmp_path))
+    assert str(error.value) == ('model m: it has only a floor or lights, which every world here '
+                                'has already; add a model that has a <link>')
+
+
 @pytest.mark.parametrize('name, words', [
     ('a\x01b', r"the name of a model, a\x01b, has the character '\x01', which XML does not allow; "
      'give a name without control characters'),
@@ -75,6 +85,22 @@ def test_names_that_are_refused(text, name, words):
     with pytest.raises(SimulationError) as error:
         model_file.read(text, name, nowhere)
     assert str(error.value).startswith(words)
+
+
+TEXTURE = '<material name="m"><texture filename="{}"/></material>'
+
+
+@pytest.mark.parametrize('root', ['world', 'post'])
+def test_textures_of_urdfs_are_found(tmp_path, root):
+    (tmp_path / 'a.png').write_bytes(b'')
+    text = '<robot name="r">{}</robot>'.format(LINK.format(root).replace(
+        '</visual>', TEXTURE + '</visual>').replace('</link>', MASS + '</link>'))
+    tree, = model_file.read(text.format('package://p/a.png'), 'm',
+                            {'package://p/a.png': str(tmp_path / 'a.png')}.get)
+    texture = ElementTree.fromstring(tree.urdf).find('link/visual/material/texture')
+    assert texture.get('filename') == str(tmp_path / 'a.png')
+    with pytest.raises(SimulationError, match='not supported: texture package://p/b.png'):
+        model_file.read(text.format('package://p/b.png'), 'm', nowhere)
 
 
 def test_unusual_names():

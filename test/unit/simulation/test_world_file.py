@@ -221,6 +221,20 @@ def test_missing_mesh_of_a_urdf_is_refused_or_replaced(read):
     assert 'loaded without: mesh a.dae' in file.warnings[0] and '<visual' in file.trees[0].urdf
 
 
+def test_textures_and_materials_of_a_urdf(read, tmp_path):
+    (tmp_path / 'a.png').write_bytes(b'')
+    text = ('<robot name="w"><link name="world"><visual><geometry><box size="1 1 1"/></geometry>'
+            '<material name="m"><texture filename="{}"/></material></visual></link>'
+            '<gazebo reference="world"><material>{}</material></gazebo></robot>')
+    tree, = read(text.format('a.png', ''), 'w.urdf').trees
+    texture = ElementTree.fromstring(tree.urdf).find('link/visual/material/texture')
+    assert texture.get('filename') == str(tmp_path / 'a.png')
+    tree, = read(text.format('a.png', 'Gazebo/Red'), 'w.urdf').trees
+    color = ElementTree.fromstring(tree.urdf).find('link/visual/material/color')
+    assert color.get('rgba') == '1.0 0.0 0.0 1.0'
+    assert 'not supported: texture b.png' in refusal(read, text.format('b.png', ''), 'w.urdf')
+
+
 @pytest.mark.parametrize('content, words', [
     (None, 'which cannot be read as a file'), (b'robot:', 'not XML'), (b'', 'not XML'),
     (b'<robot', 'not XML'), (bytes(range(256)), 'not XML'),
