@@ -14,7 +14,7 @@ import numpy as np
 
 from img_recog.files import FindFile, find_in
 from img_recog.markup import MarkupError, parse_xml
-from img_recog.simulation import link_materials, urdf_shapes
+from img_recog.simulation import inertias, link_materials, urdf_shapes
 from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
                                            to_rpy)
 from img_recog.simulation.meshes import resolve
@@ -82,13 +82,13 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     friction = {name: value for name, value in
                 ((name, friction_of(robot, name, link)) for name, link in links.items())
                 if value is not None}
-    inertias = {name: _inertia(name, link) for name, link in links.items()}
+    of_links = {name: _inertia(name, link) for name, link in links.items()}
     frames = {name: _frame(name, parents, friction) for name in links}
 
     for name, frame in frames.items():
         if frame.link != name:
             _move_shapes(links[name], links[frame.link], frame.pose)
-            inertias[frame.link] += inertias[name].moved(frame.pose)
+            of_links[frame.link] += of_links[name].moved(frame.pose)
             robot.remove(links[name])
     for child, joint in parents.items():
         if frames[child].link != child:
@@ -100,7 +100,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     for joint in parents.values():
         _check_joint(joint.element)
     for name in {frame.link for frame in frames.values()}:
-        _set_inertia(name, links[name], inertias[name])
+        _set_inertia(name, links[name], of_links[name])
     return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'), root,
                        frames, friction, tuple(missing), tuple(missing_materials))
 
@@ -209,9 +209,7 @@ def _inertia(name: str, link: ElementTree.Element) -> Inertia:
     if mass is None or inertia is None:
         raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
     kilograms = read_numbers('mass of link ' + name, mass.get('value'), 1)[0]
-    if kilograms <= 0:
-        raise SimulationError('mass of link {}: got {:g} kg, expected more than 0 (or no '
-                              '<inertial>)'.format(name, kilograms))
+    inertias.check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
     values = ' '.join(inertia.get(key, '0') for key in _INERTIA_KEYS)
     matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)
     return Inertia(kilograms, np.zeros(3), matrix).moved(origin_of(inertial))
@@ -221,10 +219,7 @@ def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None
     if inertia.mass == 0:
         raise SimulationError('link {} can move but has no mass'.format(name),
                               'add an <inertial> to it or to a link fixed to it')
-    if np.linalg.eigvalsh(inertia.matrix)[0] <= 0:
-        raise SimulationError('link {}, with the links fixed to it, has the inertia {}, expected '
-                              'positive moments about all axes'.format(
-                                  name, np.round(np.diag(inertia.matrix), 9).tolist()))
+    inertias.check_moments('link {}, with the links fixed to it,'.format(name), inertia.matrix)
     for old in link.findall('inertial'):
         link.remove(old)
     inertial = ElementTree.SubElement(link, 'inertial')

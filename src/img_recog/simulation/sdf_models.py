@@ -5,7 +5,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Set
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.simulation import meshes, sdf_shapes
+from img_recog.simulation import inertias, meshes, sdf_shapes
 from img_recog.simulation.geometry import IDENTITY, Transform, from_rpy
 from img_recog.simulation.numbers import read_lengths, read_numbers
 from img_recog.simulation.sdf_shapes import Unsupported
@@ -290,13 +290,13 @@ def _add_inertial(link: ElementTree.Element, source: ElementTree.Element,
     if given is None:
         given = ElementTree.Element('inertial')
     mass = float(read_numbers('<mass> of link ' + name, given.findtext('mass', '1'), 1)[0])
-    if mass <= 0:
-        raise SimulationError('<mass> of link {}: got {:g} kg, expected more than 0'.format(
-            name, mass))
+    inertias.check_mass('<mass> of link ' + name, mass)
     values = {key: float(read_numbers(
         '<{}> of link {}'.format(key, name),
         given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'), 1)[0])
         for key in _INERTIA_KEYS}
+    inertias.check_moments('link ' + name, np.array([
+        [values[''.join(sorted(('i', row, column)))] for column in 'xyz'] for row in 'xyz']))
     inertial = ElementTree.SubElement(link, 'inertial')
     inertial.append(sdf_shapes.origin(offset @ pose_of(given)))
     ElementTree.SubElement(inertial, 'mass', value=repr(mass))

@@ -86,6 +86,8 @@ REFUSED = {
     'lost link': (ROBOT.format(link('a') + joint('j', 'a', 'b')), 'child link b, which does not'),
     'zero mass': (ROBOT.format(link('a', '0')), 'mass of link a: got 0 kg'),
     'negative mass': (ROBOT.format(link('a', -1)), 'mass of link a: got -1 kg'),
+    'huge mass': (ROBOT.format(link('a', '1e300')),
+                  'mass of link a: got 1e+300 kg, expected at most 1e+09 (or no <inertial>)'),
     'NaN mass': (ROBOT.format(link('a', 'nan')), "mass of link a: got 'nan'"),
     'word for mass': (ROBOT.format(link('a', 'heavy')), "mass of link a: got 'heavy'"),
     'moving without mass': (ROBOT.format(link('a') + link('b', 0)

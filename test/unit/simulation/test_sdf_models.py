@@ -233,6 +233,12 @@ TWO = LINK.format('a', '') + LINK.format('b', '')
      'model m: the pose of a depends on itself'),
     ('<link name="a"><inertial><mass>0</mass></inertial></link>',
      '<mass> of link a: got 0 kg, expected more than 0'),
+    ('<link name="a"><inertial><mass>1e300</mass></inertial></link>',
+     '<mass> of link a: got 1e+300 kg, expected at most 1e+09'),
+    ('<link name="a"><inertial><inertia><izz>-5</izz></inertia></inertial></link>',
+     'link a has the inertia [1.0, 1.0, -5.0], expected positive moments about all axes'),
+    ('<link name="a"><inertial><inertia><ixy>2</ixy></inertia></inertial></link>',
+     'link a has the inertia [1.0, 1.0, 1.0], expected positive moments about all axes'),
     ('<link name="a"><inertial><inertia><ixx>x</ixx></inertia></inertial></link>',
      "<ixx> of link a: got 'x', expected 1 finite number")])
 def test_refuses_what_crashes_pybullet_or_stands_nowhere(inside, words):
