@@ -22,7 +22,8 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     robot = assembly.read_robot(robot_file.read(urdf_path, '--urdf'), physics.step_s,
                                 resources.find, urdf_path)
     settings = dataclasses.replace(assembly.default_settings(robot), spawn=spawn)
-    file = world_file.read(world, resources.worlds(), resources.find, allow_partial_world)
+    file = world_file.read(world, resources.worlds(), resources.find, allow_partial_world,
+                           _option('allow_partial_world'))
     built = assembly.build(physics, file, [(robot, settings)], _UNUSED_SENSORS, _option)
     for warning in robot.warnings + built.warnings:
         _log.warning('%s', warning)

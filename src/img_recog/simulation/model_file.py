@@ -37,7 +37,8 @@ def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
         raise SimulationError('model {}: {}'.format(name, error.problem), error.advice)
     if missing:
         raise SimulationError('model {}: not found, or not supported: {}'.format(
-            name, ', '.join(missing)), 'set GAZEBO_MODEL_PATH to the folders of the models')
+            name, ', '.join(missing)),
+            ', or '.join([*world_file.advice_on(missing), 'remove that from the model']))
     return trees
 
 

@@ -20,6 +20,7 @@ _GROUND_PLANE = 'ground_plane'
 # Gazebo's models of the floor and the light: the simulator has both in every world
 _BUILT_IN = (_MODEL_URI + _GROUND_PLANE, 'model://sun')
 _MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
+NOT_DOWNLOADED = 'a URL, which is not downloaded'
 _URLS = ('http://', 'https://', 'ftp://')
 
 
@@ -109,8 +110,8 @@ class _Reader:
             self.has_ground_plane |= uri.rstrip('/') == _MODEL_URI + _GROUND_PLANE
             return None
         if uri.startswith(_URLS):
-            raise SimulationError('it includes {}, a URL, which is not downloaded'.format(uri),
-                                  'download the model and include it by model://NAME')
+            self._miss('{} ({})'.format(uri, NOT_DOWNLOADED))
+            return None
         found = self._finder(path)(uri)
         file = None if found is None else _model_file(found)
         if file is None:

@@ -1,5 +1,6 @@
 """Reads the file of a world; any number of physics clients can load the result."""
 import os
+import re
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -12,6 +13,11 @@ from img_recog.simulation.settings import SimulationError
 
 EMPTY = 'empty'
 GRAVITY = (0.0, 0.0, -9.8)      # m/s2, Gazebo's default
+# what helps when a name fits a pattern; the scripts of a material are in the folder of a model
+_ADVICE = (
+    ('model://|^material (?!Gazebo/)', 'set GAZEBO_MODEL_PATH to the folders of the models'),
+    ('package://', 'build the packages and source their setup.bash'),
+    (sdf_file.NOT_DOWNLOADED, 'download the models and include them by model://NAME'))
 
 
 class WorldFile(NamedTuple):
@@ -33,12 +39,12 @@ class WorldFile(NamedTuple):
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
-         allow_partial: bool = False) -> WorldFile:
+         allow_partial: bool = False, option: str = 'allow_partial_world:=true') -> WorldFile:
     """Return the world that the setting `world` names: a key of `worlds`, `empty` or a path.
 
     worlds: paths of world files by name. find: returns the path of a file or folder at a URI that
     is not in the folder of the world file. allow_partial: whether a world of which something
-    cannot be had is loaded without that, with a warning.
+    cannot be had is loaded without that, with a warning. option: what the user types to set that.
     Raises SimulationError when it cannot be read.
     """
     if world == EMPTY:
@@ -55,12 +61,17 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
     if missing and not allow_partial:
         raise SimulationError(
             'world {}: not found, or not supported: {}'.format(world, ', '.join(missing)),
-            'set GAZEBO_MODEL_PATH to the folders of the models, or set allow_partial_world to '
-            'true to load the rest')
+            ', or '.join([*advice_on(missing), 'add {} to load the rest'.format(option)]))
     if missing:
         file = file._replace(warnings=(
             'world {}: loaded without: {}'.format(world, ', '.join(missing)), *file.warnings))
     return file
+
+
+def advice_on(missing: Sequence[str]) -> List[str]:
+    """Return what can be done so that things are found, which are given by their names."""
+    return [advice for pattern, advice in _ADVICE
+            if any(re.search(pattern, name) for name in missing)]
 
 
 def _read_urdf(world: str, root: ElementTree.Element, path: str,

@@ -75,3 +75,10 @@ def test_robot_and_world_that_are_not_there():
         build('/no/such.urdf')
     with pytest.raises(UserError, match='world: got \'mars\''):
         build(resources.burger(), 'mars')
+
+
+def test_a_partial_world_is_an_option_of_the_command_line(tmp_path):
+    path = tmp_path / 'a.world'
+    path.write_text('<sdf version="1.6"><world name="w"><actor name="walker"/></world></sdf>')
+    with pytest.raises(UserError, match='walker; add --allow-partial-world to load the rest$'):
+        build(resources.burger(), str(path))

@@ -194,8 +194,10 @@ def test_too_many_included_models(folder):
 
 
 @pytest.mark.parametrize('uri', ['https://host/table', 'http://host/table'])
-def test_a_url_is_refused(folder, uri):
-    assert 'it includes {}, a URL'.format(uri) in refusal(folder, include(uri))
+def test_a_url_is_missing(folder, uri):
+    contents = read(folder, include(uri), include('model://table'))
+    assert contents.missing == (uri + ' (a URL, which is not downloaded)',)
+    assert list(places(contents)) == ['table']
 
 
 def test_a_wrong_gravity_is_refused(folder):

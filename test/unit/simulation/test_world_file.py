@@ -15,8 +15,12 @@ from img_recog_testing.sdf import BUILT_IN, CRATE, SHELF, sdf
 MESH = '<visual name="v"><geometry><mesh><uri>{}</uri></mesh></geometry></visual>'
 # a tetrahedron of 1 m at the origin
 PEAK = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
-ADVICE = ('; set GAZEBO_MODEL_PATH to the folders of the models, or set allow_partial_world to '
-          'true to load the rest')
+SCRIPT = ('<visual name="v"><geometry><box><size>1 1 1</size></box></geometry><material><script>'
+          '<name>{}</name></script></material></visual>')
+BALL = ('<model name="m"><static>1</static><link name="a"/><link name="b"/><joint name="j" '
+        'type="ball"><parent>a</parent><child>b</child></joint></model>')
+ADVICE = ('; set GAZEBO_MODEL_PATH to the folders of the models, or add '
+          'allow_partial_world:=true to load the rest')
 
 
 @pytest.fixture
@@ -210,6 +214,24 @@ def test_all_that_is_missing_is_named(read):
     assert ('not supported: model://table, mesh a.dae, mesh b.dae, actor walker' + ADVICE
             in refusal(read, text))
     assert len(read(text, allow_partial=True).trees) == 1
+
+
+@pytest.mark.parametrize('inside, name, advice', [
+    (BALL, 'joint j of type ball', ''), ('<actor name="w"/>', 'actor w', ''),
+    ('<include><uri>https://a/b</uri></include>',
+     'https://a/b (a URL, which is not downloaded)',
+     'download the models and include them by model://NAME, or '),
+    (SHELF.replace('</link>', MESH.format('package://p/a.dae') + '</link>'),
+     'mesh package://p/a.dae', 'build the packages and source their setup.bash, or '),
+    (SHELF.replace('</link>', SCRIPT.format('Shop/Plaid') + '</link>'), 'material Shop/Plaid',
+     'set GAZEBO_MODEL_PATH to the folders of the models, or '),
+    (SHELF.replace('</link>', SCRIPT.format('Gazebo/Plaid') + '</link>'),
+     'material Gazebo/Plaid', '')])
+def test_advice_says_what_can_help(read, inside, name, advice):
+    assert refusal(read, sdf(inside)).endswith(
+        'not supported: {}; {}add allow_partial_world:=true to load the rest'.format(name, advice))
+    assert refusal(read, sdf(inside), option='--all').endswith('add --all to load the rest')
+    assert read(sdf(inside), allow_partial=True).warnings[0].endswith('loaded without: ' + name)
 
 
 def test_missing_mesh_of_a_urdf_is_refused_or_replaced(read):
