@@ -65,8 +65,8 @@ def _of_urdf(root: ElementTree.Element, text: str, name: str,
     children = {child.get('link') for child in root.findall('joint/child')}
     if any(link.get('name') == _WORLD_LINK and _WORLD_LINK not in children
            for link in root.findall('link')):
-        tree, missing = world_file.fixed_tree(root, name, find)
-        return [tree], missing
+        tree, lost = world_file.fixed_tree(root, name, find)
+        return [tree], lost
     robot = description.parse(text, find)
     missing: List[str] = ['mesh ' + uri for uri in robot.missing_meshes]
     return [Tree(name, robot.urdf, IDENTITY, False)], missing + list(robot.missing_materials)
