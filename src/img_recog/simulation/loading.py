@@ -32,7 +32,8 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
     """Load the text of a URDF, in which all meshes have absolute paths; return its body's id.
 
     fixed: whether the root link never moves; pose: of the root link in the world; visuals: whether
-    to load those as well, which only a window needs.
+    to load those as well, which only a window needs; those with a mesh that cannot be read are
+    left out.
     Raises SimulationError when PyBullet cannot load it, or would crash.
     """
     robot = ElementTree.fromstring(urdf)
@@ -43,6 +44,8 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
                 link.remove(visual)
             # without any, PyBullet shows the collision shapes, and reads their meshes again
             link.append(ElementTree.fromstring(_NOTHING))
+        urdf = ElementTree.tostring(robot, 'unicode')
+    elif _remove_unreadable(robot):
         urdf = ElementTree.tostring(robot, 'unicode')
     for mesh in robot.findall('link/collision/geometry/mesh'):
         mesh_check.check(mesh.get('filename', ''))
@@ -57,6 +60,22 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
         pybullet.removeBody(body_id, physicsClientId=physics_client_id)
         raise
     return body_id
+
+
+def _remove_unreadable(robot: ElementTree.Element) -> bool:
+    """Remove the visuals with which PyBullet could crash; return whether there is one."""
+    is_changed = False
+    for link in robot.findall('link'):
+        for visual in link.findall('visual'):
+            try:
+                for mesh in visual.findall('geometry/mesh'):
+                    mesh_check.check(mesh.get('filename', ''))
+            except SimulationError:
+                link.remove(visual)
+                is_changed = True
+                if link.find('visual') is None:
+                    link.append(ElementTree.fromstring(_NOTHING))
+    return is_changed
 
 
 def _check_meshes(robot: ElementTree.Element, body_id: int, physics_client_id: int) -> None:

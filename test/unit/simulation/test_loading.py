@@ -53,3 +53,16 @@ def test_names_that_would_crash_pybullet(key, kind):
         loading.load_urdf(NAMED.format(**longest), client, fixed=True)
     assert str(error.value) == ('the name of a {} that begins with {} has 501 bytes, allowed are '
                                 '500; give a shorter name'.format(kind, '\u00e4' * 40))
+
+
+def test_visual_meshes_that_would_crash_pybullet_are_not_seen(tmp_path):
+    (tmp_path / 'a.dae').write_text('<COLLADA/>')
+    shape = '<visual><geometry>{}</geometry></visual>'
+    mesh = shape.format('<mesh filename="{}"/>'.format(tmp_path / 'a.dae'))
+    text = ('<robot name="r"><link name="a">{}{}</link><link name="b">{}</link><joint name="j" '
+            'type="fixed"><parent link="a"/><child link="b"/></joint></robot>'.format(
+                mesh, shape.format('<box size="1 2 3"/>'), mesh))
+    client = loading.connect()
+    body = loading.load_urdf(text, client, fixed=True, visuals=True)
+    seen = [data[1:4] for data in pybullet.getVisualShapeData(body, physicsClientId=client)]
+    assert seen == [(-1, pybullet.GEOM_BOX, (1, 2, 3)), (0, pybullet.GEOM_BOX, (0, 0, 0))]
