@@ -8,7 +8,7 @@ import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml, read_bytes
-from img_recog.simulation import sdf_models
+from img_recog.simulation import sdf_frames, sdf_models
 from img_recog.simulation.geometry import Transform, to_rpy
 from img_recog.simulation.numbers import read_numbers
 from img_recog.simulation.sdf_models import Tree
@@ -59,7 +59,7 @@ def read(root: ElementTree.Element, path: str, find: FindFile) -> Contents:
         gravity = None if text is None else read_numbers('<gravity>', text, 3)
         element = world.find('gui/camera')
         if element is not None and element.find('pose') is not None:
-            camera = sdf_models.pose_of(element)
+            camera = sdf_frames.pose_of(element)
     return Contents(tuple(reader.trees), gravity,
                     world is not None and world.find('physics') is not None,
                     tuple(reader.missing), tuple(reader.ignored),
@@ -218,7 +218,7 @@ def _apply_state(model: ElementTree.Element, state: Optional[ElementTree.Element
         return
     for each in state.findall('model'):
         if each.get('name') == model.get('name') and each.find('pose') is not None:
-            pose = sdf_models.pose_of(each)
+            pose = sdf_frames.pose_of(each)
             for old in model.findall('pose'):
                 model.remove(old)
             ElementTree.SubElement(model, 'pose').text = ' '.join(

@@ -1,20 +1,19 @@
 """The models of an SDF as trees of links, each the text of a URDF."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, NamedTuple, Optional, Sequence, Set
+from typing import Dict, List, NamedTuple, Optional, Set
 
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.simulation import inertias, meshes, sdf_shapes
-from img_recog.simulation.geometry import IDENTITY, Transform, from_rpy
-from img_recog.simulation.numbers import read_lengths, read_numbers
+from img_recog.simulation import meshes, sdf_links, sdf_shapes
+from img_recog.simulation.geometry import IDENTITY, Transform
+from img_recog.simulation.numbers import read_numbers
+from img_recog.simulation.sdf_frames import WORLD, Scope, pose_of
 from img_recog.simulation.sdf_shapes import Unsupported
 from img_recog.simulation.settings import SimulationError
 
-_WORLD, _MODEL = 'world', '__model__'
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
 _MAX_JOINT_LIMIT = 1e16         # an SDF's number for no limit
-_INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz')
 
 
 class Tree(NamedTuple):
@@ -71,51 +70,9 @@ def trees(model: ElementTree.Element, version: float, find: FindFile,
     return builder.trees(name, pose)
 
 
-def pose_of(element: ElementTree.Element) -> Transform:
-    """Return the <pose> of an element, in the frame that it is given in."""
-    text = element.findtext('pose', '').strip() or '0 0 0 0 0 0'
-    values = read_lengths('<pose> of {} {}'.format(element.tag, element.get('name', '')), text, 6)
-    return from_rpy(values[:3], values[3:])
-
-
 def is_true(text: Optional[str]) -> bool:
     """Return whether the text of an element means true."""
     return (text or '').strip().lower() in ('1', 'true')
-
-
-class _Scope:
-    """The frames of one model: of its links, joints, frames and models."""
-
-    def __init__(self, model: ElementTree.Element):
-        self._name = model.get('name', '')
-        self._elements = {element.get('name', ''): element for element in model
-                          if element.tag in ('link', 'joint', 'frame', 'model')}
-
-    def pose(self, element: ElementTree.Element, visited: Sequence[str] = ()) -> Transform:
-        """Return the pose of a link, joint, frame or model in the model."""
-        name = element.get('name', '')
-        if name in visited:
-            raise SimulationError('model {}: the pose of {} depends on itself'.format(
-                self._name, name))
-        pose = element.find('pose')
-        base = '' if pose is None else (pose.get('relative_to') or pose.get('frame') or '').strip()
-        if not base and element.tag == 'joint':
-            base = element.findtext('child', '').strip()
-        if not base and element.tag == 'frame':
-            base = element.get('attached_to', '')
-        return self.frame(base, (*visited, name)) @ pose_of(element)
-
-    def frame(self, name: str, visited: Sequence[str] = ()) -> Transform:
-        """Return the pose of a frame in the model, by its name."""
-        if name in ('', _MODEL, _WORLD, self._name):
-            return IDENTITY
-        outer, _, inner = name.partition('::')
-        element = self._elements.get(outer)
-        if element is None:
-            raise SimulationError('model {}: a pose is relative to {}, which does not exist'
-                                  .format(self._name, name))
-        pose = self.pose(element, visited)
-        return pose @ _Scope(element).frame(inner) if inner else pose
 
 
 class _Builder:
@@ -129,7 +86,7 @@ class _Builder:
     def collect(self, model: ElementTree.Element, prefix: str, pose: Transform,
                 is_static: bool) -> None:
         """Add a model; pose: of its frame in the outermost one."""
-        scope = _Scope(model)
+        scope = Scope(model)
         is_static = is_static or is_true(model.findtext('static'))
         for link in model.findall('link'):
             name = prefix + link.get('name', '')
@@ -144,16 +101,16 @@ class _Builder:
             self._add_joint(joint, prefix, pose, scope)
 
     def _add_joint(self, element: ElementTree.Element, prefix: str, pose: Transform,
-                   scope: _Scope) -> None:
+                   scope: Scope) -> None:
         name = prefix + element.get('name', '')
         if element.get('type') not in _JOINTS:
             self._missing.append('joint {} of type {}'.format(name, element.get('type')))
             return
         parent, child = (element.findtext(end, '').strip() for end in ('parent', 'child'))
-        parent = parent if parent == _WORLD else prefix + parent
+        parent = parent if parent == WORLD else prefix + parent
         child = prefix + child
         for end in (parent, child):
-            if end != _WORLD and end not in self.links:
+            if end != WORLD and end not in self.links:
                 raise SimulationError('joint {} has the link {}, which does not exist'.format(
                     name, end))
         if any(child == other.child for other in self._joints):
@@ -180,7 +137,7 @@ class _Builder:
 
     def trees(self, name: str, pose: Transform) -> List[Tree]:
         """Return the trees; pose: of the outermost model in the world."""
-        joined = {joint.child for joint in self._joints if joint.parent != _WORLD}
+        joined = {joint.child for joint in self._joints if joint.parent != WORLD}
         found: List[Tree] = []
         seen: Set[str] = set()
         for link in self.links.values():
@@ -196,16 +153,16 @@ class _Builder:
     def _tree(self, name: str, root: _Link, pose: Transform, seen: Set[str]) -> Tree:
         robot = ElementTree.Element('robot', name=name)
         to_world = next((joint for joint in self._joints
-                         if joint.child == root.name and joint.parent == _WORLD), None)
+                         if joint.child == root.name and joint.parent == WORLD), None)
         is_fixed = root.is_static or (
             to_world is not None and to_world.element.get('type') == 'fixed')
         frames = {root.name: root.pose}
         if to_world is not None and not is_fixed:
             # the joint needs a parent
-            _add_massless(ElementTree.SubElement(robot, 'link', name=_WORLD))
+            sdf_links.add_massless(ElementTree.SubElement(robot, 'link', name=WORLD))
             frames = {root.name: to_world.pose}
             base = to_world.pose
-            self._add_joint_element(robot, to_world, IDENTITY, parent=_WORLD)
+            self._add_joint_element(robot, to_world, IDENTITY, parent=WORLD)
         else:
             base = root.pose
         names = [root.name]
@@ -226,11 +183,11 @@ class _Builder:
         added = ElementTree.SubElement(robot, 'link', name=link.name)
         offset = _relative(frame, link.pose)
         if is_fixed or link.is_static:
-            _add_massless(added)
+            sdf_links.add_massless(added)
         else:
-            _add_inertial(added, link.element, offset)
-        _add_friction(added, link.element)
-        scope = _Scope(link.element)
+            sdf_links.add_inertial(added, link.element, offset)
+        sdf_links.add_friction(added, link.element)
+        scope = Scope(link.element)
         for tag in ('visual', 'collision'):
             for shape in link.element.findall(tag):
                 try:
@@ -273,45 +230,3 @@ def _relative(frame: Transform, pose: Transform) -> Transform:
     """Return a pose in a frame, both given in the same one."""
     turn = frame.rotation.T
     return Transform(turn @ pose.rotation, turn @ (pose.translation - frame.translation))
-
-
-def _add_massless(link: ElementTree.Element) -> None:
-    """Add the inertia of what never moves: without it, PyBullet warns and assumes 1 kg."""
-    inertial = ElementTree.SubElement(link, 'inertial')
-    ElementTree.SubElement(inertial, 'mass', value='0')
-    ElementTree.SubElement(inertial, 'inertia', dict.fromkeys(_INERTIA_KEYS, '0'))
-
-
-def _add_inertial(link: ElementTree.Element, source: ElementTree.Element,
-                  offset: Transform) -> None:
-    """Add the inertia of an SDF's link; offset: of that in the frame of the URDF's link."""
-    name = source.get('name', '')
-    given = source.find('inertial')
-    if given is None:
-        given = ElementTree.Element('inertial')
-    mass = float(read_numbers('<mass> of link ' + name, given.findtext('mass', '1'), 1)[0])
-    inertias.check_mass('<mass> of link ' + name, mass)
-    values = {key: float(read_numbers(
-        '<{}> of link {}'.format(key, name),
-        given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'), 1)[0])
-        for key in _INERTIA_KEYS}
-    inertias.check_moments('link ' + name, np.array([
-        [values[''.join(sorted(('i', row, column)))] for column in 'xyz'] for row in 'xyz']))
-    inertial = ElementTree.SubElement(link, 'inertial')
-    inertial.append(sdf_shapes.origin(offset @ pose_of(given)))
-    ElementTree.SubElement(inertial, 'mass', value=repr(mass))
-    ElementTree.SubElement(inertial, 'inertia',
-                           {key: repr(value) for key, value in values.items()})
-
-
-def _add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None:
-    """Add the coefficient of the first collision that has one: PyBullet has one for each link."""
-    text = source.findtext('collision/surface/friction/ode/mu')
-    if text is None:
-        return
-    name = '<mu> of link ' + source.get('name', '')
-    value = float(read_numbers(name, text, 1)[0])
-    if value < 0:
-        raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
-    contact = ElementTree.SubElement(link, 'contact')
-    ElementTree.SubElement(contact, 'lateral_friction', value=repr(value))
