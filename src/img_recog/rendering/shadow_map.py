@@ -39,7 +39,7 @@ class ShadowMap:
         # not larger than needed: what does not fit into the cache of the processor is slow
         size = np.minimum(np.ceil(2 * self._halves_m / _TEXEL_M), _MAX_TEXELS).astype(int)
         self._size = int(size[0]), int(size[1])
-        self.texel_m = float((2 * self._halves_m / size).max())
+        self._texels_m = 2 * self._halves_m / size      # in x and y of the map
         self._kept, self._kept_target = _depth_target(context, self._size)
         self.texture, self._target = _depth_target(context, self._size)
         self.texture.compare_func = '<='
@@ -50,6 +50,11 @@ class ShadowMap:
         self._moved = np.empty(0, bool)     # parts; the last one is the world, which never moves
         self._to_clip = np.eye(4)
         self._drawn: List[Rectangle] = []
+
+    @property
+    def texel_m(self) -> float:
+        """The longer side of a texel, in m."""
+        return float(self._texels_m.max())
 
     @property
     def to_map(self) -> np.ndarray:
@@ -126,7 +131,7 @@ class ShadowMap:
     def _rectangles(self, centers: np.ndarray, radii: np.ndarray) -> List[Rectangle]:
         """Return the texels that hold spheres (k, 3) and (k,)."""
         middles = (centers @ self.to_map[:2, :3].T + self.to_map[:2, 3]) * self._size
-        reaches = radii[:, np.newaxis] / self.texel_m + 2
+        reaches = radii[:, np.newaxis] / self._texels_m + 2
         low = np.floor(middles - reaches).clip(0, self._size).astype(int)
         sizes = np.ceil(middles + reaches).clip(0, self._size).astype(int) - low
         return [(x, y, width, height)

@@ -72,3 +72,16 @@ def test_what_moves_through_the_shadow_of_another_part_leaves_it_there():
     for poses in (apart, together, apart, both, together, apart):
         assert np.array_equal(renderer.draw(CAMERA, looking_down(8.0), poses),
                               loaded(content, poses).draw(CAMERA, looking_down(8.0), poses))
+
+
+@pytest.mark.parametrize('size', [(1, 90, 0.1), (90, 1, 0.1)])
+def test_in_a_long_world_what_has_moved_leaves_no_shadow_behind(size):
+    content = scene(visual(Shape(BOX, size), at(0, 0, -0.05), BLUE),
+                    visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 0, 1), RED, part=1), floor=True,
+                    sun=(1, 0, 1), moving=(False, True))
+    here, there = np.concatenate([HERE, HERE]), np.concatenate([HERE, HERE])
+    there[1, :2] = 1.5, 1.0
+    renderer = loaded(content, here)
+    for poses in (here, there, here, there):
+        assert np.array_equal(renderer.draw(CAMERA, looking_down(8.0), poses),
+                              loaded(content, poses).draw(CAMERA, looking_down(8.0), poses))
