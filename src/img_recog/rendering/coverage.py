@@ -3,6 +3,8 @@ from typing import Sequence, Tuple
 
 import numpy as np
 
+from img_recog.rendering import matrices
+
 TILE_PX = 32
 _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 # the two corners of each edge of a box
@@ -29,7 +31,7 @@ class Boxes:
 
     def in_world(self, models: np.ndarray) -> np.ndarray:
         """Return the corners (n, 8, 3); models (m, 4, 4): transforms of the parts."""
-        moved = np.concatenate([models, np.eye(4)[np.newaxis]])[self.parts]
+        moved = matrices.of_parts(models, self.parts)
         return self._corners @ moved[:, :3, :3].transpose(0, 2, 1) + moved[:, np.newaxis, :3, 3]
 
 

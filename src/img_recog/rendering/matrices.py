@@ -23,6 +23,14 @@ def from_poses(poses: np.ndarray) -> np.ndarray:
     return matrices
 
 
+def of_parts(models: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Return the transforms (k, 4, 4) of parts (k,) by their numbers, of which -1 is the world.
+
+    models (n, 4, 4): the transforms of all parts to the world.
+    """
+    return np.concatenate([models, np.eye(4)[np.newaxis]])[parts]
+
+
 def inverse(pose: np.ndarray) -> np.ndarray:
     """Return the inverse of a rigid transform.
 

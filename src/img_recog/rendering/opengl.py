@@ -65,11 +65,8 @@ class Renderer:
         target = self._target(camera.width, camera.height)
         target.pixels.use()
         target.pixels.clear(*self._light.background, 1.0)   # OpenGL begins to draw the shadows
-        # upside down: the first row that is read is the lowest
-        projection = np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
-            *camera.slopes, camera.near, camera.far)
         view = matrices.view(camera_pose)
-        to_clip = projection @ view
+        to_clip = _projection(camera) @ view
         rectangles = coverage.rectangles(self._boxes.in_world(models), to_clip, camera.near)
         is_seen = coverage.are_on_image(rectangles)
         self._set_frame(to_clip, camera_pose[:3, 3])
@@ -109,8 +106,7 @@ class Renderer:
         target = self._target(camera.width, camera.height)
         target.depths.use()
         target.depths.clear(depth=1.0)
-        to_clip = np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
-            *camera.slopes, camera.near, camera.far) @ matrices.view(camera_pose)
+        to_clip = _projection(camera) @ matrices.view(camera_pose)
         floor = [] if self._floor is None else [self._floor]
         for batch in [*self._opaque, *self._transparent, *floor]:
             self._context.enable_only(batch.flags)
@@ -156,6 +152,12 @@ class Renderer:
                 batch.texture.use(0)
             self._context.enable_only(batch.flags)
             batch.shaded.render()
+
+
+def _projection(camera: Camera) -> np.ndarray:
+    """Return the projection (4, 4), upside down: the first row that is read is the lowest."""
+    return np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
+        *camera.slopes, camera.near, camera.far)
 
 
 def _create_context() -> moderngl.Context:

@@ -8,6 +8,7 @@ import numpy as np
 from img_recog.errors import UserError
 from img_recog.helper_process import HelperProcess
 from img_recog.rendering.camera import Camera
+from img_recog.rendering.renderer import make_or
 from img_recog.visuals import VisualScene
 
 _SLOTS = 2                  # one that is drawn into, and one that is read
@@ -207,12 +208,8 @@ def _serve(connection: Connection, memory: Any, scene: VisualScene, poses: np.nd
            cameras: Sequence[Camera], make_renderer: MakeRenderer,
            make_fallback: MakeRenderer) -> None:
     """Draw until the other end of the connection is closed."""
-    reason = ''
     try:
-        try:
-            renderer = make_renderer()
-        except UserError as error:
-            reason, renderer = str(error), make_fallback()
+        renderer, reason = make_or(make_renderer, make_fallback)
         missing = renderer.load(scene, poses)
         # OpenGL compiles its programs when they are first used: not while the simulation waits
         renderer.draw(_FIRST_CAMERA, np.eye(4), poses)

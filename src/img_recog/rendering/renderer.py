@@ -1,5 +1,5 @@
 """Makes the renderer; the libraries that it needs are loaded when it is made."""
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Callable, Tuple
 
 from img_recog.errors import UserError, one_line
 
@@ -9,6 +9,14 @@ if TYPE_CHECKING:
 
 class OpenGLError(UserError):
     """There is no OpenGL that can be used."""
+
+
+def make_or(make_first: Callable[[], Any], make_fallback: Callable[[], Any]) -> Tuple[Any, str]:
+    """Return what make_first makes and '', or what make_fallback makes and why it was used."""
+    try:
+        return make_first(), ''
+    except UserError as error:
+        return make_fallback(), str(error)
 
 
 def make() -> 'Renderer':

@@ -154,7 +154,7 @@ class _Spheres:
 
     def centers(self, models: np.ndarray) -> np.ndarray:
         """Return the centers (k, 3) in the world; models (n, 4, 4): transforms of the parts."""
-        moved = np.concatenate([models, np.eye(4)[np.newaxis]])[self.parts]
+        moved = matrices.of_parts(models, self.parts)
         return (moved[:, :3, :3] @ self._middles[..., np.newaxis])[..., 0] + moved[:, :3, 3]
 
 

@@ -1,6 +1,6 @@
 """The frames of a camera on the simulated robot: what it sees depends on the commands before."""
 import logging
-from typing import Any, Callable, Iterator, List
+from typing import Callable, Iterator, List
 
 import genpy
 from std_msgs.msg import Header
@@ -40,7 +40,9 @@ class RobotFrames:
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
         self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
         self.warnings: List[str] = []
-        self._renderer = _make_renderer()
+        self._renderer, reason = renderer.make_or(renderer.make, TinyRenderer)
+        if reason:
+            _log.warning('images are drawn without shadows, and slowly: %s', reason)
         for reason in self._renderer.load(visual_scene.read(built.scene, self._parts),
                                           self._parts.poses()):
             _log.warning('not drawn: %s', reason)
@@ -61,11 +63,3 @@ class RobotFrames:
                 self._noise.add(image, number)
             header = Header(seq=number, stamp=genpy.Time(nsecs=stamp_ns), frame_id=self._frame_id)
             yield Frame(number, stamp_ns, header, image, 'rgb8')
-
-
-def _make_renderer() -> Any:
-    try:
-        return renderer.make()
-    except renderer.OpenGLError as error:
-        _log.warning('images are drawn without shadows, and slowly: %s', error)
-        return TinyRenderer()
