@@ -121,7 +121,9 @@ class VideoTest(unittest.TestCase):
         steps = {(b - a) % FRAMES for a, b in zip(seen, seen[1:])}
         self.assertLess(max(steps), FRAMES / 2, 'a busy machine may drop frames, but not go back')
         self.assertNotIn(0, steps)
-        self.assertGreater(len(set(seen)), 0.9 * FRAMES)
+        # the frames that were dropped come in a later round
+        digests = {frame[0] for frame in self.video}
+        wait_for(lambda: self._digests() == digests, 'each frame of the video')
 
     def test_masked_images_frame_by_frame(self):
         by_digest = {frame[0]: frame for frame in self.video}
