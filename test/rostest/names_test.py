@@ -9,7 +9,7 @@ import tf2_ros
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 
-from img_recog_testing.recording import wait_for
+from img_recog_testing.recording import keep_connected, wait_for
 
 NODES = {'/color_extract', '/gazebo', '/robot_state_publisher', '/turtlebot3_teleop_keyboard',
          '/usb_cam'}
@@ -99,6 +99,7 @@ class NamesTest(unittest.TestCase):
             for status in msg.status:
                 found.setdefault(status.name, []).append(
                     {value.key: value.value for value in status.values})
+        keep_connected()
         subscriber = rospy.Subscriber('/diagnostics', DiagnosticArray, store)
         for name, counter in COUNTERS.items():
             wait_for(lambda: int(found.get(name, [{}])[-1].get(counter, 0)) >
