@@ -1,4 +1,5 @@
 """Collects the messages of a topic, for the rostests."""
+import functools
 
 import rospy
 
@@ -6,25 +7,21 @@ from img_recog.ros import lifecycle, master_watch
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
-_watched = []       # not empty when the connections of this process are watched
-
-
-def keep_connected():
+@functools.lru_cache(maxsize=None)      # once
+def _keep_connected():
     """Connect subscribers of this process again to publishers that they are not connected to.
 
     rospy tries only once: a subscriber that was made while a publisher registered may miss it for
     ever, on a busy machine.
     """
-    if not _watched:
-        _watched.append(True)
-        master_watch.start(lifecycle.on_shutdown)
+    master_watch.start(lifecycle.on_shutdown)
 
 
 class Recorder:
     """Collects the messages of a topic that `accept` returns True for."""
 
     def __init__(self, topic, message_type, accept=lambda msg: True):
-        keep_connected()
+        _keep_connected()
         self.messages = []
         self._topic = topic
         self._accept = accept

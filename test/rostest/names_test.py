@@ -9,7 +9,8 @@ import tf2_ros
 import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 
-from img_recog_testing.recording import keep_connected, wait_for
+from img_recog_testing import statuses
+from img_recog_testing.recording import Recorder, wait_for
 
 NODES = {'/color_extract', '/gazebo', '/robot_state_publisher', '/turtlebot3_teleop_keyboard',
          '/usb_cam'}
@@ -93,33 +94,32 @@ class NamesTest(unittest.TestCase):
         self.assertEqual(PARENTS, tree)
 
     def test_every_node_reports_its_state(self):
-        found = {}
+        states = Recorder('/diagnostics', DiagnosticArray)
 
-        def store(msg):
-            for status in msg.status:
-                found.setdefault(status.name, []).append(
-                    {value.key: value.value for value in status.values})
-        keep_connected()
-        subscriber = rospy.Subscriber('/diagnostics', DiagnosticArray, store)
+        def found(name):
+            return [statuses.values(status) for msg in list(states.messages)
+                    for status in msg.status if status.name == name]
+
+        def counts(name, counter):
+            return [int(values.get(counter, 0)) for values in found(name)]
         for name, counter in COUNTERS.items():
-            wait_for(lambda: int(found.get(name, [{}])[-1].get(counter, 0)) >
-                     int(found.get(name, [{}])[0].get(counter, 0)), name + ' to count ' + counter)
+            wait_for(lambda: found(name) and counts(name, counter)[-1] > counts(name, counter)[0],
+                     name + ' to count ' + counter)
         for name in COUNTERS:
             # a subscriber on a busy machine may be behind for a moment
-            wait_for(lambda: found[name][-1]['subscribers that do not read'] in (
-                'none', 'unknown'), lambda: found[name][-1])
+            wait_for(lambda: found(name)[-1]['subscribers that do not read'] in (
+                'none', 'unknown'), lambda: found(name)[-1])
         for name, key in (('color_extract: recognition', 'processing, max (ms)'),
                           ('color_extract: recognition', 'stamp to commands, max (ms)'),
                           ('usb_cam: camera', 'publishing a frame, max (ms)'),
                           ('gazebo: simulation', 'clock period, max (ms)')):
             def measured():
                 # the first message of a node has no values, a period without an event has none
-                return [values[key] for values in list(found[name])
-                        if values.get(key, 'none') != 'none']
-            wait_for(measured, lambda: (name, key, found[name]))
+                return [values[key] for values in found(name) if values.get(key, 'none') != 'none']
+            wait_for(measured, lambda: (name, key, found(name)))
             self.assertTrue(all(0 <= float(value) < 60000 for value in measured()),
-                            (name, key, found[name]))
-        subscriber.unregister()
+                            (name, key, found(name)))
+        states.close()
 
     def test_use_sim_time(self):
         self.assertIs(True, rospy.get_param('/use_sim_time'))
