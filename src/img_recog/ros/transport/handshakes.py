@@ -101,15 +101,15 @@ def _read_header(sock: socket.socket) -> dict:
 def _receive(sock: socket.socket, size: int, end_s: float) -> bytes:
     data = bytearray()
     while len(data) < size:
-        rest_s = end_s - time.monotonic()
-        if rest_s <= 0:
-            raise HandshakeError('it has sent no complete header of TCPROS within {:g} s'.format(
-                _TIME_LIMIT_S))
-        sock.settimeout(rest_s)
+        # what has arrived is read after the end too: this thread may have had to wait, not the peer
+        sock.settimeout(max(0., end_s - time.monotonic()))
         try:
             piece = sock.recv(min(size - len(data), 65536))
-        except socket.timeout:
-            continue
+        except (BlockingIOError, socket.timeout):
+            if time.monotonic() < end_s:
+                continue
+            raise HandshakeError('it has sent no complete header of TCPROS within {:g} s'.format(
+                _TIME_LIMIT_S)) from None
         if not piece:
             raise HandshakeError()
         data += piece

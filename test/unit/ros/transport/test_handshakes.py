@@ -73,6 +73,17 @@ def test_a_subscriber_is_accepted_while_others_send_nothing(server, connect):
                                  'header of TCPROS within 1 s'}
 
 
+def test_a_header_that_arrived_while_the_node_was_busy_is_accepted(server, monkeypatch):
+    monkeypatch.setattr(handshakes, '_TIME_LIMIT_S', 0)
+    peer, sock = socket.socketpair()
+    peer.settimeout(DEADLINE_S)
+    with peer, sock:
+        peer.sendall(HEADER)
+        Handshakes().accept(server, sock, ('127.0.0.1', 1))
+        assert peer.recv(7) == b'welcome'
+    assert server.lines == []
+
+
 def test_a_header_in_parts_is_accepted(server, connect):
     sock = connect(HEADER[:2])
     sock.sendall(HEADER[2:9])
