@@ -101,7 +101,7 @@ def _read_header(sock: socket.socket) -> dict:
 def _receive(sock: socket.socket, size: int, end_s: float) -> bytes:
     data = bytearray()
     while len(data) < size:
-        # what has arrived is read after the end too: this thread may have had to wait, not the peer
+        # what has arrived is read after the end too: this thread may have waited, not the peer
         sock.settimeout(max(0., end_s - time.monotonic()))
         try:
             piece = sock.recv(min(size - len(data), 65536))
