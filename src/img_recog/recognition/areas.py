@@ -1,10 +1,11 @@
 """Areas, masks, masked images and centroids of colors."""
-from typing import Dict, List, Optional, Tuple
+from typing import Dict, Iterator, List, Optional, Set, Tuple
 
 import cv2
 import numpy as np
 
-from img_recog.recognition.masks import Masks
+from img_recog.recognition.candidates import GROUP_PX
+from img_recog.recognition.masks import CELL, GroupsInside, Masks
 from img_recog.recognition.settings import RecognitionSettings
 
 _TO_HSV = {'bgr8': cv2.COLOR_BGR2HSV, 'bgra8': cv2.COLOR_BGR2HSV,
@@ -12,6 +13,7 @@ _TO_HSV = {'bgr8': cv2.COLOR_BGR2HSV, 'bgra8': cv2.COLOR_BGR2HSV,
 _TO_BGR = {'bgra8': cv2.COLOR_BGRA2BGR, 'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR}
 ENCODINGS = tuple(_TO_HSV)
 _WHOLE = (0.0, 1.0)
+_BLACK = np.zeros(1, CELL)
 
 
 class ColorExtractor:
@@ -29,13 +31,15 @@ class ColorExtractor:
         self._bgr: Optional[np.ndarray] = None
         self._region = (slice(0), slice(0))
         self._areas_px: List[int] = []
-        self._masks: List[np.ndarray] = []
-        self._computed_masks: Optional[Masks] = None
+        self._masks, self._settings = Masks((0, 0), settings.colors), settings
+        self._changed: Set[int] = set()     # colors whose masks have less than their groups
+        # by color: the image that `masked` returned and its note
+        self._drawn: Dict[int, Tuple[np.ndarray, Optional[np.ndarray]]] = {}
         self.configure(settings)
 
     def configure(self, settings: RecognitionSettings) -> None:
         """Use other settings from the next image on."""
-        self._settings, self._computed_masks = settings, None
+        self._next_settings = settings
 
     def measure(self, image: np.ndarray, encoding: str = 'bgr8') -> List[int]:
         """Return the area of each color in pixels, in the order of the settings.
@@ -43,42 +47,98 @@ class ColorExtractor:
         image: uint8 of shape (height, width, 3 or 4); its rows need not be contiguous.
         encoding: one of ENCODINGS, the order of its channels.
         """
+        self.begin(image, encoding)
+        return self.finish()
+
+    def begin(self, image: np.ndarray, encoding: str) -> Iterator[int]:
+        """Begin to measure an image that is not complete yet, for example while it arrives.
+
+        Returns an iterator, which does a part of the work at each step and yields the number of
+        rows, from the top, that must be there before the next step. The arguments are those of
+        `measure`, and `finish` returns what it does.
+        """
         self._image, self._encoding, self._bgr = image, encoding, None
         height, width = image.shape[:2]
+        is_new, self._settings = self._next_settings is not self._settings, self._next_settings
         self._region = self._settings.region((height, width))
         part = image[self._region]
         height, width = part.shape[:2]
-        masks = self._computed_masks
-        if masks is None or masks.shape != (height, width):
-            masks = self._computed_masks = Masks((height, width), self._settings.colors)
-        masks.compute(part, _TO_HSV[encoding])
-        self._masks, self._areas_px = masks.masks, list(masks.areas_px)
+        if is_new or self._masks.shape != (height, width):
+            self._masks = Masks((height, width), self._settings.colors)
+        self._masks.begin(part, _TO_HSV[encoding])
+        return self._steps(self._masks)
+
+    def finish(self) -> List[int]:
+        """Do what remains to be done for the image of `begin`, which is complete now."""
+        self._masks.finish()
+        self._areas_px = list(self._masks.areas_px)
+        self._changed.clear()
         self._drop_outside()
-        if self._settings.min_blob_size > 1 and part.size:
+        if self._settings.min_blob_size > 1 and 0 not in self._masks.shape:
             self._drop_small_blobs()
-            self._areas_px = [cv2.countNonZero(mask) for mask in self._masks]
         return list(self._areas_px)
+
+    def _steps(self, masks: Masks) -> Iterator[int]:
+        top = self._region[0].start
+        for rows in masks.ends[:-1]:        # `finish` does the last part
+            yield top + rows
+            masks.advance(rows)
+
+    @property
+    def shape(self) -> Tuple[int, int, int]:
+        """The shape of `bgr` and `masked`."""
+        height, width = self._image.shape[:2]
+        return height, width, 3
 
     def mask(self, number: int) -> np.ndarray:
         """Return the mask of a color: uint8 of shape (height, width), 255 inside, else 0."""
         mask = self._buffer('mask', self._image.shape[:2])
         mask[:] = 0
-        mask[self._region] = self._masks[number]
+        mask[self._region] = self._masks.mask(number)
         return mask
 
-    def masked(self, number: int, result: Optional[np.ndarray] = None) -> np.ndarray:
+    def masked(self, number: int) -> np.ndarray:
         """Return the image with all other pixels black: bgr8, uint8 of shape (height, width, 3).
 
         number: of the color whose pixels are kept.
-        result: the array to write to; None for a reused buffer.
         """
-        image = self.bgr()
-        if result is None:
-            result = self._buffer(('masked', number), image.shape)
-        result[:] = 0
-        if self._areas_px[number]:
-            cv2.copyTo(image[self._region], self._masks[number], result[self._region])
+        result, drawn = self._drawn.get(number, (np.empty(0), None))
+        if result.shape != self.shape:
+            result, drawn = np.empty(self.shape, np.uint8), None
+        self._drawn[number] = result, self.draw_masked(number, result, drawn)
         return result
+
+    def draw_masked(self, number: int, result: np.ndarray, drawn: Optional[np.ndarray] = None
+                    ) -> Optional[np.ndarray]:
+        """Write what `masked` returns to an array, and return a note of where it is not black.
+
+        result: uint8 of the shape of the image; its rows are contiguous.
+        drawn: the note of what the array contains, so that only these pixels are cleared; None
+        for arbitrary content.
+        """
+        groups = self._groups_inside(number)
+        if groups is None:
+            result[:] = 0
+            if self._areas_px[number]:
+                cv2.copyTo(self.bgr()[self._region], self._masks.mask(number),
+                           result[self._region])
+            return None
+        cells = result.reshape(-1).view(CELL)
+        if drawn is None:
+            result[:] = 0
+        else:
+            cells[drawn] = _BLACK
+        pixels = groups.bgr & groups.mask
+        cells[groups.indices] = pixels.reshape(-1).view(CELL)
+        return groups.indices
+
+    def _groups_inside(self, number: int) -> Optional[GroupsInside]:
+        """Return what Masks.groups_inside does, if that is the whole mask and the image fits."""
+        height, width = self._image.shape[:2]
+        if (number in self._changed or height * width % GROUP_PX
+                or self._masks.shape != (height, width)):
+            return None
+        return self._masks.groups_inside(number)
 
     def bgr(self) -> np.ndarray:
         """Return the image in bgr8, uint8 of shape (height, width, 3)."""
@@ -95,8 +155,9 @@ class ColorExtractor:
         if area_px == 0:
             return None
         # most of a mask is usually empty
-        x, y, width, height = cv2.boundingRect(self._masks[number])
-        moments = cv2.moments(self._masks[number][y:y + height, x:x + width], binaryImage=True)
+        mask = self._masks.mask(number)
+        x, y, width, height = cv2.boundingRect(mask)
+        moments = cv2.moments(mask[y:y + height, x:x + width], binaryImage=True)
         rows, columns = self._region
         return (columns.start + x + moments['m10'] / area_px,
                 rows.start + y + moments['m01'] / area_px)
@@ -119,16 +180,20 @@ class ColorExtractor:
                     [max(0, round(share * size) - start) for share in shares]
                     for shares, size, start in zip((color.rows, color.columns),
                                                    self._image.shape[:2], starts))
-                mask = self._masks[number]
+                mask = self._masks.mask(number)
+                self._changed.add(number)
                 mask[:top], mask[bottom:], mask[:, :left], mask[:, right:] = 0, 0, 0, 0
                 self._areas_px[number] = cv2.countNonZero(mask) if mask.size else 0
 
     def _drop_small_blobs(self) -> None:
-        for mask in self._masks:
+        for number in range(len(self._areas_px)):
+            mask = self._masks.mask(number)
+            self._changed.add(number)
             _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
             large = stats[:, cv2.CC_STAT_AREA] >= self._settings.min_blob_size
             large[0] = False        # the background
             np.take(np.where(large, 255, 0).astype(np.uint8), labels, out=mask)
+            self._areas_px[number] = cv2.countNonZero(mask)
 
     def _buffer(self, key: object, shape: Tuple[int, ...]) -> np.ndarray:
         """Return the buffer of this name and shape; its contents are undefined."""

@@ -21,8 +21,8 @@ def assert_equal_to_plain_opencv(masks, image, given):
     masks.compute(image, cv2.COLOR_BGR2HSV)
     expected = [plain_opencv.mask(image, color) for color in given]
     assert masks.areas_px == [cv2.countNonZero(mask) for mask in expected]
-    for mask, plain in zip(masks.masks, expected):
-        assert np.array_equal(mask, plain)
+    for number, plain in enumerate(expected):
+        assert np.array_equal(masks.mask(number), plain)
 
 
 def grey_room(seed, shape):
@@ -109,15 +109,15 @@ def test_a_fourth_channel_is_ignored():
 def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
     converted, cvt_color = [], cv2.cvtColor
 
-    def recorded(image, *arguments):
+    def recorded(image, *arguments, **names):
         converted.append(image.shape[:2])
-        return cvt_color(image, *arguments)
+        return cvt_color(image, *arguments, **names)
     masks = Masks((480, 640), ARTICLE)
     image = np.full((480, 640, 3), 128, np.uint8)
     image[100:110, 300:330] = BLUE
     monkeypatch.setattr(cv2, 'cvtColor', recorded)
     masks.compute(image, cv2.COLOR_BGR2HSV)
-    assert converted == [(10, 30)]
+    assert sum(height * width for height, width in converted) == 10 * 40    # in groups of 8
     assert masks.areas_px == [300, 0]
     converted.clear()
     image[:] = BLUE
@@ -129,7 +129,7 @@ def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
         converted.clear()
         masks.compute(image, cv2.COLOR_BGR2HSV)
         assert masks.areas_px == [480 * 30, 0]
-        if sum(height * width for height, width in converted) == 480 * 30:
+        if sum(height * width for height, width in converted) == 480 * 32:
             break
     else:
         pytest.fail('the search is never repeated')
@@ -138,8 +138,8 @@ def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
 def test_a_color_of_all_pixels_needs_no_conversion(monkeypatch):
     converted = []
     convert = cv2.cvtColor
-    monkeypatch.setattr(masks_module.cv2, 'cvtColor', lambda image, *others: (
-        converted.append(image.shape) or convert(image, *others)))
+    monkeypatch.setattr(masks_module.cv2, 'cvtColor', lambda image, *others, **names: (
+        converted.append(image.shape) or convert(image, *others, **names)))
     blue, red = ARTICLE
     everything, = colors(saturation_min=0, value_min=0)
     for given in ([everything], [blue, everything, red], [everything, blue, everything]):
@@ -147,10 +147,76 @@ def test_a_color_of_all_pixels_needs_no_conversion(monkeypatch):
         image = np.full((40, 60, 3), 99, np.uint8)
         image[10:20, 30:33] = BLUE
         for _ in range(2):
-            masks.masks[given.index(everything)][:5] = 0        # like a part that does not count
+            masks.mask(given.index(everything))[:5] = 0         # like a part that does not count
             del converted[:]
             masks.compute(image, cv2.COLOR_BGR2HSV)
             assert masks.areas_px == [
                 2400 if color is everything else 30 if color is blue else 0 for color in given]
-            assert converted == ([(10, 3, 3)] if blue in given else [])
+            assert converted == ([(1, 120, 3)] if blue in given else [])
         assert_equal_to_plain_opencv(masks, image, given)
+
+
+@pytest.mark.parametrize('shape', [(480, 640), (47, 31), (500, 1001), (0, 5), (5, 0)])
+@pytest.mark.parametrize('given', [ARTICLE, colors(saturation_min=0, value_min=3)])
+def test_an_image_that_arrives_in_parts(monkeypatch, shape, given):
+    """What is below the rows that are there is the image before."""
+    monkeypatch.setattr(masks_module, '_STRIP_PX', 1 << 12)
+    masks, random = Masks(shape, given), np.random.RandomState(0)
+    memory = np.empty(shape + (3,), np.uint8)
+    for number in range(4):
+        image = grey_room(number, shape)
+        image[:, :shape[1] // 3] = random.randint(0, 256, (shape[0], shape[1] // 3, 3))
+        masks.begin(memory, cv2.COLOR_BGR2HSV)
+        there = 0
+        for rows in sorted(random.randint(0, shape[0] + 1, 5)):
+            memory[there:rows] = image[there:rows]
+            there = rows
+            masks.advance(there)
+        memory[there:] = image[there:]
+        masks.finish()
+        expected = [plain_opencv.mask(image, color) if image.size else image[..., 0]
+                    for color in given]
+        assert masks.areas_px == [cv2.countNonZero(mask) if mask.size else 0 for mask in expected]
+        for index, plain in enumerate(expected):
+            assert np.array_equal(masks.mask(index), plain)
+
+
+def test_all_rows_are_tested_when_their_end_is_there():
+    masks = Masks((1000, 640), ARTICLE)
+    assert masks.ends == [200, 400, 600, 800, 1000]
+    assert Masks((10, 640), ARTICLE).ends == [10] and Masks((0, 640), ARTICLE).ends == []
+
+
+@pytest.mark.parametrize('conversion', [cv2.COLOR_BGR2HSV, cv2.COLOR_RGB2HSV])
+@pytest.mark.parametrize('channels', [3, 4])
+def test_the_groups_of_a_color(conversion, channels):
+    masks, bgr = Masks((48, 64), ARTICLE), np.full((48, 64, 3), 128, np.uint8)
+    bgr[10, 20], bgr[11, 0:9], bgr[40, 63] = BLUE, BLUE, RED
+    image = bgr if conversion == cv2.COLOR_BGR2HSV else bgr[..., ::-1]
+    masks.compute(np.dstack([image, bgr[..., :channels - 3]]), conversion)
+    for number, wanted in enumerate(([10 * 8 + 2, 11 * 8, 11 * 8 + 1], [40 * 8 + 7])):
+        indices, pixels, inside = masks.groups_inside(number)
+        assert indices.tolist() == wanted
+        mask = np.zeros((48 * 8, 8, 3), np.uint8)
+        mask[indices] = inside.reshape(-1, 8, 3)
+        assert np.array_equal(mask.reshape(48, 64, 3), np.dstack([masks.mask(number)] * 3))
+        assert np.array_equal(pixels.reshape(-1, 8, 3), bgr.reshape(-1, 8, 3)[indices])
+
+
+def test_no_pixels_are_kept_of_groups_that_do_not_fit(monkeypatch):
+    masks, image = Masks((512, 640), ARTICLE), np.full((512, 640, 3), 128, np.uint8)
+    image[:210] = BLUE
+    masks.compute(image, cv2.COLOR_BGR2HSV)
+    assert masks.groups_inside(0) is None and masks.areas_px == [210 * 640, 0]
+    image[200:] = 128
+    masks.compute(image, cv2.COLOR_BGR2HSV)
+    assert len(masks.groups_inside(0).indices) == 200 * 640 // 8
+    assert len(masks.groups_inside(1).indices) == 0
+
+
+def test_no_groups_of_an_image_that_was_converted_as_a_whole():
+    everything, = colors(saturation_min=0, value_min=0)
+    masks = Masks((48, 64), [everything, *colors(saturation_min=0, value_min=3)])
+    masks.compute(np.zeros((48, 64, 3), np.uint8), cv2.COLOR_BGR2HSV)
+    assert masks.groups_inside(0) is None and masks.groups_inside(1) is None
+    assert masks.areas_px == [48 * 64, 0]

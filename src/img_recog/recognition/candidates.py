@@ -1,0 +1,149 @@
+"""Search of the pixels that can have a color, which takes a third of the time of HSV."""
+import functools
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from img_recog.recognition.settings import Color
+
+# pixels that are found together: as bytes they are one number, and numpy finds, takes and puts
+# numbers faster than bytes
+GROUP_PX, GROUP = 8, np.uint64
+# a bound that saves less than this share of the pixels is no use
+MIN_SAVED = 0.25
+# a bound with slope 0 takes half the time, which is worth that many times as many candidates
+_MAX_LEVEL_RATIO = 1.5
+
+
+def padded(size_px: int) -> int:
+    """Return the size of the whole groups that so many pixels are in."""
+    return -(-size_px // GROUP_PX) * GROUP_PX
+
+
+class _Arrays(NamedTuple):
+    """Parts of buffers, with the shape of an image: its channels, and others of one channel.
+
+    groups: all pixels of `found`, as GROUP; beyond: those of the last group after the last row.
+    """
+
+    planes: List[np.ndarray]
+    largest: np.ndarray
+    found: np.ndarray
+    groups: np.ndarray
+    beyond: np.ndarray
+
+
+class Search:
+    """Finds the groups of pixels in which a pixel can have a color: GROUP_PX in a row each.
+
+    A pixel with the saturation of a color has different values in its channels.
+
+    is_useful: whether it can save much; if not, do not search.
+    """
+
+    def __init__(self, max_px: int, colors: Iterable[Color]):
+        """Prepare for these colors, and images of up to `max_px` pixels."""
+        self._bound = _chroma_bound(frozenset((color.saturation, color.value)
+                                              for color in colors))
+        self.is_useful = self._bound is not None
+        size_px = padded(max_px)
+        # three channels and alpha, then the largest of the channels
+        *self._planes, self._largest = (np.empty(size_px, np.uint8) for _ in range(5))
+        self._found = np.empty(size_px, np.uint8)       # nonzero where a pixel can have a color
+        self._shaped: Dict[Tuple[int, ...], _Arrays] = {}
+
+    def find(self, image: np.ndarray) -> np.ndarray:
+        """Return the indices of the groups, in order.
+
+        image: uint8 of shape (height, width, 3 or 4). After its last row, the last group may have
+        pixels that are not of the image.
+        """
+        planes, largest, found, groups, beyond = self._arrays(image.shape)
+        first, second, third = planes[:3]
+        cv2.split(image, planes)
+        cv2.max(first, second, largest)
+        cv2.max(largest, third, largest)
+        cv2.min(first, second, found)
+        cv2.min(found, third, found)
+        # nonzero where chroma = largest - smallest channel is on or above the bound
+        assert self._bound is not None
+        slope, offset = self._bound
+        if slope:
+            cv2.addWeighted(largest, 1 - slope, found, -1, 1 - offset, found)
+        else:
+            cv2.subtract(largest, found, found)
+            cv2.threshold(found, offset - 1, 255, cv2.THRESH_TOZERO, found)
+        beyond.fill(0)
+        return np.flatnonzero(groups != 0)
+
+    def _arrays(self, shape: Tuple[int, ...]) -> _Arrays:
+        """Return the buffers for an image of this shape; there are few different ones."""
+        if shape not in self._shaped:
+            size_px = shape[0] * shape[1]
+            planes = [plane[:size_px].reshape(shape[:2]) for plane in self._planes[:shape[2]]]
+            largest, found = (array[:size_px].reshape(shape[:2])
+                              for array in (self._largest, self._found))
+            whole = self._found[:padded(size_px)]
+            self._shaped[shape] = _Arrays(planes, largest, found, whole.view(GROUP),
+                                          whole[size_px:])
+        return self._shaped[shape]
+
+    def take(self, groups: np.ndarray, channels: Sequence[np.ndarray]) -> None:
+        """Write each channel of groups of the last image to an array.
+
+        channels: three arrays of type GROUP and of the length of `groups`.
+        """
+        for plane, channel in zip(self._planes, channels):
+            # 'clip' is faster than 'raise'
+            np.take(plane.view(GROUP), groups, out=channel, mode='clip')
+
+
+class ChromaBound(NamedTuple):
+    """A line in the plane of value and chroma: chroma = slope * value + offset.
+
+    value: the largest channel of a pixel; chroma: the largest channel minus the smallest.
+    """
+
+    slope: float
+    offset: float
+
+
+@functools.lru_cache(maxsize=16)
+def _chroma_bound(
+        ranges: FrozenSet[Tuple[Tuple[int, int], Tuple[int, int]]]) -> Optional[ChromaBound]:
+    """Return a bound that no pixel in the ranges of S and V is below.
+
+    It is the one with the fewest pixels above it in a typical image, in which 1 / (1 + chroma) of
+    the pixels have a chroma: most pixels are nearly grey. If it is not much worse, the slope is 0.
+    None if too few pixels are below it.
+    """
+    value, chroma = np.mgrid[:256, :256]
+    exists = chroma <= value
+    inside = np.zeros_like(exists)
+    for (low_s, high_s), (low_v, high_v) in ranges:
+        inside |= ((_saturations() >= low_s) & (_saturations() <= high_s)
+                   & (value >= low_v) & (value <= high_v))
+    inside &= exists
+    share = exists / (1 + chroma)
+    if not inside.any():
+        return ChromaBound(0, 256)
+    bounds = {}
+    for slope in np.linspace(0, 1, 17):
+        height = chroma - slope * value
+        offset = height[inside].min()
+        bounds[ChromaBound(slope, offset)] = share[height >= offset].sum()
+    best = min(bounds, key=lambda bound: bounds[bound])
+    level = next(bound for bound in bounds if bound.slope == 0)
+    if bounds[level] < _MAX_LEVEL_RATIO * bounds[best]:
+        best = level
+    return best if bounds[best] < (1 - MIN_SAVED) * share.sum() else None
+
+
+@functools.lru_cache(maxsize=None)
+def _saturations() -> np.ndarray:
+    """Return OpenCV's S by value and chroma, uint8 of shape (256, 256)."""
+    value, chroma = np.mgrid[:256, :256]
+    smallest = (value - chroma).clip(0)
+    pixels = np.stack([value, smallest, smallest], axis=-1).astype(np.uint8)
+    return cv2.cvtColor(pixels, cv2.COLOR_RGB2HSV)[..., 1]
