@@ -1,17 +1,16 @@
 """Conversion of sensor_msgs/Image to and from arrays, by cv_bridge."""
 import contextlib
+import functools
 import sys
-from typing import Iterator, Tuple
+from typing import Any, Iterator, Optional, Tuple
 
 import cv2
 import numpy as np
-from cv_bridge import CvBridge, CvBridgeError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from img_recog.errors import UserError, one_line, shortened
 
-_bridge = CvBridge()
 # The conversions of cv_bridge to bgr8: encoding -> (channels, code of cv2.cvtColor). Those that
 # are not listed are done by cv_bridge itself.
 _CONVERSIONS = {
@@ -21,6 +20,17 @@ _CONVERSIONS = {
     'yuv422': (2, cv2.COLOR_YUV2BGR_UYVY), 'yuv422_yuy2': (2, cv2.COLOR_YUV2BGR_YUY2),
 }
 _COLOR_CHANNELS = {'bgr8': 3, 'rgb8': 3, 'bgra8': 4, 'rgba8': 4}
+
+
+@functools.lru_cache(maxsize=None)
+def _bridge() -> Any:
+    """Return a CvBridge.
+
+    It is imported for the first image that needs it: few do, and it loads a second OpenCV, which
+    would be a tenth of the start of a node.
+    """
+    from cv_bridge import CvBridge
+    return CvBridge()
 
 
 class ImageError(UserError):
@@ -34,8 +44,8 @@ def to_msg(image: np.ndarray, encoding: str, header: Header) -> Image:
     Raises ImageError when the array does not have the shape for its encoding.
     """
     try:
-        msg = _bridge.cv2_to_imgmsg(image, encoding)
-    except CvBridgeError as error:
+        msg = _bridge().cv2_to_imgmsg(image, encoding)
+    except TypeError as error:          # CvBridgeError is one
         raise ImageError('cannot publish an image of shape {} as {}: {}'.format(
             image.shape, shortened(encoding), one_line(error)))
     msg.header = header
@@ -49,7 +59,20 @@ def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:
     Raises ImageError naming the size, encoding and reason.
     """
     with _image_errors(msg, encoding):
-        return _bridge.imgmsg_to_cv2(_normalized(msg), encoding)
+        return _bridge().imgmsg_to_cv2(_normalized(msg), encoding)
+
+
+def color_view(msg: Image) -> Optional[np.ndarray]:
+    """Return the image of a message with an encoding of 8-bit colors; None for any other encoding.
+
+    The image is uint8 of shape (height, width, channels); it shares the memory of the message,
+    which need not be complete yet. Raises ImageError naming the size, encoding and reason.
+    """
+    channels = _COLOR_CHANNELS.get(msg.encoding)
+    if channels is None:
+        return None
+    with _image_errors(msg, 'bgr8'):
+        return _view(msg, channels)
 
 
 class ColorImages:
@@ -68,9 +91,10 @@ class ColorImages:
         rgb8, bgra8, rgba8. It shares the memory of the message or is overwritten by the next call.
         Raises ImageError naming the size, encoding and reason.
         """
+        image = color_view(msg)
+        if image is not None:
+            return image, msg.encoding
         with _image_errors(msg, 'bgr8'):
-            if msg.encoding in _COLOR_CHANNELS:
-                return _view(msg, _COLOR_CHANNELS[msg.encoding]), msg.encoding
             if msg.encoding in _CONVERSIONS:
                 return self._convert(msg, *_CONVERSIONS[msg.encoding]), 'bgr8'
         return from_msg(msg, 'bgr8'), 'bgr8'
@@ -89,7 +113,7 @@ def _image_errors(msg: Image, encoding: str) -> Iterator[None]:
     """Turn the errors of a conversion of `msg` to `encoding` into ImageError."""
     try:
         yield
-    except (CvBridgeError, cv2.error, KeyError, RuntimeError, TypeError, ValueError) as error:
+    except (cv2.error, KeyError, RuntimeError, TypeError, ValueError) as error:
         raise ImageError('cannot convert an image of {}x{}, encoding {}, step {}, {} bytes to '
                          '{}: {}'.format(
                              msg.width, msg.height, shortened(repr(msg.encoding)), msg.step,
@@ -117,7 +141,7 @@ def _normalized(msg: Image) -> Image:
 
     cv_bridge ignores the padding of rows, and with numpy 2 it fails on the other byte order.
     """
-    name, channels = _bridge.encoding_to_dtype_with_channels(msg.encoding)
+    name, channels = _bridge().encoding_to_dtype_with_channels(msg.encoding)
     dtype = np.dtype(name)
     row_bytes = msg.width * channels * dtype.itemsize
     _check_size(msg, row_bytes)

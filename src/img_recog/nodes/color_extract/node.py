@@ -3,9 +3,9 @@
 Subscribes to usb_cam/image_raw (sensor_msgs/Image, any encoding that cv_bridge converts to bgr8)
 or, if ~image_transport is compressed, to usb_cam/image_raw/compressed
 (sensor_msgs/CompressedImage).
-Publishes for each processed frame: blue_image and red_image (sensor_msgs/Image, bgr8, with the
-header of the frame: the frame with all other pixels black), then cmd_vel (geometry_msgs/Twist,
-one message for each color above its area limit: linear.x 10 m/s for blue, then -10 m/s for red).
+Publishes for each processed frame: cmd_vel (geometry_msgs/Twist, one message for each color above
+its area limit: linear.x 10 m/s for blue, then -10 m/s for red), then blue_image and red_image
+(sensor_msgs/Image, bgr8, with the header of the frame: the frame with all other pixels black).
 Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
 color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands). /diagnostics
 (diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time.
@@ -18,7 +18,7 @@ import threading
 import time
 from dataclasses import dataclass
 from functools import partial
-from typing import List, Sequence, Union
+from typing import Any, Callable, Iterator, List, Optional, Sequence, Union
 
 import cv2
 import rospy
@@ -30,8 +30,8 @@ from img_recog import files
 from img_recog.conversions import color_detection_msgs, twist_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.nodes import color_parameters
+from img_recog.nodes.color_extract import inputs
 from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
-from img_recog.nodes.color_extract.inputs import INPUTS
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
@@ -40,6 +40,7 @@ from img_recog.ros import console, lifecycle, parameters
 from img_recog.ros.console import ConsoleThrottle
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.recurring_line import RecurringLine
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
@@ -61,7 +62,7 @@ class InputSettings(Settings):
     max_image_pixels: an image with more pixels is refused, a compressed one before it is decoded.
     """
 
-    image_transport: str = setting('raw', one_of(*INPUTS))
+    image_transport: str = setting('raw', one_of(*inputs.TRANSPORTS))
     colors_file: str = setting('')
     max_image_pixels: int = setting(DEFAULT_MAX_PIXELS, ALLOWED_MAX_PIXELS)
 
@@ -79,7 +80,8 @@ class ColorExtract:
         self._extractor = ColorExtractor(settings)
         self._commander = Commander(settings, time.monotonic())
         self._settings = settings
-        self._warn, self._console = ThrottledWarning(), ConsoleThrottle()
+        self._warn = ThrottledWarning()
+        self._console, self._line = ConsoleThrottle(), RecurringLine()
         transport = given.image_transport
         self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
             '' if transport == 'raw' else '/' + transport))
@@ -89,54 +91,121 @@ class ColorExtract:
         self._overlay = ImagePublisher('color_overlay')
         self._is_shutdown = threading.Event()
         self._frame_lock = threading.Lock()
+        self._begun: Optional[Image] = None     # the message that the extractor has begun with
+        self._failure: Optional[Exception] = None       # of another thread, for the loop
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
-        self._input = INPUTS[transport](_CAMERA, counts, given.max_image_pixels)
+        with self._frame_lock:      # images may come before it returns
+            self._input = inputs.subscribe(transport, _CAMERA, counts, given.max_image_pixels,
+                                           self.work_ahead, self.process)
         lifecycle.on_shutdown(self._input.wake)
         NodeDiagnostics('recognition', 'none', counts.report)
 
     def spin(self) -> None:
-        """Process frames until the node is shut down."""
+        """Process what is left to the loop until the node is shut down."""
         while not self._is_shutdown.is_set():
             msg = self._input.take(_POLL_PERIOD_S)
+            if self._failure is not None:
+                raise self._failure
             with self._frame_lock:
                 if self._is_shutdown.is_set():
                     return
-                self._configure(self._reconfigurable.settings)
                 if msg is None:
+                    self._configure(self._reconfigurable.settings)
                     self._publish_commands(self._commander.wait(time.monotonic()))
                 else:
-                    self.handle(msg)
-                    self._input.done(msg)
+                    self._process(msg)
+
+    def process(self, msg: Image) -> bool:
+        """Process a frame in another thread than the loop, if no frame is processed now.
+
+        Returns whether it was processed.
+        """
+        return self._try(self._process, msg) is not None
+
+    def work_ahead(self, msg: Image) -> Iterator[int]:
+        """Compute masks of a frame that is not complete; see `begin` of ImageSubscriber."""
+        steps = self._try(self._begin, msg)
+        rows = self._try(self._next_rows, msg, steps)
+        while rows is not None:
+            yield rows * msg.step
+            rows = self._try(self._next_rows, msg, steps)
+
+    def _try(self, work: Callable[..., Any], *arguments: Any) -> Any:
+        """Return what `work` returns; None if another thread processes a frame, or at the end."""
+        if not self._frame_lock.acquire(blocking=False):
+            return None
+        try:
+            return None if self._is_shutdown.is_set() else work(*arguments)
+        except Exception as error:
+            self._failure = error
+            self._input.wake()
+            return None
+        finally:
+            self._frame_lock.release()
+
+    def _begin(self, msg: Image) -> Optional[Iterator[int]]:
+        self._configure(self._reconfigurable.settings)
+        try:
+            image = self._input.view(msg)
+        except ImageError:      # `handle` says it
+            return None
+        if image is None:
+            return None
+        self._begun = msg
+        return self._extractor.begin(image, msg.encoding)
+
+    def _next_rows(self, msg: Image, steps: Optional[Iterator[int]]) -> Optional[int]:
+        """Do a step; return the number of rows for the next one, None if there is none."""
+        # meanwhile, another thread may have used the extractor
+        return next(steps, None) if steps is not None and self._begun is msg else None
+
+    def _process(self, msg: Union[Image, CompressedImage]) -> bool:
+        begin_s = time.perf_counter()
+        if self._begun is not msg:
+            self._configure(self._reconfigurable.settings)
+        self.handle(msg)
+        self._input.done(msg)
+        self._input.took(time.perf_counter() - begin_s)
+        return True
 
     def handle(self, msg: Union[Image, CompressedImage]) -> None:
         """Recognize the colors in a frame and publish the results."""
         begin_s = time.perf_counter()
+        begun, self._begun = self._begun, None
         try:
-            image, encoding = self._input.decode(msg)
+            areas_px = self._extractor.finish() if begun is msg else self._measure(msg)
         except ImageError as error:
             self._counts.refused.add(error)
             self._warn('frame skipped: %s', error)
             return
-        areas_px = self._extractor.measure(image, encoding)
-        for number, publisher in enumerate(self._masked):
-            publisher.publish_drawn(partial(self._extractor.masked, number),
-                                    image.shape[:2] + (3,), 'bgr8', msg.header)
         line = ', '.join('{}={}'.format(name, area_px) for name, area_px
                          in zip(self._settings.color_names, areas_px))
         commands = self._commander.decide(areas_px, time.monotonic())
         # /rosout and the log file have the line of each frame, as in the article
         is_shown = self._console.shows(self._commander.frame_commands)
-        rospy.loginfo(line, extra=console.mark(is_shown))
+        if is_shown or not self._line.write(line):
+            rospy.loginfo(line, extra=console.mark(is_shown))
         self._publish_commands(commands)
         self._counts.count_latency(rospy.get_time(), msg.header.stamp.to_sec())
-        self._publish_details(msg.header, areas_px, commands)
+        self._publish_images(msg.header, areas_px, commands)
         self._counts.processed.add()
         self._counts.processing.add(time.perf_counter() - begin_s)
 
+    def _measure(self, msg: Union[Image, CompressedImage]) -> List[int]:
+        return self._extractor.measure(*self._input.decode(msg))
+
+    def _publish_images(self, header: Header, areas_px: Sequence[int],
+                        commands: Sequence[Command]) -> None:
+        """Publish what is for viewers; after the commands, so as not to delay them."""
+        for number, publisher in enumerate(self._masked):
+            publisher.publish_drawn(partial(self._extractor.draw_masked, number),
+                                    self._extractor.shape, 'bgr8', header)
+        self._publish_details(header, areas_px, commands)
+
     def _publish_details(self, header: Header, areas_px: Sequence[int],
                          commands: Sequence[Command]) -> None:
-        """Publish areas, centroids and overlay; after the commands, so as not to delay them."""
+        """Publish areas, centroids and overlay."""
         if self._detection.get_num_connections() > 0:
             centroids = [self._extractor.centroid(number) for number in range(len(areas_px))]
             self._detection.publish(color_detection_msgs.to_msg(
@@ -152,7 +221,7 @@ class ColorExtract:
 
     def _configure(self, settings: RecognitionSettings) -> None:
         if settings is not self._settings:
-            self._settings = settings
+            self._settings, self._begun = settings, None
             self._extractor.configure(settings)
             self._commander.configure(settings)
 

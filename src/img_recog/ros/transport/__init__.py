@@ -5,17 +5,18 @@ identical. test/unit/ros/transport/test_contract.py fails for another version of
 or a signature is different.
 
 Names that are used
-    image_publisher.py, packets.py
-        `impl` of a Publisher: connections, seq. rospy.impl.tcpros_base.TCPROSTransport:
-        write_data, close.
+    image_publisher.py
+        `impl` of a Publisher: connections, seq.
     image_subscriber.py
         `impl` of a Subscriber: c_lock, connections, callbacks, statistics_logger, add_callback,
         _invoke_callback; add_connection, which is replaced. A connection's endpoint_id, header,
-        _connection_header (of its messages), is_latched, stat_num_msg and protocol; of the
-        protocol, buff_size, and read_messages, which is replaced.
-    direct_publisher.py, outbox.py
-        `impl` of a Publisher: c_lock, connections; add_connection, which is replaced. A
-        connection's socket, close, stat_bytes, stat_num_msg; write_data, which is replaced.
+        _connection_header (of its messages), is_latched, stat_num_msg, socket and protocol; of
+        the protocol, buff_size, and read_messages, which is replaced.
+    direct_publisher.py
+        `impl` of a Publisher: c_lock, publock, connections, is_latch, latch, seq; add_connection,
+        which is replaced. A connection's close; write_data, which is replaced.
+    outbox.py
+        A connection's socket, close, stat_bytes, stat_num_msg.
     rosout.py
         rospy.impl.rosout: Publisher and RosOutHandler, which are replaced, and _rosout_pub.
         rospy.impl.registration.get_topic_manager().get_topics().
@@ -23,7 +24,7 @@ Names that are used
         rospy.impl.tcpros_base.TCPROSServer: topic_connection_handler, service_connection_handler;
         _tcp_server_callback, which is replaced.
     own_time.py
-        rospy.rostime._set_rostime.
+        rospy.rostime: _set_rostime, _rostime_cond.
     registration.py
         rospy.core: _xmlrpc_cache and _xmlrpc_lock, whose proxy for the master is replaced;
         _LockedServerProxy. rospy.impl.registration: get_registration_listeners().listeners,

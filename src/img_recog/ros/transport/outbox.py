@@ -1,29 +1,61 @@
 """Sending to one subscriber without ever blocking the publisher."""
 import socket
 import threading
-from typing import Optional, Union
+from queue import Empty, SimpleQueue
+from typing import Dict, List, Tuple, Union
 
 from rospy.exceptions import TransportTerminated
 from rospy.impl.tcpros_base import TCPROSTransport
 
+from img_recog.ros.transport.packets import Packet
+
+_IDLE_S = 1.0       # after this time without work, the thread of an outbox ends
+
+
+class _Message:
+    """Bytes that nobody changes, with the interface of a Packet."""
+
+    def __init__(self, data: bytes):
+        self.data = data
+
+    def retain(self) -> None:
+        pass
+
+    def release(self) -> None:
+        pass
+
 
 class Outbox:
-    """Replaces `write_data` of a connection: sends what the socket accepts at once.
+    """Sends what the socket of a connection accepts at once, and the rest in a thread.
 
-    While the socket is full, a thread sends the rest of the message that was begun, and after it
-    the newest message, like with queue_size=1. So a subscriber that is slow misses messages, but
-    gets the last one; a subscriber that never reads keeps one thread and at most two messages.
-    rospy calls `write_data` from one thread at a time.
+    While the thread sends the rest of a message, the newest message waits, like with
+    queue_size=1. So a subscriber that is slow misses messages, but gets the last one; a subscriber
+    that never reads keeps one thread and at most two messages. Call the methods from one thread
+    at a time.
     """
 
     def __init__(self, connection: TCPROSTransport):
         self._connection = connection
         self._lock = threading.Lock()
-        self._is_behind = False                     # the thread is sending
-        self._newest: Optional[bytes] = None        # what it sends next
+        self._is_behind = False         # the thread is sending
+        self._newest: Union[_Message, Packet, None] = None      # what it sends next
+        # what it sends first, and how many bytes of it are sent already
+        self._begun: 'SimpleQueue[Tuple[Union[_Message, Packet], int]]' = SimpleQueue()
+        self._has_thread = False
 
     def write_data(self, data: bytes) -> bool:
-        """Send a message now or in the thread. Raises an exception if the connection is closed."""
+        """Send a message; replaces `write_data` of the connection.
+
+        Raises an exception if the connection is closed.
+        """
+        self.put(_Message(data))
+        return True
+
+    def put(self, message: Union[_Message, Packet]) -> None:
+        """Send a message; as long as it is not sent, the outbox is an owner of it.
+
+        Raises an exception if the connection is closed.
+        """
         connection = self._connection
         sock = connection.socket
         if sock is None:
@@ -31,26 +63,75 @@ class Outbox:
         if self._is_behind:
             with self._lock:
                 if self._is_behind:
-                    self._newest = data
-                    return True
+                    message.retain()
+                    replaced, self._newest = self._newest, message
+                    if replaced is not None:
+                        replaced.release()
+                    return
         try:
-            count = sock.send(data, socket.MSG_DONTWAIT)
+            count = sock.send(message.data, socket.MSG_DONTWAIT)
         except BlockingIOError:
             count = 0
-        if count < len(data):
-            self._is_behind = True
-            threading.Thread(target=self._catch_up, args=(sock, memoryview(data)[count:]),
-                             daemon=True).start()
-        connection.stat_bytes += len(data)
+        connection.stat_bytes += len(message.data)
         connection.stat_num_msg += 1
-        return True
+        if count < len(message.data):
+            message.retain()
+            self._is_behind = True
+            self._begun.put((message, count))
+            with self._lock:
+                if not self._has_thread:
+                    self._has_thread = True
+                    threading.Thread(target=self._run, args=(sock,), daemon=True).start()
 
-    def _catch_up(self, sock: socket.socket, data: Optional[Union[bytes, memoryview]]) -> None:
-        try:
-            while data is not None:
-                sock.sendall(data)
+    def _run(self, sock: socket.socket) -> None:
+        while True:
+            try:
+                message, count = self._begun.get(timeout=_IDLE_S)
+            except Empty:
                 with self._lock:
-                    data, self._newest = self._newest, None
-                    self._is_behind = data is not None
-        except OSError:     # the connection is closed, by the subscriber or by us
-            self._connection.close()
+                    if self._begun.empty():
+                        self._has_thread = False
+                        return
+            else:
+                self._catch_up(sock, message, count)
+
+    def _catch_up(self, sock: socket.socket, message: Union[_Message, Packet, None],
+                  count: int) -> None:
+        """Send a message without its first bytes, and then the newest one, until there is none."""
+        while message is not None:
+            try:
+                sock.sendall(memoryview(message.data)[count:])
+            except OSError:     # the connection is closed, by the subscriber or by us
+                self._connection.close()
+            message.release()
+            with self._lock:
+                message, self._newest = self._newest, None
+                self._is_behind = message is not None
+            count = 0
+
+
+class Outboxes:
+    """An Outbox for each connection of a topic. Use it from one thread at a time."""
+
+    def __init__(self) -> None:
+        self._outboxes: Dict[TCPROSTransport, Outbox] = {}
+        self._followed: List[TCPROSTransport] = []
+
+    def follow(self, connections: List[TCPROSTransport]) -> None:
+        """Add and remove outboxes, so that there is one for each of these connections.
+
+        connections: rospy's list. Until the topic is closed, rospy replaces this list and never
+        changes it.
+        """
+        if connections is not self._followed:
+            self._followed = connections
+            self._outboxes = {connection: self._outboxes.get(connection) or Outbox(connection)
+                              for connection in connections}
+
+    def put(self, packet: Packet) -> None:
+        """Send a packet to all connections."""
+        for connection, outbox in self._outboxes.items():
+            try:
+                outbox.put(packet)
+            except (OSError, TransportTerminated):      # like rospy
+                connection.close()

@@ -1,10 +1,13 @@
 """Time in a node that publishes /clock itself."""
+import functools
+
 import genpy
 import rospy
 
 from img_recog.ros.transport.switch import is_plain
 
 
+@functools.lru_cache(maxsize=None)
 def follows_clock_topic() -> bool:
     """Return whether such a node gets its time from /clock, like all other nodes.
 
@@ -19,5 +22,8 @@ def set_time(now: genpy.Time) -> None:
 
     The simulator is slower if it subscribes to its own /clock.
     """
-    if not is_plain('own_time'):
+    if not follows_clock_topic():
+        condition = rospy.rostime._rostime_cond
+        # by its old name, rospy calls it with a warning, which takes longer than the rest
+        condition.notifyAll = condition.notify_all
         rospy.rostime._set_rostime(rospy.Time(now.secs, now.nsecs))

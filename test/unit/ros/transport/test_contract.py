@@ -279,3 +279,4 @@ def test_the_time_of_a_node(monkeypatch):
     finally:
         rospy.rostime.switch_to_wallclock()
     assert simtime._set_rostime is rospy.rostime._set_rostime
+    assert isinstance(rospy.rostime._rostime_cond, threading.Condition)

@@ -5,6 +5,8 @@ import socket
 import threading
 
 import pytest
+import rospy
+from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from img_recog.ros.transport.direct_publisher import DirectPublisher
@@ -191,3 +193,61 @@ def test_a_message_is_sent_when_publish_returns(fast, name, publisher, subscribe
     publisher.publish(text(1))
     end.sock.setblocking(False)
     assert end.sock.recv(1 << 16) == packet(text(1))
+
+
+def send_together(publisher, *messages):
+    for msg in messages:
+        publisher.add(msg)
+    publisher.flush()
+
+
+def test_several_messages_at_once(way, name, publisher, subscribe):
+    send_together(publisher, text(0), text(1))
+    ends = [subscribe(name, String) for _ in range(2)]
+    send_together(publisher, text(2), text(3), text(4))
+    publisher.publish(text(5))
+    for end in ends:
+        assert [end.receive() for _ in range(4)] == [packet(text(number)) for number in
+                                                     (2, 3, 4, 5)]
+
+
+def test_a_message_may_be_changed_after_it_was_added(way, name, publisher, subscribe):
+    end, msg = subscribe(name, String), String()
+    for number in range(3):
+        msg.data = text(number).data
+        publisher.add(msg)
+    msg.data = 'not sent'
+    publisher.flush()
+    publisher.flush()
+    assert [end.receive() for _ in range(3)] == [packet(text(number)) for number in range(3)]
+
+
+def test_messages_are_sent_with_flush(fast, name, publisher, subscribe):
+    end = subscribe(name, String)
+    publisher.add(text(1))
+    end.sock.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        end.sock.recv(1)
+    publisher.flush()
+    assert end.sock.recv(1 << 16) == packet(text(1))
+
+
+def test_the_last_of_several_messages_is_latched(way, name, subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    send_together(publisher, text(0), text(1))
+    assert subscribe(name, String).receive() == packet(text(1))
+
+
+def test_headers_are_counted(way, name, subscribe):
+    publisher = DirectPublisher(name, Imu)
+    end = subscribe(name, Imu)
+    send_together(publisher, Imu(), Imu())
+    publisher.publish(Imu())
+    for seq in (1, 2, 3):
+        assert Imu().deserialize(end.receive()[4:]).header.seq == seq
+
+
+def test_publishing_on_a_closed_topic_is_an_error(way, name, publisher):
+    publisher._publisher.impl.close()
+    with pytest.raises(rospy.ROSException, match='closed topic'):
+        publisher.publish(text(1))

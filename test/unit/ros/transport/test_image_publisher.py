@@ -55,12 +55,13 @@ def test_the_bytes_equal_those_of_rospy(way, name, publisher, subscribe, shape, 
 
 
 def test_nothing_is_drawn_without_subscribers(way, publisher):
-    publisher.publish_drawn(lambda _: 1 / 0, (4, 4, 3), 'bgr8', header())
+    publisher.publish_drawn(lambda *_: 1 / 0, (4, 4, 3), 'bgr8', header())
 
 
 def test_a_drawn_image_is_sent(way, name, publisher, subscribe):
     subscriber, image = subscribe(name, Image), random_image(1)
-    publisher.publish_drawn(lambda result: np.copyto(result, image), image.shape, 'bgr8', header())
+    publisher.publish_drawn(lambda result, _: np.copyto(result, image), image.shape, 'bgr8',
+                            header())
     assert subscriber.receive() == wire(image, 1)
 
 
@@ -153,7 +154,7 @@ def test_a_buffer_is_free_again_when_its_subscriber_closes(
 def test_a_buffer_is_free_again_when_drawing_fails(fast, name, publisher, subscribe, buffers):
     subscriber = subscribe(name, Image)
     with pytest.raises(ZeroDivisionError):
-        publisher.publish_drawn(lambda _: 1 / 0, (4, 4, 3), 'bgr8', header())
+        publisher.publish_drawn(lambda *_: 1 / 0, (4, 4, 3), 'bgr8', header())
     assert publisher._pool.free == list(buffers.values()) and subscriber.is_idle()
 
 

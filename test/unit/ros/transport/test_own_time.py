@@ -8,10 +8,12 @@ from img_recog.ros.transport import own_time
 
 @pytest.fixture(autouse=True)
 def restored_time():
-    """Restore the clock of rospy after the test."""
+    """Restore the clock of rospy after the test, and read the switch again."""
+    own_time.follows_clock_topic.cache_clear()
     was_initialized = rospy.rostime.is_rostime_initialized()
     rospy.rostime.set_rostime_initialized(True)
     yield
+    own_time.follows_clock_topic.cache_clear()
     rospy.rostime.switch_to_wallclock()
     rospy.rostime.set_rostime_initialized(was_initialized)
 
