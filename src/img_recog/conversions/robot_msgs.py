@@ -1,8 +1,10 @@
 """Converts nav_msgs/Odometry and sensor_msgs/JointState, LaserScan and Imu.
 
-The values are those of the simulation; `stamp` is always the last argument of a `to_msg`.
+The values are those of the simulation. With the message of an earlier call with the same settings
+as `out`, a `to_msg` changes that one: to make a message takes longer than to fill it.
 """
-from typing import List
+import functools
+from typing import List, Optional, Sequence, Union
 
 import genpy
 import numpy as np
@@ -10,7 +12,7 @@ from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
-from img_recog.simulation.body import Motion
+from img_recog.simulation.body import Motion, Vector
 from img_recog.simulation.imu import ImuReading
 from img_recog.simulation.robot import JointStates
 from img_recog.simulation.settings import ImuSettings, ScanSettings
@@ -19,22 +21,28 @@ from img_recog.simulation.settings import ImuSettings, ScanSettings
 _POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist()
 
 
+@functools.lru_cache(maxsize=8)         # what is measured at the same time has the same stamp
 def stamp_of(time_s: float) -> genpy.Time:
-    """Return simulated time as a stamp, to the nearest nanosecond (from_sec truncates)."""
+    """Return simulated time as a stamp, to the nearest nanosecond (from_sec truncates).
+
+    It must not be changed.
+    """
     return genpy.Time(*divmod(round(time_s * 1e9), 1000000000))
 
 
-def odometry_to_msg(motion: Motion, frame_id: str, child_frame_id: str,
-                    stamp: genpy.Time) -> Odometry:
+def odometry_to_msg(motion: Motion, frame_id: str, child_frame_id: str, stamp: genpy.Time,
+                    out: Optional[Odometry] = None) -> Odometry:
     """Return the message for a motion: pose in `frame_id`, twist in `child_frame_id`."""
-    msg = Odometry(child_frame_id=child_frame_id)
-    msg.header.stamp, msg.header.frame_id = stamp, frame_id
-    msg.pose.pose.position = Point(*motion.position)
-    msg.pose.pose.orientation = Quaternion(*motion.orientation)
-    msg.pose.covariance = _POSE_COVARIANCE
-    msg.twist.twist.linear = Vector3(*motion.linear)
-    msg.twist.twist.angular = Vector3(*motion.angular)
-    return msg
+    if out is None:
+        out = Odometry(child_frame_id=child_frame_id)
+        out.header.frame_id = frame_id
+        out.pose.covariance = _POSE_COVARIANCE
+    out.header.stamp = stamp
+    _set_vector(out.pose.pose.position, motion.position.tolist())
+    _set_quaternion(out.pose.pose.orientation, motion.orientation)
+    _set_vector(out.twist.twist.linear, motion.linear.tolist())
+    _set_vector(out.twist.twist.angular, motion.angular.tolist())
+    return out
 
 
 def odometry_from_msg(msg: Odometry) -> Motion:
@@ -46,21 +54,25 @@ def odometry_from_msg(msg: Odometry) -> Motion:
                   _array(twist.linear), _array(twist.angular))
 
 
-def transform_of(odometry: Odometry) -> TransformStamped:
+def transform_of(odometry: Odometry, out: Optional[TransformStamped] = None) -> TransformStamped:
     """Return the transform of an odometry message, from its frame to its child frame."""
-    transform = TransformStamped(header=odometry.header, child_frame_id=odometry.child_frame_id)
-    position = odometry.pose.pose.position
-    transform.transform.translation = Vector3(position.x, position.y, position.z)
-    transform.transform.rotation = odometry.pose.pose.orientation
-    return transform
+    if out is None:
+        out = TransformStamped(child_frame_id=odometry.child_frame_id)
+    position, translation = odometry.pose.pose.position, out.transform.translation
+    out.header, out.transform.rotation = odometry.header, odometry.pose.pose.orientation
+    translation.x, translation.y, translation.z = position.x, position.y, position.z
+    return out
 
 
-def joint_states_to_msg(states: JointStates, stamp: genpy.Time) -> JointState:
+def joint_states_to_msg(states: JointStates, stamp: genpy.Time,
+                        out: Optional[JointState] = None) -> JointState:
     """Return the message for joint states: rad, rad/s and N m."""
-    msg = JointState(name=list(states.names), position=list(states.positions),
-                     velocity=list(states.velocities), effort=list(states.efforts))
-    msg.header.stamp = stamp
-    return msg
+    if out is None:
+        out = JointState(name=list(states.names))
+    out.header.stamp = stamp
+    out.position, out.velocity = list(states.positions), list(states.velocities)
+    out.effort = list(states.efforts)
+    return out
 
 
 def joint_states_from_msg(msg: JointState) -> JointStates:
@@ -68,14 +80,17 @@ def joint_states_from_msg(msg: JointState) -> JointStates:
     return JointStates(tuple(msg.name), list(msg.position), list(msg.velocity), list(msg.effort))
 
 
-def scan_to_msg(ranges: np.ndarray, settings: ScanSettings, stamp: genpy.Time) -> LaserScan:
+def scan_to_msg(ranges: np.ndarray, settings: ScanSettings, stamp: genpy.Time,
+                out: Optional[LaserScan] = None) -> LaserScan:
     """Return the message for ranges in m, one per ray; all rays are cast at `stamp`."""
-    msg = LaserScan(angle_min=settings.scan_angle_min, angle_max=settings.scan_angle_max,
-                    range_min=settings.scan_range_min, range_max=settings.scan_range_max,
-                    ranges=ranges.tolist(), intensities=[0.0] * len(ranges))
-    msg.angle_increment = (msg.angle_max - msg.angle_min) / (len(ranges) - 1)
-    msg.header.stamp, msg.header.frame_id = stamp, settings.scan_frame
-    return msg
+    if out is None:
+        first, last = settings.scan_angle_min, settings.scan_angle_max
+        out = LaserScan(angle_min=first, angle_max=last, range_min=settings.scan_range_min,
+                        range_max=settings.scan_range_max, intensities=[0.0] * len(ranges),
+                        angle_increment=(last - first) / (len(ranges) - 1))
+        out.header.frame_id = settings.scan_frame
+    out.header.stamp, out.ranges = stamp, ranges.tolist()
+    return out
 
 
 def scan_from_msg(msg: LaserScan) -> np.ndarray:
@@ -83,26 +98,37 @@ def scan_from_msg(msg: LaserScan) -> np.ndarray:
     return np.array(msg.ranges)
 
 
-def imu_to_msg(reading: ImuReading, settings: ImuSettings, stamp: genpy.Time) -> Imu:
+def imu_to_msg(reading: ImuReading, settings: ImuSettings, stamp: genpy.Time,
+               out: Optional[Imu] = None) -> Imu:
     """Return the message for a reading; the covariances are those of the noise."""
-    msg = Imu(orientation=Quaternion(*reading.orientation),
-              angular_velocity=Vector3(*reading.angular_velocity),
-              linear_acceleration=Vector3(*reading.linear_acceleration))
-    msg.header.stamp, msg.header.frame_id = stamp, settings.imu_frame
-    msg.angular_velocity_covariance = _isotropic(settings.gyro_noise ** 2)
-    msg.linear_acceleration_covariance = _isotropic(settings.accel_noise ** 2)
-    return msg
+    if out is None:
+        out = Imu(angular_velocity_covariance=_isotropic(settings.gyro_noise ** 2),
+                  linear_acceleration_covariance=_isotropic(settings.accel_noise ** 2))
+        out.header.frame_id = settings.imu_frame
+    out.header.stamp = stamp
+    _set_quaternion(out.orientation, reading.orientation)
+    _set_vector(out.angular_velocity, reading.angular_velocity)
+    _set_vector(out.linear_acceleration, reading.linear_acceleration)
+    return out
 
 
 def imu_from_msg(msg: Imu) -> ImuReading:
     """Return the reading in a message."""
     turned, rate, force = msg.orientation, msg.angular_velocity, msg.linear_acceleration
-    return ImuReading((turned.x, turned.y, turned.z, turned.w), np.array([rate.x, rate.y, rate.z]),
-                      np.array([force.x, force.y, force.z]))
+    return ImuReading((turned.x, turned.y, turned.z, turned.w), (rate.x, rate.y, rate.z),
+                      (force.x, force.y, force.z))
 
 
 def _isotropic(variance: float) -> List[float]:
     return [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance]
+
+
+def _set_vector(msg: Union[Point, Vector3], vector: Vector) -> None:
+    msg.x, msg.y, msg.z = vector
+
+
+def _set_quaternion(msg: Quaternion, quaternion: Sequence[float]) -> None:
+    msg.x, msg.y, msg.z, msg.w = quaternion
 
 
 def _array(vector) -> np.ndarray:

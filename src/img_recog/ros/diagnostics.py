@@ -29,10 +29,10 @@ class Counter:
         # (time, total at that time) within the window
         self._samples: Deque[Tuple[float, int]] = deque([(now(), 0)])
 
-    def add(self) -> None:
-        """Count an event."""
+    def add(self, count: int = 1) -> None:
+        """Count an event, or several."""
         with self._lock:
-            self.total += 1
+            self.total += count
 
     def rate_hz(self) -> float:
         """Return the rate in the last seconds; to be called once in each period."""

@@ -28,7 +28,9 @@ class LatestValue:
 
     def take(self, timeout_s: float = 0.0) -> Optional[Any]:
         """Remove and return the item, waiting up to `timeout_s` for it; None if there is none."""
-        if self._item is None and timeout_s > 0:
+        if self._item is None:
+            if timeout_s <= 0:
+                return None
             self._changed.acquire(timeout=timeout_s)
         with self._lock:
             item, self._item = self._item, None
@@ -72,8 +74,10 @@ class CallQueue:
 
     def process(self, timeout_s: float) -> None:
         """Execute the waiting calls, or wait up to `timeout_s` for the first; for the loop."""
+        if not self._waiting and timeout_s <= 0:
+            return
         with self._condition:
-            if not self._waiting and timeout_s > 0:
+            if not self._waiting:
                 self._condition.wait(timeout_s)
             waiting, self._waiting = self._waiting, []
         for action, future in waiting:

@@ -24,6 +24,19 @@ class Pose(NamedTuple):
     joints: Sequence[float]
 
 
+class FrameState(NamedTuple):
+    """A frame fixed to a rigid part, and how the part moves; all in the world.
+
+    frame: position and orientation; point: any point of the part, and linear: the velocity of
+    that point; angular: the angular velocity of the part. In m, m/s and rad/s.
+    """
+
+    frame: Tuple[Vector, Quaternion]
+    point: Vector
+    linear: Vector
+    angular: Vector
+
+
 class Motion(NamedTuple):
     """Where a frame is and how it moves.
 
@@ -119,10 +132,10 @@ class Body:
 
     def motion(self) -> Motion:
         """Return the motion of the root link's frame."""
-        return self.motion_of_base(self._root_in_mass)
+        return motion_of_frame(*self.base_state(self._root_in_mass))
 
-    def motion_of_base(self, in_mass: Tuple[Vector, Quaternion]) -> Motion:
-        """Return the motion of a frame fixed to the base.
+    def base_state(self, in_mass: Tuple[Vector, Quaternion]) -> FrameState:
+        """Return the state of a frame fixed to the base.
 
         in_mass: the pose of that frame in the frame of the base's center of mass.
         """
@@ -130,8 +143,8 @@ class Body:
             self.body_id, physicsClientId=self.physics_client_id)
         linear, angular = pybullet.getBaseVelocity(self.body_id,
                                                    physicsClientId=self.physics_client_id)
-        return motion_of_frame(pybullet.multiplyTransforms(center, turned, *in_mass), center,
-                               linear, angular)
+        return FrameState(pybullet.multiplyTransforms(center, turned, *in_mass), center, linear,
+                          angular)
 
     def set_velocity(self, linear: Vector, angular: Vector) -> None:
         """Set the velocity of the root link: m/s and rad/s, in the world."""
@@ -148,16 +161,24 @@ def rotation_matrix(orientation: Quaternion) -> np.ndarray:
     return np.array(pybullet.getMatrixFromQuaternion(orientation)).reshape(3, 3)
 
 
+def velocity_at(position: Vector, point: Vector, linear: Vector, angular: Vector) -> Vector:
+    """Return the velocity of a position that moves with a rigid part; all in the world.
+
+    point: any point of the part, and linear: the velocity of that point; angular: the angular
+    velocity of the part.
+    """
+    x, y, z = (a - b for a, b in zip(position, point))
+    (vx, vy, vz), (wx, wy, wz) = linear, angular
+    return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
+
+
 def motion_of_frame(frame: Tuple[Vector, Quaternion], point: Vector, linear: Vector,
                     angular: Vector) -> Motion:
     """Return the motion of a frame fixed to a rigid part.
 
-    frame: position and orientation in the world; point: any point of the part, and linear: the
-    velocity of that point; angular: the angular velocity of the part; all in the world.
+    frame: position and orientation in the world; the others as for `velocity_at`.
     """
     position, orientation = frame
-    x, y, z = (a - b for a, b in zip(position, point))
-    (vx, vy, vz), (wx, wy, wz) = linear, angular
-    at_frame = vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
+    at_frame = velocity_at(position, point, linear, angular)
     in_frame = np.array((at_frame, angular)) @ rotation_matrix(orientation)
     return Motion(np.array(position), orientation, in_frame[0], in_frame[1])

@@ -1,5 +1,5 @@
 """The wheel speeds of a differential drive, ramped like libgazebo_ros_diff_drive does."""
-from typing import Tuple
+from typing import Callable, Tuple
 
 from img_recog.simulation.settings import DriveSettings
 
@@ -40,24 +40,28 @@ class DifferentialDrive:
         self._age = 0
         self.timed_out = False
 
-    def update(self, velocities: Tuple[float, float]) -> Tuple[float, float]:
+    def update(self, measure: Callable[[], Tuple[float, float]]) -> Tuple[float, float]:
         """Return the target angular velocities of the left and right wheel, in rad/s.
 
-        velocities: the measured ones, in rad/s. To be called once a drive period.
+        measure: returns the present ones, in rad/s; it is called if they matter. To be called
+        once a drive period.
         """
         if self._timeout and self._age > self._timeout - _ROUNDING_PERIODS:
             self.timed_out = self.timed_out or self._target != (0.0, 0.0)
             self._target = (0.0, 0.0)
         self._age += 1
-        near = any(abs(target - velocity * self._radius) < _RAMP_END_TOLERANCE
-                   for target, velocity in zip(self._target, velocities))
-        if self._max_change == 0 or near:
-            self._sent = self._target
-        else:
-            self._sent = (self._ramped(self._sent[0], self._target[0]),
-                          self._ramped(self._sent[1], self._target[1]))
+        if self._sent != self._target:
+            if self._max_change == 0 or self._is_near(measure()):
+                self._sent = self._target
+            else:
+                self._sent = (self._ramped(self._sent[0], self._target[0]),
+                              self._ramped(self._sent[1], self._target[1]))
         left, right = self._sent
         return left / self._radius, right / self._radius
+
+    def _is_near(self, velocities: Tuple[float, float]) -> bool:
+        return any(abs(target - velocity * self._radius) < _RAMP_END_TOLERANCE
+                   for target, velocity in zip(self._target, velocities))
 
     def _ramped(self, sent: float, target: float) -> float:
         return sent + max(-self._max_change, min(self._max_change, target - sent))

@@ -1,24 +1,27 @@
 """An inertial measurement unit."""
-from typing import NamedTuple, Optional
+from typing import Iterator, List, NamedTuple, Optional
 
 import numpy as np
+import pybullet
 
-from img_recog.simulation.body import Quaternion, rotation_matrix
+from img_recog.simulation.body import Quaternion, Vector, velocity_at
 from img_recog.simulation.robot import Robot
 from img_recog.simulation.sensor import Sensor
 from img_recog.simulation.settings import ImuSettings
+
+_NOISE_ROWS = 1000          # drawn at a time
 
 
 class ImuReading(NamedTuple):
     """What the unit measures, in its own frame except for the orientation.
 
-    orientation: unit quaternion (x, y, z, w), in the world, without noise; angular_velocity
-    (3,): rad/s; linear_acceleration (3,): specific force in m/s2, 9.8 upwards at rest (REP 145).
+    orientation: unit quaternion (x, y, z, w), in the world, without noise; angular_velocity:
+    rad/s; linear_acceleration: specific force in m/s2, 9.8 upwards at rest (REP 145).
     """
 
     orientation: Quaternion
-    angular_velocity: np.ndarray
-    linear_acceleration: np.ndarray
+    angular_velocity: Vector
+    linear_acceleration: Vector
 
 
 class Imu(Sensor):
@@ -28,24 +31,37 @@ class Imu(Sensor):
                  noise: np.random.RandomState):
         """Mount the unit on a link of `robot`; SimulationError when there is no such link."""
         robot.check_frame('imu_frame', settings.imu_frame)
-        self._robot, self._settings, self._noise = robot, settings, noise
-        self._period_s = period_s
+        self._robot, self._settings, self._period_s = robot, settings, period_s
+        self._noise = _rows(noise, np.repeat((settings.gyro_noise, settings.accel_noise), 3))
         # in the world; upwards under gravity, REP 145
-        self._force_at_rest = -robot.gravity()
-        self._deviations = np.repeat((settings.gyro_noise, settings.accel_noise), 3)
+        self._force_at_rest = (-robot.gravity()).tolist()
         self.restart()
 
     def restart(self) -> None:
         """Forget the last velocity, as after a teleport or a time in which nothing was read."""
-        self._velocity: Optional[np.ndarray] = None
+        self._velocity: Optional[Vector] = None
 
     def read(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""
-        motion = self._robot.motion(self._settings.imu_frame)
-        to_world = rotation_matrix(motion.orientation)
-        velocity = to_world @ motion.linear
-        before = velocity if self._velocity is None else self._velocity
+        # plain numbers: arrays of three take several times as long
+        state = self._robot.frame_state(self._settings.imu_frame)
+        position, orientation = state.frame
+        velocity = velocity_at(position, *state[1:])
+        before = self._velocity or velocity
         self._velocity = velocity
-        force = ((velocity - before) / self._period_s + self._force_at_rest) @ to_world
-        noise = self._noise.standard_normal(6) * self._deviations
-        return ImuReading(motion.orientation, motion.angular + noise[:3], force + noise[3:])
+        force = [(now - last) / self._period_s + rest
+                 for now, last, rest in zip(velocity, before, self._force_at_rest)]
+        rows = pybullet.getMatrixFromQuaternion(orientation)
+        (ax, ay, az), (fx, fy, fz) = state.angular, force
+        values = [exact + error for exact, error in zip((
+            rows[0] * ax + rows[3] * ay + rows[6] * az, rows[1] * ax + rows[4] * ay + rows[7] * az,
+            rows[2] * ax + rows[5] * ay + rows[8] * az, rows[0] * fx + rows[3] * fy + rows[6] * fz,
+            rows[1] * fx + rows[4] * fy + rows[7] * fz, rows[2] * fx + rows[5] * fy + rows[8] * fz
+        ), next(self._noise))]
+        return ImuReading(orientation, values[:3], values[3:])
+
+
+def _rows(noise: np.random.RandomState, deviations: np.ndarray) -> Iterator[List[float]]:
+    """Yield rows of normally distributed noise with these standard deviations."""
+    while True:
+        yield from (noise.standard_normal((_NOISE_ROWS, len(deviations))) * deviations).tolist()

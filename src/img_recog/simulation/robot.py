@@ -3,7 +3,8 @@ from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 import pybullet
 
-from img_recog.simulation.body import Body, Motion, Pose, Quaternion, Vector, motion_of_frame
+from img_recog.simulation.body import (Body, FrameState, Motion, Pose, Quaternion, Vector,
+                                       motion_of_frame)
 from img_recog.simulation.description import Description
 from img_recog.simulation.geometry import to_rpy
 from img_recog.simulation.loading import link_indices, load_urdf
@@ -86,14 +87,17 @@ class Robot(Body):
 
         Raises SimulationError when there is no such link.
         """
-        link, pose = self._carrier(frame or self.root)
+        return motion_of_frame(*self.frame_state(frame or self.root))
+
+    def frame_state(self, frame: str) -> FrameState:
+        """Return the state of a link of the description; errors as for `motion`."""
+        link, pose = self._carrier(frame)
         if link == -1:
-            return self.motion_of_base(pose)
+            return self.base_state(pose)
         state = pybullet.getLinkState(self.body_id, link, computeLinkVelocity=1,
                                       computeForwardKinematics=1,
                                       physicsClientId=self.physics_client_id)
-        return motion_of_frame(pybullet.multiplyTransforms(*state[4:6], *pose), state[0],
-                               *state[6:8])
+        return FrameState(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
 
     def has_frame(self, frame: str) -> bool:
         """Return whether the description has this link."""

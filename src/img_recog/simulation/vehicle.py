@@ -1,5 +1,5 @@
 """A robot with its drive and its sensors."""
-from typing import Any, Callable, Dict, List, NamedTuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -56,6 +56,7 @@ class Vehicle:
         self.robot = Robot(description, settings.drive, settings.spawn, physics_client_id)
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s, step_s)
         self._drive = DifferentialDrive(settings.drive)
+        self._wheel_velocities: Optional[Tuple[float, float]] = None    # that the motors have
         periods = settings.sensors
         # a generator each: the noise of one sensor does not depend on whether the other is read
         scan_noise, imu_noise = (np.random.RandomState((periods.seed, number))
@@ -122,7 +123,10 @@ class Vehicle:
     def before_step(self, steps: int) -> None:
         """Set the motors if the drive is due after `steps` steps of the physics."""
         if steps % self._drive_steps == 0:
-            self.robot.set_wheel_velocities(self._drive.update(self.robot.wheel_velocities()))
+            velocities = self._drive.update(self.robot.wheel_velocities)
+            if velocities != self._wheel_velocities:
+                self._wheel_velocities = velocities
+                self.robot.set_wheel_velocities(velocities)
 
     def after_step(self, steps: int, time_s: float) -> List[Reading]:
         """Return the readings of the sensors that are due after `steps` steps."""
@@ -132,14 +136,17 @@ class Vehicle:
 
     def next_event(self, steps: int) -> int:
         """Return the first step after `steps` at which the drive or a sensor is due."""
-        periods = [scheduled.period_steps for scheduled in self._sensors.values()
-                   if scheduled.enabled]
-        return min(steps - steps % period + period for period in periods + [self._drive_steps])
+        wait = self._drive_steps - steps % self._drive_steps
+        for scheduled in self._sensors.values():
+            if scheduled.enabled:
+                wait = min(wait, scheduled.period_steps - steps % scheduled.period_steps)
+        return steps + wait
 
     def reset(self) -> None:
         """Move the robot back to its start, at rest and without a command."""
         self._drive.reset()
         self.robot.reset()
+        self._wheel_velocities = None
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
 
@@ -148,5 +155,6 @@ class Vehicle:
 
         Odometry from the wheels is not changed: they did not turn.
         """
+        self._wheel_velocities = None
         if 'imu' in self._sensors:
             self._sensors['imu'].sensor.restart()

@@ -79,14 +79,41 @@ def test_scan_round_trip():
 
 
 def test_imu_round_trip():
-    reading = ImuReading((0.0, 0.0, 0.6, 0.8), np.array([1.0, 2.0, 3.0]),
-                         np.array([4.0, 5.0, 6.0]))
+    reading = ImuReading((0.0, 0.0, 0.6, 0.8), (1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
     msg = robot_msgs.imu_to_msg(reading, ImuSettings(gyro_noise=0.5, accel_noise=0.25), STAMP)
     assert (msg.header.frame_id, msg.header.stamp) == ('imu_link', STAMP)
     assert msg.angular_velocity_covariance == [0.25, 0, 0, 0, 0.25, 0, 0, 0, 0.25]
     assert msg.linear_acceleration_covariance == [0.0625, 0, 0, 0, 0.0625, 0, 0, 0, 0.0625]
     for got, want in zip(robot_msgs.imu_from_msg(msg), reading):
         assert np.array_equal(got, want)
+
+
+@pytest.mark.parametrize('to_msg, values', [
+    (lambda motion, **args: robot_msgs.odometry_to_msg(motion, 'odom', 'base', **args),
+     (MOTION, Motion(np.array([3.0, 2.0, 1.0]), (0.0, 0.0, 0.6, 0.8), np.zeros(3), np.ones(3)))),
+    (robot_msgs.joint_states_to_msg,
+     (JointStates(('left', 'right'), [0.1, 0.2], [0.3, 0.4], [0.5, 0.6]),
+      JointStates(('left', 'right'), [1.1, 1.2], [1.3, 1.4], [1.5, 1.6]))),
+    (lambda ranges, **args: robot_msgs.scan_to_msg(ranges, ScanSettings(), **args),
+     (np.arange(360.0), np.full(360, np.inf))),
+    (lambda reading, **args: robot_msgs.imu_to_msg(reading, ImuSettings(), **args),
+     (ImuReading((0.0, 0.0, 0.6, 0.8), (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)),
+      ImuReading((0.6, 0.0, 0.0, 0.8), (6.0, 5.0, 4.0), (3.0, 2.0, 1.0))))])
+def test_a_message_that_is_used_again_equals_a_new_one(to_msg, values):
+    first, second = values
+    stamps = rospy.Time(1, 2), rospy.Time(3, 4)
+    msg = to_msg(first, stamp=stamps[0])
+    assert to_msg(second, stamp=stamps[1], out=msg) is msg
+    assert msg == to_msg(second, stamp=stamps[1]) != to_msg(first, stamp=stamps[0])
+
+
+def test_a_transform_that_is_used_again_equals_a_new_one():
+    first, second = (robot_msgs.odometry_to_msg(
+        MOTION._replace(position=np.full(3, number)), 'odom', 'base', rospy.Time(number, 0))
+        for number in (1, 2))
+    msg = robot_msgs.transform_of(first)
+    assert robot_msgs.transform_of(second, msg) is msg
+    assert msg == robot_msgs.transform_of(second) != robot_msgs.transform_of(first)
 
 
 def test_camera_info_round_trip():

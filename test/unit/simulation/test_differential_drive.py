@@ -11,7 +11,7 @@ def follow(drive, updates, start=(0.0, 0.0)):
     """Return the speeds of the wheel rims after each update, m/s."""
     velocities, history = start, []
     for _ in range(updates):
-        velocities = drive.update(velocities)
+        velocities = drive.update(lambda now=velocities: now)
         history.append(tuple(velocity * RADIUS for velocity in velocities))
     return history
 

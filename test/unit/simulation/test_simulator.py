@@ -201,7 +201,7 @@ def test_noise_of_the_scan_does_not_depend_on_the_imu():
     scans = [[value.tolist() for _, value in seen_by('scan', drive_with(off)[1])]
              for off in ({}, {0: {'imu': False}})]
     assert scans[0] == scans[1] and len(scans[0]) == 20
-    forces = [[value.linear_acceleration.tolist()
+    forces = [[list(value.linear_acceleration)
                for _, value in seen_by('imu', drive_with(off)[1])]
               for off in ({}, {0: {'scan': False}})]
     assert forces[0] == forces[1] and len(forces[0]) == 800
@@ -222,7 +222,7 @@ def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
 
 def test_enabling_an_enabled_sensor_changes_nothing():
     quarters = {quarter: {'imu': True} for quarter in range(4)}
-    forces = [[value.linear_acceleration.tolist()
+    forces = [[list(value.linear_acceleration)
                for _, value in seen_by('imu', drive_with(switches)[1])]
               for switches in ({}, quarters)]
     assert forces[0] == forces[1]

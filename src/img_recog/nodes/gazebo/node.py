@@ -62,7 +62,7 @@ class PybulletSim:
         self._factor, self._wanted_factor = RealTimeFactor(), physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
         self._slow_reports = SlowReports()
-        self._clock = DirectPublisher('/clock', Clock, latch=True)
+        self._clock, self._time = DirectPublisher('/clock', Clock, latch=True), Clock()
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         self._paused = False
         self._calls = ServiceCalls()
@@ -134,9 +134,9 @@ class PybulletSim:
         readings = self._simulator.advance(self._clock_steps)
         # the clock first, so that no reading is stamped in the future
         self._publish_clock()
-        for reading in readings:
-            if not self._images.is_camera(reading.sensor):
-                self._topics[reading.robot].publish(reading)
+        for robot, topics in self._topics.items():
+            topics.publish([reading for reading in readings if reading.robot == robot
+                            and not self._images.is_camera(reading.sensor)])
         self._images.draw(readings)
         if self._models is not None:
             self._models.update()
@@ -152,9 +152,9 @@ class PybulletSim:
         self._images.report(status)
 
     def _publish_clock(self) -> None:
-        now = robot_msgs.stamp_of(self._simulator.time_s)
+        self._time.clock = now = robot_msgs.stamp_of(self._simulator.time_s)
         lifecycle.set_time(now)
-        self._clock.publish(Clock(now))
+        self._clock.publish(self._time)
 
     def _publish_factor(self, simulated_s: float) -> None:
         """Count simulated time; once a second publish the real time factor."""

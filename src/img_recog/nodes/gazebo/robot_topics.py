@@ -1,13 +1,14 @@
 """The topics of one simulated robot."""
 from dataclasses import dataclass
-from typing import Any, Callable, NamedTuple
+from functools import partial
+from typing import Any, Callable, Optional, Sequence
 
 import rospy
-import tf2_ros
 from diagnostic_updater import DiagnosticStatusWrapper
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import TransformStamped, Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
+from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import robot_msgs, twist_msgs
 from img_recog.nodes.gazebo.diagnostics import CommandCounts
@@ -31,11 +32,26 @@ class TopicSettings(Settings):
     scan_topic: str = setting('scan', not_empty())
 
 
-class _Output(NamedTuple):
-    """How readings of a sensor are published; to_msg(value, stamp) returns the message."""
+class _Output:
+    """Publishes readings of a sensor.
 
-    publisher: DirectPublisher
-    to_msg: Callable[[Any, rospy.Time], Any]
+    publisher: of the topic.
+    """
+
+    def __init__(self, topic: str, data_class: type, to_msg: Callable[..., Any]):
+        """Advertise a topic.
+
+        to_msg: to_msg(value, stamp=stamp, out=out) returns the message, see robot_msgs.
+        """
+        self.publisher = DirectPublisher(topic, data_class)
+        self._to_msg, self._msg = to_msg, None
+
+    def add(self, reading: Reading) -> Any:
+        """Add the message of a reading to those that are published next, and return it."""
+        self._msg = self._to_msg(reading.value, stamp=robot_msgs.stamp_of(reading.time_s),
+                                 out=self._msg)
+        self.publisher.add(self._msg)
+        return self._msg
 
 
 class RobotTopics:
@@ -53,20 +69,17 @@ class RobotTopics:
         self._command_topic = names.command_topic
         self._commands = LatestValue()
         self._timed_out = False
-        self._transforms = tf2_ros.TransformBroadcaster()
+        self._transforms = DirectPublisher('/tf', TFMessage)       # the topic of tf2_ros
+        self._transform: Optional[TransformStamped] = None
         self._outputs = {
-            'odometry': _Output(
-                DirectPublisher(names.odometry_topic, Odometry),
-                lambda value, stamp: robot_msgs.odometry_to_msg(
-                    value, odometry.odom_frame, base_frame, stamp)),
-            'joint_states': _Output(DirectPublisher('joint_states', JointState),
-                                    robot_msgs.joint_states_to_msg),
-            'imu': _Output(
-                DirectPublisher(names.imu_topic, Imu),
-                lambda value, stamp: robot_msgs.imu_to_msg(value, settings.imu, stamp)),
-            'scan': _Output(
-                DirectPublisher(names.scan_topic, LaserScan),
-                lambda value, stamp: robot_msgs.scan_to_msg(value, settings.scan, stamp))}
+            'odometry': _Output(names.odometry_topic, Odometry, partial(
+                robot_msgs.odometry_to_msg, frame_id=odometry.odom_frame,
+                child_frame_id=base_frame)),
+            'joint_states': _Output('joint_states', JointState, robot_msgs.joint_states_to_msg),
+            'imu': _Output(names.imu_topic, Imu, partial(robot_msgs.imu_to_msg,
+                                                         settings=settings.imu)),
+            'scan': _Output(names.scan_topic, LaserScan, partial(robot_msgs.scan_to_msg,
+                                                                 settings=settings.scan))}
         rospy.Subscriber(names.command_topic, Twist, self._keep_command, queue_size=10,
                          tcp_nodelay=True)
 
@@ -90,16 +103,20 @@ class RobotTopics:
             publisher = self._outputs[sensor].publisher
             self._vehicle.set_sensor_enabled(sensor, publisher.get_num_connections() > 0)
 
-    def publish(self, reading: Reading) -> None:
-        """Publish a reading of a sensor of the vehicle."""
-        output = self._outputs[reading.sensor]
-        msg = output.to_msg(reading.value, robot_msgs.stamp_of(reading.time_s))
-        output.publisher.publish(msg)
-        self._counts.readings.add()
-        if reading.sensor == 'odometry':
-            self._log_motion_change(reading)
-            if self._publishes_tf:
-                self._transforms.sendTransform(robot_msgs.transform_of(msg))
+    def publish(self, readings: Sequence[Reading]) -> None:
+        """Publish readings of the sensors of the vehicle, in order of time."""
+        for reading in readings:
+            msg = self._outputs[reading.sensor].add(reading)
+            if reading.sensor == 'odometry':
+                self._log_motion_change(reading)
+                if self._publishes_tf:
+                    self._transform = robot_msgs.transform_of(msg, self._transform)
+                    self._transforms.add(TFMessage([self._transform]))
+        self._counts.readings.add(len(readings))
+        # several messages of a topic together
+        for output in self._outputs.values():
+            output.publisher.flush()
+        self._transforms.flush()
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
