@@ -4,6 +4,14 @@
 
 listed() { sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$1"; }
 
+# newer STAMP FILE...: whether all exist and the stamp is newer than each file
+newer() {
+  local stamp=$1 file
+  shift
+  [ -f "$stamp" ] || return 1
+  for file; do [ -e "$file" ] && [ "$stamp" -nt "$file" ] || return 1; done
+}
+
 missing_packages() {
   local installed
   installed=$(dpkg-query -W -f='${db:Status-Abbrev} ${Package}\n' 2>/dev/null | awk '/^ii/{print $2}')
@@ -19,11 +27,14 @@ as_root() {
   fi
 }
 
+# Does nothing if nothing was missing last time, as build/installed says, and nothing has changed.
 install_packages() {
   local list missing plan sudo=''
-  [ "$(id -u)" -eq 0 ] || sudo='sudo '
   list=$root/packages-debian.txt
   [ ! -d "$noetic" ] || list=$root/packages-noetic.txt
+  ! newer "$build/installed" "$list" /var/lib/dpkg/status /etc/hosts "$root/tools/packages.bash" ||
+    return 0
+  [ "$(id -u)" -eq 0 ] || sudo='sudo '
   command -v apt-get >/dev/null ||
     fail "no apt-get here: this needs Debian 12 or later, or Ubuntu 20.04 with ROS Noetic"
   missing=$(missing_packages "$list")
@@ -31,7 +42,7 @@ install_packages() {
   { getent hosts localhost && getent hosts "$(uname -n)"; } >/dev/null ||
     dpkg-query -W libnss-myhostname >/dev/null 2>&1 || missing="$missing libnss-myhostname"
   missing=$(xargs <<<"$missing")
-  [ -n "$missing" ] || return 0
+  [ -n "$missing" ] || { touch "$build/installed"; return 0; }
   plan=$(apt_plan "$missing")
   if [ -z "$plan" ]; then           # the package lists were never downloaded
     say "reading the package lists: ${sudo}apt-get update"

@@ -17,7 +17,7 @@ SIMULATOR = 'Bullet Physics'
 IMAGES = ('/usb_cam/image_raw', '/blue_image', '/red_image')
 GAP_PX = 4
 _POLL_PERIOD_S = 0.3
-_PATIENCE_S = 120.0
+_PATIENCE_S = 300.0
 _SUBSTRUCTURE_REDIRECT = 1 << 20        # X.h; window managers select it on the root
 
 _Window, _Pointer = ctypes.c_ulong, ctypes.c_void_p

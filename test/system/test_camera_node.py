@@ -77,32 +77,41 @@ def test_source_that_is_missing_at_the_start_ends_the_node_with_one_line(roscore
     assert len(re.findall(r'\[FATAL\].*/still.png: no such file or device', camera.output)) == 1
 
 
-def areas(process):
-    """Return the lines about areas that color_extract logged."""
-    return re.findall(r'blue=\d+, red=\d+', process.output)
+class Recognition:
+    """color_extract with a log folder."""
+
+    def __init__(self, roscore, folder):
+        self._folder = folder
+        self.process = roscore.start('rosrun', 'img_recog', 'color_img_recog.py',
+                                     env=dict(roscore.env, ROS_LOG_DIR=str(folder)))
+        roscore.wait_run('Subscribers: \n.*color_extract', 'rostopic', 'info',
+                         '/usb_cam/image_raw')
+
+    def areas(self):
+        """Return the area of blue in each frame, as logged."""
+        text = ''.join(path.read_text() for path in self._folder.glob('color_extract*.log'))
+        return [int(area) for area in re.findall(r'blue=(\d+), red=\d+\n', text)]
 
 
 def test_a_recorded_bag_gives_the_same_areas_as_the_camera(roscore, tmp_path):
     bag = str(tmp_path / 'camera.bag')
     roscore.run('rosparam', 'delete', '/usb_cam')
-    live = roscore.start('rosrun', 'img_recog', 'color_img_recog.py')
+    live = Recognition(roscore, tmp_path / 'live')
     record = roscore.start('rosbag', 'record', '-O', bag, '/usb_cam/image_raw')
     roscore.wait_run(r'(?s)Subscribers:(?=.*/color_extract)(?=.*/record_)',
                      'rostopic', 'info', '/usb_cam/image_raw')
     # so slow that a busy machine drops no frame: those in which a card enters have other areas
     camera = start(roscore, '_video_device:=synthetic', '_image_width:=160', '_image_height:=120',
                    '_framerate:=8')
-    wait_for(lambda: len(set(areas(live))) > 2, lambda: 'a card: ' + live.output[-500:])
-    wait_for(lambda: areas(live)[-1] == 'blue=0, red=0', lambda: live.output[-500:])
-    for process in (camera, record, live):
+    wait_for(lambda: len(set(live.areas())) > 3 and live.areas()[-1] == 0, live.areas)
+    for process in (camera, record, live.process):
         assert process.interrupt() == 0, process.output
-    replayed = roscore.start('rosrun', 'img_recog', 'color_img_recog.py')
-    roscore.wait_run('Subscribers: \n.*color_extract', 'rostopic', 'info', '/usb_cam/image_raw')
+    replayed = Recognition(roscore, tmp_path / 'replayed')
     play = roscore.start('rosbag', 'play', '--delay', '1', bag)
     assert play.wait() == 0, play.output
-    seen = [int(line.split(',')[0][5:]) for line in areas(live)]
-    wait_for(lambda: 'blue=0, red=0' in areas(replayed)[-3:], lambda: replayed.output[-500:])
-    again = [int(line.split(',')[0][5:]) for line in areas(replayed)]
+    seen = live.areas()
+    wait_for(lambda: 0 in replayed.areas()[-3:], replayed.areas)
+    again = replayed.areas()
     # each may have missed a frame; the frames that both got give the same areas
     assert max(again) == max(seen) > 1000
     assert set(again) == set(seen)

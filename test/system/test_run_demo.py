@@ -69,7 +69,7 @@ def test_signal_at_any_moment_ends_everything(run_demo, after_s, signum):
 
 def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
     # like a Python that is about to end when the signal comes
-    program, is_started = tmp_path / 'bin' / 'cmake', tmp_path / 'started'
+    program, is_started = tmp_path / 'bin' / 'mkdir', tmp_path / 'started'
     program.parent.mkdir()
     program.write_text('#!/bin/bash\ntrap "exit 0" INT\ntouch {}\nsleep 1000 & wait\n'.format(
         is_started))

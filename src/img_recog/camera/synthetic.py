@@ -34,7 +34,7 @@ def draw_frame(number: int, width: int = _WIDTH, height: int = _HEIGHT) -> np.nd
 
 
 class SyntheticSource(FrameSource):
-    """The synthetic scene as an endless source."""
+    """The synthetic scene as an endless source; it begins when the blue card comes."""
 
     def __init__(self, width: int, height: int, rate_hz: float):
         self.name = 'synthetic'
@@ -42,7 +42,7 @@ class SyntheticSource(FrameSource):
         self.rate_hz = self.expected_hz = rate_hz
         self.description = 'synthetic scene, {}x{}, {:g} Hz'.format(width, height, rate_hz)
         self._room = _draw_room(width, height)
-        self._frame_number = 0
+        self._frame_number = BLUE_FRAMES.start
 
     def read(self) -> np.ndarray:
         frame = _draw_card(self._room.copy(), self._frame_number)

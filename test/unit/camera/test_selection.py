@@ -10,7 +10,7 @@ from img_recog.camera.image_source import FolderSource, ImageSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
-from img_recog.camera.synthetic import SyntheticSource, draw_frame
+from img_recog.camera.synthetic import BLUE_FRAMES, SyntheticSource, draw_frame
 from img_recog.camera.video_source import VideoSource
 from img_recog_testing.videos import smooth_image
 
@@ -32,7 +32,7 @@ def test_synthetic_has_the_size_and_rate_of_the_settings():
     source = opened('synthetic', image_width=320, image_height=240, framerate=12)
     assert isinstance(source, SyntheticSource)
     assert (source.width, source.height, source.rate_hz) == (320, 240, 12.0)
-    assert np.array_equal(source.read(), draw_frame(0, 320, 240))
+    assert np.array_equal(source.read(), draw_frame(BLUE_FRAMES.start, 320, 240))
 
 
 def test_synthetic_is_not_searched_for_as_a_file(tmp_path, monkeypatch):

@@ -90,7 +90,8 @@ def test_source_yields_the_frames_of_the_scene_in_order(width, height):
     assert (source.encoding, source.name, source.expected_hz) == ('rgb8', 'synthetic', 15.0)
     assert source.description == 'synthetic scene, {}x{}, 15 Hz'.format(width, height)
     for number in range(PERIOD_FRAMES + 35):
-        assert np.array_equal(source.read(), draw_frame(number, width, height)), number
+        frame = draw_frame(BLUE_FRAMES.start + number, width, height)
+        assert np.array_equal(source.read(), frame), number
     source.close()
     source.close()
 
@@ -98,4 +99,4 @@ def test_source_yields_the_frames_of_the_scene_in_order(width, height):
 def test_frames_belong_to_the_caller():
     source = SyntheticSource(64, 48, 30.0)
     source.read()[:] = 0
-    assert np.array_equal(source.read(), draw_frame(1, 64, 48))
+    assert np.array_equal(source.read(), draw_frame(BLUE_FRAMES.start + 1, 64, 48))
