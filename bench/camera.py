@@ -6,10 +6,9 @@ from statistics import median
 from typing import Callable
 
 import cv2
+import pictures
 import rosgraph
 from ros_processes import Master, installed, run_script, wait_for
-
-from img_recog.camera.synthetic import draw_frame
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 THEIRS = ('rosrun', 'image_publisher', 'image_publisher')
@@ -21,20 +20,21 @@ UNBOUNDED_HZ = 1000                 # more than any node reaches
 
 
 def video(folder: str, width: int, height: int) -> str:
-    """Write a video of the synthetic scene and return its path."""
+    """Write a film and return its path."""
     path = os.path.join(folder, 'video_{}.avi'.format(width))
     writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, cv2.VideoWriter_fourcc(*'MJPG'), RATE_HZ,
                              (width, height))
+    frames = [cv2.cvtColor(frame, cv2.COLOR_RGB2BGR) for frame in pictures.film(width, height)]
     for number in range(FRAMES):
-        writer.write(cv2.cvtColor(draw_frame(number, width, height), cv2.COLOR_RGB2BGR))
+        writer.write(frames[number % len(frames)])
     writer.release()
     return path
 
 
 def still(folder: str, width: int, height: int) -> str:
-    """Write a frame of the synthetic scene and return its path."""
+    """Write a frame of the film and return its path."""
     path = os.path.join(folder, 'still_{}.png'.format(width))
-    cv2.imwrite(path, cv2.cvtColor(draw_frame(60, width, height), cv2.COLOR_RGB2BGR))
+    cv2.imwrite(path, cv2.cvtColor(pictures.film(width, height)[0], cv2.COLOR_RGB2BGR))
     return path
 
 
@@ -56,7 +56,7 @@ def cases() -> list:
     return [('{} {}x{}, {}'.format(name, width, height, words), write, (width, height), rate_hz)
             for width, height in SIZES
             for name, write, words, rate_hz in (
-                ('video', video, '30 Hz', RATE_HZ), ('still', still, '30 Hz', RATE_HZ),
+                ('film', video, '30 Hz', RATE_HZ), ('still', still, '30 Hz', RATE_HZ),
                 ('still', still, 'highest rate', UNBOUNDED_HZ))]
 
 

@@ -4,14 +4,17 @@ import sys
 
 import camera
 import drawing
+import growth
 import recognition
 import robot_camera
 import simulator
+import start
 import transport
 from tqdm import tqdm
 
-BENCHMARKS = {'simulator': simulator, 'drawing': drawing, 'robot_camera': robot_camera,
-              'camera': camera, 'recognition': recognition, 'transport': transport}
+BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
+              'robot_camera': robot_camera, 'camera': camera, 'recognition': recognition,
+              'growth': growth, 'transport': transport}
 
 
 def main() -> int:

@@ -8,24 +8,22 @@ import time
 
 import numpy as np
 import rospy
+from pictures import COMMANDS, KINDS
 from ros_processes import cpu_s, wait_for
 from sensor_msgs.msg import Image
 
-from img_recog.camera.synthetic import draw_frame
-
 RATE_HZ = 30
-BLUE_FRAMES = range(50, 60)     # frames with the whole card
 IN_FLIGHT = 2                   # one in processing and one waiting
 _RESULT_TIMEOUT_S = 2.0
 WARM_UP_S = 0.5
 
 
-def packets(width: int, height: int) -> list:
-    """Return serialized images of a blue card, each preceded by its length."""
+def packets(kind: str, width: int, height: int) -> list:
+    """Return serialized images of a kind, each preceded by its length."""
     result = []
-    for number in BLUE_FRAMES:
+    for image in KINDS[kind](width, height):
         msg = Image(height=height, width=width, encoding='rgb8', step=3 * width,
-                    data=draw_frame(number, width, height).tobytes())
+                    data=image.tobytes())
         msg.header.frame_id = 'head_camera'
         buffer = io.BytesIO()
         msg.serialize(buffer)
@@ -34,9 +32,10 @@ def packets(width: int, height: int) -> list:
 
 
 class Results:
-    """Counts the frames whose results have all arrived: one message on each topic."""
+    """Counts the frames whose results have all arrived: as many messages on each topic."""
 
-    def __init__(self, topics: list):
+    def __init__(self, topics: list, messages_a_frame: int):
+        self._messages_a_frame = messages_a_frame
         self._condition = threading.Condition()
         self._counts = [0] * len(topics)
         self.last_s = 0.0
@@ -50,7 +49,7 @@ class Results:
 
     def count(self) -> int:
         """Return the number of frames whose results have arrived."""
-        return min(self._counts)
+        return min(self._counts) // self._messages_a_frame
 
     def wait_for(self, count: int, timeout_s: float) -> bool:
         """Wait until count() is at least `count`; return False after the timeout."""
@@ -87,10 +86,11 @@ class Sender:
 def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
     """Send at RATE_HZ; return CPU time per frame and latencies.
 
-    latencies_ms: from sending the last byte of the image to the arrival of the result;
-    with_transport_ms: the median of the time from sending the first byte.
+    sent_s: when the last byte of each image was sent, by time.perf_counter, which is the same in
+    all processes; latencies_ms: from then to the arrival of the result; with_transport_ms: the
+    median of the time from sending the first byte.
     """
-    latencies, lost = [], 0
+    latencies, sent, lost = [], [], 0
     start, before = time.perf_counter(), sum(map(cpu_s, pids))
     number = round(seconds * RATE_HZ)
     for tick in range(number):
@@ -98,13 +98,14 @@ def paced(sender: Sender, results: Results, seconds: float, pids: list) -> dict:
         done, begun_s = results.count(), time.perf_counter()
         sender.send()
         sent_s = time.perf_counter()
+        sent.append(sent_s)
         if results.wait_for(done + 1, _RESULT_TIMEOUT_S):
             latencies.append((results.last_s - sent_s, results.last_s - begun_s))
         else:
             lost += 1
     processor = sum(map(cpu_s, pids)) - before
     latencies = 1e3 * np.array(latencies or [(np.nan, np.nan)])
-    return {'cpu_ms': 1e3 * processor / number, 'lost': lost,
+    return {'cpu_ms': 1e3 * processor / number, 'lost': lost, 'sent_s': sent,
             'latencies_ms': latencies[:, 0].tolist(),
             'latency_ms': float(np.median(latencies[:, 0])),
             'with_transport_ms': float(np.median(latencies[:, 1]))}
@@ -126,17 +127,17 @@ def highest(sender: Sender, results: Results, seconds: float) -> dict:
 
 
 def main() -> int:
-    """Sample WIDTH HEIGHT TURNS SECONDS RATES NODES.
+    """Sample KIND WIDTH HEIGHT TURNS SECONDS RATES NODES.
 
-    RATES: 1 to measure the highest rates too, or 0. NODES: JSON, a list of name, images, results
-    and pids.
+    KIND: of the images, one of pictures.KINDS. RATES: 1 to measure the highest rates too, or 0.
+    NODES: JSON, a list of name, images, results, has_image_results and pids.
     """
-    width, height, turns = map(int, sys.argv[1:4])
-    seconds, rates, nodes = float(sys.argv[4]), int(sys.argv[5]), json.loads(sys.argv[6])
+    kind, (width, height, turns) = sys.argv[1], map(int, sys.argv[2:5])
+    seconds, rates, nodes = float(sys.argv[5]), int(sys.argv[6]), json.loads(sys.argv[7])
     rospy.init_node('recognition_sample', disable_rostime=True)
-    prepared = packets(width, height)
-    ends = {node['name']: (Sender(node['images'], prepared), Results(node['results']))
-            for node in nodes}
+    prepared = packets(kind, width, height)
+    ends = {node['name']: (Sender(node['images'], prepared), Results(
+        node['results'], 1 if node['has_image_results'] else COMMANDS[kind])) for node in nodes}
     for node in nodes:
         sender, results = ends[node['name']]
         wait_for(lambda sender=sender, results=results, pids=node['pids']:

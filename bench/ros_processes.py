@@ -9,6 +9,8 @@ import threading
 import time
 from typing import Dict, List, Optional
 
+import rosgraph
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 _START_TIMEOUT_S = 60.0
 _POLL = threading.Event()
@@ -30,8 +32,17 @@ class Master:
         self.pid = self.start('roscore', '-p', str(port)).pid
 
     def __enter__(self) -> 'Master':
-        wait_for(lambda: self._call('rosparam', 'list') == 0, 'the master')
+        # /rosout too: it would subscribe to /clock if it found use_sim_time
+        wait_for(self._has_started, 'the master')
         return self
+
+    def _has_started(self) -> bool:
+        try:
+            topics = rosgraph.Master('/bench', master_uri=self.env['ROS_MASTER_URI']
+                                     ).getSystemState()[1]
+        except (OSError, rosgraph.MasterException):
+            return False
+        return '/rosout' in dict(topics)
 
     def __exit__(self, *_):
         for process in reversed(self._processes):
@@ -50,10 +61,6 @@ class Master:
         self._processes.append(process)
         return process
 
-    def _call(self, *command: str) -> int:
-        return subprocess.run(command, env=self.env, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, check=False).returncode
-
 
 def installed(package: str) -> bool:
     """Return whether a ROS package is installed."""
@@ -61,14 +68,14 @@ def installed(package: str) -> bool:
                           stderr=subprocess.DEVNULL, check=False).returncode == 0
 
 
-def wait_for(condition, what: str):
+def wait_for(condition, what: str, period_s: float = 0.1):
     """Return the first true value of `condition()`; raise RuntimeError after a timeout."""
     end = time.monotonic() + _START_TIMEOUT_S
     while time.monotonic() < end:
         value = condition()
         if value:
             return value
-        _POLL.wait(0.1)
+        _POLL.wait(period_s)
     raise RuntimeError('waited {:g} s for {}'.format(_START_TIMEOUT_S, what))
 
 

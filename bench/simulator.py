@@ -2,7 +2,7 @@
 import os
 import sys
 from statistics import median
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, Optional, Sequence
 
 import rosgraph
 from ros_processes import Master, run_script, wait_for
@@ -12,12 +12,15 @@ PACKAGE = os.path.dirname(HERE)
 ROUNDS = 3
 SECONDS = 5.0
 STEPS_A_SECOND = 1000           # per second of simulated time: the step is 1 ms
+# messages per second of simulated time
+RATES_HZ = {'/clock': 100, '/imu': 200, '/joint_states': 30, '/odom': 30, '/scan': 5, '/tf': 30}
 
 
-def node(real_time_factor: float, watched: bool, env: Optional[Dict[str, str]] = None) -> dict:
-    """Return what sample.py measures with a new simulator.
+def node(real_time_factor: float, topics: Sequence[str], env: Optional[Dict[str, str]] = None
+         ) -> dict:
+    """Return what sample.py measures with a new simulator, and the CPU time of a step, us.
 
-    watched: whether a subscriber to all topics runs too.
+    topics: a subscriber to these runs too.
     """
     with Master() as master:
         server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
@@ -28,14 +31,24 @@ def node(real_time_factor: float, watched: bool, env: Optional[Dict[str, str]] =
         process = master.start(
             sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo',
             env=env)
-        if watched:
-            master.start(sys.executable, os.path.join(HERE, 'watch_all.py'))
+        if topics:
+            master.start(sys.executable, os.path.join(HERE, 'watch_topics.py'), *topics)
         wait_for(lambda: '/clock' in dict(server.getPublishedTopics('')), 'the simulator')
-        return run_script('sample.py', SECONDS, process.pid, env=master.env)
+        sample = run_script('sample.py', SECONDS, process.pid, env=master.env)
+    steps_a_second = sample['real_time_factor'] * STEPS_A_SECOND
+    return {**sample, 'step_us': 1e6 * sample['cpu_share'] / steps_a_second}
 
 
-CASES = (('free run, no subscriber', 0, False), ('free run, all topics subscribed', 0, True),
-         ('real time, no subscriber', 1, False), ('real time, all topics subscribed', 1, True))
+def _cases() -> list:
+    """Return the cases: title, real time factor, topics that are subscribed."""
+    everything = tuple(RATES_HZ)
+    free, paced = 'free run, ', 'real time, '
+    return [(free + 'no subscriber', 0, ()), (free + 'all topics subscribed', 0, everything),
+            *((free + topic, 0, (topic,)) for topic in RATES_HZ),
+            (paced + 'no subscriber', 1, ()), (paced + 'all topics subscribed', 1, everything)]
+
+
+CASES = _cases()
 
 
 def count() -> int:
@@ -56,26 +69,36 @@ def measure(done: Callable[[], None]) -> dict:
             cases[case].append(node(*case[1:]))
             done()
     rows = []
+    idle = cases[CASES[0]]
     for case, samples in cases.items():
+        title, wanted_factor, topics = case
         factor = median(sample['real_time_factor'] for sample in samples)
-        # ratios within a round: if the machine is slow for a while, it is slow for both
-        ratio = median(sample['real_time_factor'] * STEPS_A_SECOND / alone
-                       for sample, alone in zip(samples, bare))
-        rows.append({'case': case[0], 'steps_per_s': factor * STEPS_A_SECOND,
-                     'real_time_factor': factor, 'of_bare_loop': ratio,
-                     'cpu_share': median(sample['cpu_share'] for sample in samples)})
+        row = {'case': title, 'steps_per_s': factor * STEPS_A_SECOND, 'real_time_factor': factor,
+               'cpu_share': median(sample['cpu_share'] for sample in samples),
+               # ratios within a round: if the machine is slow for a while, it is slow for both
+               'of_bare_loop': median(sample['real_time_factor'] * STEPS_A_SECOND / alone
+                                      for sample, alone in zip(samples, bare)),
+               'step_us': median(sample['step_us'] for sample in samples)}
+        if len(topics) == 1 and not wanted_factor:
+            row['message_us'] = median(
+                (sample['step_us'] - without['step_us']) * STEPS_A_SECOND / RATES_HZ[topics[0]]
+                for sample, without in zip(samples, idle))
+        rows.append(row)
     return {'bare_loop_steps_per_s': median(bare), 'node': rows}
 
 
 def table(results: dict) -> str:
     """Return the results as a table."""
-    lines = ['{:34} {:>10} {:>10} {:>12} {:>10}'.format(
-        'simulator in turtlebot3_world', 'steps/s', 'real time', 'of the bare', 'CPU of'),
-        '{:34} {:>10} {:>10} {:>12} {:>10}'.format('', '', 'factor', 'loop', 'a core')]
-    lines.append('{:34} {:10.0f} {:10.1f} {:>12}'.format(
-        'bare loop of stepSimulation', results['bare_loop_steps_per_s'],
-        results['bare_loop_steps_per_s'] / STEPS_A_SECOND, '1'))
+    lines = ['{:34} {:>8} {:>10} {:>12} {:>8} {:>9} {:>11}'.format(*titles) for titles in (
+        ('simulator in turtlebot3_world', 'steps/s', 'real time', 'of the bare', 'CPU of',
+         'CPU of a', 'of a'), ('', '', 'factor', 'loop', 'a core', 'step, us', 'message, us'))]
+    bare = results['bare_loop_steps_per_s']
+    lines.append('{:34} {:8.0f} {:10.1f} {:>12} {:>8} {:9.1f}'.format(
+        'bare loop of stepSimulation', bare, bare / STEPS_A_SECOND, '1', '', 1e6 / bare))
     for row in results['node']:
-        lines.append('{case:34} {steps_per_s:10.0f} {real_time_factor:10.2f} '
-                     '{of_bare_loop:12.2f} {cpu_share:10.1%}'.format(**row))
+        line = ('{case:34} {steps_per_s:8.0f} {real_time_factor:10.2f} {of_bare_loop:12.2f} '
+                '{cpu_share:8.1%} {step_us:9.1f}').format(**row)
+        if 'message_us' in row:
+            line += ' {message_us:11.0f}'.format(**row)
+        lines.append(line)
     return '\n'.join(lines)

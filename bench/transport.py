@@ -27,14 +27,13 @@ def measure(done: Callable[[], None]) -> dict:
     nodes = {'case_{}'.format(number): recognition.script(
         'scripts', 'color_img_recog.py', env={SWITCH: case})
         for number, case in enumerate(FRAME_CASES)}
-    turns = recognition.samples(nodes, SIZE, True, TURNS, rates=False)
+    turns = recognition.samples(nodes, 'film', SIZE, True, TURNS, rates=False)
     done()
     costs: Dict[str, list] = {case: [] for case in STEP_CASES}
     for _ in range(ROUNDS):
         for case in STEP_CASES:
-            sample = simulator.node(0, True, {SWITCH: case})
-            costs[case].append(1e6 * sample['cpu_share'] / sample['real_time_factor']
-                               / simulator.STEPS_A_SECOND)
+            costs[case].append(simulator.node(0, tuple(simulator.RATES_HZ), {SWITCH: case})
+                               ['step_us'])
             done()
     return {'frames': rows({case: [turn['cpu_ms'] for turn in turns[name]]
                             for case, name in zip(FRAME_CASES, nodes)}),
