@@ -1,7 +1,6 @@
 """Start nodes with a separate master, and measure their CPU time."""
 import json
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -47,7 +46,7 @@ class Master:
     def __exit__(self, *_):
         for process in reversed(self._processes):
             if process.poll() is None:
-                process.send_signal(signal.SIGINT)
+                process.terminate()         # SIGINT may be ignored, as in a script
                 try:
                     process.wait(20)
                 except subprocess.TimeoutExpired:

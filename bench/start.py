@@ -1,6 +1,5 @@
 """Time from ./run demo, with nothing to install, until the robot moves."""
 import os
-import signal
 import socket
 import subprocess
 import time
@@ -43,7 +42,7 @@ def start() -> Dict[str, float]:
                     times['motion'] = time.perf_counter() - begin_s
                     return times
     finally:
-        os.killpg(demo.pid, signal.SIGINT)
+        demo.terminate()
         demo.wait(END_TIMEOUT_S)
     return times
 
