@@ -93,7 +93,7 @@ def table(results: dict) -> str:
     rows = results['rows']
 
     def line(title: str, values) -> str:
-        return '{:<55}'.format(title) + ''.join('{:>11}'.format(value) for value in values)
+        return '{:<67}'.format(title) + ''.join('{:>11}'.format(value) for value in values)
     lines = [line('CPU time of a frame, ms', (row['size'] for row in rows))]
     lines += [line('color_extract, {}: {}'.format(part, WORDS[part]), (
         '{:.3f}'.format(row['color_extract'][part]) for row in rows)) for part in WORDS]

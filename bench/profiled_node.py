@@ -11,11 +11,11 @@ from collections import defaultdict
 from typing import Any, DefaultDict, List
 
 import cv2
-import rospy
 
 from img_recog.nodes.color_extract import node
 from img_recog.nodes.color_extract.node import ColorExtract
 from img_recog.recognition.masks import Masks
+from img_recog.ros.recurring_line import RecurringLine
 from img_recog.ros.transport import image_publisher, image_subscriber
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
@@ -24,7 +24,7 @@ from img_recog.ros.transport.image_subscriber import ImageSubscriber
 PARTS = (
     ('receive', image_subscriber, '_receive'), ('message', image_subscriber, '_image'),
     ('convert', cv2, 'cvtColor'), ('masks', Masks, 'begin'), ('masks', Masks, 'advance'),
-    ('masks', Masks, 'finish'), ('log', rospy, 'loginfo'),
+    ('masks', Masks, 'finish'), ('log', RecurringLine, 'write'),
     ('commands', ColorExtract, '_publish_commands'), ('images', ImagePublisher, 'publish_drawn'),
     ('send', image_publisher.Outboxes, 'put'))
 
