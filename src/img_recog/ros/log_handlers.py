@@ -85,7 +85,8 @@ class LineFile:
         handler, now_s = self._handler, time.time()
         handler.acquire()
         try:
-            if self._lines % _CHECK_LINES == 0 and _is_full(handler):
+            # _is_full opens a file that could not be opened
+            if (handler.stream is None or self._lines % _CHECK_LINES == 0) and _is_full(handler):
                 handler.doRollover()
             self._lines += 1
             if int(now_s) != self._second:

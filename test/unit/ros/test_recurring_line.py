@@ -202,6 +202,15 @@ def test_a_full_file_is_replaced(setup, monkeypatch):
             ['6', '7', '8'], ['3', '4', '5'], ['0', '1', '2']]
 
 
+def test_a_file_that_could_not_be_opened_is_opened_for_the_next_line(setup):
+    node = setup.node()
+    assert node.handle('first')
+    setup.file.close()
+    setup.file.stream = None        # as after a change of files that failed
+    assert node.handle('second')
+    assert [line[-6:].strip() for line in setup.written().splitlines()] == ['first', 'second']
+
+
 def test_a_full_disk_is_said_once(setup, capfd):
     full = RotatingFileHandler('/dev/full', 'a', 50000000, 4)
     full.setFormatter(logging.Formatter(FORMAT))

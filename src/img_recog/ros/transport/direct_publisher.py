@@ -58,7 +58,13 @@ class DirectPublisher:
                 topic.latch = msg
             if topic.connections:
                 topic.seq += 1
-                serialize_message(self._buffer, topic.seq, msg)
+                begin = self._buffer.tell()
+                try:
+                    serialize_message(self._buffer, topic.seq, msg)
+                except Exception:       # a part of a message would spoil all that follow
+                    self._buffer.seek(begin)
+                    self._buffer.truncate()
+                    raise
 
     def flush(self) -> None:
         """Send what was added since the last call."""

@@ -64,9 +64,10 @@ class _Line(Log):
         """Set what may change except for the header; return the message."""
         self.msg = text
         if topics != self._names:
+            # a copy: other threads add topics
             self._names = set(topics)
-            self.topics = list(topics)
-            self._after = self._place + _LENGTH.pack(len(topics)) + b''.join(
+            self.topics = list(self._names)
+            self._after = self._place + _LENGTH.pack(len(self.topics)) + b''.join(
                 map(_string, self.topics))
         return self
 

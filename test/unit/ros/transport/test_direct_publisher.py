@@ -222,6 +222,16 @@ def test_a_message_may_be_changed_after_it_was_added(way, name, publisher, subsc
     assert [end.receive() for _ in range(3)] == [packet(text(number)) for number in range(3)]
 
 
+def test_a_message_that_cannot_be_serialized_leaves_the_others_whole(fast, name, publisher,
+                                                                     subscribe):
+    end = subscribe(name, String)
+    publisher.add(text(1))
+    with pytest.raises(UnicodeEncodeError):
+        publisher.publish(String('\udcff'))
+    publisher.publish(text(2))
+    assert [end.receive() for _ in range(2)] == [packet(text(1)), packet(text(2))]
+
+
 def test_messages_are_sent_with_flush(fast, name, publisher, subscribe):
     end = subscribe(name, String)
     publisher.add(text(1))
