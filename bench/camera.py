@@ -7,7 +7,6 @@ from typing import Callable
 
 import cv2
 import pictures
-import rosgraph
 from ros_processes import Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -41,11 +40,10 @@ def still(folder: str, width: int, height: int) -> str:
 def sample(*command: str) -> dict:
     """Return what image_sample.py measures while a node publishes images."""
     with Master() as master:
-        server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
         process = master.start(*command)
 
         def topic():
-            return next((name for name, kind in server.getPublishedTopics('')
+            return next((name for name, kind in master.server.getPublishedTopics('')
                          if kind == 'sensor_msgs/Image'), None)
         name = wait_for(topic, 'images of ' + command[0])
         return run_script('image_sample.py', name, SECONDS, process.pid, env=master.env)

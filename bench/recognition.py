@@ -6,7 +6,6 @@ from statistics import median
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
-import rosgraph
 from ros_processes import HERE, Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
@@ -31,9 +30,8 @@ def script(*path: str, arguments: Sequence[str] = (), env: Optional[Dict[str, st
             images = ['/{}/{}'.format(name, image) for image in IMAGES]
             master.start(sys.executable, os.path.join(HERE, 'watch_images.py'), *images,
                          '__ns:=/' + name)
-            server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
-            wait_for(lambda: {topic for topic, _ in server.getSystemState()[1]} >= set(images),
-                     'the viewers')
+            wait_for(lambda: {topic for topic, _ in master.server.getSystemState()[1]}
+                     >= set(images), 'the viewers')
         return COMMANDS, [process.pid]
     return start
 

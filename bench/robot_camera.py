@@ -4,7 +4,6 @@ import sys
 from statistics import median
 from typing import Callable
 
-import rosgraph
 from ros_processes import HERE, Master, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
@@ -22,11 +21,10 @@ def demo(camera: str, is_viewed: bool) -> dict:
     with Master() as master:
         launch = master.start('roslaunch', 'img_recog', 'demo.launch', 'camera:=' + camera, WORLD,
                               'gui:=false', 'image_view:=false')
-        server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
-        wait_for(lambda: '/cmd_vel' in dict(server.getPublishedTopics('')), 'the demo')
+        wait_for(lambda: '/cmd_vel' in dict(master.server.getPublishedTopics('')), 'the demo')
         if is_viewed:
             master.start(sys.executable, os.path.join(HERE, 'watch_images.py'), VIEW)
-            wait_for(lambda: VIEW in dict(server.getSystemState()[1]), 'the viewer')
+            wait_for(lambda: VIEW in dict(master.server.getSystemState()[1]), 'the viewer')
         return run_script('robot_camera_sample.py', SECONDS, master.pid, launch.pid,
                           env=master.env)
 
@@ -34,15 +32,14 @@ def demo(camera: str, is_viewed: bool) -> dict:
 def pauses() -> list:
     """Return what stall_sample.py measures with a new simulator."""
     with Master() as master:
-        server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
-            server.setParam('/robot_description', file.read())
-        server.setParam('/use_sim_time', True)
+            master.server.setParam('/robot_description', file.read())
+        master.server.setParam('/use_sim_time', True)
         master.start(sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'),
                      '__name:=gazebo', '_' + WORLD, '_camera_frame:=camera_link',
                      '_camera_image_topic:=usb_cam/image_raw',
                      '_camera_info_topic:=usb_cam/camera_info')
-        wait_for(lambda: '/clock' in dict(server.getPublishedTopics('')), 'the simulator')
+        wait_for(lambda: '/clock' in dict(master.server.getPublishedTopics('')), 'the simulator')
         return run_script('stall_sample.py', 3.0, env=master.env)
 
 

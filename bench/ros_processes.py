@@ -18,15 +18,14 @@ _POLL = threading.Event()
 class Master:
     """A context manager: a master on a free port, and the nodes that are started with it.
 
-    env: of what uses this master; pid: of roscore.
+    env: of what uses this master; server: its interface; pid: of roscore.
     """
 
     def __init__(self):
-        with socket.socket() as probe:
-            probe.bind(('127.0.0.1', 0))
-            port = probe.getsockname()[1]
-        self.env = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:{}'.format(port),
-                        ROS_HOSTNAME='localhost')
+        port = free_port()
+        uri = 'http://127.0.0.1:{}'.format(port)
+        self.env = dict(os.environ, ROS_MASTER_URI=uri, ROS_HOSTNAME='localhost')
+        self.server = rosgraph.Master('/bench', master_uri=uri)
         self._processes = []
         self.pid = self.start('roscore', '-p', str(port)).pid
 
@@ -37,8 +36,7 @@ class Master:
 
     def _has_started(self) -> bool:
         try:
-            topics = rosgraph.Master('/bench', master_uri=self.env['ROS_MASTER_URI']
-                                     ).getSystemState()[1]
+            topics = self.server.getSystemState()[1]
         except (OSError, rosgraph.MasterException):
             return False
         return '/rosout' in dict(topics)
@@ -59,6 +57,13 @@ class Master:
                                    stderr=subprocess.DEVNULL)
         self._processes.append(process)
         return process
+
+
+def free_port() -> int:
+    """Return a port of the loopback that nobody uses now."""
+    with socket.socket() as probe:
+        probe.bind(('127.0.0.1', 0))
+        return probe.getsockname()[1]
 
 
 def installed(package: str) -> bool:

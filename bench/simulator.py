@@ -4,7 +4,6 @@ import sys
 from statistics import median
 from typing import Callable, Dict, Optional, Sequence
 
-import rosgraph
 from ros_processes import Master, run_script, wait_for
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -23,17 +22,16 @@ def node(real_time_factor: float, topics: Sequence[str], env: Optional[Dict[str,
     topics: a subscriber to these runs too.
     """
     with Master() as master:
-        server = rosgraph.Master('/bench', master_uri=master.env['ROS_MASTER_URI'])
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
-            server.setParam('/robot_description', file.read())
-        server.setParam('/use_sim_time', True)
-        server.setParam('/gazebo/real_time_factor', float(real_time_factor))
+            master.server.setParam('/robot_description', file.read())
+        master.server.setParam('/use_sim_time', True)
+        master.server.setParam('/gazebo/real_time_factor', float(real_time_factor))
         process = master.start(
             sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo',
             env=env)
         if topics:
             master.start(sys.executable, os.path.join(HERE, 'watch_topics.py'), *topics)
-        wait_for(lambda: '/clock' in dict(server.getPublishedTopics('')), 'the simulator')
+        wait_for(lambda: '/clock' in dict(master.server.getPublishedTopics('')), 'the simulator')
         sample = run_script('sample.py', SECONDS, process.pid, env=master.env)
     steps_a_second = sample['real_time_factor'] * STEPS_A_SECOND
     return {**sample, 'step_us': 1e6 * sample['cpu_share'] / steps_a_second}

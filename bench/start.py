@@ -8,7 +8,7 @@ from typing import Callable, Dict
 
 import raw_topics
 from nav_msgs.msg import Odometry
-from ros_processes import HERE, wait_for
+from ros_processes import HERE, free_port, wait_for
 
 RUNS = 3
 POLL_PERIOD_S = 0.02
@@ -22,9 +22,7 @@ STAGES = {'master': 'the master answers', 'odometry': 'the simulator publishes',
 
 def start() -> Dict[str, float]:
     """Start the demo, and return how long each of STAGES took, s."""
-    with socket.socket() as probe:
-        probe.bind(('127.0.0.1', 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     env = {name: value for name, value in os.environ.items() if not name.startswith(SET_BY_RUN)}
     env['ROS_MASTER_URI'] = uri = 'http://localhost:{}'.format(port)
     begin_s = time.perf_counter()
