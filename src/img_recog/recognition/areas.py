@@ -4,8 +4,8 @@ from typing import Dict, Iterator, List, Optional, Set, Tuple
 import cv2
 import numpy as np
 
-from img_recog.recognition.candidates import GROUP_PX
-from img_recog.recognition.masks import CELL, GroupsInside, Masks
+from img_recog.recognition.candidates import CELL, GROUP_PX
+from img_recog.recognition.masks import GroupsInside, Masks
 from img_recog.recognition.settings import RecognitionSettings
 
 _TO_HSV = {'bgr8': cv2.COLOR_BGR2HSV, 'bgra8': cv2.COLOR_BGR2HSV,

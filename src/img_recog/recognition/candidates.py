@@ -10,6 +10,7 @@ from img_recog.recognition.settings import Color
 # pixels that are found together: as bytes they are one number, and numpy finds, takes and puts
 # numbers faster than bytes
 GROUP_PX, GROUP = 8, np.uint64
+CELL = np.dtype((np.void, 3 * GROUP_PX))        # a group with three channels
 # a bound that saves less than this share of the pixels is no use
 MIN_SAVED = 0.25
 # a bound with slope 0 takes half the time, which is worth that many times as many candidates

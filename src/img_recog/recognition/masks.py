@@ -4,14 +4,13 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from img_recog.recognition.candidates import GROUP, GROUP_PX, MIN_SAVED, Search, padded
+from img_recog.recognition.candidates import CELL, GROUP, GROUP_PX, MIN_SAVED, Search, padded
 from img_recog.recognition.mask_plan import MaskPlan, tests
 from img_recog.recognition.settings import Color
 
 # pixels that are processed at a time, so that the intermediate arrays stay in the CPU cache
 _STRIP_PX = 1 << 17
 _FRAMES_WITHOUT_SEARCH = 15     # after a search that saved too little
-CELL = np.dtype((np.void, 3 * GROUP_PX))        # a group of pixels with three channels
 
 
 class GroupsInside(NamedTuple):
@@ -62,17 +61,12 @@ class Masks:
         self._is_searching, self._frames_without_search = False, 0
         self._image, self._conversion = np.empty((0, 0, 3), np.uint8), cv2.COLOR_BGR2HSV
 
-    def compute(self, image: np.ndarray, conversion: int) -> None:
-        """Compute the masks of an image.
+    def begin(self, image: np.ndarray, conversion: int) -> None:
+        """Begin with an image of which `advance` says what it already contains.
 
         image: uint8 of shape (height, width, 3 or 4).
         conversion: the code for cv2.cvtColor that converts it to HSV.
         """
-        self.begin(image, conversion)
-        self.finish()
-
-    def begin(self, image: np.ndarray, conversion: int) -> None:
-        """Begin with an image of which `advance` says what it already contains."""
         self._image, self._conversion, self._next_strip = image, conversion, 0
         self._is_searching = (bool(self._tested) and self._search.is_useful
                               and self._frames_without_search == 0)

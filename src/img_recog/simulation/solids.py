@@ -114,11 +114,12 @@ class _Group:
                                    ).transpose(2, 0, 1).copy()
         # (axes, shapes, 1)
         self._sizes = np.array([shape.size for shape in shapes]).T[:, :, None]
+        self._reaches = self._reach()
 
     def distances(self, start: np.ndarray, directions: np.ndarray, longest: float) -> np.ndarray:
         """Return the distance to the nearest shape that each ray enters, inf if there is none."""
         offsets = start - self._positions
-        near = np.flatnonzero(np.sqrt((offsets * offsets).sum(axis=1)) <= longest + self._reach())
+        near = np.flatnonzero(np.sqrt((offsets * offsets).sum(axis=1)) <= longest + self._reaches)
         if not len(near):
             return np.full(len(directions), np.inf)
         # in the frames of the shapes, axis by axis: (axes, shapes, 1) and (axes, shapes, rays)

@@ -35,7 +35,7 @@ class _BufferedImage(Image):
     """An image whose data is in the reused buffer `memory`.
 
     data_start: the number of bytes before the data, on the wire.
-    sock: that it came from, while the callback runs.
+    sock: that it came from.
     """
 
     memory: Optional[np.ndarray] = None
