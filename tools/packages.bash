@@ -32,8 +32,8 @@ install_packages() {
   local list missing plan sudo=''
   list=$root/packages-debian.txt
   [ ! -d "$noetic" ] || list=$root/packages-noetic.txt
-  ! newer "$build/installed" "$list" /var/lib/dpkg/status /etc/hosts "$root/tools/packages.bash" ||
-    return 0
+  if newer "$build/installed" "$list" /var/lib/dpkg/status /etc/hosts "$root/tools/packages.bash"
+  then return 0; fi
   [ "$(id -u)" -eq 0 ] || sudo='sudo '
   command -v apt-get >/dev/null ||
     fail "no apt-get here: this needs Debian 12 or later, or Ubuntu 20.04 with ROS Noetic"
