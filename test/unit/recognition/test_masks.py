@@ -17,8 +17,13 @@ def colors(**values):
         'any_' + name: value for name, value in values.items()}).colors
 
 
+def compute(masks, image, conversion):
+    masks.begin(image, conversion)
+    masks.finish()
+
+
 def assert_equal_to_plain_opencv(masks, image, given):
-    masks.compute(image, cv2.COLOR_BGR2HSV)
+    compute(masks, image, cv2.COLOR_BGR2HSV)
     expected = [plain_opencv.mask(image, color) for color in given]
     assert masks.areas_px == [cv2.countNonZero(mask) for mask in expected]
     for number, plain in enumerate(expected):
@@ -102,7 +107,7 @@ def test_a_fourth_channel_is_ignored():
     image[10:20, 10:30] = BLUE
     for alpha in (0, 128, 255):
         masks = Masks((48, 64), ARTICLE)
-        masks.compute(np.dstack([image, np.full((48, 64), alpha, np.uint8)]), cv2.COLOR_BGR2HSV)
+        compute(masks, np.dstack([image, np.full((48, 64), alpha, np.uint8)]), cv2.COLOR_BGR2HSV)
         assert masks.areas_px == [200, 0]
 
 
@@ -116,18 +121,18 @@ def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
     image = np.full((480, 640, 3), 128, np.uint8)
     image[100:110, 300:330] = BLUE
     monkeypatch.setattr(cv2, 'cvtColor', recorded)
-    masks.compute(image, cv2.COLOR_BGR2HSV)
+    compute(masks, image, cv2.COLOR_BGR2HSV)
     assert sum(height * width for height, width in converted) == 10 * 40    # in groups of 8
     assert masks.areas_px == [300, 0]
     converted.clear()
     image[:] = BLUE
     for _ in range(3):
-        masks.compute(image, cv2.COLOR_BGR2HSV)
+        compute(masks, image, cv2.COLOR_BGR2HSV)
     assert sum(height * width for height, width in converted) == 3 * 480 * 640
     image[:, 30:] = 128
     for _ in range(100):
         converted.clear()
-        masks.compute(image, cv2.COLOR_BGR2HSV)
+        compute(masks, image, cv2.COLOR_BGR2HSV)
         assert masks.areas_px == [480 * 30, 0]
         if sum(height * width for height, width in converted) == 480 * 32:
             break
@@ -149,7 +154,7 @@ def test_a_color_of_all_pixels_needs_no_conversion(monkeypatch):
         for _ in range(2):
             masks.mask(given.index(everything))[:5] = 0         # like a part that does not count
             del converted[:]
-            masks.compute(image, cv2.COLOR_BGR2HSV)
+            compute(masks, image, cv2.COLOR_BGR2HSV)
             assert masks.areas_px == [
                 2400 if color is everything else 30 if color is blue else 0 for color in given]
             assert converted == ([(1, 120, 3)] if blue in given else [])
@@ -193,7 +198,7 @@ def test_the_groups_of_a_color(conversion, channels):
     masks, bgr = Masks((48, 64), ARTICLE), np.full((48, 64, 3), 128, np.uint8)
     bgr[10, 20], bgr[11, 0:9], bgr[40, 63] = BLUE, BLUE, RED
     image = bgr if conversion == cv2.COLOR_BGR2HSV else bgr[..., ::-1]
-    masks.compute(np.dstack([image, bgr[..., :channels - 3]]), conversion)
+    compute(masks, np.dstack([image, bgr[..., :channels - 3]]), conversion)
     for number, wanted in enumerate(([10 * 8 + 2, 11 * 8, 11 * 8 + 1], [40 * 8 + 7])):
         indices, pixels, inside = masks.groups_inside(number)
         assert indices.tolist() == wanted
@@ -206,10 +211,10 @@ def test_the_groups_of_a_color(conversion, channels):
 def test_no_pixels_are_kept_of_groups_that_do_not_fit(monkeypatch):
     masks, image = Masks((512, 640), ARTICLE), np.full((512, 640, 3), 128, np.uint8)
     image[:210] = BLUE
-    masks.compute(image, cv2.COLOR_BGR2HSV)
+    compute(masks, image, cv2.COLOR_BGR2HSV)
     assert masks.groups_inside(0) is None and masks.areas_px == [210 * 640, 0]
     image[200:] = 128
-    masks.compute(image, cv2.COLOR_BGR2HSV)
+    compute(masks, image, cv2.COLOR_BGR2HSV)
     assert len(masks.groups_inside(0).indices) == 200 * 640 // 8
     assert len(masks.groups_inside(1).indices) == 0
 
@@ -217,6 +222,6 @@ def test_no_pixels_are_kept_of_groups_that_do_not_fit(monkeypatch):
 def test_no_groups_of_an_image_that_was_converted_as_a_whole():
     everything, = colors(saturation_min=0, value_min=0)
     masks = Masks((48, 64), [everything, *colors(saturation_min=0, value_min=3)])
-    masks.compute(np.zeros((48, 64, 3), np.uint8), cv2.COLOR_BGR2HSV)
+    compute(masks, np.zeros((48, 64, 3), np.uint8), cv2.COLOR_BGR2HSV)
     assert masks.groups_inside(0) is None and masks.groups_inside(1) is None
     assert masks.areas_px == [48 * 64, 0]

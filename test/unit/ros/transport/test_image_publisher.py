@@ -10,6 +10,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog_testing.extraction import random_image
 from img_recog_testing.waiting import wait_for
 
 LARGE = (480, 640, 3)       # larger than the buffers of a socket pair
@@ -19,10 +20,6 @@ def header(stamp=7):
     msg = Header(frame_id='head_camera')
     msg.stamp.secs = stamp
     return msg
-
-
-def random_image(seed, shape=(48, 64, 3)):
-    return np.random.RandomState(seed).randint(0, 256, shape).astype(np.uint8)
 
 
 def publish(publisher, image, encoding='bgr8'):
