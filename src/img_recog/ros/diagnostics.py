@@ -5,7 +5,6 @@ from collections import deque
 from typing import Callable, Deque, Optional, Tuple
 
 import diagnostic_updater
-import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
@@ -115,8 +114,8 @@ class NodeDiagnostics:
         while not self._ended.wait(_PERIOD_S):
             try:
                 self._updater.force_update()
-            except rospy.ROSException:      # the topic is closed because the node shuts down
-                if not rospy.core.is_shutdown_requested():
+            except Exception as error:
+                if not lifecycle.is_of_shutdown(error):
                     raise
 
     def _fill(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:

@@ -19,6 +19,7 @@ EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
 _SUPERVISED = 'IMG_RECOG_RESPAWN'
 EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN = 75, 76, 77
 
+_ROSPY = os.path.dirname(rospy.__file__) + os.sep
 _JOIN_TIMEOUT_S = 0.5
 _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
@@ -90,14 +91,24 @@ def _run(serve: Callable[[], None]) -> int:
         rospy.signal_shutdown('cannot go on')
         return 1
     except Exception as error:
-        # when a node is shut down from outside, its topics are closed while it publishes, before
-        # is_shutdown returns True
-        if isinstance(error, rospy.ROSException) and rospy.core.is_shutdown_requested():
+        if is_of_shutdown(error):
             return 0
         traceback.print_exc()
         rospy.signal_shutdown('unexpected exception')
         return EXIT_UNEXPECTED
     return 0
+
+
+def is_of_shutdown(error: Exception) -> bool:
+    """Return whether an error is that of a node which is being shut down.
+
+    rospy closes topics while other threads publish, before is_shutdown returns True. Then its
+    code raises a ROSException, or any other error where it uses what is closed already.
+    """
+    if not rospy.core.is_shutdown_requested():
+        return False
+    return isinstance(error, rospy.ROSException) or any(
+        frame.filename.startswith(_ROSPY) for frame in traceback.extract_tb(error.__traceback__))
 
 
 def on_shutdown(hook: Callable[[], None]) -> None:

@@ -4,6 +4,7 @@ from unittest.mock import MagicMock
 
 import pytest
 import rospy
+from std_msgs.msg import String
 
 from img_recog.errors import UserError
 from img_recog.ros import lifecycle
@@ -111,3 +112,20 @@ def test_exit_code_tells_a_supervisor_whether_to_start_again(
     else:
         monkeypatch.delenv('IMG_RECOG_RESPAWN', raising=False)
     assert exit_code(serve) == (supervised if is_supervised else alone)
+
+
+def _use_a_closed_topic(_=None):
+    rospy.Publisher('/closed', String, queue_size=1).impl.remove_connection(None)
+
+
+@pytest.mark.parametrize('is_requested, serve, code', [
+    (True, lambda: _raise(rospy.ROSException('publish() to a closed topic')), 0),
+    (True, _use_a_closed_topic, 0),
+    (True, lambda: _raise(TypeError('a mistake')), 70),
+    (False, _use_a_closed_topic, 70)])
+def test_errors_in_rospy_during_a_shutdown_are_no_mistake(exit_code, monkeypatch, is_requested,
+                                                          serve, code):
+    monkeypatch.delenv('IMG_RECOG_RESPAWN', raising=False)
+    monkeypatch.setattr(rospy.topics, 'is_initialized', lambda: True)
+    monkeypatch.setattr(rospy.core, 'is_shutdown_requested', lambda: is_requested)
+    assert exit_code(serve) == code

@@ -9,7 +9,7 @@ from std_msgs.msg import Header
 from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
-from img_recog.ros import image_topics, parameters
+from img_recog.ros import image_topics, lifecycle, parameters
 from img_recog.ros.diagnostics import Counter
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
@@ -82,6 +82,6 @@ class CompressedImages:
         try:
             self._publisher.publish(msg)
             self.sent.add()
-        except rospy.ROSException:      # the topic was closed because the node shuts down
-            if not rospy.core.is_shutdown_requested():
+        except Exception as error:
+            if not lifecycle.is_of_shutdown(error):
                 raise

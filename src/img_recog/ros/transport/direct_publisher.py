@@ -6,7 +6,7 @@ import rospy
 from rospy.exceptions import TransportTerminated
 from rospy.msg import serialize_message
 
-from img_recog.ros.transport.outbox import Outbox
+from img_recog.ros.transport.outbox import Outbox, close
 from img_recog.ros.transport.switch import is_plain
 
 _QUEUE_SIZE = 10        # with plain rospy
@@ -50,10 +50,11 @@ class DirectPublisher:
         To send several messages together takes much less time than one by one.
         """
         topic = self._publisher.impl
-        if self._is_plain or topic is None or topic.closed:
-            self._publisher.publish(msg)
+        lock = None if topic is None or self._is_plain else topic.publock
+        if lock is None or topic.closed:
+            self._publisher.publish(msg)        # raises an error unless it is plain
             return
-        with topic.publock:
+        with lock:
             if topic.is_latch:
                 topic.latch = msg
             if topic.connections:
@@ -69,9 +70,10 @@ class DirectPublisher:
     def flush(self) -> None:
         """Send what was added since the last call."""
         buffer, topic = self._buffer, self._publisher.impl
-        if topic is None or not buffer.tell():
+        lock = None if topic is None else topic.publock     # None: rospy has closed the topic
+        if lock is None or not buffer.tell():
             return
-        with topic.publock:
+        with lock:
             data = buffer.getvalue()
             buffer.seek(0)
             buffer.truncate()
@@ -79,7 +81,7 @@ class DirectPublisher:
                 try:
                     connection.write_data(data)
                 except (OSError, TransportTerminated):
-                    connection.close()
+                    close(connection)
 
 
 def synchronous_publisher(name: str, data_class: type, latch: bool = False) -> rospy.Publisher:

@@ -1,4 +1,5 @@
 """Sending to one subscriber without ever blocking the publisher."""
+import contextlib
 import socket
 import threading
 from queue import Empty, SimpleQueue
@@ -10,6 +11,12 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from img_recog.ros.transport.packets import Packet
 
 _IDLE_S = 1.0       # after this time without work, the thread of an outbox ends
+
+
+def close(connection: TCPROSTransport) -> None:
+    """Close a connection to a subscriber, while rospy may be closing its topic."""
+    with contextlib.suppress(TypeError):    # a closed topic has no list of listeners to notify
+        connection.close()
 
 
 class _Message:
@@ -102,7 +109,7 @@ class Outbox:
             try:
                 sock.sendall(memoryview(message.data)[count:])
             except OSError:     # the connection is closed, by the subscriber or by us
-                self._connection.close()
+                close(self._connection)
             message.release()
             with self._lock:
                 message, self._newest = self._newest, None
@@ -134,4 +141,4 @@ class Outboxes:
             try:
                 outbox.put(packet)
             except (OSError, TransportTerminated):      # like rospy
-                connection.close()
+                close(connection)

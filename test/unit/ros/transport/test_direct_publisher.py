@@ -157,6 +157,21 @@ def test_a_closed_subscriber_is_removed(fast, name, publisher, subscribe):
     assert publisher.get_num_connections() == 1
 
 
+def test_a_topic_that_rospy_closes_meanwhile(fast, name, publisher, subscribe):
+    """At the shutdown of a node, another thread closes its topics step by step."""
+    topic = publisher._publisher.impl
+    subscribe(name, String).sock.close()
+    topic.subscriber_listeners = None
+    publisher.publish(text(1))                  # it finds that the subscriber is gone
+    publisher.publish(text(2))
+    assert publisher.get_num_connections() == 0
+    publisher.add(text(3))
+    topic.closed, topic.publock = True, None
+    publisher.flush()
+    with pytest.raises(rospy.ROSException):     # which ends a node quietly
+        publisher.publish(text(4))
+
+
 @pytest.fixture
 def high():
     """A function that moves a socket to a descriptor that select.select refuses."""
