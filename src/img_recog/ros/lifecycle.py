@@ -19,7 +19,6 @@ EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h
 _SUPERVISED = 'IMG_RECOG_RESPAWN'
 EXIT_NO_MASTER, EXIT_REPLACED, EXIT_SHUT_DOWN = 75, 76, 77
 
-_ROSPY = os.path.dirname(rospy.__file__) + os.sep
 _JOIN_TIMEOUT_S = 0.5
 _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
@@ -108,7 +107,8 @@ def is_of_shutdown(error: Exception) -> bool:
     if not rospy.core.is_shutdown_requested():
         return False
     return isinstance(error, rospy.ROSException) or any(
-        frame.filename.startswith(_ROSPY) for frame in traceback.extract_tb(error.__traceback__))
+        frame.f_globals.get('__name__', '').split('.')[0] == 'rospy'
+        for frame, _ in traceback.walk_tb(error.__traceback__))
 
 
 def on_shutdown(hook: Callable[[], None]) -> None:
