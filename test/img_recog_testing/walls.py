@@ -26,9 +26,10 @@ ALLOWED = {
     'ros': ('errors', 'settings'),
     'conversions': PURE + ('errors', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
-    'nodes': PURE + GROUND_FLOOR + ('conversions', 'ros'),
+    'graph': ('errors', 'files'),
+    'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
 }
-WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('conversions', 'replay')
+WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('conversions', 'graph', 'replay')
 
 
 def violations(package):

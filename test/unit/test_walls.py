@@ -42,6 +42,8 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('replay/deeper/a.py', 'from rospy import Time', 'replay runs without a node'),
     ('replay/a.py', 'from img_recog.nodes import color_parameters', 'replay may use'),
     ('replay/a.py', 'from img_recog.ros.queues import LatestValue', 'replay may use'),
+    ('graph/a.py', 'import rospy', 'graph runs without a node'),
+    ('graph/a.py', 'from img_recog.ros import queues', 'graph may use'),
     ('conversions/a.py', 'import rospy.rostime', 'conversions runs without a node'),
     ('conversions/a.py', 'from img_recog.ros import throttle', 'conversions may use'),
     ('ros/deeper/a.py', 'from img_recog.simulation import body', 'ros may use'),

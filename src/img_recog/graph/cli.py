@@ -1,0 +1,83 @@
+"""The command line of graph.py: a picture of the running system."""
+import argparse
+import os
+import sys
+import time
+from typing import Optional, Sequence
+
+import rosgraph
+
+from img_recog import files
+from img_recog.errors import UserError, one_line
+from img_recog.graph import dot
+from img_recog.graph.reader import SystemReader
+from img_recog.graph.system import Choice, visible
+
+_SECONDS = 2.0          # in which rates are measured
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the tool; return its exit code."""
+    options = _options(rosgraph.myargv()[1:] if arguments is None else arguments)
+    try:
+        path = _draw(options)
+    except UserError as error:
+        sys.stderr.write('graph.py: {}\n'.format(one_line(error)))
+        return 1
+    sys.stdout.write(path + '\n')
+    return 0
+
+
+def _draw(options: argparse.Namespace) -> str:
+    reader = SystemReader()
+    system = reader.read()
+    if options.seconds:
+        time.sleep(options.seconds)
+        system = reader.read()
+    choice = Choice(*4 * [True]) if options.all else Choice(leaves=options.leaves)
+    picture = dot.draw(dot.to_dot(visible(system, choice)), _kind(options.output))
+    path = os.path.join(next(filter(os.path.isdir, files.user_folders())),
+                        os.path.expanduser(options.output))
+    with files.atomic_write([path], 'give a path that can be written') as (file,):
+        file.write(picture)
+    return path
+
+
+def _options(arguments: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog='graph.py', description='Draw the nodes and topics of the running system to a file, '
+        'like rqt_graph with "Nodes/Topics (all)", with the rate of each topic.')
+    parser.add_argument('output', metavar='FILE', type=_path,
+                        help='where to write the picture: FILE.svg, FILE.png, or FILE.dot for '
+                        'graphviz')
+    parser.add_argument('--leaves', action='store_true',
+                        help='also show topics that only one node uses or that nobody '
+                        'subscribes to')
+    parser.add_argument('--all', action='store_true',
+                        help='also show these, /rosout, /clock, the topics of dynamic_reconfigure '
+                        'and nodes that do not answer')
+    parser.add_argument('--seconds', type=_seconds, default=_SECONDS, metavar='S',
+                        help='how long to measure rates; 0: draw none (default: %(default)g)')
+    return parser.parse_args(arguments)
+
+
+def _kind(path: str) -> str:
+    return os.path.splitext(path)[1].lower()[1:]
+
+
+def _path(text: str) -> str:
+    if _kind(text) not in dot.FORMATS:
+        raise argparse.ArgumentTypeError('got {!r}, expected a path that ends in .{}'.format(
+            text, ', .'.join(dot.FORMATS)))
+    return text
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value < 3600:
+        raise argparse.ArgumentTypeError(
+            'got {!r}, expected a number of seconds, 0 or more and below an hour'.format(text))
+    return value

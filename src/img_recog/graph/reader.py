@@ -1,0 +1,153 @@
+"""Reads nodes, topics and rates of the running system, without a node."""
+import contextlib
+import http.client
+import time
+import xmlrpc.client
+from concurrent.futures import ThreadPoolExecutor
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+
+import rosgraph
+
+from img_recog.errors import UserError, one_line, shortened
+from img_recog.graph.system import Edge, System
+
+_CALLER_ID = '/img_recog_graph'
+_ANSWER_TIMEOUT_S = 1.0
+_THREADS = 8
+_MASTER_ADVICE = 'start roscore or roslaunch first, or set ROS_MASTER_URI'
+_ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterException,
+           ValueError, TypeError, IndexError)
+
+# for an edge, the number of messages on each of its connections
+Counts = Dict[Edge, Dict[int, int]]
+
+
+class _Sample(NamedTuple):
+    time_s: float
+    counts: Counts
+
+
+class SystemReader:
+    """Asks the master for nodes and topics, and the nodes for their numbers of messages.
+
+    It subscribes to nothing, so it does not change what it shows: rates are the differences of
+    what getBusStats of the nodes' XML-RPC interface says in two calls of `read`.
+    """
+
+    def __init__(self, now: Callable[[], float] = time.monotonic):
+        self._now = now
+        self._master = rosgraph.Master(_CALLER_ID)
+        self._uris: Dict[str, str] = {}
+        self._last: Dict[str, _Sample] = {}     # by the name of the node
+
+    def read(self) -> System:
+        """Return the system; with rates from the second call on.
+
+        Raises UserError if the master does not answer.
+        """
+        try:
+            published, subscribed, services = self._master.getSystemState()
+        except _ERRORS as error:
+            raise UserError('no master answers at {}: {}'.format(
+                shortened(rosgraph.get_master_uri()), one_line(error)), _MASTER_ADVICE)
+        edges = frozenset(Edge(node, topic, is_published)
+                          for topics, is_published in ((published, True), (subscribed, False))
+                          for topic, nodes in topics for node in nodes)
+        nodes = frozenset([edge.node for edge in edges]
+                          + [node for _, providers in services for node in providers])
+        for node in nodes.difference(self._uris):
+            with contextlib.suppress(*_ERRORS):
+                self._uris[node] = self._master.lookupNode(node)
+        with ThreadPoolExecutor(_THREADS) as pool:
+            samples = dict(zip(sorted(nodes), pool.map(self._sample, sorted(nodes))))
+        rates_hz = self._rates(samples)
+        self._last = {node: sample for node, sample in samples.items() if sample is not None}
+        self._uris = {node: self._uris[node] for node in self._last}
+        return System(nodes, edges, frozenset(nodes - set(self._last)),
+                      completed(edges, rates_hz))
+
+    def _sample(self, node: str) -> Optional[_Sample]:
+        """Return what a node says, None if it does not answer; runs in several threads."""
+        if node not in self._uris:
+            return None
+        proxy = xmlrpc.client.ServerProxy(self._uris[node], transport=_Transport())
+        try:
+            return _Sample(self._now(), counts_in(node, proxy.getBusStats(_CALLER_ID)))
+        except xmlrpc.client.Fault:     # rospy's, when a count does not fit in 32 bits
+            return _Sample(self._now(), {})
+        except _ERRORS:
+            return None     # it is looked up again: another node of the name may have registered
+
+    def _rates(self, samples: Dict[str, Optional[_Sample]]) -> Dict[Edge, float]:
+        rates_hz: Dict[Edge, float] = {}
+        for node, sample in samples.items():
+            before = self._last.get(node)
+            if sample is not None and before is not None and sample.time_s > before.time_s:
+                for edge, counts in sample.counts.items():
+                    number = new_messages(edge, before.counts.get(edge, {}), counts)
+                    if number is not None:
+                        rates_hz[edge] = number / (sample.time_s - before.time_s)
+        return rates_hz
+
+
+def counts_in(node: str, answer: list) -> Counts:
+    """Return the numbers of messages in the answer of getBusStats."""
+    counts: Counts = {}
+    # rospy answers [code, text, stats], roscpp with the stats alone
+    stats = answer if isinstance(answer[0], list) else answer[2]
+    for is_published, topics in zip((True, False), stats[:2]):
+        for topic, *_, connections in topics:
+            found = counts.setdefault(Edge(node, topic, is_published), {})
+            for connection in connections:
+                found[connection[0]] = _messages(connection, is_published)
+    return counts
+
+
+def _messages(connection: list, is_published: bool) -> int:
+    # publishers: rospy has [id, bytes, messages, connected], roscpp [id, bytes, bytes of messages,
+    # messages, 0]; subscribers, both: [id, bytes, messages, ...]
+    return connection[3] if is_published and len(connection) > 4 else connection[2]
+
+
+def new_messages(edge: Edge, before: Dict[int, int], now: Dict[int, int]) -> Optional[int]:
+    """Return how many messages went over an edge; None if that is not known.
+
+    before, now: the number of messages on each connection. A publisher sends each message on all
+    of its connections, and a subscriber gets other messages on each.
+    """
+    differences = [count - before[number] for number, count in now.items()
+                   if count >= before.get(number, count + 1)]
+    if not differences:
+        return None
+    return max(differences) if edge.is_published else sum(differences)
+
+
+def completed(edges: Iterable[Edge], rates_hz: Dict[Edge, float]) -> Dict[Edge, float]:
+    """Return the rates with those that follow from the other side of a topic.
+
+    What all publishers send arrives at each subscriber, and what a subscriber gets is sent by the
+    publisher if there is only one.
+    """
+    by_topic: Dict[str, Tuple[List[Edge], List[Edge]]] = {}
+    for edge in edges:
+        by_topic.setdefault(edge.topic, ([], []))[edge.is_published].append(edge)
+    result = dict(rates_hz)
+    for subscribers, publishers in by_topic.values():
+        sent = [rates_hz.get(edge) for edge in publishers]
+        got = [rates_hz[edge] for edge in subscribers if edge in rates_hz]
+        if len(sent) == 1 and sent[0] is None and got:
+            result[publishers[0]] = max(got)
+        elif sent and None not in sent:
+            for edge in subscribers:
+                result.setdefault(edge, sum(rate_hz for rate_hz in sent if rate_hz is not None))
+    return result
+
+
+class _Transport(xmlrpc.client.Transport):
+    """With a time limit: a node that is stopped accepts connections and never answers."""
+
+    def make_connection(self, host):
+        connection = super().make_connection(host)
+        connection.timeout = _ANSWER_TIMEOUT_S
+        return connection
+

@@ -1,0 +1,102 @@
+"""Nodes and topics of a running system, and which of them a picture shows."""
+from typing import Dict, FrozenSet, Iterable, NamedTuple, Optional, Tuple
+
+# rqt_graph does not show the names that contain one of these unless "Debug" is chosen
+DEBUG_NAMES = ('/clock', '/cpu_monitor', '/diag_agg', '/hd_monitor', '/monitor', '/pr2_dashboard',
+               '/rosout', '/rqt', '/runtime_logger', '/rviz', '/rxloggerlevel', '/statistics')
+TF_TOPICS = ('/tf', '/tf_static')
+# of dynamic_reconfigure, which a picture shows both or not at all
+_PARAMETER_TOPICS = ('/parameter_descriptions', '/parameter_updates')
+
+
+class Edge(NamedTuple):
+    """A node that publishes or subscribes to a topic."""
+
+    node: str
+    topic: str
+    is_published: bool
+
+
+class System(NamedTuple):
+    """Nodes, topics and the edges between them.
+
+    nodes: all that are registered; dead: those that do not answer.
+    rates_hz: messages a second on an edge, where they are known.
+    """
+
+    nodes: FrozenSet[str]
+    edges: FrozenSet[Edge]
+    dead: FrozenSet[str] = frozenset()
+    rates_hz: Dict[Edge, float] = {}
+
+    @property
+    def topics(self) -> FrozenSet[str]:
+        """The topics that have an edge."""
+        return frozenset(edge.topic for edge in self.edges)
+
+    def rate_hz(self, edge: Edge) -> Optional[float]:
+        """Return the rate on an edge, None if it is not known."""
+        return self.rates_hz.get(edge)
+
+
+class Choice(NamedTuple):
+    """What a picture shows; the defaults are those of rqt_graph.
+
+    debug: names like /rosout and /clock.
+    leaves: topics that only one node uses, or that nobody subscribes to.
+    parameters: the topics of dynamic_reconfigure.
+    dead: nodes that do not answer.
+    """
+
+    debug: bool = False
+    leaves: bool = False
+    parameters: bool = False
+    dead: bool = False
+
+
+def visible(system: System, choice: Choice = Choice()) -> System:
+    """Return the part of a system that a picture shows. Its nodes may be without an edge."""
+    nodes, topics = system.nodes, system.topics
+    if not choice.debug:
+        nodes, topics = _without_debug(nodes), _without_debug(topics)
+    if not choice.dead:
+        nodes -= system.dead
+    edges = system.edges
+    if not choice.parameters:
+        topics -= _parameter_topics(topics)
+    if not choice.leaves:
+        topics -= _leaves(edges, topics)
+    return system._replace(nodes=nodes, edges=frozenset(
+        edge for edge in edges if edge.node in nodes and edge.topic in topics))
+
+
+def _without_debug(names: Iterable[str]) -> FrozenSet[str]:
+    return frozenset(name for name in names if not any(part in name for part in DEBUG_NAMES))
+
+
+def _parameter_topics(topics: FrozenSet[str]) -> FrozenSet[str]:
+    ending = _PARAMETER_TOPICS[-1]
+    pairs = (tuple(topic[:-len(ending)] + each for each in _PARAMETER_TOPICS)
+             for topic in topics if topic.endswith(ending))
+    return frozenset(topic for pair in pairs if topics.issuperset(pair) for topic in pair)
+
+
+def _leaves(edges: FrozenSet[Edge], topics: FrozenSet[str]) -> FrozenSet[str]:
+    uses = dict.fromkeys(topics, 0)
+    subscribed = set()
+    for edge in edges:
+        if edge.topic in topics:
+            uses[edge.topic] += 1
+            if not edge.is_published:
+                subscribed.add(edge.topic)
+    return frozenset(topic for topic, count in uses.items()
+                     if count < 2 or topic not in subscribed)
+
+
+def clusters_of(name: str, levels: int = 2) -> Tuple[str, ...]:
+    """Return the namespaces of a name, from the outermost one, without the root.
+
+    levels: how many at most; rqt_graph draws a box around each.
+    """
+    parts = name.strip('/').split('/')[:-1][:levels]
+    return tuple('/' + '/'.join(parts[:number + 1]) for number in range(len(parts)))

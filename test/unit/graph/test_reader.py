@@ -1,0 +1,145 @@
+"""The system as the master and the nodes tell it, by real XML-RPC on the loopback."""
+import threading
+import xmlrpc.client
+from xmlrpc.server import SimpleXMLRPCServer
+
+import pytest
+
+from img_recog.errors import UserError
+from img_recog.graph import reader
+from img_recog.graph.reader import SystemReader, completed, counts_in, new_messages
+from img_recog.graph.system import Edge
+
+SENT, GOT = Edge('/cam', '/image', True), Edge('/eye', '/image', False)
+MORE = Edge('/other', '/image', True)
+
+
+class Server(SimpleXMLRPCServer):
+    """Answers with the methods that it is given."""
+
+    def __init__(self, **methods):
+        super().__init__(('127.0.0.1', 0), logRequests=False)
+        for name, method in methods.items():
+            self.register_function(method, name)
+        self.uri = 'http://127.0.0.1:{}/'.format(self.server_address[1])
+        threading.Thread(target=self.serve_forever, args=(0.01,), daemon=True).start()
+
+
+@pytest.fixture
+def serve():
+    servers = []
+
+    def start(**methods):
+        servers.append(Server(**methods))
+        return servers[-1]
+    yield start
+    for server in servers:
+        server.shutdown()
+        server.server_close()
+
+
+class Clock:
+    """A time that a test sets."""
+
+    time_s = 0.0
+
+    def __call__(self):
+        return self.time_s
+
+
+@pytest.fixture
+def read(serve, monkeypatch):
+    """A function that reads the system of nodes with the given answers of getBusStats."""
+    clock, uris = Clock(), {}
+
+    def lookup(_, node):
+        return [1, '', uris[node]] if node in uris else [-1, 'unknown node', '']
+    state = [[['/image', ['/cam']]], [['/image', ['/eye']]], [['/cam/set_camera_info', ['/cam']]]]
+    monkeypatch.setenv('ROS_MASTER_URI', serve(
+        getSystemState=lambda _: [1, '', state], lookupNode=lookup).uri)
+    system_reader = SystemReader(clock)
+
+    def call(time_s, **answers):
+        clock.time_s = time_s
+        for node, answer in answers.items():
+            uris['/' + node] = serve(getBusStats=answer).uri
+        return system_reader.read()
+    return call
+
+
+def of_rospy(sent):
+    return lambda _: [1, '', [[['/image', 7, [[3, 4000, sent(), True]]]], [], []]]
+
+
+def of_roscpp(got):
+    return lambda _: [[], [['/image', [[1, 4000, got(), 0, 0]]]]]
+
+
+def test_nodes_topics_and_rates(read):
+    counts = [0]
+    first = read(10.0, cam=of_rospy(lambda: counts[0]), eye=of_roscpp(lambda: counts[0] // 2))
+    assert first.nodes == {'/cam', '/eye'} and first.edges == {SENT, GOT}
+    assert first.dead == set() and first.rates_hz == {}
+    counts[0] = 60
+    assert read(12.0).rates_hz == {SENT: 30.0, GOT: 15.0}
+    assert read(14.0).rates_hz == {SENT: 0.0, GOT: 0.0}
+
+
+def test_a_node_that_does_not_answer_is_dead(read, monkeypatch):
+    monkeypatch.setattr(reader, '_ANSWER_TIMEOUT_S', 0.05)
+    hold = threading.Event()
+    system = read(0.0, cam=lambda _: hold.wait(10))
+    hold.set()
+    assert system.dead == {'/cam', '/eye'}      # one is stopped, one is unknown to the master
+
+
+def test_a_node_that_registers_again_is_found(read):
+    assert read(0.0, cam=of_rospy(lambda: 0)).dead == {'/eye'}
+    assert read(1.0, eye=of_roscpp(lambda: 0)).dead == set()
+
+
+def test_a_count_that_does_not_fit_is_taken_from_the_other_side(read):
+    def overflow(_):
+        raise xmlrpc.client.Fault(1, 'int exceeds XML-RPC limits')
+    counts = [0]
+    read(0.0, cam=overflow, eye=of_roscpp(lambda: counts[0]))
+    counts[0] = 20
+    system = read(1.0)
+    assert system.rates_hz == {SENT: 20.0, GOT: 20.0} and system.dead == set()
+
+
+def test_no_master(monkeypatch):
+    monkeypatch.setenv('ROS_MASTER_URI', 'http://127.0.0.1:1')
+    with pytest.raises(UserError, match='^no master answers at http://127.0.0.1:1: .*; start'):
+        SystemReader().read()
+
+
+def test_an_answer_that_makes_no_sense(read):
+    assert read(0.0, cam=lambda _: 'hello', eye=lambda _: [1, '', 5]).dead == {'/cam', '/eye'}
+
+
+@pytest.mark.parametrize('edge, before, now, count', [
+    (SENT, {1: 5}, {1: 9, 2: 3}, 4), (SENT, {1: 5, 2: 5}, {1: 9, 2: 6}, 4),
+    (GOT, {1: 5, 2: 5}, {1: 9, 2: 6}, 5), (GOT, {}, {1: 3}, None), (GOT, {1: 9}, {1: 3}, None),
+    (SENT, {1: 5}, {}, None)])
+def test_new_messages(edge, before, now, count):
+    assert new_messages(edge, before, now) == count
+
+
+def test_the_fields_of_both_libraries():
+    rospy_stats = [1, '', [[['/image', 7, [[3, 4000, 12, True]]]],
+                           [['/odom', [[4, 900, 8, -1, True]]]], []]]
+    assert counts_in('/cam', rospy_stats) == {
+        SENT: {3: 12}, Edge('/cam', '/odom', False): {4: 8}}
+    assert counts_in('/cam', [[['/image', [[3, 4000, 3900, 12, 0]]]], []]) == {SENT: {3: 12}}
+
+
+@pytest.mark.parametrize('edges, known, expected', [
+    ([SENT, GOT], {SENT: 30.0}, {SENT: 30.0, GOT: 30.0}),
+    ([SENT, GOT], {GOT: 20.0}, {SENT: 20.0, GOT: 20.0}),
+    ([SENT, MORE, GOT], {GOT: 20.0}, {GOT: 20.0}),
+    ([SENT, MORE, GOT], {SENT: 20.0}, {SENT: 20.0}),
+    ([SENT, MORE, GOT], {SENT: 20.0, MORE: 1.0}, {SENT: 20.0, MORE: 1.0, GOT: 21.0}),
+    ([GOT], {}, {})])
+def test_rates_that_follow_from_others(edges, known, expected):
+    assert completed(edges, known) == expected
