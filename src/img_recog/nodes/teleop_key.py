@@ -2,7 +2,7 @@
 
 Publishes cmd_vel (geometry_msgs/Twist) at 10 Hz, zeros while no key was pressed, and a last zero
 on shutdown; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time. Subscribes to
-nothing. Reads ~linear_step, ~angular_step, ~max_linear_velocity, ~max_angular_velocity
+nothing. Serves ~yield (std_srvs/Trigger): publishes nothing for 0.5 s. Reads ~linear_step, ~angular_step, ~max_linear_velocity, ~max_angular_velocity
 (TeleopSettings).
 """
 import threading
@@ -16,6 +16,7 @@ from geometry_msgs.msg import Twist
 from img_recog.conversions import twist_msgs
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import Counter, NodeDiagnostics, add_counter
+from img_recog.ros.yielding import Yielding
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile
 from img_recog.teleoperation.settings import TeleopSettings
@@ -39,6 +40,7 @@ class TeleopKey:
         self._publish_lock = threading.Lock()
         self._is_stopped = False
         self._sent, self._keys, self._has_terminal = Counter(), Counter(), False
+        self._yielding = Yielding(self._reason_to_drive)
         lifecycle.on_shutdown(self._stop_robot)
         NodeDiagnostics('teleop', 'none', self._report)
 
@@ -66,9 +68,14 @@ class TeleopKey:
 
     def _publish(self, linear: float, angular: float) -> None:
         with self._publish_lock:
-            if not self._is_stopped:
+            if not self._is_stopped and not self._yielding.is_active():
                 self._velocity.publish(twist_msgs.to_msg(linear, angular))
                 self._sent.add()
+
+    def _reason_to_drive(self) -> str:
+        profile = self._profile
+        return ('the robot is driven by the keys of a terminal; press s there'
+                if profile.target_linear or profile.target_angular else '')
 
     def _report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status of /diagnostics; runs in its thread."""

@@ -20,8 +20,12 @@ class DifferentialDrive:
         self._max_change = settings.wheel_acceleration * settings.drive_period_s
         self._limits = settings.max_linear_velocity, settings.max_angular_velocity
         # in periods: counting is exact, adding up seconds is not
-        self._timeout = settings.cmd_vel_timeout / settings.drive_period_s
+        self._timeout = self._given_timeout = settings.cmd_vel_timeout / settings.drive_period_s
         self.reset()
+
+    def scale_timeout(self, factor: float) -> None:
+        """Make `cmd_vel_timeout` this many times as long as it is in the settings."""
+        self._timeout = factor * self._given_timeout
 
     def reset(self) -> None:
         """Forget the last command and stand."""

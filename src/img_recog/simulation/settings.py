@@ -7,6 +7,11 @@ from img_recog.settings import (Allowed, SettingError, Settings, above, any_valu
                                 between, not_empty, one_of, setting)
 
 
+REAL_TIME_FACTORS = Allowed('from 0.001 to 1000, or 0',
+                            lambda value: value == 0 or 0.001 <= value <= 1000)
+VIEWS = ('above', 'follow')
+
+
 class SimulationError(UserError):
     """The simulation cannot be built or run with this input."""
 
@@ -24,8 +29,7 @@ class PhysicsSettings(Settings):
 
     step_s: float = setting(0.001, between(1e-5, 0.1))
     clock_period_s: float = setting(0.01, between(1e-5, 1))
-    real_time_factor: float = setting(1.0, Allowed(
-        'from 0.001 to 1000, or 0', lambda value: value == 0 or 0.001 <= value <= 1000))
+    real_time_factor: float = setting(1.0, REAL_TIME_FACTORS)
     world: str = setting('turtlebot3_world', not_empty())
     allow_partial_world: bool = setting(False)
 
@@ -171,7 +175,7 @@ class ViewSettings(Settings):
     """
 
     gui: bool = setting(False)
-    view: str = setting('above', one_of('above', 'follow'))
+    view: str = setting('above', one_of(*VIEWS))
     view_rate: float = setting(10.0, between(0.1, 60))
     view_width: int = setting(640, between(16, 4096))
     view_height: int = setting(480, between(16, 4096))

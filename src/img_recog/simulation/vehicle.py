@@ -1,8 +1,10 @@
 """A robot with its drive and its sensors."""
+import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from img_recog.simulation.body import Pose
 from img_recog.simulation.description import Description
 from img_recog.simulation.differential_drive import DifferentialDrive
 from img_recog.simulation.imu import Imu
@@ -115,6 +117,10 @@ class Vehicle:
         """Drive at linear_x m/s and angular_z rad/s until the next command."""
         self._drive.command(linear_x, angular_z)
 
+    def scale_command_timeout(self, factor: float) -> None:
+        """Make `cmd_vel_timeout` this many times as long as it is in the settings."""
+        self._drive.scale_timeout(factor)
+
     @property
     def command_timed_out(self) -> bool:
         """Whether the robot stops because no command came for `cmd_vel_timeout`."""
@@ -149,6 +155,17 @@ class Vehicle:
         self._wheel_velocities = None
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
+
+    def move_to(self, x: float, y: float, yaw: float) -> None:
+        """Move the robot to x, y in m and yaw in rad, at rest and without a command.
+
+        It stands at the height of its start.
+        """
+        self._drive.reset()
+        self.robot.place(Pose(np.array([x, y, self.settings.spawn.z_pos]),
+                              (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
+                              self.robot.pose().joints))
+        self.notify_teleported()
 
     def notify_teleported(self) -> None:
         """Call after the robot was moved from outside: the IMU must not see an acceleration.

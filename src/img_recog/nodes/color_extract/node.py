@@ -12,7 +12,8 @@ color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands). /
 Reads ~image_transport (raw or compressed), ~max_image_pixels, ~colors_file (the file from which
 the parameters were loaded, to check it), ~colors (names), ~NAME_image_topic for each color, and
 RecognitionSettings with these colors. The latter can be changed by dynamic_reconfigure
-(~set_parameters, ~parameter_descriptions, ~parameter_updates).
+(~set_parameters, ~parameter_descriptions, ~parameter_updates). Serves ~yield (std_srvs/Trigger):
+publishes no commands for 0.5 s.
 """
 import threading
 import time
@@ -44,6 +45,7 @@ from img_recog.ros.recurring_line import RecurringLine
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.yielding import Yielding
 from img_recog.settings import Settings, one_of, setting
 from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
@@ -85,7 +87,7 @@ class ColorExtract:
         transport = given.image_transport
         self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
             '' if transport == 'raw' else '/' + transport))
-        self._velocity = DirectPublisher('cmd_vel', Twist)
+        self._velocity, self._yielding = DirectPublisher('cmd_vel', Twist), Yielding()
         self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
         self._overlay = ImagePublisher('color_overlay')
@@ -215,6 +217,8 @@ class ColorExtract:
             self._overlay.publish(image, 'bgr8', header)
 
     def _publish_commands(self, commands: List[Command]) -> None:
+        if self._yielding.is_active():
+            return
         for command in commands:
             self._velocity.publish(twist_msgs.to_msg(*command))
             self._counts.commands.add()

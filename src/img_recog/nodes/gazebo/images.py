@@ -72,6 +72,10 @@ class Images:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
         self._view.update(self._simulator, self._parts)
 
+    def set_view(self, view: str) -> None:
+        """Show the view from another viewpoint, one of VIEWS."""
+        self._view.configure(view)
+
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add to a status what was drawn; may be called in any thread."""
         self._drawing.report(status)

@@ -1,6 +1,7 @@
 """The node gazebo: the TurtleBot3 burger in its world, simulated by PyBullet.
 
-Subscribes: cmd_vel (geometry_msgs/Twist; a command holds until the next one).
+Subscribes: cmd_vel (geometry_msgs/Twist; a command holds until the next one), ~set_pose
+(geometry_msgs/PoseStamped; moves the robot).
 Publishes: /clock (rosgraph_msgs/Clock, 100 Hz of simulated time), odom (nav_msgs/Odometry, frame
 odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_states
 (sensor_msgs/JointState, 30 Hz), imu (sensor_msgs/Imu, frame imu_link, 200 Hz), scan
@@ -8,11 +9,14 @@ odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_sta
 1 Hz of wall time), ~view/image_raw (sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
 ~model_states (gazebo_msgs/ModelStates, 100 Hz) if gazebo_msgs is installed, /diagnostics
 (diagnostic_msgs/DiagnosticArray, 1 Hz of wall time), /tf_static (tf2_msgs/TFMessage) for cameras.
+~world_outlines (visualization_msgs/MarkerArray, latched: what stands in the world, from above).
 Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image) and
 camera/rgb/camera_info, camera/depth/camera_info (sensor_msgs/CameraInfo).
 Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), and if
 it is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_model,
 ~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
+Served by dynamic_reconfigure (~set_parameters, ~parameter_descriptions, ~parameter_updates):
+real_time_factor and view.
 Reads: robot_description, and the fields of all settings of the simulation as private parameters.
 """
 import time
@@ -23,20 +27,24 @@ import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
+from visualization_msgs.msg import MarkerArray
 
 from img_recog import resources
-from img_recog.conversions import robot_msgs
+from img_recog.conversions import plane_msgs, robot_msgs
+from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics, State
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.physics_services import PhysicsServices, ServiceCalls
 from img_recog.nodes.gazebo.property_services import Now, PropertyServices
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings
+from img_recog.nodes.gazebo.runtime import RuntimeControl, RuntimeSettings, timeout_scale
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly, world_file
 from img_recog.simulation.assembly import Assembly
+from img_recog.simulation.footprints import footprints
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer, SlowReports
 from img_recog.simulation.scene import poses_of
@@ -74,6 +82,12 @@ class PybulletSim:
         self._images = Images(self._simulator, built.scene, view, cameras)
         self._topics = {vehicle.robot.name: RobotTopics(vehicle, topics)
                         for vehicle in self._simulator.vehicles}
+        self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
+        self._publish_outlines()
+        self._given_factor = physics.real_time_factor
+        self._control = RuntimeControl(
+            RuntimeSettings(physics.real_time_factor, view.view), self, self._calls,
+            self._simulator.vehicles[0].settings.odometry.odom_frame)
         self._diagnostics = SimulationDiagnostics()
         NodeDiagnostics('simulation', 'none', self._report)
         _warn_of_other_clocks()
@@ -186,8 +200,29 @@ class PybulletSim:
             self._revision = world.revision
             self._scene = self._scene._replace(world=world.file)
             self._images.set_scene(self._scene)
+            self._publish_outlines()
             if self._window is not None:
                 self._window.set_scene(self._scene)
+
+    def _publish_outlines(self) -> None:
+        frame = self._simulator.vehicles[0].settings.odometry.odom_frame
+        self._outlines.publish(plane_msgs.outlines_to_msg(
+            footprints(self._simulator.world), frame, robot_msgs.stamp_of(self._simulator.time_s)))
+
+    def configure(self, settings: RuntimeSettings) -> None:
+        """Apply settings that were changed while the simulation runs."""
+        self._images.set_view(settings.view)
+        factor = settings.real_time_factor
+        if factor != self._wanted_factor:
+            self._wanted_factor, self._pacer = factor, RealTimePacer(factor)
+            scale = timeout_scale(factor) / timeout_scale(self._given_factor)
+            for vehicle in self._simulator.vehicles:
+                vehicle.scale_command_timeout(scale)
+
+    def move_robot(self, pose: PlanePose) -> None:
+        """Move the robot in the world."""
+        self._discard_commands()
+        self._simulator.vehicles[0].move_to(*pose)
 
     def _pause(self) -> None:
         self._paused = True

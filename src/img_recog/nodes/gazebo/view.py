@@ -1,4 +1,5 @@
 """The image topic of the simulation."""
+import dataclasses
 import time
 
 from std_msgs.msg import Header
@@ -36,6 +37,11 @@ class ViewTopic:
         self._settings, self._drawing, self._number = settings, drawing, number
         self._above = above
         self._images = ImagePublisher('~view/image_raw')
+        self._next_s = 0.0
+
+    def configure(self, view: str) -> None:
+        """Show the simulation from another viewpoint, one of VIEWS, from now on."""
+        self._settings = dataclasses.replace(self._settings, view=view)
         self._next_s = 0.0
 
     def update(self, simulator: Simulator, parts: Parts) -> None:

@@ -94,6 +94,10 @@ class ImageSubscriber:
         """Return the number of publishers."""
         return self._subscriber.get_num_connections()
 
+    def close(self) -> None:
+        """Unsubscribe. The callback may be called once more."""
+        self._subscriber.unregister()
+
     def release(self, msg: Image) -> None:
         """Allow the buffer of an image to be reused; the image has no data afterwards."""
         memory = getattr(msg, 'memory', None)

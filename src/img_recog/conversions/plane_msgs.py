@@ -1,0 +1,75 @@
+"""Converts poses and outlines in the x-y plane of a frame."""
+import math
+from typing import List, NamedTuple, Sequence
+
+import genpy
+import numpy as np
+from geometry_msgs.msg import Point, PoseStamped
+from std_msgs.msg import Header
+from visualization_msgs.msg import Marker, MarkerArray
+
+from img_recog.errors import UserError
+
+_LINE_WIDTH_M = 0.02
+_GRAY = 0.5
+
+
+class PoseError(UserError):
+    """A pose has a number that is not finite, or no rotation about z."""
+
+
+class PlanePose(NamedTuple):
+    """Position in m and heading in rad."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+def pose_to_msg(pose: PlanePose, header: Header) -> PoseStamped:
+    """Return the message for a pose."""
+    msg = PoseStamped(header=header)
+    msg.pose.position.x, msg.pose.position.y = pose.x, pose.y
+    msg.pose.orientation.z, msg.pose.orientation.w = math.sin(pose.yaw / 2), math.cos(pose.yaw / 2)
+    return msg
+
+
+def pose_from_msg(msg: PoseStamped) -> PlanePose:
+    """Return the pose in a message; its height, roll and pitch are ignored.
+
+    Raises PoseError when a number is not finite, or the quaternion is zero.
+    """
+    position, turn = msg.pose.position, msg.pose.orientation
+    numbers = (position.x, position.y, turn.x, turn.y, turn.z, turn.w)
+    if not all(map(math.isfinite, numbers)):
+        raise PoseError('got a pose with x {}, y {} and the quaternion ({}, {}, {}, {}), expected '
+                        'finite numbers'.format(*numbers))
+    if not any(numbers[2:]):
+        raise PoseError('got a pose with a quaternion of zeros, expected a rotation')
+    yaw = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y),
+                     turn.w ** 2 + turn.x ** 2 - turn.y ** 2 - turn.z ** 2)
+    return PlanePose(position.x, position.y, yaw)
+
+
+def outlines_to_msg(outlines: Sequence[np.ndarray], frame_id: str, stamp: genpy.Time
+                    ) -> MarkerArray:
+    """Return outlines (corners, 2) in m as closed lines, which replace all earlier ones."""
+    header = Header(stamp=stamp, frame_id=frame_id)
+    markers = [Marker(header=header, ns='outlines', action=Marker.DELETEALL)]
+    for number, outline in enumerate(outlines):
+        marker = Marker(header=header, ns='outlines', id=number, type=Marker.LINE_STRIP,
+                        action=Marker.ADD)
+        marker.pose.orientation.w = 1.0
+        marker.scale.x = _LINE_WIDTH_M
+        marker.color.r = marker.color.g = marker.color.b = _GRAY
+        marker.color.a = 1.0
+        marker.points = [Point(x, y, 0.0) for x, y in [*outline.tolist(), outline[0].tolist()]]
+        markers.append(marker)
+    return MarkerArray(markers)
+
+
+def outlines_from_msg(msg: MarkerArray) -> List[np.ndarray]:
+    """Return the outlines (corners, 2) in m of the closed lines in a message."""
+    return [np.array([(point.x, point.y) for point in marker.points[:-1]])
+            for marker in msg.markers
+            if marker.type == Marker.LINE_STRIP and len(marker.points) > 1]

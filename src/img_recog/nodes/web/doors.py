@@ -1,0 +1,175 @@
+"""Who may use the page: a token, same-origin requests, and limits. Independent of ROS.
+
+Works as ASGI middleware in front of everything that the node serves.
+"""
+import hmac
+import http.cookies
+import time
+import urllib.parse
+from typing import Any, Awaitable, Callable, Dict, List, Optional, Tuple
+
+MAX_BODY_BYTES = 1 << 16        # of a request; also of a message on a WebSocket
+MAX_CONNECTIONS = 200
+_MESSAGES_HZ, _MESSAGES_BURST = 200.0, 400.0    # of one WebSocket
+_TOO_BIG, _TOO_MANY = 1009, 1008                # close codes of RFC 6455
+_SAFE_METHODS = ('GET', 'HEAD')
+
+Scope = Dict[str, Any]
+Message = Dict[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+# Sent with the cookie, in place of a redirect: a browser that comes from a link in another site
+# would not send a SameSite=Strict cookie with a redirected request.
+_ENTER = (b'<!doctype html><html lang="en"><meta charset="utf-8"><title>img_recog</title>'
+          b'<meta http-equiv="refresh" content="0;url=/"><a href="/">img_recog</a></html>')
+_REFUSED = ('This page needs the address with the token that the terminal shows after it has '
+            'started: http://.../?token=...\n')
+_HEADERS = [(b'x-frame-options', b'DENY'), (b'x-content-type-options', b'nosniff'),
+            (b'referrer-policy', b'no-referrer')]
+
+
+class Doors:
+    """Lets requests to an ASGI application pass only with the token.
+
+    A request with ?token=... gets the token as a cookie. All others need this cookie, and must
+    not come from a page of another origin.
+    """
+
+    def __init__(self, app: App, token: str, port: int):
+        """Guard `app`; port: of the page, as browsers share cookies between ports."""
+        self._app, self._token, self._cookie = app, token, 'img_recog_{}'.format(port)
+        self._connections = 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a connection."""
+        if scope['type'] not in ('http', 'websocket'):
+            await self._app(scope, receive, send)
+            return
+        headers = {name.decode('latin-1').lower(): value.decode('latin-1')
+                   for name, value in scope['headers']}
+        problem = self._problem(scope, headers)
+        if problem == 0:
+            await self._enter(send)
+        elif problem is not None:
+            await _refuse(scope, receive, send, problem)
+        else:
+            self._connections += 1
+            try:
+                await self._app(scope, _limited(scope, receive), _with_headers(send))
+            finally:
+                self._connections -= 1
+
+    def _problem(self, scope: Scope, headers: Dict[str, str]) -> Optional[int]:
+        """Return the HTTP status of a refusal, 0 for a visitor with the token, None if allowed."""
+        if _is_foreign(scope, headers):
+            return 403
+        query = urllib.parse.parse_qs(scope.get('query_string', b'').decode('latin-1'))
+        if scope['type'] == 'http' and scope['path'] == '/' and 'token' in query:
+            return 0 if self._is_token(query['token'][0]) else 403
+        if not self._is_token(_cookie(headers.get('cookie', ''), self._cookie)):
+            return 403
+        length = headers.get('content-length', '0')
+        if not length.isdecimal() or int(length) > MAX_BODY_BYTES:
+            return 413
+        return 503 if self._connections >= MAX_CONNECTIONS else None
+
+    def _is_token(self, given: str) -> bool:
+        return hmac.compare_digest(given.encode(), self._token.encode())
+
+    async def _enter(self, send: Send) -> None:
+        cookie = '{}={}; Path=/; HttpOnly; SameSite=Strict'.format(self._cookie, self._token)
+        await _answer(send, 200, _ENTER, b'text/html; charset=utf-8',
+                      [(b'set-cookie', cookie.encode()), (b'cache-control', b'no-store')])
+
+
+def _is_foreign(scope: Scope, headers: Dict[str, str]) -> bool:
+    """Return whether the request comes from a page of another origin.
+
+    Browsers send Origin with each WebSocket and each request that can change something, and
+    Sec-Fetch-Site with all others; links in other pages may open the page itself.
+    """
+    origin = headers.get('origin')
+    if origin is not None and urllib.parse.urlsplit(origin).netloc != headers.get('host'):
+        return True
+    if headers.get('sec-fetch-site') in ('cross-site', 'same-site'):
+        return (headers.get('sec-fetch-mode') != 'navigate'
+                or scope.get('method') not in _SAFE_METHODS)
+    return scope['type'] == 'websocket' and origin is None
+
+
+def _cookie(text: str, name: str) -> str:
+    try:
+        found = http.cookies.SimpleCookie(text).get(name)
+    except http.cookies.CookieError:
+        return ''
+    return found.value if found is not None else ''
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, status: int) -> None:
+    if scope['type'] == 'websocket':
+        await receive()                 # the request; closing before it is accepted answers 403
+        await send({'type': 'websocket.close', 'code': _TOO_MANY})
+        return
+    texts = {403: _REFUSED, 413: 'The request is too large.\n',
+             503: 'Too many connections: close other pages.\n'}
+    await _answer(send, status, texts[status].encode(), b'text/plain; charset=utf-8')
+
+
+async def _answer(send: Send, status: int, body: bytes, content_type: bytes,
+                  headers: Optional[List[Tuple[bytes, bytes]]] = None) -> None:
+    await send({'type': 'http.response.start', 'status': status, 'headers': [
+        (b'content-type', content_type), (b'content-length', str(len(body)).encode()),
+        *_HEADERS, *(headers or [])]})
+    await send({'type': 'http.response.body', 'body': body})
+
+
+def _with_headers(send: Send) -> Send:
+    async def send_with_headers(message: Message) -> None:
+        if message['type'] == 'http.response.start':
+            message = dict(message, headers=[*message.get('headers', ()), *_HEADERS])
+        await send(message)
+    return send_with_headers
+
+
+def _limited(scope: Scope, receive: Receive) -> Receive:
+    """Return a `receive` that ends the connection when too much is sent."""
+    if scope['type'] == 'http':
+        received = 0
+
+        async def receive_body() -> Message:
+            nonlocal received
+            message = await receive()
+            received += len(message.get('body', b''))
+            return message if received <= MAX_BODY_BYTES else {'type': 'http.disconnect'}
+        return receive_body
+    allowance = Allowance(_MESSAGES_HZ, _MESSAGES_BURST)
+
+    async def receive_message() -> Message:
+        message = await receive()
+        if message['type'] == 'websocket.receive':
+            if len(message.get('text') or message.get('bytes') or '') > MAX_BODY_BYTES:
+                return {'type': 'websocket.disconnect', 'code': _TOO_BIG}
+            if not allowance.take():
+                return {'type': 'websocket.disconnect', 'code': _TOO_MANY}
+        return message
+    return receive_message
+
+
+class Allowance:
+    """A token bucket: at most `burst` events at once, and `rate_hz` in the long run."""
+
+    def __init__(self, rate_hz: float, burst: float, now: Callable[[], float] = time.monotonic):
+        self._rate_hz, self._burst, self._now = rate_hz, burst, now
+        self._left, self._time_s = burst, now()
+
+    def take(self) -> bool:
+        """Count an event; return whether it is allowed."""
+        now_s = self._now()
+        self._left = min(self._burst, self._left + (now_s - self._time_s) * self._rate_hz)
+        self._time_s = now_s
+        if self._left < 1:
+            return False
+        self._left -= 1
+        return True

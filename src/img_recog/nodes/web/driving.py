@@ -1,0 +1,138 @@
+"""Drives the robot for a visitor of a page, in place of the nodes that drive it otherwise."""
+import math
+import threading
+import time
+from typing import Callable, Dict, List, Optional, Tuple
+
+import rosgraph
+import rospy
+from geometry_msgs.msg import Twist
+from std_srvs.srv import Trigger
+
+from img_recog.conversions import twist_msgs
+from img_recog.errors import one_line
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.teleoperation.settings import TeleopSettings
+
+_PERIOD_S = 0.05
+_POLL_PERIOD_S = 1.0    # how often the threads check for the shutdown
+HOLD_S = 0.3            # a page repeats its command; after this time without one, the robot stops
+_YIELD_PERIOD_S = 0.2
+_SERVICE = '/yield'
+_STOPS = 3              # zeros that are sent after a release
+
+
+class Speeds:
+    """Who drives, how fast, and until when. Independent of ROS; for any thread."""
+
+    def __init__(self, now: Callable[[], float] = time.monotonic):
+        self._now, self._lock = now, threading.Lock()
+        self._owner: Optional[object] = None
+        self._shares, self._until_s = (0.0, 0.0), 0.0
+
+    def hold(self, owner: object, linear: float, angular: float) -> bool:
+        """Set the shares of the highest speeds for HOLD_S; return False if another owner drives.
+        """
+        with self._lock:
+            if self._owner not in (None, owner) and self._now() < self._until_s:
+                return False
+            self._owner, self._shares = owner, (linear, angular)
+            self._until_s = self._now() + HOLD_S
+            return True
+
+    def release(self, owner: object) -> None:
+        """End what this owner holds."""
+        with self._lock:
+            if self._owner is owner:
+                self._owner = None
+
+    def current(self) -> Optional[Tuple[float, float]]:
+        """Return the shares, None if nobody drives."""
+        with self._lock:
+            if self._owner is not None and self._now() >= self._until_s:
+                self._owner = None
+            return self._shares if self._owner is not None else None
+
+
+class Driving:
+    """Publishes cmd_vel (geometry_msgs/Twist, 20 Hz) while somebody drives, and zeros at the end.
+
+    Calls the service NODE/yield (std_srvs/Trigger) of each other publisher of cmd_vel that has it,
+    so that this node publishes nothing meanwhile. settings: the highest speeds.
+    """
+
+    def __init__(self, settings: TeleopSettings):
+        self.settings = settings
+        self._limits = {name: getattr(settings, name)
+                        for name in ('max_linear_velocity', 'max_angular_velocity')}
+        self._speeds, self._driven = Speeds(), threading.Event()
+        self._warn = ThrottledWarning()
+        self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+        for target in (self._publish, self._hold_others):
+            threading.Thread(target=target, daemon=True).start()
+
+    def limit(self, name: str, value: float) -> None:
+        """Set a highest speed: max_linear_velocity in m/s or max_angular_velocity in rad/s.
+
+        At most that of the parameter.
+        """
+        if math.isfinite(value):
+            self._limits[name] = max(0.0, min(getattr(self.settings, name), value))
+
+    def hold(self, owner: object, linear: float, angular: float) -> bool:
+        """Drive with these shares of the highest speeds, -1 to 1, until HOLD_S have passed.
+
+        Return False if another owner drives.
+        """
+        is_held = self._speeds.hold(owner, linear, angular)
+        self._driven.set()
+        return is_held
+
+    def release(self, owner: object) -> None:
+        """Stop the robot, if this owner drives it."""
+        self._speeds.release(owner)
+
+    def _publish(self) -> None:
+        while not rospy.is_shutdown():
+            if not self._driven.wait(_POLL_PERIOD_S):
+                continue
+            shares = self._speeds.current()
+            while shares is not None and not rospy.is_shutdown():
+                self._velocity.publish(twist_msgs.to_msg(
+                    shares[0] * self._limits['max_linear_velocity'],
+                    shares[1] * self._limits['max_angular_velocity']))
+                time.sleep(_PERIOD_S)
+                shares = self._speeds.current()
+            for _ in range(_STOPS):
+                self._velocity.publish(twist_msgs.to_msg(0.0))
+            self._driven.clear()
+            if self._speeds.current() is not None:      # held again meanwhile
+                self._driven.set()
+
+    def _hold_others(self) -> None:
+        """Let the other nodes yield as long as somebody drives."""
+        services: Dict[str, rospy.ServiceProxy] = {}
+        while not rospy.is_shutdown():
+            if not self._driven.is_set():
+                services = {}
+                self._driven.wait(_POLL_PERIOD_S)
+                continue
+            try:
+                services = services or {name: rospy.ServiceProxy(name, Trigger) for name
+                                        in yield_services(self._velocity.resolved_name)}
+                for name, service in services.items():
+                    answer = service()
+                    if not answer.success:
+                        self._warn('%s: %s', name, answer.message)
+            except (rospy.ServiceException, rospy.ROSException, rosgraph.MasterException,
+                    OSError) as error:
+                self._warn('another node may drive the robot too: %s', one_line(error))
+            time.sleep(_YIELD_PERIOD_S)
+
+
+def yield_services(topic: str) -> List[str]:
+    """Return the services by which the publishers of a topic can be asked to yield."""
+    published, _, services = rosgraph.Master(rospy.get_name()).getSystemState()
+    offered = {name for name, _ in services}
+    return sorted(node + _SERVICE for node in dict(published).get(topic, ())
+                  if node + _SERVICE in offered)

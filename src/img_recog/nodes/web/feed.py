@@ -1,0 +1,221 @@
+"""Sends pictures and measurements to the pages, and takes what their visitors do.
+
+Independent of ROS. One WebSocket a page. A page asks for the next news when it has drawn the last:
+a slow browser misses frames, and slows nobody down.
+"""
+import asyncio
+import json
+import math
+import struct
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Set, Tuple
+
+RATE_HZ = 15.0
+_MAX_PICTURES, _MAX_NAME = 8, 300
+_MAX_MALFORMED = 20             # messages, until the connection is closed
+_CACHE_SIZE = 8
+_LENGTH = struct.Struct('>I')
+
+
+class Picture(NamedTuple):
+    """An encoded image; number: of the image, to see whether it is a new one."""
+
+    number: int
+    jpeg: bytes
+    width: int
+    height: int
+
+
+class Pictures(Protocol):
+    """Where the pictures come from."""
+
+    def watch(self, names: Set[str]) -> None:
+        """Get images of these names from now on, and of no others."""
+
+    def latest(self, name: str) -> Optional[Picture]:
+        """Return the newest picture."""
+
+
+class Measurements(Protocol):
+    """Where the measurements come from."""
+
+    def watch(self, is_watched: bool) -> None:
+        """Start or stop to measure."""
+
+    def since(self, cursor: int) -> Tuple[int, Dict[str, Any]]:
+        """Return what is new since a call that returned this cursor, and the next cursor."""
+
+
+class Driver(Protocol):
+    """Who drives the robot."""
+
+    def hold(self, owner: object, linear: float, angular: float) -> None:
+        """Drive with these shares of the highest speeds, -1 to 1, for a moment."""
+
+    def release(self, owner: object) -> None:
+        """Stop the robot, if this owner drives it."""
+
+
+class Socket(Protocol):
+    """A WebSocket of Starlette."""
+
+    async def receive_text(self) -> str:
+        """Return the next message; raise an error when the connection ends."""
+
+    async def send_bytes(self, data: bytes) -> None:
+        """Send a message, and wait while the browser does not read."""
+
+    async def close(self, code: int = 1000) -> None:
+        """Close the connection."""
+
+
+class _Viewer:
+    """A page that is connected."""
+
+    def __init__(self) -> None:
+        self.names: Tuple[str, ...] = ()
+        self.is_looking = False
+        self.is_ready = asyncio.Event()
+        self.cursor, self.numbers = 0, {}       # of what it has got: measurements, pictures
+        self.malformed = 0
+
+
+class Feed:
+    """Serves all pages; to be used in one event loop."""
+
+    def __init__(self, pictures: Pictures, measurements: Measurements, driver: Driver):
+        self._pictures, self._measurements, self._driver = pictures, measurements, driver
+        self._viewers: Set[_Viewer] = set()
+        self._tick = asyncio.Event()
+        self._ticking: Optional[asyncio.Task] = None
+        self._composed: Dict[tuple, Tuple[int, Dict[str, int], bytes]] = {}
+
+    @property
+    def viewers(self) -> int:
+        """The number of pages that somebody looks at."""
+        return sum(viewer.is_looking for viewer in self._viewers)
+
+    async def serve(self, socket: Socket) -> None:
+        """Serve a page until its connection ends; the errors of the connection are raised."""
+        viewer = _Viewer()
+        self._viewers.add(viewer)
+        sender = asyncio.ensure_future(self._send(viewer, socket))
+        try:
+            while viewer.malformed < _MAX_MALFORMED and not sender.done():
+                self._take(viewer, await socket.receive_text())
+            await socket.close(1008)
+        finally:
+            self._viewers.discard(viewer)
+            self._driver.release(viewer)
+            self._update()
+            sender.cancel()
+            await asyncio.gather(sender, return_exceptions=True)
+
+    def _take(self, viewer: _Viewer, text: str) -> None:
+        """Do what a message says; count it if it makes no sense."""
+        try:
+            message = json.loads(text)
+            actions = {key: self._ACTIONS[key] for key in message}
+            for key, action in actions.items():
+                action(self, viewer, message[key])
+        except (ValueError, TypeError, KeyError, RecursionError):
+            viewer.malformed += 1
+
+    def _look(self, viewer: _Viewer, names: Any) -> None:
+        """None: nobody looks at the page; else the names of the pictures that can be seen."""
+        if names is not None and not (
+                isinstance(names, list) and len(names) <= _MAX_PICTURES
+                and all(isinstance(name, str) and len(name) <= _MAX_NAME for name in names)):
+            raise ValueError(names)
+        viewer.is_looking = names is not None
+        viewer.names = tuple(names or ())
+        viewer.numbers = {}
+        self._update()
+
+    def _ready(self, viewer: _Viewer, _: Any) -> None:
+        viewer.is_ready.set()
+
+    def _drive(self, viewer: _Viewer, speeds: Any) -> None:
+        """None: released; else the shares of the highest speeds, linear and angular."""
+        if speeds is None:
+            self._driver.release(viewer)
+            return
+        linear, angular = (_share(speed) for speed in speeds)
+        self._driver.hold(viewer, linear, angular)
+
+    _ACTIONS: Dict[str, Callable[['Feed', _Viewer, Any], None]] = {
+        'look': _look, 'ready': _ready, 'drive': _drive}
+
+    def _update(self) -> None:
+        """Get only what somebody looks at."""
+        looking = [viewer for viewer in self._viewers if viewer.is_looking]
+        self._pictures.watch({name for viewer in looking for name in viewer.names})
+        self._measurements.watch(bool(looking))
+        if looking and self._ticking is None:
+            self._ticking = asyncio.ensure_future(self._run())
+        elif not looking and self._ticking is not None:
+            self._ticking.cancel()
+            self._ticking = None
+
+    async def _run(self) -> None:
+        while True:
+            await asyncio.sleep(1 / RATE_HZ)
+            self._composed.clear()
+            self._tick.set()
+            self._tick = asyncio.Event()
+
+    async def _send(self, viewer: _Viewer, socket: Socket) -> None:
+        while True:
+            await viewer.is_ready.wait()
+            await self._tick.wait()
+            data = self._news(viewer) if viewer.is_looking else b''
+            if data:
+                viewer.is_ready.clear()
+                await socket.send_bytes(data)
+
+    def _news(self, viewer: _Viewer) -> bytes:
+        """Return what a viewer has not got yet, b'' if there is nothing new."""
+        key = (viewer.names, viewer.cursor, tuple(sorted(viewer.numbers.items())))
+        found = self._composed.get(key)
+        if found is None:
+            found = self._compose(viewer.names, viewer.cursor, viewer.numbers)
+            if len(self._composed) < _CACHE_SIZE:
+                self._composed[key] = found
+        viewer.cursor, viewer.numbers, data = found
+        return data
+
+    def _compose(self, names: Iterable[str], cursor: int, numbers: Dict[str, int]
+                 ) -> Tuple[int, Dict[str, int], bytes]:
+        """Return cursor, numbers and message for those who are at this cursor and these numbers.
+
+        The message: the length of a JSON text, the text, and the pictures that it lists.
+        """
+        next_cursor, measured = self._measurements.since(cursor)
+        next_numbers, listed, jpegs = dict(numbers), [], []
+        for name in names:
+            picture = self._pictures.latest(name)
+            if picture is not None and picture.number != numbers.get(name):
+                next_numbers[name] = picture.number
+                listed.append([name, len(picture.jpeg), picture.width, picture.height])
+                jpegs.append(picture.jpeg)
+        if not listed and not measured:
+            return next_cursor, next_numbers, b''
+        text = json.dumps({'pictures': listed, 'measured': measured},
+                          separators=(',', ':'), allow_nan=False).encode()
+        return next_cursor, next_numbers, b''.join([_LENGTH.pack(len(text)), text, *jpegs])
+
+
+def _share(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ValueError(value)
+    return max(-1.0, min(1.0, float(value)))
+
+
+def decoded(data: bytes) -> Tuple[Dict[str, Any], List[bytes]]:
+    """Return the JSON text, decoded, and the pictures of a message."""
+    length, = _LENGTH.unpack_from(data)
+    start = _LENGTH.size + length
+    news, jpegs = json.loads(data[_LENGTH.size:start]), []
+    for _, size, _, _ in news['pictures']:
+        jpegs.append(data[start:start + size])
+        start += size
+    return news, jpegs

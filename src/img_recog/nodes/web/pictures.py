@@ -1,0 +1,110 @@
+"""Images of topics as JPEG, each encoded once for all viewers."""
+import threading
+import time
+from typing import Dict, Optional, Set
+
+import cv2
+import numpy as np
+import rospy
+from sensor_msgs.msg import Image
+
+from img_recog.conversions.image_msgs import ColorImages, ImageError
+from img_recog.nodes.web.feed import RATE_HZ, Picture
+from img_recog.ros.queues import LatestValue
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.transport.image_subscriber import ImageSubscriber
+
+_MAX_WIDTH = 640
+_QUALITY = 80
+_TO_BGR = {'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR, 'bgra8': cv2.COLOR_BGRA2BGR}
+
+
+class PictureTopics:
+    """Subscribes to the image topics that somebody looks at, and encodes their newest images."""
+
+    def __init__(self, max_bytes: int):
+        """Subscribe to nothing yet; max_bytes: larger messages are refused."""
+        self._max_bytes = max_bytes
+        self._lock = threading.Lock()
+        self._wanted: Set[str] = set()
+        self._topics: Dict[str, _Topic] = {}        # of the thread
+        self._thread: Optional[threading.Thread] = None
+
+    def watch(self, names: Set[str]) -> None:
+        """Subscribe to these topics, and to no others, soon and in another thread."""
+        with self._lock:
+            self._wanted = names
+            if names and self._thread is None:
+                self._thread = threading.Thread(target=self._run, daemon=True)
+                self._thread.start()
+
+    def latest(self, name: str) -> Optional[Picture]:
+        """Return the newest picture of a topic, None if there is none."""
+        topic = self._topics.get(name)
+        return topic.picture if topic is not None else None
+
+    def _run(self) -> None:
+        """Encode the newest images at the rate of the feed, while somebody looks."""
+        while not rospy.is_shutdown():
+            begin_s = time.monotonic()
+            self._subscribe()
+            with self._lock:
+                if not self._wanted and not self._topics:
+                    self._thread = None
+                    return
+            for topic in self._topics.values():
+                topic.encode()
+            time.sleep(max(0.0, begin_s + 1 / RATE_HZ - time.monotonic()))
+
+    def _subscribe(self) -> None:
+        wanted = self._wanted
+        for name in set(self._topics) - wanted:
+            self._topics.pop(name).close()
+        for name in wanted - set(self._topics):
+            self._topics[name] = _Topic(name, self._max_bytes)
+
+
+class _Topic:
+    """A topic with images."""
+
+    def __init__(self, name: str, max_bytes: int):
+        self._latest, self._warn = LatestValue(), ThrottledWarning()
+        self._name, self._number, self._images = name, 0, ColorImages()
+        self.picture: Optional[Picture] = None
+        self._subscriber = ImageSubscriber(name, self._put, max_bytes)
+
+    def close(self) -> None:
+        self._subscriber.close()
+
+    def encode(self) -> None:
+        """Encode the newest image, if there is one that is not encoded yet."""
+        msg = self._latest.take()
+        if msg is None:
+            return
+        try:
+            image, encoding = self._images.from_msg(msg)
+            image = _fitted(image)
+            if encoding != 'bgr8':
+                image = cv2.cvtColor(image, _TO_BGR[encoding])
+            jpeg = cv2.imencode('.jpg', image, (cv2.IMWRITE_JPEG_QUALITY, _QUALITY))[1].tobytes()
+        except ImageError as error:
+            self._warn('no picture of %s: %s', self._name, error)
+            return
+        finally:
+            self._subscriber.release(msg)
+        self._number += 1
+        self.picture = Picture(self._number, jpeg, image.shape[1], image.shape[0])
+
+    def _put(self, msg: Image) -> None:
+        replaced = self._latest.put(msg)
+        if replaced is not None:
+            self._subscriber.release(replaced)
+
+
+def _fitted(image: np.ndarray) -> np.ndarray:
+    """Return an image that is at most _MAX_WIDTH wide."""
+    height, width = image.shape[:2]
+    if width <= _MAX_WIDTH:
+        return image
+    return cv2.resize(image, (_MAX_WIDTH, max(1, round(height * _MAX_WIDTH / width))),
+                      interpolation=cv2.INTER_AREA)

@@ -1,0 +1,69 @@
+"""Serves the page: an HTTP server in a thread, and the socket that it listens on."""
+import asyncio
+import socket
+import threading
+from typing import Any, Callable, Optional
+
+import uvicorn
+
+from img_recog.errors import UserError, one_line
+from img_recog.nodes.web.doors import MAX_BODY_BYTES
+
+_PORTS = 11             # tried, from the first one on
+_MAX_PORT = 65535
+_END_TIMEOUT_S = 2.0
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens at this address, at the first port from `port` on that is free.
+
+    Raises UserError if there is none, or no such address.
+    """
+    last: Optional[OSError] = None
+    for number in range(port, min(port + _PORTS, _MAX_PORT + 1)):
+        try:
+            return socket.create_server(
+                (host, number), family=socket.AF_INET6 if ':' in host else socket.AF_INET)
+        except (OSError, OverflowError) as error:
+            last = error if isinstance(error, OSError) else OSError(str(error))
+    raise UserError('cannot serve the page at {}, ports {} to {}: {}'.format(
+        host, port, min(port + _PORTS - 1, _MAX_PORT), one_line(last)),
+        'set web_host to an address of this computer, and web_port to a free port')
+
+
+class Server:
+    """Runs an ASGI application in a thread until it is closed."""
+
+    def __init__(self, app: Any, sock: socket.socket, failed: Callable[[BaseException], None]):
+        """Start to serve; failed: is called with an error that ends the server."""
+        # JPEG images do not get smaller
+        self._server = uvicorn.Server(uvicorn.Config(
+            app, log_level='error', access_log=False, lifespan='on', server_header=False,
+            ws_max_size=MAX_BODY_BYTES, ws_per_message_deflate=False, timeout_keep_alive=30,
+            timeout_graceful_shutdown=1))
+        self._sock, self._failed = sock, failed
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End all connections, and wait for the end of the thread."""
+        self._server.should_exit = True
+        self._thread.join(_END_TIMEOUT_S)
+        self._server.force_exit = True
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._server.serve(sockets=[self._sock]))
+        except BaseException as error:
+            self._failed(error)
+
+
+def address(sock: socket.socket, token: str) -> str:
+    """Return the address of the page for a browser on this computer or for others."""
+    host, port = sock.getsockname()[:2]
+    if host in ('127.0.0.1', '::1'):
+        host = 'localhost'
+    elif host in ('0.0.0.0', '::'):
+        host = socket.gethostname()
+    return 'http://{}:{}/?token={}'.format('[{}]'.format(host) if ':' in host else host,
+                                           port, token)

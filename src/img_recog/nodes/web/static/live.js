@@ -1,0 +1,456 @@
+// Shows what the server sends over one WebSocket, and sends what the visitor holds and points at.
+'use strict';
+
+(() => {
+  const HISTORY_S = 20;
+  const DRIVE_PERIOD_MS = 100;
+  const RETRY_MS = 1000;
+  const MAX_LOG = 500;
+  const LEVELS = ['debug', 'info', 'warn', 'error', 'fatal'];
+  const KEYS = {
+    w: [1, 0], arrowup: [1, 0], x: [-1, 0], arrowdown: [-1, 0],
+    a: [0, 1], arrowleft: [0, 1], d: [0, -1], arrowright: [0, -1],
+  };
+  const decoder = new TextDecoder();
+  const all = (selector) => [...document.querySelectorAll(selector)];
+  const text = (key) => (window.texts || {})[key] || key;
+  const css = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
+
+  // ---- what is shown
+  const visible = new Set();
+  const state = { areas: [], asked: [], driven: [], path: [], log: [], nodes: {}, colors: [] };
+  const observer = new IntersectionObserver((entries) => {
+    for (const entry of entries) {
+      if (entry.isIntersecting) visible.add(entry.target); else visible.delete(entry.target);
+    }
+    look();
+  });
+  const observed = new WeakSet();
+  // elements of the page come and go with its tabs
+  new MutationObserver(() => adopt()).observe(document.documentElement,
+    { childList: true, subtree: true });
+
+  function adopt() {
+    for (const element of all('canvas[data-picture], canvas.map, [data-graph]')) {
+      if (!observed.has(element)) { observed.add(element); observer.observe(element); }
+    }
+    for (const element of visible) {
+      if (!element.isConnected) { visible.delete(element); look(); }
+    }
+  }
+
+  // ---- the connection
+  let socket = null;
+  let looked = '';
+
+  function connect() {
+    const scheme = location.protocol === 'https:' ? 'wss://' : 'ws://';
+    socket = new WebSocket(scheme + location.host + '/live');
+    socket.binaryType = 'arraybuffer';
+    socket.onopen = () => {
+      looked = '';
+      reset();
+      look();
+      send({ ready: 1 });
+      show('[data-bind=connection]', text('connected'));
+    };
+    socket.onmessage = async (event) => {
+      try { await take(event.data); } finally { send({ ready: 1 }); }
+    };
+    socket.onclose = () => {
+      show('[data-bind=connection]', text('disconnected'));
+      setTimeout(connect, RETRY_MS);
+    };
+  }
+
+  function send(message) {
+    if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+  }
+
+  function look() {
+    const names = document.hidden ? null
+      : [...new Set([...visible].map((each) => each.dataset.picture).filter(Boolean))].sort();
+    const wanted = JSON.stringify(names);
+    if (wanted !== looked) { looked = wanted; send({ look: names }); }
+  }
+  document.addEventListener('visibilitychange', () => { release(); look(); });
+
+  async function take(buffer) {
+    const length = new DataView(buffer).getUint32(0);
+    const news = JSON.parse(decoder.decode(new Uint8Array(buffer, 4, length)));
+    let start = 4 + length;
+    const drawn = [];
+    for (const [name, size] of news.pictures) {
+      drawn.push(draw(name, new Blob([new Uint8Array(buffer, start, size)],
+        { type: 'image/jpeg' })));
+      start += size;
+    }
+    measure(news.measured);
+    await Promise.all(drawn);
+  }
+
+  async function draw(name, blob) {
+    const bitmap = await createImageBitmap(blob);
+    for (const canvas of all('canvas[data-picture]')) {
+      if (canvas.dataset.picture !== name || !visible.has(canvas)) continue;
+      if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+        canvas.width = bitmap.width;
+        canvas.height = bitmap.height;
+        canvas.parentElement.style.aspectRatio = bitmap.width + ' / ' + bitmap.height;
+      }
+      canvas.getContext('2d').drawImage(bitmap, 0, 0);
+      canvas.parentElement.classList.add('there');
+    }
+    bitmap.close();
+  }
+
+  // ---- measurements
+  function reset() {
+    Object.assign(state, { areas: [], asked: [], driven: [], path: [], log: [], nodes: {} });
+    all('[data-log]').forEach((each) => each.replaceChildren());
+  }
+
+  function measure(measured) {
+    for (const kind of ['areas', 'asked', 'driven']) {
+      if (measured[kind]) state[kind].push(...measured[kind]);
+    }
+    for (const kind of ['pose', 'scan', 'outlines', 'colors', 'factor']) {
+      if (measured[kind] !== undefined) state[kind] = measured[kind];
+    }
+    if (measured.path) state.path = measured.path;
+    if (measured.pose) follow(measured.pose);
+    if (measured.factor !== undefined) {
+      show('[data-bind=factor]', measured.factor === null ? '' : measured.factor.toFixed(2));
+    }
+    if (measured.pose) {
+      const [x, y, yaw] = measured.pose;
+      show('[data-bind=pose]', `${text('position')}: x ${x.toFixed(2)} m, y ${y.toFixed(2)} m; `
+        + `${text('heading')}: ${(yaw * 180 / Math.PI).toFixed(0)}°`);
+    }
+    for (const [kind, value] of Object.entries(measured)) {
+      if (kind.startsWith('node ')) { state.nodes[kind.slice(5)] = value; state.changed = true; }
+    }
+    if (measured.log) log(measured.log);
+  }
+
+  function follow(pose) {
+    const last = state.path[state.path.length - 1];
+    if (!last || Math.abs(pose[0] - last[0]) + Math.abs(pose[1] - last[1]) >= 0.02) {
+      state.path.push([pose[0], pose[1]]);
+      if (state.path.length > 4000) state.path.shift();
+    }
+  }
+
+  function show(selector, value) {
+    for (const element of all(selector)) {
+      if (element.textContent !== value) element.textContent = value;
+    }
+  }
+
+  // ---- charts, ECharts of NiceGUI
+  function chart(name) {
+    const element = document.querySelector(`[data-chart=${name}]`);
+    if (!element || !element.offsetParent || typeof getElement !== 'function') return null;
+    const component = getElement(Number(element.id.slice(1)));
+    return component && component.chart ? component.chart : null;
+  }
+
+  function latest(series) {
+    return series.length ? series[series.length - 1][0] : 0;
+  }
+
+  function plot() {
+    const now = Math.max(latest(state.areas), latest(state.asked), latest(state.driven));
+    for (const kind of ['areas', 'asked', 'driven']) {
+      const first = state[kind].findIndex((each) => each[0] >= now - HISTORY_S);
+      state[kind].splice(0, first < 0 ? state[kind].length : first);
+    }
+    const column = (series, index) => series.map((each) => [each[0] - now, each[index]]);
+    const areas = chart('areas');
+    if (areas) {
+      areas.setOption({ series: state.colors.map((name, index) => ({
+        name, type: 'line', showSymbol: false, animation: false,
+        data: column(state.areas, index + 1) })) });
+    }
+    const speeds = chart('speeds');
+    if (speeds) {
+      speeds.setOption({ series: [['asked', 'asked'], ['driven', 'driven']].map(([kind, key]) => ({
+        name: text(key), type: 'line', showSymbol: false, animation: false,
+        step: kind === 'asked' ? 'end' : false, data: column(state[kind], 1) })) });
+    }
+  }
+
+  // ---- the map
+  function bounds() {
+    const points = [...(state.outlines || []).flat(), ...state.path];
+    if (state.pose) points.push(state.pose);
+    if (!points.length) return [-2.5, -2.5, 5];
+    const xs = points.map((each) => each[0]);
+    const ys = points.map((each) => each[1]);
+    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys), 2)
+      * 1.12;
+    return [(Math.max(...xs) + Math.min(...xs) - size) / 2,
+      (Math.max(...ys) + Math.min(...ys) - size) / 2, size];
+  }
+
+  function toMap(canvas, event) {
+    const box = canvas.getBoundingClientRect();
+    const [x, y, size] = canvas.extent || bounds();
+    return [x + (event.clientX - box.left) / box.width * size,
+      y + (box.bottom - event.clientY) / box.height * size];
+  }
+
+  function drawMap(canvas) {
+    const side = Math.round(canvas.clientWidth * devicePixelRatio);
+    if (!side) return;
+    if (canvas.width !== side) { canvas.width = side; canvas.height = side; }
+    const [x0, y0, size] = canvas.extent = bounds();
+    const scale = side / size;
+    const at = ([x, y]) => [(x - x0) * scale, side - (y - y0) * scale];
+    const context = canvas.getContext('2d');
+    context.clearRect(0, 0, side, side);
+    context.lineWidth = devicePixelRatio;
+    context.font = `${11 * devicePixelRatio}px sans-serif`;
+    // a grid of whole meters, with its labels
+    const step = size > 12 ? 5 : 1;
+    context.strokeStyle = css('--soft');
+    context.fillStyle = css('--ink');
+    context.globalAlpha = 0.6;
+    for (let m = Math.ceil(x0 / step) * step; m < x0 + size; m += step) {
+      line(context, [at([m, y0]), at([m, y0 + size])]);
+      context.fillText(`${m} m`, at([m, y0])[0] + 3, side - 4);
+    }
+    for (let m = Math.ceil(y0 / step) * step; m < y0 + size; m += step) {
+      line(context, [at([x0, m]), at([x0 + size, m])]);
+      context.fillText(`${m} m`, 3, at([x0, m])[1] - 3);
+    }
+    context.globalAlpha = 1;
+    context.strokeStyle = css('--line');
+    context.fillStyle = css('--soft');
+    for (const outline of state.outlines || []) {
+      line(context, [...outline, outline[0]].map(at));
+      context.fill();
+    }
+    context.strokeStyle = '#2563eb';
+    context.lineWidth = 2 * devicePixelRatio;
+    let part = [];
+    for (const point of state.path) {
+      const last = part[part.length - 1];
+      // after a reset, the path goes on elsewhere
+      if (last && Math.hypot(point[0] - last[0], point[1] - last[1]) > 0.5) {
+        line(context, part.map(at));
+        part = [];
+      }
+      part.push(point);
+    }
+    line(context, part.map(at));
+    if (!state.pose) return;
+    const [x, y, yaw] = state.pose;
+    if (state.scan) {
+      context.fillStyle = '#dc2626';
+      const dot = 2 * devicePixelRatio;
+      state.scan.ranges.forEach((range, index) => {
+        if (range === null) return;
+        const angle = yaw + state.scan.angle_min + index * state.scan.angle_increment;
+        const [px, py] = at([x + range * Math.cos(angle), y + range * Math.sin(angle)]);
+        context.fillRect(px - dot / 2, py - dot / 2, dot, dot);
+      });
+    }
+    arrow(context, at([x, y]), yaw, Math.max(10 * devicePixelRatio, 0.15 * scale), '#16a34a');
+    if (canvas.target) {
+      arrow(context, at(canvas.target), canvas.target[2], Math.max(10 * devicePixelRatio,
+        0.15 * scale), '#f59e0b');
+    }
+  }
+
+  function line(context, points) {
+    context.beginPath();
+    points.forEach(([x, y], index) => (index ? context.lineTo(x, y) : context.moveTo(x, y)));
+    context.stroke();
+  }
+
+  function arrow(context, [x, y], yaw, size, color) {
+    context.save();
+    context.translate(x, y);
+    context.rotate(-yaw);
+    context.fillStyle = color;
+    context.beginPath();
+    context.moveTo(size, 0);
+    context.lineTo(-size * 0.7, size * 0.7);
+    context.lineTo(-size * 0.35, 0);
+    context.lineTo(-size * 0.7, -size * 0.7);
+    context.closePath();
+    context.fill();
+    context.restore();
+  }
+
+  document.addEventListener('pointerdown', (event) => {
+    const canvas = event.target.closest && event.target.closest('canvas.map');
+    if (!canvas) return;
+    event.preventDefault();
+    canvas.setPointerCapture(event.pointerId);
+    canvas.target = [...toMap(canvas, event), state.pose ? state.pose[2] : 0];
+  });
+  document.addEventListener('pointermove', (event) => {
+    const canvas = event.target;
+    if (!canvas.target || !canvas.hasPointerCapture || !canvas.hasPointerCapture(event.pointerId)) {
+      return;
+    }
+    const [x, y] = toMap(canvas, event);
+    if (Math.hypot(x - canvas.target[0], y - canvas.target[1]) > 0.1) {
+      canvas.target[2] = Math.atan2(y - canvas.target[1], x - canvas.target[0]);
+    }
+  });
+  document.addEventListener('pointerup', (event) => {
+    const canvas = event.target;
+    if (!canvas.target) return;
+    emitEvent('pose', { x: canvas.target[0], y: canvas.target[1], yaw: canvas.target[2] });
+    canvas.target = null;
+  });
+  document.addEventListener('click', (event) => {
+    const canvas = event.target.closest && event.target.closest('canvas.pick');
+    if (!canvas) return;
+    const box = canvas.getBoundingClientRect();
+    emitEvent('pick', { topic: canvas.dataset.picture, x: (event.clientX - box.left) / box.width,
+      y: (event.clientY - box.top) / box.height });
+  });
+
+  // ---- driving
+  const held = new Map();         // a key or a pointer, and its direction
+
+  function driven() {
+    const sum = [...held.values()].reduce((a, b) => [a[0] + b[0], a[1] + b[1]], [0, 0]);
+    return sum.map((each) => Math.max(-1, Math.min(1, each)));
+  }
+
+  function mark() {
+    const directions = new Set([...held.values()].map(String));
+    for (const button of all('[data-drive]')) {
+      button.classList.toggle('held', directions.has(button.dataset.drive));
+    }
+  }
+
+  function hold(source, direction) {
+    held.set(source, direction);
+    send({ drive: driven() });
+    mark();
+  }
+
+  function letGo(source) {
+    if (!held.delete(source)) return;
+    send({ drive: held.size ? driven() : null });
+    mark();
+  }
+
+  function release() {
+    if (held.size) { held.clear(); send({ drive: null }); mark(); }
+  }
+
+  setInterval(() => { if (held.size) send({ drive: driven() }); }, DRIVE_PERIOD_MS);
+  const isTyping = (target) => target.closest
+    && target.closest('input, textarea, select, [role=slider], [contenteditable]');
+  document.addEventListener('keydown', (event) => {
+    const direction = KEYS[event.key.toLowerCase()];
+    if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event.target)) return;
+    if (event.key === 's') release();
+    if (!direction || !document.querySelector('[data-drive]')) return;
+    event.preventDefault();
+    if (!event.repeat) hold(event.key.toLowerCase(), direction);
+  });
+  document.addEventListener('keyup', (event) => letGo(event.key.toLowerCase()));
+  window.addEventListener('blur', release);
+  document.addEventListener('pointerdown', (event) => {
+    const button = event.target.closest && event.target.closest('[data-drive]');
+    if (!button) return;
+    hold(event.pointerId, button.dataset.drive.split(',').map(Number));
+  });
+  for (const name of ['pointerup', 'pointercancel']) {
+    document.addEventListener(name, (event) => letGo(event.pointerId));
+  }
+  document.addEventListener('contextmenu', (event) => {
+    if (event.target.closest && event.target.closest('[data-drive]')) event.preventDefault();
+  });
+  // with the keyboard alone: a button drives as long as Enter or Space is held on it
+  document.addEventListener('keydown', (event) => {
+    const button = event.target.closest && event.target.closest('[data-drive]');
+    if (button && (event.key === 'Enter' || event.key === ' ') && !event.repeat) {
+      hold(event.key.toLowerCase(), button.dataset.drive.split(',').map(Number));
+    }
+  });
+
+  // ---- log and nodes
+  function log(entries) {
+    state.log.push(...entries);
+    state.log.splice(0, Math.max(0, state.log.length - MAX_LOG));
+    for (const box of all('[data-log]')) {
+      const isAtEnd = box.scrollHeight - box.scrollTop - box.clientHeight < 30;
+      box.append(...entries.map(logLine));
+      while (box.childElementCount > MAX_LOG) box.firstElementChild.remove();
+      filterLog(box);
+      if (isAtEnd) box.scrollTop = box.scrollHeight;
+    }
+  }
+
+  function logLine([time, level, node, message]) {
+    const row = document.createElement('div');
+    row.dataset.level = level;
+    const name = document.createElement('span');
+    name.className = `level level-${level}`;
+    name.textContent = level.toUpperCase();
+    row.append(name, ` ${time.toFixed(2)} ${node}: ${message}`);
+    return row;
+  }
+
+  function filterLog(box) {
+    const lowest = LEVELS.indexOf(box.dataset.log);
+    for (const row of box.children) row.hidden = LEVELS.indexOf(row.dataset.level) < lowest;
+  }
+  window.filterLog = (level) => all('[data-log]').forEach((box) => {
+    box.dataset.log = level;
+    if (!box.childElementCount) box.append(...state.log.map(logLine));
+    filterLog(box);
+    box.scrollTop = box.scrollHeight;
+  });
+
+  function listNodes() {
+    const levels = ['ok', 'warn', 'error', 'stale'];
+    for (const body of all('[data-nodes]')) {
+      body.replaceChildren(...Object.keys(state.nodes).sort().map((name) => {
+        const node = state.nodes[name];
+        const rates = node.values.filter(([key]) => key.endsWith('(Hz)'))
+          .map(([key, value]) => `${key.slice(0, -5)} ${value} Hz`).join(', ');
+        const row = document.createElement('tr');
+        const level = levels[node.level] || 'error';
+        for (const value of [node.name, `${level.toUpperCase()}: ${node.message}`, rates]) {
+          const cell = document.createElement('td');
+          cell.textContent = value;
+          row.append(cell);
+        }
+        row.children[1].className = `level-${level}`;
+        return row;
+      }));
+    }
+  }
+
+  // ---- the graph
+  function loadGraph(image) {
+    const next = new Image();
+    next.onload = () => { image.src = next.src; };
+    next.src = `/graph.svg?dark=${document.body.classList.contains('body--dark') ? 1 : 0}`
+      + `&leaves=${image.dataset.graph}&t=${Date.now()}`;
+  }
+  window.loadGraph = () => all('[data-graph]').forEach(loadGraph);
+
+  setInterval(() => {
+    if (document.hidden) return;
+    for (const element of visible) if (element.matches('canvas.map')) drawMap(element);
+    plot();
+  }, 100);
+  setInterval(() => {
+    if (document.hidden) return;
+    if (state.changed) { state.changed = false; listNodes(); }
+    for (const element of visible) if (element.matches('[data-graph]')) loadGraph(element);
+  }, 2000);
+  document.addEventListener('DOMContentLoaded', adopt);
+  connect();
+})();

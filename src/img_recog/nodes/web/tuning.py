@@ -1,0 +1,94 @@
+"""Changes parameters of other nodes by dynamic_reconfigure, without waiting for them."""
+import threading
+from typing import Any, Dict, List, Optional
+
+import rospy
+from dynamic_reconfigure import DynamicReconfigureException
+from dynamic_reconfigure.client import Client
+
+from img_recog.errors import one_line
+from img_recog.ros.throttle import ThrottledWarning
+
+_CONNECT_TIMEOUT_S = 2.0
+_RETRY_PERIOD_S = 1.0
+
+
+class Tuning:
+    """Parameters of a node that can be changed while it runs.
+
+    It connects while somebody looks, from a separate thread, which also sends what is changed: of
+    several changes of a parameter that wait, the last one is sent.
+    """
+
+    def __init__(self, node: str):
+        """Do nothing yet; node: the resolved name of the node."""
+        self._node, self._warn = node, ThrottledWarning()
+        self._condition = threading.Condition()
+        self._is_watched = False
+        self._thread: Optional[threading.Thread] = None
+        self._changes: Dict[str, Any] = {}
+        self._values: Dict[str, Any] = {}
+        self._described: List[Dict[str, Any]] = []
+        self.revision = 0
+
+    def watch(self, is_watched: bool) -> None:
+        """Connect or disconnect, soon and in another thread."""
+        with self._condition:
+            self._is_watched = is_watched
+            if is_watched and self._thread is None:
+                self._thread = threading.Thread(target=self._run, daemon=True)
+                self._thread.start()
+            self._condition.notify()
+
+    def values(self) -> Dict[str, Any]:
+        """Return the values of all parameters; empty as long as the node does not answer.
+
+        revision: changes whenever they change.
+        """
+        return self._values
+
+    def described(self) -> List[Dict[str, Any]]:
+        """Return name, type, min, max and description of each parameter."""
+        return self._described
+
+    def change(self, **values: Any) -> None:
+        """Change parameters, soon and in another thread."""
+        with self._condition:
+            self._changes.update(values)
+            self._condition.notify()
+
+    def _run(self) -> None:
+        client: Optional[Client] = None
+        while not rospy.is_shutdown():
+            with self._condition:
+                if not self._is_watched:
+                    self._thread, self._values = None, {}
+                    break
+            try:
+                if client is None:
+                    client = self._connect()
+                    self._described = client.get_parameter_descriptions(_CONNECT_TIMEOUT_S) or []
+                self._send(client)
+            except (DynamicReconfigureException, rospy.ROSException, rospy.ServiceException,
+                    OSError) as error:
+                self._warn('the parameters of %s: %s', self._node, one_line(error))
+                with self._condition:
+                    self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
+        if client is not None:
+            client.close()
+
+    def _connect(self) -> Client:
+        return Client(self._node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received)
+
+    def _send(self, client: Client) -> None:
+        """Send the changes that wait, or wait for some."""
+        with self._condition:
+            self._condition.wait_for(lambda: self._changes or not self._is_watched,
+                                     _RETRY_PERIOD_S)
+            changes, self._changes = self._changes, {}
+        if changes:
+            client.update_configuration(changes)
+
+    def _received(self, values: Dict[str, Any]) -> None:
+        self._values = {name: value for name, value in values.items() if name != 'groups'}
+        self.revision += 1

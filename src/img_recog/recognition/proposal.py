@@ -1,0 +1,35 @@
+"""Proposes bounds of a color from a part of an image."""
+from typing import Dict
+
+import cv2
+import numpy as np
+
+_RADIUS_PX = 4          # of the square around the point that was chosen
+_HUES = 180
+_HUE_MARGIN, _LEVEL_MARGIN = 10, 60
+_MIN_SATURATION, _MIN_VALUE = 40, 30
+
+
+def propose_bounds(image: np.ndarray, x: float, y: float) -> Dict[str, int]:
+    """Return hue, saturation and value bounds that contain the color at a point and its likes.
+
+    image: bgr8, uint8 of shape (height, width, 3). x, y: shares of width and height, 0 to 1.
+    The bounds are on OpenCV's 8-bit scale; if hue_min is above hue_max, the hue wraps around.
+    Brighter and more saturated pixels of the same hue are within them.
+    """
+    height, width = image.shape[:2]
+    column, row = (min(size - 1, max(0, int(share * size)))
+                   for share, size in ((x, width), (y, height)))
+    part = image[max(0, row - _RADIUS_PX):row + _RADIUS_PX + 1,
+                 max(0, column - _RADIUS_PX):column + _RADIUS_PX + 1]
+    hue, saturation, value = (plane.ravel().astype(float) for plane in
+                              cv2.split(cv2.cvtColor(part, cv2.COLOR_BGR2HSV)))
+    # hues are angles: red is near 0 and near 180
+    angles = hue * (2 * np.pi / _HUES)
+    middle = np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()) * _HUES / (2 * np.pi)
+    return {'hue_min': int(round(middle - _HUE_MARGIN)) % _HUES,
+            'hue_max': int(round(middle + _HUE_MARGIN)) % _HUES,
+            'saturation_min': int(max(_MIN_SATURATION, np.median(saturation) - _LEVEL_MARGIN)),
+            'saturation_max': 255,
+            'value_min': int(max(_MIN_VALUE, np.median(value) - _LEVEL_MARGIN)),
+            'value_max': 255}
