@@ -1,10 +1,10 @@
 """Converts poses and outlines in the x-y plane of a frame."""
 import math
-from typing import List, NamedTuple, Sequence
+from typing import List, NamedTuple, Sequence, Union
 
 import genpy
 import numpy as np
-from geometry_msgs.msg import Point, PoseStamped
+from geometry_msgs.msg import Point, PoseStamped, PoseWithCovariance
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -34,7 +34,7 @@ def pose_to_msg(pose: PlanePose, header: Header) -> PoseStamped:
     return msg
 
 
-def pose_from_msg(msg: PoseStamped) -> PlanePose:
+def pose_from_msg(msg: Union[PoseStamped, PoseWithCovariance]) -> PlanePose:
     """Return the pose in a message; its height, roll and pitch are ignored.
 
     Raises PoseError when a number is not finite, or the quaternion is zero.

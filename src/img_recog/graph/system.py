@@ -34,6 +34,11 @@ class System(NamedTuple):
         """The topics that have an edge."""
         return frozenset(edge.topic for edge in self.edges)
 
+    def without(self, node: str) -> 'System':
+        """Return the system without a node, as without the one that shows the picture."""
+        return self._replace(nodes=self.nodes - {node}, edges=frozenset(
+            edge for edge in self.edges if edge.node != node))
+
     def rate_hz(self, edge: Edge) -> Optional[float]:
         """Return the rate on an edge, None if it is not known."""
         return self.rates_hz.get(edge)

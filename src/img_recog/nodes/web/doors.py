@@ -37,9 +37,14 @@ class Doors:
     not come from a page of another origin.
     """
 
-    def __init__(self, app: App, token: str, port: int):
-        """Guard `app`; port: of the page, as browsers share cookies between ports."""
+    def __init__(self, app: App, token: str, port: int, failed: Callable[[Exception], None]):
+        """Guard `app`.
+
+        port: of the page, as browsers share cookies between ports. failed: is called with an
+        error of `app`, unless the visitor was gone by then.
+        """
         self._app, self._token, self._cookie = app, token, 'img_recog_{}'.format(port)
+        self._failed = failed
         self._connections = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -56,8 +61,12 @@ class Doors:
             await _refuse(scope, receive, send, problem)
         else:
             self._connections += 1
+            visit = _Visit(scope, receive)
             try:
-                await self._app(scope, _limited(scope, receive), _with_headers(send))
+                await self._app(scope, visit.receive, _with_headers(send))
+            except Exception as error:
+                if not visit.has_ended:
+                    self._failed(error)
             finally:
                 self._connections -= 1
 
@@ -133,28 +142,32 @@ def _with_headers(send: Send) -> Send:
     return send_with_headers
 
 
-def _limited(scope: Scope, receive: Receive) -> Receive:
-    """Return a `receive` that ends the connection when too much is sent."""
-    if scope['type'] == 'http':
-        received = 0
+class _Visit:
+    """What comes in over a connection, until it ends or too much is sent.
 
-        async def receive_body() -> Message:
-            nonlocal received
-            message = await receive()
-            received += len(message.get('body', b''))
-            return message if received <= MAX_BODY_BYTES else {'type': 'http.disconnect'}
-        return receive_body
-    allowance = Allowance(_MESSAGES_HZ, _MESSAGES_BURST)
+    has_ended: whether the visitor has left.
+    """
 
-    async def receive_message() -> Message:
-        message = await receive()
-        if message['type'] == 'websocket.receive':
+    def __init__(self, scope: Scope, receive: Receive):
+        self._receive, self._is_http = receive, scope['type'] == 'http'
+        self._allowance = Allowance(_MESSAGES_HZ, _MESSAGES_BURST)
+        self._body_bytes = 0
+        self.has_ended = False
+
+    async def receive(self) -> Message:
+        """Return the next message, for the application."""
+        message = await self._receive()
+        if self._is_http:
+            self._body_bytes += len(message.get('body', b''))
+            if self._body_bytes > MAX_BODY_BYTES:
+                message = {'type': 'http.disconnect'}
+        elif message['type'] == 'websocket.receive':
             if len(message.get('text') or message.get('bytes') or '') > MAX_BODY_BYTES:
-                return {'type': 'websocket.disconnect', 'code': _TOO_BIG}
-            if not allowance.take():
-                return {'type': 'websocket.disconnect', 'code': _TOO_MANY}
+                message = {'type': 'websocket.disconnect', 'code': _TOO_BIG}
+            elif not self._allowance.take():
+                message = {'type': 'websocket.disconnect', 'code': _TOO_MANY}
+        self.has_ended = self.has_ended or message['type'].endswith('.disconnect')
         return message
-    return receive_message
 
 
 class Allowance:

@@ -14,7 +14,7 @@ from sensor_msgs.msg import LaserScan, PointCloud
 from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
 
-from img_recog.conversions import color_detection_msgs, plane_msgs, robot_msgs
+from img_recog.conversions import color_detection_msgs, plane_msgs
 from img_recog.errors import shortened
 from img_recog.nodes.web.news import News
 from img_recog.ros.throttle import ThrottledWarning
@@ -79,11 +79,15 @@ class MeasurementTopics:
         self.news.add('asked', _rounded(time.time(), msg.linear.x, msg.angular.z))
 
     def _driven(self, msg: Odometry) -> None:
-        twist, motion = msg.twist.twist, robot_msgs.odometry_from_msg(msg)
-        x, y = motion.position[:2]
+        try:
+            pose = plane_msgs.pose_from_msg(msg.pose)
+        except plane_msgs.PoseError as error:
+            self._warn('odom: %s', error)
+            return
+        twist = msg.twist.twist
         self.news.add('driven', _rounded(time.time(), twist.linear.x, twist.angular.z))
-        self.news.set('pose', _rounded(x, y, motion.yaw))
-        self.news.extend_path(*_rounded(x, y))
+        self.news.set('pose', _rounded(*pose))
+        self.news.extend_path(*_rounded(pose.x, pose.y))
 
     def _scanned(self, msg: LaserScan) -> None:
         self.news.set('scan', {

@@ -12,19 +12,23 @@ color_extract and gazebo.
 Reads: ~web_host, ~web_port (WebSettings), ~max_linear_velocity, ~max_angular_velocity
 (TeleopSettings), ~max_image_pixels.
 """
+import contextlib
+import itertools
 import os
 import secrets
 import sys
 import threading
 import time
+import traceback
 from typing import Any, Dict, List, Optional, Set, Tuple
 
 import cv2
 import numpy as np
 import rospy
+import yaml
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
-from fastapi import FastAPI, WebSocket
+from fastapi import FastAPI, WebSocket, WebSocketDisconnect
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
@@ -41,9 +45,12 @@ from img_recog.nodes.web.server import Server, address, listen
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.simulation import ACTIONS, SimulationControl
 from img_recog.nodes.web.tuning import Tuning
+from img_recog.recognition.parameter_file import COLORS
 from img_recog.recognition.proposal import propose_bounds
-from img_recog.ros import lifecycle, parameters
+from img_recog.ros import bag_recording, lifecycle, parameters
+from img_recog.ros.bag_recording import BagRecording
 from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import TeleopSettings
 
 _POLL_PERIOD_S = 0.5
@@ -51,6 +58,7 @@ _MAX_IMAGE_BYTES = 200_000_000
 _GRAPH_PERIOD_S = 1.0           # a drawn graph is shown to all pages for this time
 _LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
 _DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')
+_FOLDER_ADVICE = 'start it in a folder where files can be written'
 _NICENESS = 5                   # the robot comes first
 
 
@@ -61,11 +69,15 @@ class Web:
         settings = parameters.read(WebSettings)
         limits = parameters.read(TeleopSettings)
         parameters.warn_of_unknown(WebSettings, TeleopSettings)
+        self._warn = ThrottledWarning()
         self._failure: Optional[BaseException] = None
         self._watching: Set[object] = set()
         self._lock = threading.Lock()
         self._graphs: Dict[Tuple[bool, bool], Tuple[float, bytes]] = {}
         self._reader: Optional[SystemReader] = None
+        self._recording_lock = threading.Lock()
+        self._recording: Optional[BagRecording] = None
+        lifecycle.on_shutdown(self._end_recording)
         self.driving = Driving(limits)
         self.colors = Tuning(rospy.resolve_name('color_extract'))
         self.simulator = Tuning(rospy.resolve_name('gazebo'))
@@ -78,7 +90,8 @@ class Web:
             rospy.logwarn('port %d is taken: the page is at port %d', settings.web_port, port)
         token = secrets.token_urlsafe(16)
         self._address = address(sock, token)
-        self._server = Server(Doors(self._application(), token, port), sock, self._fail)
+        self._server = Server(
+            Doors(self._application(), token, port, self._warn_of), sock, self._fail)
         NodeDiagnostics('web', 'none', self._report)
 
     def _application(self) -> FastAPI:
@@ -87,7 +100,9 @@ class Web:
         @app.websocket('/live')
         async def live(socket: WebSocket) -> None:
             await socket.accept()
-            await self._feed.serve(socket)
+            # the end of a connection is nothing to report, in the middle of a message too
+            with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+                await self._feed.serve(socket)
         page.build(app, self)
         return app
 
@@ -103,6 +118,11 @@ class Web:
                 time.sleep(_POLL_PERIOD_S)
         finally:
             self._server.close()
+
+    def _warn_of(self, error: Exception) -> None:
+        self._warn('the page failed: %s: %s', type(error).__name__, one_line(error))
+        rospy.logdebug('%s', ''.join(traceback.format_exception(
+            type(error), error, error.__traceback__)))
 
     def _fail(self, error: BaseException) -> None:
         self._failure = error
@@ -156,15 +176,38 @@ class Web:
 
     def save_colors(self) -> str:
         """Save the parameters of the colors; return the path."""
-        raise UserError('not yet')
+        values = self.colors.values()
+        names = page.color_names_in(values)
+        if not names:
+            raise UserError('color_extract does not answer', 'start it')
+        path = _free_path('colors', '.yaml')
+        text = yaml.safe_dump({COLORS: names, **values}, sort_keys=False)
+        with files.atomic_write([path], _FOLDER_ADVICE) as (file,):
+            file.write(text.encode())
+        return path
 
     def record(self, is_wanted: bool) -> str:
         """Start or stop a recording; return its path."""
-        raise UserError('not yet')
+        with self._recording_lock:
+            recording = self._recording
+            if is_wanted == (recording is not None and recording.is_running):
+                return self.recording()
+            if recording is None or is_wanted:
+                topics = list(map(rospy.resolve_name, bag_recording.TOPICS))
+                self._recording = BagRecording(_free_path('recording', '.bag'), topics)
+                return self._recording.path
+            recording.stop()
+            return recording.path
 
     def recording(self) -> str:
         """Return the path of the recording that runs, '' if there is none."""
-        return ''
+        recording = self._recording
+        return recording.path if recording is not None and recording.is_running else ''
+
+    def _end_recording(self) -> None:
+        if self.recording():
+            with contextlib.suppress(UserError):
+                self.record(False)
 
     def graph(self, is_dark: bool, leaves: bool) -> bytes:
         """Return the graph of nodes and topics as SVG; raise UserError if that fails."""
@@ -172,10 +215,20 @@ class Web:
             drawn_s, picture = self._graphs.get((is_dark, leaves), (0.0, b''))
             if time.monotonic() - drawn_s > _GRAPH_PERIOD_S:
                 self._reader = self._reader or SystemReader()
-                shown = visible(self._reader.read(), Choice(leaves=leaves))
+                shown = visible(self._reader.read().without(rospy.get_name()),
+                                Choice(leaves=leaves))
                 picture = dot.draw(dot.to_dot(shown, _DARK if is_dark else _LIGHT), 'svg')
                 self._graphs[is_dark, leaves] = time.monotonic(), picture
             return picture
+
+
+def _free_path(name: str, extension: str) -> str:
+    """Return the path of a new file NAME_1, NAME_2, ... in the user's folder."""
+    folder = next(filter(os.path.isdir, files.user_folders()))
+    paths = (os.path.join(folder, '{}_{}{}'.format(name, number, extension))
+             for number in itertools.count(1))
+    return next(path for path in paths if not any(
+        os.path.exists(path + suffix) for suffix in ('', '.active')))
 
 
 def main() -> int:

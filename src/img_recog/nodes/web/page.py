@@ -18,6 +18,8 @@ _STATIC = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'static')
 _POLL_S = 0.4           # of values that other pages or nodes may change
 _FACTORS = {0.25: '0.25', 0.5: '0.5', 1.0: '1', 2.0: '2', 5.0: '5', 0.0: ''}
 _BOUNDS = ('saturation', 'value')
+# readable on a light and on a dark card
+_CHART_TEXT, _CHART_LINES = '#8b919c', '#8b919c44'
 _LEVELS = ('debug', 'info', 'warn', 'error')
 _SLIDER_THROTTLE_S = 0.05
 _PAD: Sequence[Tuple[str, str, str]] = (      # text, icon, direction; by rows of three
@@ -150,10 +152,12 @@ class _Page:
     def _chart(self, name: str, title: str) -> None:
         with ui.element('section').classes('card'):
             _heading(title)
-            axis = {'type': 'value', 'axisLabel': {'hideOverlap': True}}
+            axis = {'type': 'value', 'axisLabel': {'hideOverlap': True, 'color': _CHART_TEXT},
+                    'splitNumber': 4, 'splitLine': {'lineStyle': {'color': _CHART_LINES}},
+                    'nameTextStyle': {'color': _CHART_TEXT}}
             ui.echart({
                 'grid': {'left': 48, 'right': 12, 'top': 26, 'bottom': 34},
-                'legend': {'top': 0, 'textStyle': {'color': '#888'}},
+                'legend': {'top': 0, 'textStyle': {'color': _CHART_TEXT}},
                 'xAxis': dict(axis, min=-20, max=0, name=self._t('seconds'),
                               nameLocation='middle', nameGap=18),
                 'yAxis': axis, 'series': []}).classes('chart').props(
@@ -279,11 +283,11 @@ class _Page:
 
     def _graph(self) -> None:
         with ui.element('section').classes('card'):
-            ui.checkbox(self._t('leaves'), on_change=lambda event: ui.run_javascript(
+            ui.checkbox(self._t('leaves'), value=True, on_change=lambda event: ui.run_javascript(
                 'document.querySelector("[data-graph]").dataset.graph = {}; loadGraph()'.format(
                     int(event.value)))).props('dense')
             with ui.element('div').classes('graph'):
-                ui.element('img').props('data-graph=0 alt="{}"'.format(self._t('graph_label')))
+                ui.element('img').props('data-graph=1 alt="{}"'.format(self._t('graph_label')))
 
     def _nodes(self) -> None:
         with ui.element('section').classes('card table-box'):

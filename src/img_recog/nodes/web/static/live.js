@@ -22,6 +22,7 @@
   const observer = new IntersectionObserver((entries) => {
     for (const entry of entries) {
       if (entry.isIntersecting) visible.add(entry.target); else visible.delete(entry.target);
+      if (entry.isIntersecting && entry.target.matches('[data-graph]')) loadGraph(entry.target);
     }
     look();
   });
@@ -52,13 +53,11 @@
       reset();
       look();
       send({ ready: 1 });
-      show('[data-bind=connection]', text('connected'));
     };
     socket.onmessage = async (event) => {
       try { await take(event.data); } finally { send({ ready: 1 }); }
     };
     socket.onclose = () => {
-      show('[data-bind=connection]', text('disconnected'));
       setTimeout(connect, RETRY_MS);
     };
   }
@@ -443,6 +442,8 @@
 
   setInterval(() => {
     if (document.hidden) return;
+    show('[data-bind=connection]', text(
+      socket && socket.readyState === WebSocket.OPEN ? 'connected' : 'disconnected'));
     for (const element of visible) if (element.matches('canvas.map')) drawMap(element);
     plot();
   }, 100);
