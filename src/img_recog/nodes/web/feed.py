@@ -48,8 +48,11 @@ class Measurements(Protocol):
 class Driver(Protocol):
     """Who drives the robot."""
 
-    def hold(self, owner: object, linear: float, angular: float) -> None:
-        """Drive with these shares of the highest speeds, -1 to 1, for a moment."""
+    def hold(self, owner: object, linear: float, angular: float) -> bool:
+        """Drive with these shares of the highest speeds, -1 to 1, for a moment.
+
+        Return False if another owner drives.
+        """
 
     def release(self, owner: object) -> None:
         """Stop the robot, if this owner drives it."""
@@ -77,6 +80,7 @@ class _Viewer:
         self.is_ready = asyncio.Event()
         self.cursor, self.numbers = 0, {}       # of what it has got: measurements, pictures
         self.malformed = 0
+        self.is_refused = False         # another page drives
 
 
 class Feed:
@@ -140,7 +144,7 @@ class Feed:
             self._driver.release(viewer)
             return
         linear, angular = (_share(speed) for speed in speeds)
-        self._driver.hold(viewer, linear, angular)
+        viewer.is_refused = not self._driver.hold(viewer, linear, angular)
 
     _ACTIONS: Dict[str, Callable[['Feed', _Viewer, Any], None]] = {
         'look': _look, 'ready': _ready, 'drive': _drive}
@@ -167,7 +171,10 @@ class Feed:
         while True:
             await viewer.is_ready.wait()
             await self._tick.wait()
-            data = self._news(viewer) if viewer.is_looking else b''
+            if viewer.is_refused:
+                viewer.is_refused, data = False, _message({'busy': True}, [], [])
+            else:
+                data = self._news(viewer) if viewer.is_looking else b''
             if data:
                 viewer.is_ready.clear()
                 await socket.send_bytes(data)
@@ -199,9 +206,13 @@ class Feed:
                 jpegs.append(picture.jpeg)
         if not listed and not measured:
             return next_cursor, next_numbers, b''
-        text = json.dumps({'pictures': listed, 'measured': measured},
-                          separators=(',', ':'), allow_nan=False).encode()
-        return next_cursor, next_numbers, b''.join([_LENGTH.pack(len(text)), text, *jpegs])
+        return next_cursor, next_numbers, _message(measured, listed, jpegs)
+
+
+def _message(measured: Dict[str, Any], listed: List[list], jpegs: List[bytes]) -> bytes:
+    text = json.dumps({'pictures': listed, 'measured': measured},
+                      separators=(',', ':'), allow_nan=False).encode()
+    return b''.join([_LENGTH.pack(len(text)), text, *jpegs])
 
 
 def _share(value: Any) -> float:

@@ -24,6 +24,7 @@ from typing import Any, Dict, List, Optional, Set, Tuple
 
 import cv2
 import numpy as np
+import rosgraph
 import rospy
 import yaml
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -59,6 +60,7 @@ _GRAPH_PERIOD_S = 1.0           # a drawn graph is shown to all pages for this t
 _LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
 _DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')
 _FOLDER_ADVICE = 'start it in a folder where files can be written'
+_START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
 _NICENESS = 5                   # the robot comes first
 
 
@@ -108,6 +110,7 @@ class Web:
 
     def spin(self) -> None:
         """Serve the page until the node is shut down."""
+        _wait_for_other_nodes()
         # not in the log, which others can read: it has the token
         sys.stdout.write('the page: {}\n'.format(self._address))
         sys.stdout.flush()
@@ -220,6 +223,21 @@ class Web:
                 picture = dot.draw(dot.to_dot(shown, _DARK if is_dark else _LIGHT), 'svg')
                 self._graphs[is_dark, leaves] = time.monotonic(), picture
             return picture
+
+
+def _wait_for_other_nodes() -> None:
+    """Wait until no more nodes start: what this node prints then is the end of the output."""
+    master, nodes = rosgraph.Master(rospy.get_name()), set()
+    end_s = time.monotonic() + _START_TIMEOUT_S
+    since_s = time.monotonic()
+    while time.monotonic() < end_s and not rospy.is_shutdown():
+        found = {node for topics in master.getSystemState() for _, users in topics
+                 for node in users}
+        if found != nodes:
+            nodes, since_s = found, time.monotonic()
+        if time.monotonic() - since_s > _QUIET_S:
+            return
+        time.sleep(_POLL_PERIOD_S)
 
 
 def _free_path(name: str, extension: str) -> str:

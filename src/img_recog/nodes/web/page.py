@@ -116,7 +116,7 @@ class _Page:
 
     def _header(self) -> None:
         with ui.header().style('padding: 0 8px; gap: 8px; align-items: center'):
-            ui.label('img_recog').style('font-weight: 600')
+            ui.label('img_recog').classes('brand').style('font-weight: 600')
             with ui.tabs().props('dense no-caps inline-label outside-arrows mobile-arrows') \
                     .style('flex: 1; min-width: 0') as self._tabs:
                 for name in ('live', 'colors', 'graph', 'nodes', 'log'):
@@ -168,8 +168,7 @@ class _Page:
             _heading(self._t('map'))
             ui.element('canvas').classes('map').props(
                 'role=img aria-label="{}"'.format(self._t('map_label')))
-            with ui.element('p').props('data-bind=pose aria-live=off'):
-                pass
+            ui.element('p').props('data-bind=pose aria-live=off')
             _paragraph(self._t('map_help'))
 
     def _drive(self) -> None:
@@ -185,6 +184,7 @@ class _Page:
                     ui.button(icon=icon).props(
                         'data-drive="{}" aria-label="{}" title="{}"'.format(
                             direction, self._t(key), self._t(key)))
+            ui.element('p').props('data-bind=busy role=status')
             _paragraph(self._t('drive_help'))
             for name in ('max_linear', 'max_angular'):
                 field = name + '_velocity'
@@ -359,8 +359,10 @@ class _Page:
 
     def _poll(self) -> None:
         """Show what other pages and nodes have changed."""
-        self._record_button.props('color={}'.format(
-            'negative' if self._system.recording() else 'primary'))
+        is_recording = bool(self._system.recording())
+        self._record_button.props('color={0} aria-label="{1}" title="{1}"'.format(
+            'negative' if is_recording else 'primary',
+            self._t('stop_recording' if is_recording else 'record')))
         simulator = self._system.simulator.values()
         if simulator.get('view') in self._view.options:
             self._view.value = simulator['view']
@@ -374,6 +376,8 @@ class _Page:
         if [name + '_hue_min' for name in names] != [
                 each for each in self._sliders if each.endswith('_hue_min')]:
             self._tune(values, names)
+        ui.run_javascript('window.limits = {}'.format(json.dumps(
+            {name: values[name + '_area_limit'] for name in names})))
         for parameter, slider in self._sliders.items():
             if parameter in values and slider.value != values[parameter]:
                 slider.value = values[parameter]

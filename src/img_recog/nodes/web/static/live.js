@@ -116,6 +116,7 @@
     for (const kind of ['pose', 'scan', 'outlines', 'colors', 'factor']) {
       if (measured[kind] !== undefined) state[kind] = measured[kind];
     }
+    if (measured.busy) state.busyUntil = Date.now() + 2000;
     if (measured.path) state.path = measured.path;
     if (measured.pose) follow(measured.pose);
     if (measured.factor !== undefined) {
@@ -169,7 +170,7 @@
     if (areas) {
       areas.setOption({ series: state.colors.map((name, index) => ({
         name, type: 'line', showSymbol: false, animation: false,
-        data: column(state.areas, index + 1) })) });
+        data: column(state.areas, index + 1), markLine: limitLine(name) })) });
     }
     const speeds = chart('speeds');
     if (speeds) {
@@ -177,6 +178,13 @@
         name: text(key), type: 'line', showSymbol: false, animation: false,
         step: kind === 'asked' ? 'end' : false, data: column(state[kind], 1) })) });
     }
+  }
+
+  function limitLine(name) {
+    const limit = (window.limits || {})[name];
+    return limit === undefined ? { data: [] } : { silent: true, symbol: 'none', animation: false,
+      label: { show: false }, lineStyle: { type: 'dashed' },
+      data: [{ yAxis: limit, name: text('limit').replace('{}', name) }] };
   }
 
   // ---- the map
@@ -444,6 +452,7 @@
     if (document.hidden) return;
     show('[data-bind=connection]', text(
       socket && socket.readyState === WebSocket.OPEN ? 'connected' : 'disconnected'));
+    show('[data-bind=busy]', Date.now() < (state.busyUntil || 0) ? text('busy') : '');
     for (const element of visible) if (element.matches('canvas.map')) drawMap(element);
     plot();
   }, 100);

@@ -1,0 +1,57 @@
+"""Poses and outlines in the plane."""
+import math
+
+import genpy
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseStamped, PoseWithCovariance
+from std_msgs.msg import Header
+from visualization_msgs.msg import Marker
+
+from img_recog.conversions import plane_msgs
+from img_recog.conversions.plane_msgs import PlanePose, PoseError
+
+HEADER = Header(stamp=genpy.Time(3, 5), frame_id='odom')
+
+
+@pytest.mark.parametrize('pose', [PlanePose(0.0, 0.0, 0.0), PlanePose(-2.0, -0.5, 3.0),
+                                  PlanePose(1.5, 2.5, -1.2)])
+def test_a_pose_and_back(pose):
+    msg = plane_msgs.pose_to_msg(pose, HEADER)
+    assert msg.header == HEADER and msg.pose.position.z == 0.0
+    assert plane_msgs.pose_from_msg(msg) == pytest.approx(pose)
+    assert plane_msgs.pose_from_msg(PoseWithCovariance(pose=msg.pose)) == pytest.approx(pose)
+
+
+def test_a_quaternion_needs_no_unit_length():
+    msg = plane_msgs.pose_to_msg(PlanePose(0.0, 0.0, 1.0), HEADER)
+    msg.pose.orientation.z *= 3
+    msg.pose.orientation.w *= 3
+    assert plane_msgs.pose_from_msg(msg).yaw == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize('change, words', [
+    (lambda pose: setattr(pose.position, 'x', math.nan), 'x nan'),
+    (lambda pose: setattr(pose.position, 'y', -math.inf), 'y -inf'),
+    (lambda pose: setattr(pose.orientation, 'w', math.inf), 'finite'),
+    (lambda pose: setattr(pose.orientation, 'w', 0.0), 'quaternion of zeros')])
+def test_a_pose_that_is_refused(change, words):
+    msg = PoseStamped()
+    msg.pose.orientation.w = 1.0
+    change(msg.pose)
+    with pytest.raises(PoseError, match=words):
+        plane_msgs.pose_from_msg(msg)
+
+
+def test_outlines_and_back():
+    outlines = [np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)]), np.array([(5.0, 5.0), (6.0, 7.0)])]
+    msg = plane_msgs.outlines_to_msg(outlines, 'odom', HEADER.stamp)
+    # earlier ones go away: there may be fewer now
+    assert msg.markers[0].action == Marker.DELETEALL
+    for marker in msg.markers[1:]:
+        assert (marker.type, marker.action) == (Marker.LINE_STRIP, Marker.ADD)
+        assert marker.header == HEADER and marker.pose.orientation.w == 1.0
+        assert marker.points[0] == marker.points[-1] and marker.color.a == 1.0
+    assert len({marker.id for marker in msg.markers[1:]}) == 2
+    back = plane_msgs.outlines_from_msg(msg)
+    assert [each.tolist() for each in back] == [each.tolist() for each in outlines]

@@ -1,0 +1,170 @@
+"""Who gets in: requests to the ASGI middleware, one by one."""
+import asyncio
+
+import pytest
+
+from img_recog.nodes.web import doors
+from img_recog.nodes.web.doors import MAX_BODY_BYTES, Allowance, Doors
+
+TOKEN, PORT = 'a-secret', 8080
+COOKIE = 'img_recog_8080=' + TOKEN
+OWN = 'http://localhost:8080'
+
+
+class App:
+    """Answers each request with ok, and each message on a WebSocket with the same text."""
+
+    def __init__(self):
+        self.visits, self.received, self.error = 0, [], None
+
+    async def __call__(self, scope, receive, send):
+        self.visits += 1
+        while True:
+            message = await receive()
+            self.received.append(message)
+            if self.error is not None:
+                raise self.error
+            if message['type'].endswith('.disconnect'):
+                return
+            if scope['type'] == 'http' and not message.get('more_body'):
+                break
+        await send({'type': 'http.response.start', 'status': 200, 'headers': []})
+        await send({'type': 'http.response.body', 'body': b'ok'})
+
+
+def visit(path='/', query='', messages=None, kind='http', method='GET', door=None, **headers):
+    """Return the application, what is sent to the visitor, and the reported errors."""
+    app, sent, errors = App(), [], []
+    guard = door or Doors(app, TOKEN, PORT, errors.append)
+    guard._app = app if door is None else guard._app
+    scope = {'type': kind, 'path': path, 'query_string': query.encode(), 'method': method,
+             'headers': [(name.replace('_', '-').encode(), value.encode())
+                         for name, value in {'host': 'localhost:8080', **headers}.items()]}
+    waiting = iter(messages if messages is not None else [
+        {'type': 'http.request'} if kind == 'http' else {'type': 'websocket.connect'}])
+
+    async def receive():
+        return next(waiting, {'type': kind + '.disconnect'})
+
+    async def send(message):
+        sent.append(message)
+    asyncio.run(guard(scope, receive, send))
+    return app, sent, errors
+
+
+def status(sent):
+    return sent[0].get('status', sent[0]['type'])
+
+
+def test_the_cookie_opens():
+    app, sent, _ = visit(cookie=COOKIE)
+    assert app.visits == 1 and status(sent) == 200
+    assert (b'x-frame-options', b'DENY') in sent[0]['headers']
+
+
+def test_the_token_becomes_a_cookie_that_scripts_and_other_sites_do_not_get():
+    app, sent, _ = visit(query='token=' + TOKEN)
+    assert app.visits == 0 and status(sent) == 200
+    assert dict(sent[0]['headers'])[b'set-cookie'] == (
+        COOKIE + '; Path=/; HttpOnly; SameSite=Strict').encode()
+    assert TOKEN.encode() not in sent[1]['body']
+
+
+@pytest.mark.parametrize('visitor', [
+    {}, {'query': 'token=wrong'}, {'query': 'token='}, {'query': 'token=' + TOKEN + 'x'},
+    {'query': 'token=%ff%fe'}, {'query': 'token=' + TOKEN, 'path': '/graph.svg'},
+    {'cookie': 'img_recog_8080=wrong'}, {'cookie': 'img_recog_9090=' + TOKEN},
+    {'cookie': 'img_recog_8080="'}, {'cookie': '\x80'},
+    {'cookie': COOKIE, 'origin': 'http://evil.example'}, {'cookie': COOKIE, 'origin': 'null'},
+    {'cookie': COOKIE, 'origin': 'http://localhost:9090', 'method': 'POST'},
+    {'query': 'token=' + TOKEN, 'origin': 'http://evil.example'},
+    {'cookie': COOKIE, 'sec_fetch_site': 'cross-site', 'sec_fetch_mode': 'no-cors'},
+    {'cookie': COOKIE, 'sec_fetch_site': 'same-site', 'sec_fetch_mode': 'cors'},
+    {'cookie': COOKIE, 'sec_fetch_site': 'cross-site', 'sec_fetch_mode': 'navigate',
+     'method': 'POST'}])
+def test_nothing_for_others(visitor):
+    app, sent, _ = visit(**visitor)
+    assert app.visits == 0 and status(sent) == 403
+    assert b'address with the token' in sent[1]['body'] and TOKEN.encode() not in sent[1]['body']
+
+
+@pytest.mark.parametrize('fetch', [
+    {'sec_fetch_site': 'none', 'sec_fetch_mode': 'navigate'},
+    {'sec_fetch_site': 'cross-site', 'sec_fetch_mode': 'navigate'},     # a link in another page
+    {'sec_fetch_site': 'same-origin', 'sec_fetch_mode': 'cors', 'origin': OWN}])
+def test_the_page_itself_may_be_opened_and_may_fetch(fetch):
+    assert visit(cookie=COOKIE, **fetch)[0].visits == 1
+
+
+@pytest.mark.parametrize('visitor, is_open', [
+    ({'cookie': COOKIE, 'origin': OWN}, True), ({'origin': OWN}, False),
+    ({'cookie': COOKIE}, False), ({'cookie': COOKIE, 'origin': 'http://evil.example'}, False),
+    ({'query': 'token=' + TOKEN, 'origin': OWN}, False)])
+def test_web_sockets_need_cookie_and_origin(visitor, is_open):
+    app, sent, _ = visit('/live', kind='websocket', **visitor)
+    assert app.visits == is_open
+    assert is_open or [message['type'] for message in sent] == ['websocket.close']
+
+
+def test_other_kinds_of_connections_pass():
+    app, _, _ = visit(kind='lifespan')
+    assert app.visits == 1
+
+
+@pytest.mark.parametrize('length, code', [
+    (str(MAX_BODY_BYTES), 200), (str(MAX_BODY_BYTES + 1), 413), ('-1', 413), ('many', 413)])
+def test_large_requests_are_refused(length, code):
+    assert status(visit(cookie=COOKIE, method='POST', content_length=length)[1]) == code
+
+
+def test_a_request_that_is_larger_than_it_says_ends():
+    parts = [{'type': 'http.request', 'body': bytes(MAX_BODY_BYTES // 2), 'more_body': True}] * 3
+    app, sent, _ = visit(cookie=COOKIE, method='POST', messages=parts)
+    assert app.received[-1] == {'type': 'http.disconnect'} and sent == []
+
+
+def messages_of(*texts):
+    return [{'type': 'websocket.connect'}] + [
+        {'type': 'websocket.receive', 'text': text} for text in texts]
+
+
+def test_a_large_message_ends_a_web_socket():
+    for large in ('x' * (MAX_BODY_BYTES + 1), ):
+        app, _, _ = visit('/live', kind='websocket', cookie=COOKIE, origin=OWN,
+                          messages=messages_of('a', large, 'b'))
+        assert [message.get('text') for message in app.received] == [None, 'a', None]
+
+
+def test_thousands_of_messages_end_a_web_socket(monkeypatch):
+    monkeypatch.setattr(doors, '_MESSAGES_BURST', 3.0)
+    monkeypatch.setattr(doors, '_MESSAGES_HZ', 0.001)
+    app, _, _ = visit('/live', kind='websocket', cookie=COOKIE, origin=OWN,
+                      messages=messages_of(*'abcdef'))
+    assert [message.get('text') for message in app.received] == [None, 'a', 'b', 'c', None]
+    assert app.received[-1]['code'] == 1008
+
+
+def test_too_many_connections():
+    guard = Doors(App(), TOKEN, PORT, lambda _: None)
+    guard._connections = doors.MAX_CONNECTIONS
+    assert status(visit(cookie=COOKIE, door=guard)[1]) == 503
+    guard._connections -= 1
+    assert status(visit(cookie=COOKIE, door=guard)[1]) == 200
+    assert status(visit(cookie=COOKIE, door=guard)[1]) == 200       # the last one has ended
+
+
+@pytest.mark.parametrize('messages, is_reported', [(None, True), ([], False)])
+def test_an_error_of_the_application_is_reported_unless_the_visitor_is_gone(messages,
+                                                                            is_reported):
+    app, errors = App(), []
+    app.error = ValueError('a mistake')
+    guard = Doors(app, TOKEN, PORT, errors.append)
+    visit(cookie=COOKIE, messages=messages, door=guard)
+    assert errors == ([app.error] if is_reported else [])
+
+
+def test_an_allowance_is_filled_again():
+    times = iter([0.0, 0.0, 0.0, 0.0, 0.5, 0.5, 100.0, 100.0, 100.0])
+    allowance = Allowance(2.0, 2.0, lambda: next(times))
+    assert [allowance.take() for _ in range(8)] == [
+        True, True, False, True, False, True, True, False]

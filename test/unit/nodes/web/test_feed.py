@@ -1,0 +1,241 @@
+"""What pages get and send over their WebSocket, with plain objects in place of ROS."""
+import asyncio
+import json
+
+import pytest
+
+from img_recog.nodes.web import feed
+from img_recog.nodes.web.feed import Feed, Picture, decoded
+from img_recog.nodes.web.news import News
+
+CAMERA, BLUE = '/usb_cam/image_raw', '/blue_image'
+
+
+class Pictures:
+    def __init__(self):
+        self.watched, self.pictures = set(), {}
+
+    def watch(self, names):
+        self.watched = names
+
+    def latest(self, name):
+        return self.pictures.get(name)
+
+
+class Measurements(News):
+    is_watched = False
+
+    def watch(self, is_watched):
+        self.is_watched = is_watched
+
+
+class Driver:
+    def __init__(self):
+        self.calls = []
+
+    is_free = True
+
+    def hold(self, owner, linear, angular):
+        self.calls.append((linear, angular))
+        return self.is_free
+
+    def release(self, owner):
+        self.calls.append(None)
+
+
+class Gone(Exception):
+    """The connection has ended."""
+
+
+class Socket:
+    """A browser: sends the texts of a queue; `reads` is cleared while it does not read."""
+
+    def __init__(self):
+        self.texts, self.received, self.code = asyncio.Queue(), [], None
+        self.reads = asyncio.Event()
+        self.reads.set()
+
+    def send(self, **message):
+        self.texts.put_nowait(json.dumps(message))
+
+    async def receive_text(self):
+        text = await self.texts.get()
+        if text is None:
+            raise Gone
+        return text
+
+    async def send_bytes(self, data):
+        await self.reads.wait()
+        self.received.append(decoded(data))
+
+    async def close(self, code=1000):
+        self.code = code
+
+
+async def ticks(count=3):
+    await asyncio.sleep(count / feed.RATE_HZ + 0.02)
+
+
+def run(scenario, monkeypatch):
+    """Run scenario(parts, open) with a feed; open() connects a page and returns its Socket."""
+    monkeypatch.setattr(feed, 'RATE_HZ', 200.0)
+
+    async def serve():
+        parts = Pictures(), Measurements(), Driver()
+        served, sockets, tasks = Feed(*parts), [], []
+
+        def connect():
+            sockets.append(Socket())
+            tasks.append(asyncio.ensure_future(served.serve(sockets[-1])))
+            return sockets[-1]
+        await scenario((served,) + parts, connect)
+        for socket in sockets:
+            socket.texts.put_nowait(None)
+        results = await asyncio.gather(*tasks, return_exceptions=True)
+        assert all(result is None or isinstance(result, Gone) for result in results)
+        assert parts[0].watched == set() and not parts[1].is_watched
+    asyncio.run(serve())
+
+
+def test_a_page_gets_new_pictures_and_measurements_when_it_is_ready(monkeypatch):
+    async def scenario(parts, connect):
+        _, pictures, measurements, _ = parts
+        socket = connect()
+        pictures.pictures = {CAMERA: Picture(1, b'jpeg 1', 640, 480),
+                             BLUE: Picture(7, b'blue', 320, 240)}
+        measurements.add('asked', [1.0, 0.2, 0.0])
+        measurements.set('factor', 1.0)
+        socket.send(look=[CAMERA, BLUE])
+        await ticks()
+        assert socket.received == []                # not asked for yet
+        assert pictures.watched == {CAMERA, BLUE} and measurements.is_watched
+        socket.send(ready=1)
+        await ticks()
+        (news, jpegs), = socket.received
+        assert news['pictures'] == [[CAMERA, 6, 640, 480], [BLUE, 4, 320, 240]]
+        assert jpegs == [b'jpeg 1', b'blue']
+        assert news['measured'] == {'asked': [[1.0, 0.2, 0.0]], 'factor': 1.0}
+        socket.send(ready=1)
+        await ticks()
+        assert len(socket.received) == 1            # nothing is new
+        pictures.pictures[CAMERA] = Picture(2, b'jpeg 2', 640, 480)
+        measurements.add('asked', [1.1, 0.3, 0.0])
+        await ticks()
+        news, jpegs = socket.received[1]
+        assert jpegs == [b'jpeg 2'] and news['measured'] == {'asked': [[1.1, 0.3, 0.0]]}
+    run(scenario, monkeypatch)
+
+
+def test_a_page_that_does_not_read_misses_frames_and_slows_nobody(monkeypatch):
+    async def scenario(parts, connect):
+        pictures = parts[1]
+        slow, fast = connect(), connect()
+        slow.reads.clear()
+        for socket in (slow, fast):
+            socket.send(look=[CAMERA])
+        for number in range(5):
+            for socket in (slow, fast):
+                socket.send(ready=1)
+            pictures.pictures[CAMERA] = Picture(number, b'%d' % number, 1, 1)
+            await ticks()
+        assert [jpegs for _, jpegs in fast.received] == [[b'%d' % number] for number in range(5)]
+        slow.reads.set()
+        await ticks()
+        assert [jpegs for _, jpegs in slow.received] == [[b'0'], [b'4']]
+    run(scenario, monkeypatch)
+
+
+def test_pages_at_the_same_place_share_one_message(monkeypatch):
+    composed = []
+
+    async def scenario(parts, connect):
+        served, pictures = parts[:2]
+        compose = served._compose
+        monkeypatch.setattr(served, '_compose',
+                            lambda *args: composed.append(args) or compose(*args))
+        sockets = [connect() for _ in range(20)]
+        for socket in sockets:
+            socket.send(look=[CAMERA])
+            socket.send(ready=1)
+        await ticks()
+        composed.clear()
+        pictures.pictures[CAMERA] = Picture(1, b'1', 1, 1)
+        await ticks(6)
+        assert all(len(socket.received) == 1 for socket in sockets)
+        assert sum(b'1' != b'' for _ in composed) <= 6      # one a tick, not one a page
+        assert served.viewers == 20
+    run(scenario, monkeypatch)
+
+
+def test_nothing_is_measured_while_nobody_looks(monkeypatch):
+    async def scenario(parts, connect):
+        served, pictures, measurements, _ = parts
+        socket = connect()
+        socket.send(look=[CAMERA])
+        await ticks()
+        assert served.viewers == 1 and measurements.is_watched
+        socket.send(look=None)                      # a tab in the background
+        await ticks()
+        assert served.viewers == 0 and pictures.watched == set() and not measurements.is_watched
+        assert served._ticking is None
+        socket.send(look=[])                        # no picture in sight
+        await ticks()
+        assert measurements.is_watched and pictures.watched == set()
+    run(scenario, monkeypatch)
+
+
+def test_driving_ends_with_the_connection(monkeypatch):
+    async def scenario(parts, connect):
+        driver, socket = parts[3], connect()
+        socket.send(drive=[1, -0.5])
+        socket.send(drive=[7, -7])
+        socket.send(drive=None)
+        socket.send(drive=[0.5, 0])
+        await ticks()
+        assert driver.calls == [(1.0, -0.5), (1.0, -1.0), None, (0.5, 0.0)]
+        socket.texts.put_nowait(None)
+        await ticks()
+        assert driver.calls[-1] is None
+    run(scenario, monkeypatch)
+
+
+def test_who_may_not_drive_gets_to_know_it(monkeypatch):
+    async def scenario(parts, connect):
+        parts[3].is_free = False
+        socket = connect()
+        socket.send(ready=1, drive=[1, 0])
+        await ticks()
+        assert socket.received == []            # it does not look
+        socket.send(look=[])
+        await ticks()
+        assert socket.received == [({'pictures': [], 'measured': {'busy': True}}, [])]
+    run(scenario, monkeypatch)
+
+
+MALFORMED = ['', 'null', '[]', '7', '"look"', '{', '{"look": "/camera"}', '{"look": [7]}',
+             '{"look": {"a": 1}}', json.dumps({'look': ['/x' * 200]}),
+             json.dumps({'look': ['/x'] * 9}), '{"drive": 1}', '{"drive": [1]}',
+             '{"drive": [1, 2, 3]}', '{"drive": ["1", 0]}', '{"drive": [true, 0]}',
+             '{"drive": [NaN, 0]}', '{"drive": [Infinity, 0]}', '{"drive": {"a": 1, "b": 2}}',
+             '{"delete": "everything"}', '[' * 100000]
+
+
+@pytest.mark.parametrize('text', MALFORMED)
+def test_a_malformed_message_is_dropped(monkeypatch, text):
+    async def scenario(parts, connect):
+        driver, socket = parts[3], connect()
+        socket.texts.put_nowait(text)
+        socket.send(drive=[1, 1])
+        await ticks()
+        assert driver.calls == [(1.0, 1.0)] and socket.code is None
+    run(scenario, monkeypatch)
+
+
+def test_who_sends_only_malformed_messages_is_disconnected(monkeypatch):
+    async def scenario(parts, connect):
+        socket = connect()
+        for _ in range(feed._MAX_MALFORMED):
+            socket.texts.put_nowait('nonsense')
+        await ticks()
+        assert socket.code == 1008
+    run(scenario, monkeypatch)

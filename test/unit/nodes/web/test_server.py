@@ -1,0 +1,67 @@
+"""The address of the page, and the server."""
+import socket
+import urllib.request
+
+import pytest
+
+from img_recog.errors import UserError
+from img_recog.nodes.web import server
+from img_recog.nodes.web.server import Server, address, listen
+
+
+def test_the_next_free_port_is_taken():
+    with listen('127.0.0.1', 18200) as first:
+        port = first.getsockname()[1]
+        with listen('127.0.0.1', port) as second:
+            assert port < second.getsockname()[1] <= port + 10
+            with listen('127.0.0.1', port) as third:
+                assert third.getsockname()[1] > second.getsockname()[1]
+
+
+@pytest.mark.parametrize('host', ['203.0.113.7', 'no such host.invalid'])
+def test_an_address_of_another_computer(host):
+    with pytest.raises(UserError, match='cannot serve the page at .*set web_host'):
+        listen(host, 18200)
+
+
+def test_all_ports_taken(monkeypatch):
+    monkeypatch.setattr(server, '_PORTS', 1)
+    with listen('127.0.0.1', 18200) as taken:
+        with pytest.raises(UserError, match='ports .*: Address already in use'):
+            listen('127.0.0.1', taken.getsockname()[1])
+
+
+@pytest.mark.parametrize('host, port, shown', [
+    ('127.0.0.1', 8080, 'http://localhost:8080/?token=t'),
+    ('::1', 8081, 'http://localhost:8081/?token=t'),
+    ('192.0.2.5', 8080, 'http://192.0.2.5:8080/?token=t'),
+    ('2001:db8::1', 8080, 'http://[2001:db8::1]:8080/?token=t'),
+    ('0.0.0.0', 8080, 'http://{}:8080/?token=t'.format(socket.gethostname()))])
+def test_the_address_for_a_browser(host, port, shown):
+    class Sock:
+        def getsockname(self):
+            return host, port
+    assert address(Sock(), 't') == shown
+
+
+async def hello(scope, receive, send):
+    if scope['type'] == 'lifespan':
+        while True:
+            message = await receive()
+            await send({'type': message['type'] + '.complete'})
+            if message['type'] == 'lifespan.shutdown':
+                return
+    await send({'type': 'http.response.start', 'status': 200, 'headers': []})
+    await send({'type': 'http.response.body', 'body': b'hello'})
+
+
+def test_a_server_answers_until_it_is_closed():
+    failures, sock = [], listen('127.0.0.1', 18200)
+    url = 'http://127.0.0.1:{}/'.format(sock.getsockname()[1])
+    running = Server(hello, sock, failures.append)
+    with urllib.request.urlopen(url, timeout=20) as answer:
+        assert answer.read() == b'hello' and answer.headers['server'] is None
+    running.close()
+    assert failures == []
+    with pytest.raises(OSError):
+        urllib.request.urlopen(url, timeout=5)
