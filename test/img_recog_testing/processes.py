@@ -93,9 +93,9 @@ class Ros:
         return process
 
     def demo(self, *arguments):
-        """Start the demo, by default with the synthetic camera."""
+        """Start the demo, by default with the synthetic camera and without the page."""
         return self.start('roslaunch', '-p', self.port, 'img_recog', 'demo.launch',
-                          'camera:=synthetic', *arguments)
+                          'camera:=synthetic', 'web:=false', *arguments)
 
     def run(self, *command):
         """Run a program until it ends; return its output."""

@@ -7,7 +7,8 @@ GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'resources', 'rob
                 'settings', 'still_images', 'visuals')
 # libraries that only one folder may use
 OWNERS = {'pybullet': 'simulation', 'pybullet_data': 'simulation',
-          'pybullet_utils': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering'}
+          'pybullet_utils': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering',
+          **dict.fromkeys(('fastapi', 'nicegui', 'starlette', 'uvicorn'), 'nodes/web')}
 # of rospy's objects
 PRIVATE_ATTRIBUTES = ('impl', '_connection_header', '_invoke_callback')
 ROS_SUFFIXES = ('_msgs', '_srvs')
@@ -120,8 +121,9 @@ def _reason(name, module):
     library, _, rest = module.partition('.')
     if library == 'img_recog':
         return _reason_within(name, part, rest.split('.'))
-    if library in OWNERS and part != OWNERS[library]:
-        return 'only {} may use {}'.format(OWNERS[library], library)
+    owner = pathlib.PurePath(OWNERS.get(library, '.'))
+    if owner.parts and name.parts[:len(owner.parts)] != owner.parts:
+        return 'only {} may use {}'.format(owner, library)
     if library == 'rospy' and part in WITHOUT_RCLIENT:
         return '{} runs without a node'.format(part)
     is_ros = (library.startswith('ros') or library in ROS_LIBRARIES

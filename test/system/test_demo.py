@@ -45,7 +45,8 @@ def test_the_log_shows_areas_and_commands_in_order(ros):
 
 
 def test_auto_logs_which_camera_it_uses(ros):
-    demo = ros.start('roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'simulator:=false')
+    demo = ros.start('roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'simulator:=false',
+                     'web:=false')
     expected = 'V4L2 device /dev/video0|/dev/video0' if os.path.exists('/dev/video0') else \
         'synthetic scene'
     demo.wait_output('camera: ({})|cannot open ({})'.format(expected, expected))

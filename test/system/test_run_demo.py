@@ -32,7 +32,8 @@ def run_demo(ros):
     del env['ROS_HOSTNAME']         # ./run sets it
 
     def start(*arguments, **popen):
-        return ros.start(os.path.join(ROOT, 'run'), 'demo', *arguments, start_new_session=True,
+        return ros.start(os.path.join(ROOT, 'run'), 'demo', *arguments, 'web:=false',
+                         start_new_session=True,
                          env=env, **popen)
     start.env = env
     start.mark = '{}={}'.format(MARK, mark).encode()
@@ -107,7 +108,8 @@ def test_output_that_nobody_reads_does_not_keep_it_from_ending(run_demo, blockin
     os.set_blocking(writer, blocking)
     try:
         demo = subprocess.Popen(
-            [os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic'], env=run_demo.env,
+            [os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic', 'web:=false'],
+            env=run_demo.env,
             stdin=subprocess.DEVNULL, stdout=writer, stderr=writer, start_new_session=True)
         wait_for(lambda: not select.select([], [writer], [], 0)[1], 'a full pipe')
         wait_for(lambda: any(b'pybullet_sim' in command_line(pid)

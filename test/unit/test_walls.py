@@ -35,6 +35,8 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('simulation/deeper/a.py', 'from ...ros import queues', 'simulation may use'),
     ('simulation/a.py', 'import trimesh', 'only rendering may use trimesh'),
     ('nodes/gazebo/a.py', 'import moderngl', 'only rendering may use moderngl'),
+    ('nodes/gazebo/a.py', 'from nicegui import ui', 'only nodes/web may use nicegui'),
+    ('ros/a.py', 'import uvicorn', 'only nodes/web may use uvicorn'),
     ('nodes/gazebo/a.py', 'from img_recog.nodes.usb_cam import node', 'a node does not import'),
     ('nodes/gazebo/a.py', 'from ..usb_cam.node import UsbCam', 'a node does not import'),
     ('nodes/usb_cam/deeper/a.py', 'from img_recog.replay import chain', 'nodes may use'),
@@ -79,6 +81,7 @@ def test_a_planted_violation_is_found(tmp_path, path, line, words):
     ('ros/a.py', 'import rospy\nrospy.core.is_shutdown_requested()'),
     ('replay/a.py', 'import rosbag, genpy\nfrom img_recog.simulation import body'),
     ('nodes/gazebo/a.py', 'from img_recog.nodes import color_parameters\nfrom . import view'),
+    ('nodes/web/a.py', 'from nicegui import ui\nfrom img_recog.graph import dot'),
     ('simulation/deeper/a.py', 'import pybullet\nfrom img_recog.simulation.body import Pose')])
 def test_allowed_imports_are_not_reported(tmp_path, path, line):
     planted = tmp_path / path

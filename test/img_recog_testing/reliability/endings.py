@@ -157,7 +157,7 @@ def _start(nodes: Nodes, ending: Ending) -> Process:
         return nodes.start_command(
             [sys.executable, os.path.join(ROOT, 'tools', 'demo.py'),
              os.path.join(ROOT, 'launch', 'demo.launch'), 'camera:=synthetic', 'world:=empty',
-             'gui:=false', 'image_view:=false'], start_new_session=True)
+             'gui:=false', 'image_view:=false', 'web:=false'], start_new_session=True)
     if ending.program == 'replay.py':
         film = os.path.join(nodes.folder, 'film.avi')
         if not os.path.exists(film):

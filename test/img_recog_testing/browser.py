@@ -1,0 +1,104 @@
+"""A headless browser that shows the page of the node web."""
+import re
+import shutil
+import urllib.error
+import urllib.request
+
+import pytest
+
+from img_recog_testing.waiting import wait_for
+
+_POSE = re.compile(r'x (-?[0-9.]+) m, y (-?[0-9.]+) m')
+_TABS = ('live', 'colors', 'graph', 'nodes', 'log')
+
+
+def need_chromium():
+    """Skip the test where there is no browser."""
+    pytest.importorskip('selenium', reason='selenium is not installed: no test of the page')
+    if not (shutil.which('chromium') and shutil.which('chromedriver')):
+        pytest.skip('chromium and chromium-driver are not installed: no test of the page')
+
+
+class Browser:
+    """A window of Chromium. driver: selenium's."""
+
+    def __init__(self, folder, width=1280, height=800, language='en', dark=False):
+        from selenium import webdriver
+        from selenium.webdriver.chrome.options import Options
+        from selenium.webdriver.chrome.service import Service
+        options = Options()
+        for argument in ('--headless=new', '--no-sandbox', '--disable-gpu',
+                         '--disable-dev-shm-usage', '--lang=' + language,
+                         '--user-data-dir=' + str(folder),
+                         '--window-size={},{}'.format(width, height)):
+            options.add_argument(argument)
+        options.add_experimental_option('prefs', {'intl.accept_languages': language})
+        options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
+        self.driver = webdriver.Chrome(service=Service(shutil.which('chromedriver')),
+                                       options=options)
+        self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
+            'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': width < 600})
+        self.driver.execute_cdp_cmd('Emulation.setEmulatedMedia', {'features': [
+            {'name': 'prefers-color-scheme', 'value': 'dark' if dark else 'light'}]})
+
+    def open(self, url):
+        """Open the page and wait until it shows measurements."""
+        self.driver.get(url)
+        wait_for(lambda: self.js('return document.querySelector("[data-bind=connection]") && '
+                                 'document.querySelector("[data-bind=pose]").textContent'),
+                 lambda: 'measurements in the page: ' + self.js(
+                     'return document.body.innerText')[:2000])
+
+    def js(self, script, *arguments):
+        """Run a script in the page; return its result."""
+        return self.driver.execute_script(script, *arguments)
+
+    def tab(self, name):
+        """Choose a tab."""
+        self.js('document.querySelectorAll(".q-tab")[arguments[0]].click()', _TABS.index(name))
+
+    def pose(self):
+        """Return x and y in m, as the page says them."""
+        found = _POSE.search(self.js(
+            'return document.querySelector("[data-bind=pose]").textContent'))
+        return float(found.group(1)), float(found.group(2))
+
+    def pixels(self, topic):
+        """Return the mean color (r, g, b) of the picture of a topic; None if there is none."""
+        return self.js('''
+            const canvas = [...document.querySelectorAll("canvas[data-picture]")].find(
+              (each) => each.dataset.picture === arguments[0] && each.offsetParent);
+            if (!canvas || !canvas.parentElement.classList.contains("there")) return null;
+            const data = canvas.getContext("2d").getImageData(
+              0, 0, canvas.width, canvas.height).data;
+            const sum = [0, 0, 0];
+            for (let i = 0; i < data.length; i += 4) {
+              for (let c = 0; c < 3; c += 1) sum[c] += data[i + c];
+            }
+            return sum.map((each) => 4 * each / data.length);''', topic)
+
+    def hold_key(self, key, is_down):
+        """Press or release a key."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        chain = ActionChains(self.driver)
+        (chain.key_down if is_down else chain.key_up)(key).perform()
+
+    def errors(self):
+        """Return what the browser logged as errors since the last call."""
+        return [entry['message'] for entry in self.driver.get_log('browser')
+                if entry['level'] == 'SEVERE']
+
+    def close(self):
+        """End the browser."""
+        self.driver.quit()
+
+
+def status_of(url, **headers):
+    """Return the HTTP status and the text of a request without a browser."""
+    request = urllib.request.Request(url, headers={
+        name.replace('_', '-'): value for name, value in headers.items()})
+    try:
+        with urllib.request.urlopen(request, timeout=30) as answer:
+            return answer.status, answer.read().decode(errors='replace')
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode(errors='replace')

@@ -1,0 +1,304 @@
+"""The page in a real browser, on a real demo."""
+import asyncio
+import json
+import os
+import re
+import time
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+from img_recog_testing.browser import Browser, need_chromium, status_of
+from img_recog_testing.processes import Ros
+from img_recog_testing.waiting import DEADLINE_S, wait_for
+
+CAMERA, BLUE = '/usb_cam/image_raw', '/blue_image'
+CARD_SHARE = 0.25       # of the image
+STOP_S = 0.5
+VIEWERS = 20
+
+
+@pytest.fixture(scope='module')
+def demo(tmp_path_factory):
+    """A demo with the page; its camera shows a blue card, which is too small for a command."""
+    need_chromium()
+    folder = tmp_path_factory.mktemp('page')
+    image = np.full((480, 640, 3), (190, 200, 206), np.uint8)
+    image[120:360, 160:480] = (215, 70, 25)
+    assert cv2.imwrite(str(folder / 'card.png'), image)
+    (folder / 'colors.yaml').write_text('blue_area_limit: 200000\nred_area_limit: 200000\n')
+    ros = Ros(folder)
+    ros.demo_process = ros.start(
+        'roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'world:=empty', 'web:=true',
+        'camera:={}/card.png'.format(folder), 'colors:={}/colors.yaml'.format(folder),
+        'x_pos:=0', 'y_pos:=0', cwd=str(folder), env=dict(ros.env, PWD=str(folder)))
+    ros.url = ros.demo_process.wait_output(r'the page: (http://\S+)').group(1)
+    ros.origin, ros.token = ros.url.split('/?token=')
+    ros.folder = folder
+    yield ros
+    ros.close()
+
+
+@pytest.fixture
+def browse(demo, tmp_path):
+    """A function that opens the page in another browser."""
+    opened = []
+
+    def start(**options):
+        opened.append(Browser(tmp_path / 'browser{}'.format(len(opened)), **options))
+        opened[-1].open(demo.url)
+        return opened[-1]
+    yield start
+    for browser in opened:
+        browser.close()
+
+
+def speed(demo):
+    """Return the speed of the robot in m/s."""
+    return float(demo.run('rostopic', 'echo', '-n', '1', '/odom/twist/twist/linear/x').split()[0])
+
+
+def test_pictures_and_measurements(browse):
+    page = browse()
+    camera = wait_for(lambda: page.pixels(CAMERA), 'a picture of the camera')
+    # a quarter is the card, the rest the wall; BGR in the image, RGB here
+    expected = [CARD_SHARE * card + (1 - CARD_SHARE) * wall
+                for card, wall in zip((25, 70, 215), (206, 200, 190))]
+    assert camera == pytest.approx(expected, abs=4)
+    blue = wait_for(lambda: page.pixels(BLUE), 'a picture of the blue pixels')
+    assert blue == pytest.approx([CARD_SHARE * each for each in (25, 70, 215)], abs=4)
+    assert page.js('return document.querySelector("[data-bind=connection]").textContent') \
+        == 'connected'
+    wait_for(lambda: page.js('return document.querySelector("[data-bind=factor]").textContent'),
+             'the real time factor')
+    page.tab('nodes')
+    wait_for(lambda: 'color_extract: recognition' in page.js(
+        'return document.querySelector("[data-nodes]").textContent'), 'the nodes')
+    page.tab('log')
+    wait_for(lambda: 'blue=76800, red=0' in page.js(
+        'return document.querySelector("[data-log]").textContent'), 'the log')
+    assert page.errors() == []
+
+
+def test_a_key_moves_the_robot_and_its_release_stops_it(demo, browse):
+    page = browse()
+    start_x, _ = page.pose()
+    page.hold_key('w', True)
+    wait_for(lambda: page.pose()[0] > start_x + 0.15, 'the robot to drive')
+    assert speed(demo) == pytest.approx(0.22, abs=0.02)     # the idle teleop does not disturb
+    page.hold_key('w', False)
+    time.sleep(STOP_S)
+    assert speed(demo) == pytest.approx(0.0, abs=0.01)
+    stood = page.pose()
+    page.hold_key('x', True)
+    wait_for(lambda: page.pose()[0] < stood[0] - 0.1, 'the robot to drive backward')
+    page.hold_key('x', False)
+
+
+def test_the_robot_stops_when_the_browser_goes_away(demo, browse):
+    page = browse()
+    start_x, _ = page.pose()
+    page.hold_key('w', True)
+    wait_for(lambda: page.pose()[0] > start_x + 0.1, 'the robot to drive')
+    page.driver.service.process.kill()      # chromedriver; and the browser, without a farewell
+    page.close()
+    time.sleep(STOP_S)
+    wait_for(lambda: abs(speed(demo)) < 0.01, 'the robot to stand')
+
+
+def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, browse):
+    page = browse()
+    page.tab('colors')
+    slider = ('[...document.querySelectorAll(".q-slider")].find((each) => '
+              'each.getAttribute("aria-label") === "Highest hue (0 to 180)")')
+    wait_for(lambda: page.js('return Boolean({})'.format(slider)), 'the sliders')
+    wait_for(lambda: page.pixels(BLUE) and page.pixels(BLUE)[2] > 40, 'blue pixels')
+    from selenium.webdriver.common.keys import Keys
+    element = page.js('return {}'.format(slider))
+    element.send_keys(Keys.HOME)            # the lowest value
+    wait_for(lambda: page.pixels(BLUE)[2] < 1, 'no more blue pixels')
+    page.js('[...document.querySelectorAll("button")].find((each) => '
+            'each.textContent.includes("Save as a file")).click()')
+    saved = wait_for(lambda: list(demo.folder.glob('colors_*.yaml')), 'a file')
+    values = yaml.safe_load(saved[0].read_text())
+    assert values['blue_hue_max'] == 0 and values['colors'] == ['blue', 'red']
+    assert values['blue_area_limit'] == 200000
+    demo.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract', 'blue_hue_max',
+             '150')
+    wait_for(lambda: page.pixels(BLUE)[2] > 40, 'blue pixels')
+    wait_for(lambda: page.js('return {}.getAttribute("aria-valuenow")'.format(slider)) == '150',
+             'the value that another program has set')
+
+
+def test_a_click_into_the_picture_proposes_bounds(demo, browse):
+    page = browse()
+    page.tab('colors')
+    wait_for(lambda: page.pixels(CAMERA), 'a picture')
+    wait_for(lambda: page.js('return document.querySelectorAll(".q-slider").length') > 4,
+             'the sliders')
+    page.js('''const canvas = [...document.querySelectorAll("canvas.pick")].find(
+                 (each) => each.offsetParent);
+               const box = canvas.getBoundingClientRect();
+               canvas.dispatchEvent(new MouseEvent("click", { bubbles: true,
+                 clientX: box.left + box.width / 2, clientY: box.top + box.height / 2 }));''')
+    read = ('rosrun', 'dynamic_reconfigure', 'dynparam', 'get', 'color_extract')
+    hue = int(cv2.cvtColor(np.uint8([[(215, 70, 25)]]), cv2.COLOR_BGR2HSV)[0, 0, 0])
+    wait_for(lambda: "'blue_hue_min': {}".format(hue - 10) in demo.run(*read), 'the bounds')
+    demo.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract',
+             "{'blue_hue_min': 50, 'blue_hue_max': 150, 'blue_saturation_min': 100, "
+             "'blue_value_min': 100}")
+
+
+def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(browse):
+    page = browse()
+    page.js('''const canvas = document.querySelector("canvas.map");
+               const box = canvas.getBoundingClientRect();
+               const at = { bubbles: true, pointerId: 1, clientX: box.left + box.width * 0.8,
+                 clientY: box.top + box.height * 0.3 };
+               canvas.setPointerCapture = () => {};
+               canvas.dispatchEvent(new PointerEvent("pointerdown", at));
+               canvas.dispatchEvent(new PointerEvent("pointerup", at));''')
+    wait_for(lambda: page.pose()[0] > 0.4 and page.pose()[1] > 0.2, 'the robot at another place')
+    page.js('document.querySelector("[aria-label=\'Back to the start\']").click()')
+    wait_for(lambda: abs(page.pose()[0]) < 0.05 and abs(page.pose()[1]) < 0.05, 'the start')
+
+
+def test_pause_and_resume(demo, browse):
+    page = browse()
+    page.js('document.querySelector("[aria-label=Pause]").click()')
+    wait_for(lambda: page.js('return document.querySelector("[data-bind=factor]").textContent')
+             == '0.00', 'the pause')
+    page.js('document.querySelector("[aria-label=Resume]").click()')
+    wait_for(lambda: float(page.js(
+        'return document.querySelector("[data-bind=factor]").textContent')) > 0.5, 'time to pass')
+
+
+def test_the_graph_has_the_nodes_of_the_article(demo, browse):
+    page = browse()
+    page.tab('graph')
+    source = wait_for(lambda: page.js(
+        'const image = document.querySelector("[data-graph]");'
+        'return image.naturalWidth > 100 && image.src'), 'a drawn graph')
+    text = page.js('const request = new XMLHttpRequest(); request.open("GET", arguments[0], false);'
+                   'request.send(); return request.responseText', source)
+    for name in ('/usb_cam', '/color_extract', '/gazebo', '/turtlebot3_teleop_keyboard',
+                 '/usb_cam/image_raw', '/blue_image', '/red_image', '/cmd_vel'):
+        assert '>{}</text>'.format(name) in text
+    assert '>/web</text>' not in text
+    wait_for(lambda: ' Hz</text>' in page.js(
+        'const request = new XMLHttpRequest(); request.open("GET", arguments[0], false);'
+        'request.send(); return request.responseText', source), 'rates')
+
+
+def test_a_recording(demo, browse):
+    page = browse()
+    button = ('document.querySelector("[aria-label=\'{}\']")'.format)
+    page.js(button('Record') + '.click()')
+    wait_for(lambda: page.js('return Boolean({})'.format(button('Stop recording'))), 'the start')
+    wait_for(lambda: list(demo.folder.glob('recording_1.bag.active')), 'the bag')
+    page.js(button('Stop recording') + '.click()')
+    bag = demo.folder / 'recording_1.bag'
+    wait_for(bag.exists, 'the end of the recording')
+    assert re.search(r'/odom +\d+ msgs', demo.run('rosbag', 'info', str(bag)))
+
+
+@pytest.mark.parametrize('way', ['no token', 'wrong token', 'wrong cookie', 'foreign origin'])
+def test_nothing_for_who_has_no_token_or_comes_from_elsewhere(demo, way):
+    cookie = 'img_recog_{}={}'.format(demo.origin.rpartition(':')[2], demo.token)
+    path, headers = {
+        'no token': ('/', {}), 'wrong token': ('/?token=wrong', {}),
+        'wrong cookie': ('/', {'Cookie': cookie + 'x'}),
+        'foreign origin': ('/graph.svg', {'Cookie': cookie, 'Origin': 'http://evil.example'})}[way]
+    code, text = status_of(demo.origin + path, **headers)
+    assert code == 403 and 'address with the token' in text
+    assert status_of(demo.origin + '/graph.svg', Cookie=cookie)[0] == 200
+
+
+def live(demo, **headers):
+    """Return a connection to the WebSocket of the page."""
+    import websockets
+    cookie = 'img_recog_{}={}'.format(demo.origin.rpartition(':')[2], demo.token)
+    return websockets.connect(demo.origin.replace('http', 'ws') + '/live', **dict({
+        'origin': demo.origin, 'additional_headers': {'Cookie': cookie}}, **headers))
+
+
+@pytest.mark.parametrize('headers', [
+    {'origin': 'http://evil.example'}, {'additional_headers': {}}, {'origin': None}])
+def test_a_web_socket_from_elsewhere_is_refused(demo, headers):
+    import websockets
+
+    async def connect():
+        with pytest.raises(websockets.exceptions.InvalidStatus, match='403'):
+            async with live(demo, **headers):
+                pass
+    asyncio.run(connect())
+
+
+def test_what_is_malformed_or_too_much_is_dropped_and_the_page_lives(demo, browse):
+    import websockets
+
+    async def attack(*messages):
+        async with live(demo) as socket:
+            with pytest.raises(websockets.exceptions.ConnectionClosed):
+                for message in messages:
+                    await socket.send(message)
+                while True:
+                    await asyncio.wait_for(socket.recv(), DEADLINE_S)
+    asyncio.run(attack('x' * 1_000_000))
+    asyncio.run(attack(*['{"ready": 1}'] * 5000))
+    asyncio.run(attack(*['nonsense'] * 100))
+    page = browse()
+    assert wait_for(lambda: page.pixels(CAMERA), 'a picture')
+
+
+def test_two_browsers_of_which_one_drives(browse):
+    first, second = browse(), browse(width=390, height=844, language='ja', dark=True)
+    start_x, _ = first.pose()
+    first.hold_key('w', True)
+    wait_for(lambda: second.pose()[0] > start_x + 0.1, 'the robot to drive')
+    second.hold_key('x', True)
+    wait_for(lambda: '別のページ' in second.js(
+        'return document.querySelector("[data-bind=busy]").textContent'), 'the refusal')
+    x, _ = first.pose()
+    wait_for(lambda: first.pose()[0] > x + 0.05, 'the robot to drive on')
+    first.hold_key('w', False)
+    second.hold_key('x', False)
+    assert second.js('return document.body.classList.contains("body--dark")')
+    assert second.js('return document.documentElement.scrollWidth <= innerWidth')
+
+
+def test_twenty_viewers(demo):
+    async def view(number, received):
+        async with live(demo) as socket:
+            await socket.send(json.dumps({'look': [CAMERA, BLUE]}))
+            while received[number] < 10:
+                await socket.send('{"ready": 1}')
+                data = await asyncio.wait_for(socket.recv(), DEADLINE_S)
+                received[number] += b'"' + CAMERA.encode() + b'"' in data
+
+    async def all_view():
+        received = [0] * VIEWERS
+        await asyncio.gather(*(view(number, received) for number in range(VIEWERS)))
+        assert min(received) >= 10
+    asyncio.run(all_view())
+
+
+def test_a_second_page_gets_another_port(demo):
+    web = demo.start('rosrun', 'img_recog', 'web.py', '__name:=second_web')
+    first = int(demo.origin.rpartition(':')[2])
+    web.wait_output('port {} is taken: the page is at port {}'.format(8080, '([0-9]+)'))
+    port = int(web.wait_output(r'the page: http://localhost:(\d+)/').group(1))
+    assert port != first
+    assert web.interrupt() == 0
+    assert 'Traceback' not in web.output
+
+
+def test_it_ends_quietly(demo):
+    """The last test of this file."""
+    assert demo.demo_process.interrupt() == 0
+    assert 'Traceback' not in demo.demo_process.output
+    assert demo.token not in ''.join(
+        path.read_text(errors='replace') for path in (demo.folder / 'ros').rglob('*.log'))
+    assert not os.path.exists(str(demo.folder / 'core'))
