@@ -1,6 +1,9 @@
 """A headless browser that shows the page of the node web."""
+import contextlib
+import os
 import re
 import shutil
+import signal
 import urllib.error
 import urllib.request
 
@@ -8,13 +11,24 @@ import pytest
 
 from img_recog_testing.waiting import wait_for
 
+try:
+    from selenium import webdriver
+    from selenium.common.exceptions import WebDriverException
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.action_chains import ActionChains
+    HAS_SELENIUM = True
+except ImportError:
+    HAS_SELENIUM = False
+
 _POSE = re.compile(r'x (-?[0-9.]+) m, y (-?[0-9.]+) m')
 _TABS = ('live', 'colors', 'graph', 'nodes', 'log')
 
 
 def need_chromium():
     """Skip the test where there is no browser."""
-    pytest.importorskip('selenium', reason='selenium is not installed: no test of the page')
+    if not HAS_SELENIUM:
+        pytest.skip('selenium is not installed: no test of the page')
     if not (shutil.which('chromium') and shutil.which('chromedriver')):
         pytest.skip('chromium and chromium-driver are not installed: no test of the page')
 
@@ -23,9 +37,6 @@ class Browser:
     """A window of Chromium. driver: selenium's."""
 
     def __init__(self, folder, width=1280, height=800, language='en', dark=False):
-        from selenium import webdriver
-        from selenium.webdriver.chrome.options import Options
-        from selenium.webdriver.chrome.service import Service
         options = Options()
         for argument in ('--headless=new', '--no-sandbox', '--disable-gpu',
                          '--disable-dev-shm-usage', '--lang=' + language,
@@ -34,6 +45,7 @@ class Browser:
             options.add_argument(argument)
         options.add_experimental_option('prefs', {'intl.accept_languages': language})
         options.set_capability('goog:loggingPrefs', {'browser': 'ALL'})
+        self._folder = str(folder)
         self.driver = webdriver.Chrome(service=Service(shutil.which('chromedriver')),
                                        options=options)
         self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
@@ -79,7 +91,6 @@ class Browser:
 
     def hold_key(self, key, is_down):
         """Press or release a key."""
-        from selenium.webdriver.common.action_chains import ActionChains
         chain = ActionChains(self.driver)
         (chain.key_down if is_down else chain.key_up)(key).perform()
 
@@ -88,9 +99,21 @@ class Browser:
         return [entry['message'] for entry in self.driver.get_log('browser')
                 if entry['level'] == 'SEVERE']
 
+    def kill(self):
+        """End the browser without a farewell, as when its computer is switched off."""
+        for pid in filter(str.isdigit, os.listdir('/proc')):
+            try:
+                with open('/proc/{}/cmdline'.format(pid), 'rb') as file:
+                    is_ours = self._folder.encode() in file.read()
+                if is_ours:
+                    os.kill(int(pid), signal.SIGKILL)
+            except OSError:         # it has ended meanwhile
+                continue
+
     def close(self):
         """End the browser."""
-        self.driver.quit()
+        with contextlib.suppress(WebDriverException, OSError):      # it was killed
+            self.driver.quit()
 
 
 def status_of(url, **headers):

@@ -61,7 +61,6 @@ _LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
 _DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')
 _FOLDER_ADVICE = 'start it in a folder where files can be written'
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
-_NICENESS = 5                   # the robot comes first
 
 
 class Web:
@@ -251,6 +250,5 @@ def _free_path(name: str, extension: str) -> str:
 
 def main() -> int:
     """Run the node; return its exit code."""
-    os.nice(_NICENESS)
     cv2.setNumThreads(1)
     return lifecycle.run('web', lambda: Web().spin())
