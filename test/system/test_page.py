@@ -146,8 +146,9 @@ def test_a_click_into_the_picture_proposes_bounds(demo, browse):
                  clientX: box.left + box.width / 2, clientY: box.top + box.height / 2 }));''')
     read = ('rosrun', 'dynamic_reconfigure', 'dynparam', 'get', 'color_extract')
     hue = int(cv2.cvtColor(np.uint8([[(215, 70, 25)]]), cv2.COLOR_BGR2HSV)[0, 0, 0])
-    wait_for(lambda: "'blue_hue_min': {}".format(hue - 10) in demo.run(*read), lambda: 'bounds: ' + page.js(
-        'return document.querySelector(".q-notifications").textContent') + demo.run(*read), 6)
+    wait_for(lambda: "'blue_hue_min': {}".format(hue - 10) in demo.run(*read), lambda: (
+        'the bounds; the page says: ' + page.js(
+            'return document.querySelector(".q-notifications").textContent')))
     demo.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract',
              "{'blue_hue_min': 50, 'blue_hue_max': 150, 'blue_saturation_min': 100, "
              "'blue_value_min': 100}")
@@ -183,15 +184,14 @@ def test_the_graph_has_the_nodes_of_the_article(demo, browse):
     source = wait_for(lambda: page.js(
         'const image = document.querySelector("[data-graph]");'
         'return image.naturalWidth > 100 && image.src'), 'a drawn graph')
-    text = page.js('const request = new XMLHttpRequest(); request.open("GET", arguments[0], false);'
-                   'request.send(); return request.responseText', source)
+    fetch = ('const request = new XMLHttpRequest(); request.open("GET", arguments[0], false);'
+             'request.send(); return request.responseText')
+    text = page.js(fetch, source)
     for name in ('/usb_cam', '/color_extract', '/gazebo', '/turtlebot3_teleop_keyboard',
                  '/usb_cam/image_raw', '/blue_image', '/red_image', '/cmd_vel'):
         assert '>{}</text>'.format(name) in text
     assert '>/web</text>' not in text
-    wait_for(lambda: ' Hz</text>' in page.js(
-        'const request = new XMLHttpRequest(); request.open("GET", arguments[0], false);'
-        'request.send(); return request.responseText', source), 'rates')
+    wait_for(lambda: ' Hz</text>' in page.js(fetch, source), 'rates')
 
 
 def test_a_recording(demo, browse):

@@ -1,1 +1,1 @@
-"""The graph of nodes and topics of a running system, like rqt_graph; with rosgraph, never rospy."""
+"""The graph of a running system, like that of rqt_graph. Uses rosgraph, never rospy."""

@@ -4,7 +4,7 @@ import http.client
 import time
 import xmlrpc.client
 from concurrent.futures import ThreadPoolExecutor
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import rosgraph
 
@@ -90,7 +90,7 @@ class SystemReader:
         return rates_hz
 
 
-def counts_in(node: str, answer: list) -> Counts:
+def counts_in(node: str, answer: Any) -> Counts:
     """Return the numbers of messages in the answer of getBusStats."""
     counts: Counts = {}
     # rospy answers [code, text, stats], roscpp with the stats alone
@@ -150,4 +150,3 @@ class _Transport(xmlrpc.client.Transport):
         connection = super().make_connection(host)
         connection.timeout = _ANSWER_TIMEOUT_S
         return connection
-

@@ -2,8 +2,8 @@
 
 Publishes cmd_vel (geometry_msgs/Twist) at 10 Hz, zeros while no key was pressed, and a last zero
 on shutdown; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time. Subscribes to
-nothing. Serves ~yield (std_srvs/Trigger): publishes nothing for 0.5 s. Reads ~linear_step, ~angular_step, ~max_linear_velocity, ~max_angular_velocity
-(TeleopSettings).
+nothing. Serves ~yield (std_srvs/Trigger): publishes nothing for 0.5 s. Reads ~linear_step,
+~angular_step, ~max_linear_velocity, ~max_angular_velocity (TeleopSettings).
 """
 import threading
 import time

@@ -162,7 +162,7 @@ class Vehicle:
         It stands at the height of its start.
         """
         self._drive.reset()
-        self.robot.place(Pose(np.array([x, y, self.settings.spawn.z_pos]),
+        self.robot.place(Pose((x, y, self.settings.spawn.z_pos),
                               (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
                               self.robot.pose().joints))
         self.notify_teleported()

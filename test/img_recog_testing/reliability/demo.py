@@ -40,7 +40,8 @@ class Demo:
         self.start_master()
         self.launch = Process(
             ['roslaunch', 'img_recog', 'demo.launch', 'camera:=' + film, 'colors:=' + colors,
-             'world:=empty', 'gui:=false', 'image_view:=false', 'web:=false', *arguments], self.env)
+             'world:=empty', 'gui:=false', 'image_view:=false', 'web:=false', *arguments],
+            self.env)
 
     def start_master(self) -> None:
         """Start the master; return when it answers."""

@@ -21,7 +21,7 @@ class RuntimeSettings(Settings):
     """Parameters that dynamic_reconfigure changes; see PhysicsSettings and ViewSettings."""
 
     real_time_factor: float = setting(
-        1.0, REAL_TIME_FACTORS, 'simulated seconds per second of wall time; 0: as fast as possible')
+        1.0, REAL_TIME_FACTORS, 'simulated seconds per second of wall time; 0: no limit')
     view: str = setting('above', one_of(*VIEWS), 'viewpoint of ~view/image_raw')
 
 

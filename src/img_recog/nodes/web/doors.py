@@ -110,10 +110,10 @@ def _is_foreign(scope: Scope, headers: Dict[str, str]) -> bool:
 
 def _cookie(text: str, name: str) -> str:
     try:
-        found = http.cookies.SimpleCookie(text).get(name)
+        cookies: http.cookies.SimpleCookie = http.cookies.SimpleCookie(text)
     except http.cookies.CookieError:
         return ''
-    return found.value if found is not None else ''
+    return cookies[name].value if name in cookies else ''
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send, status: int) -> None:

@@ -78,7 +78,8 @@ class _Viewer:
         self.names: Tuple[str, ...] = ()
         self.is_looking = False
         self.is_ready = asyncio.Event()
-        self.cursor, self.numbers = 0, {}       # of what it has got: measurements, pictures
+        self.cursor = 0                 # of the measurements that it has got
+        self.numbers: Dict[str, int] = {}       # of the pictures that it has got
         self.malformed = 0
         self.is_refused = False         # another page drives
 

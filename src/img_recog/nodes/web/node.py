@@ -2,15 +2,14 @@
 
 Publishes: cmd_vel (geometry_msgs/Twist, 20 Hz of wall time while a visitor drives, then zeros),
 gazebo/set_pose (geometry_msgs/PoseStamped), /diagnostics (diagnostic_msgs/DiagnosticArray, 1 Hz).
-Subscribes, while somebody looks at a page: the image topics in sight (sensor_msgs/Image), cmd_vel,
+Subscribes, while somebody looks at a page: usb_cam/image_raw (sensor_msgs/Image) and other images,
 odom (nav_msgs/Odometry), scan (sensor_msgs/LaserScan), color_detection (sensor_msgs/PointCloud),
 gazebo/real_time_factor (std_msgs/Float64), gazebo/world_outlines (visualization_msgs/MarkerArray),
-/diagnostics and /rosout_agg (rosgraph_msgs/Log).
-Calls: gazebo/pause_physics, unpause_physics, reset_world, reset_simulation (std_srvs/Empty),
-NODE/yield (std_srvs/Trigger) of the other publishers of cmd_vel, and dynamic_reconfigure of
-color_extract and gazebo.
+/rosout_agg (rosgraph_msgs/Log), and the topics that it publishes.
+Calls the services of gazebo that pause and reset, the service ~yield of the other publishers of
+cmd_vel, and dynamic_reconfigure of color_extract and gazebo.
 Reads: ~web_host, ~web_port (WebSettings), ~max_linear_velocity, ~max_angular_velocity
-(TeleopSettings), ~max_image_pixels.
+(TeleopSettings).
 """
 import contextlib
 import itertools
@@ -20,7 +19,7 @@ import sys
 import threading
 import time
 import traceback
-from typing import Any, Dict, List, Optional, Set, Tuple
+from typing import Dict, List, Optional, Set, Tuple
 
 import cv2
 import numpy as np
@@ -226,7 +225,8 @@ class Web:
 
 def _wait_for_other_nodes() -> None:
     """Wait until no more nodes start: what this node prints then is the end of the output."""
-    master, nodes = rosgraph.Master(rospy.get_name()), set()
+    nodes: Set[str] = set()
+    master = rosgraph.Master(rospy.get_name())
     end_s = time.monotonic() + _START_TIMEOUT_S
     since_s = time.monotonic()
     while time.monotonic() < end_s and not rospy.is_shutdown():
