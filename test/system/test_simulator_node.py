@@ -201,3 +201,47 @@ def test_the_real_time_factor_is_published(ros, simulate):
     factor.wait(lambda value: 0.5 < value < 1.1, 'real time')
     call(ros, 'pause_physics')
     factor.wait(lambda value: value == 0.0, 'standing still')
+
+
+def set_parameters(ros, text):
+    ros.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'gazebo', text)
+
+
+def test_the_real_time_factor_is_changed_while_it_runs(ros, simulate):
+    node = simulate('_world:=empty', '_cmd_vel_timeout:=0.5', '_real_time_factor:=1')
+    factor, place = Echo(ros, '/gazebo/real_time_factor'), Echo(ros, '/odom/pose/pose/position')
+    set_parameters(ros, "{'real_time_factor': 4}")
+    factor.wait(lambda value: 2.0 < value < 4.2, 'four times real time')
+    # a command lasts 0.5 s of wall time, 2 s of simulated time
+    drive(ros, 0.2)
+    place.wait(lambda x, y, z: x > -1.95, 'the robot to leave')
+    rows = wait_for(lambda: place.rows[-30:] if standing(place.rows[-30:]) else None,
+                    lambda: place.rows[-30:])
+    assert rows[-1][0] == pytest.approx(-1.6, abs=0.05)
+    set_parameters(ros, "{'real_time_factor': -1}")
+    wait_for(lambda: complaints(node), 'a refusal')
+    assert 'real_time_factor' in complaints(node)[-1] and '0.001 to 1000' in complaints(node)[-1]
+
+
+def test_the_robot_is_moved_by_set_pose(ros, simulate):
+    node = simulate('_world:=empty')
+    place = Echo(ros, '/odom/pose/pose/position')
+    place.wait(lambda x, y, z: True, 'odometry')
+    publish = ('rostopic', 'pub', '-1', '/gazebo/set_pose', 'geometry_msgs/PoseStamped')
+    ros.run(*publish, '{pose: {position: {x: 1.0, y: -2.0}, orientation: {w: 1.0}}}')
+    place.wait(lambda x, y, z: (x, y) == pytest.approx((1.0, -2.0), abs=0.01), 'the place')
+    for bad, words in (('{pose: {position: {x: .nan}, orientation: {w: 1.0}}}', 'finite'),
+                       ('{header: {frame_id: base_link}, pose: {orientation: {w: 1.0}}}',
+                        "frame is 'base_link'"),
+                       ('{pose: {position: {x: 3.0}}}', 'quaternion of zeros')):
+        ros.run(*publish, bad)
+        wait_for(lambda words=words: words in node.output, words)
+    assert place.wait_more(3)[-1][:2] == pytest.approx([1.0, -2.0], abs=0.01)
+
+
+def test_outlines_of_the_world(ros, simulate):
+    simulate()
+    outlines = ros.start('rostopic', 'echo', '/gazebo/world_outlines/markers')
+    # nine pillars, and the walls
+    wait_for(lambda: outlines.output.count('ns: "outlines"') > 9, 'outlines')
+    assert 'frame_id: "odom"' in outlines.output

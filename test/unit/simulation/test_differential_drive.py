@@ -127,7 +127,17 @@ def test_a_timeout_is_reported_if_it_stops_the_robot(speed):
     assert not drive.timed_out
 
 
+def test_a_timeout_that_is_scaled_is_that_many_times_as_long():
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    for factor, periods in ((4.0, 20), (1.0, 5)):       # not 4 times 1
+        drive.scale_timeout(factor)
+        drive.command(0.2, 0.0)
+        assert follow(drive, periods)[-1] == pytest.approx((0.2, 0.2))
+        assert follow(drive, 1) == [(0.0, 0.0)]
+
+
 def test_timeout_of_zero_means_no_timeout():
     drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
+    drive.scale_timeout(100.0)
     drive.command(0.2, 0.0)
     assert follow(drive, 100000)[-1] == pytest.approx((0.2, 0.2))

@@ -1,4 +1,6 @@
 """Resets of the simulator: the robot, the world, the time."""
+import math
+
 import pybullet
 import pytest
 
@@ -14,6 +16,25 @@ def test_reset_world_keeps_time_and_forgets_the_command():
     assert sim.time_s == pytest.approx(2.0)
     sim.advance(1000)
     assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-3)
+
+
+def test_a_robot_that_is_moved_stands_where_it_was_put():
+    sim = simulator(x=-2.0)
+    vehicle = sim.vehicles[0]
+    vehicle.command(0.5, 1.0)
+    sim.advance(1000)
+    vehicle.move_to(1.0, -0.5, 2.0)
+    assert vehicle.robot.motion().position == pytest.approx([1.0, -0.5, 0.0], abs=1e-6)
+    sim.advance(1000)
+    motion = vehicle.robot.motion()
+    assert motion.position == pytest.approx([1.0, -0.5, 0.0], abs=0.005)
+    assert motion.yaw == pytest.approx(2.0, abs=0.02)
+    vehicle.command(0.2, 0.0)
+    sim.advance(2000)
+    moved = vehicle.robot.motion().position - motion.position
+    assert moved[:2] == pytest.approx([0.38 * math.cos(2.0), 0.38 * math.sin(2.0)], abs=0.03)
+    sim.reset_world()       # its start is still the first one
+    assert vehicle.robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
 
 
 def test_reset_of_the_robot_stops_its_wheels():
