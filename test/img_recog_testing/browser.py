@@ -56,8 +56,7 @@ class Browser:
     def open(self, url):
         """Open the page and wait until it shows measurements."""
         self.driver.get(url)
-        wait_for(lambda: self.js('return document.querySelector("[data-bind=connection]") && '
-                                 'document.querySelector("[data-bind=pose]").textContent'),
+        wait_for(lambda: self.text('[data-bind=pose]'),
                  lambda: 'measurements in the page: ' + self.js(
                      'return document.body.innerText')[:2000])
 
@@ -65,14 +64,18 @@ class Browser:
         """Run a script in the page; return its result."""
         return self.driver.execute_script(script, *arguments)
 
+    def text(self, selector):
+        """Return the text of the first element; empty if there is none."""
+        return self.js('const found = document.querySelector(arguments[0]);'
+                       'return found ? found.textContent : ""', selector)
+
     def tab(self, name):
         """Choose a tab."""
         self.js('document.querySelectorAll(".q-tab")[arguments[0]].click()', _TABS.index(name))
 
     def pose(self):
         """Return x and y in m, as the page says them."""
-        found = _POSE.search(self.js(
-            'return document.querySelector("[data-bind=pose]").textContent'))
+        found = _POSE.search(self.text('[data-bind=pose]'))
         return float(found.group(1)), float(found.group(2))
 
     def pixels(self, topic):

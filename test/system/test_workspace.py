@@ -3,6 +3,8 @@ import os
 import pathlib
 import subprocess
 
+from img_recog_testing.browser import status_of
+
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 # environment variables of a shell in which no setup.bash was sourced
 FOREIGN = ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH', 'PKG_CONFIG_PATH',
@@ -31,8 +33,8 @@ def test_devel_and_install_space_run_the_demo(ros, tmp_path):
     bash('{}cd {} && catkin_make install'.format(before, workspace),
          env)
     assert sorted(os.listdir(str(workspace / 'install' / 'lib' / 'img_recog'))) == [
-        'color_img_recog.py', 'pybullet_sim.py', 'replay.py', 'respawn.py',
-        'robot_description.py', 'teleop_key.py', 'tune_colors.py', 'usb_cam_node.py']
+        'color_img_recog.py', 'film.py', 'graph.py', 'pybullet_sim.py', 'replay.py', 'respawn.py',
+        'robot_description.py', 'teleop_key.py', 'tune_colors.py', 'usb_cam_node.py', 'web.py']
     installed, = (workspace / 'install' / 'lib').glob('python3*/*-packages/img_recog')
     assert modules(installed) == modules(pathlib.Path(ROOT, 'src', 'img_recog'))
     for space in ('devel', 'install'):
@@ -43,5 +45,8 @@ def test_devel_and_install_space_run_the_demo(ros, tmp_path):
         demo = ros.start('bash', '-c', setup + 'exec roslaunch -p {} img_recog demo.launch '
                          'camera:=synthetic'.format(ros.port), env=env)
         demo.wait_output('the robot drives forward')
+        origin, token = demo.wait_output(r'the page: (\S+)/\?token=(\S+)').groups()
+        cookie = 'img_recog_{}={}'.format(origin.rpartition(':')[2], token)
+        assert status_of(origin + '/static/live.js', Cookie=cookie)[0] == 200
         assert demo.interrupt() == 0
         assert 'Traceback' not in demo.output, demo.output

@@ -20,8 +20,8 @@ _MAX_GAP_S = 3600           # between two stamps
 _MESSAGE_TYPES = {message_type._type: message_type for message_type in (Image, CompressedImage)}
 _RECORD_ADVICE = 'record one with images: rosbag record ' + DEFAULT_TOPICS[0]
 # raised by rosbag and genpy when they read a damaged file
-_DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,
-                  RuntimeError, ValueError, KeyError, AttributeError, TypeError)
+DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,
+                 RuntimeError, ValueError, KeyError, AttributeError, TypeError)
 
 
 class Decoded(NamedTuple):
@@ -34,6 +34,7 @@ class Decoded(NamedTuple):
 class BagFrames:
     """The images on one topic of a bag, at the times of their stamps.
 
+    topic: of the images; decode: returns the Decoded of a message, raises ImageError.
     expected, period_ns, warnings: as in VideoFrames. The period is the mean of all periods; it and
     the warnings are known after the last frame.
     """
@@ -53,9 +54,9 @@ class BagFrames:
         except UserError:
             self._bag.close()
             raise
-        self._decode: Callable[[Any], Decoded] = _decode_raw
+        self.decode: Callable[[Any], Decoded] = _decode_raw
         if types[self.topic] != Image._type:
-            self._decode = partial(_decode_compressed, max_pixels=max_pixels)
+            self.decode = partial(_decode_compressed, max_pixels=max_pixels)
         self.expected = self._bag.get_message_count(self.topic)
         self.period_ns = 0
         self.warnings: List[str] = []
@@ -64,8 +65,8 @@ class BagFrames:
         """Return the message types of the topics whose messages are images as defined here."""
         try:
             types, topics = self._bag.get_type_and_topic_info()
-        except _DAMAGE_ERRORS as error:
-            raise _damaged(self._path, error)
+        except DAMAGE_ERRORS as error:
+            raise damaged(self._path, error)
         return {name: topic.msg_type for name, topic in sorted(topics.items())
                 if topic.msg_type in _MESSAGE_TYPES
                 and types[topic.msg_type] == _MESSAGE_TYPES[topic.msg_type]._md5sum}
@@ -84,7 +85,7 @@ class BagFrames:
                 self._check_stamp(number, last_ns, stamp_ns)
             last_ns = stamp_ns
             try:
-                decoded = self._decode(msg)
+                decoded = self.decode(msg)
             except ImageError as error:
                 skipped.append('message {}: {}'.format(number, error))
                 continue
@@ -99,8 +100,8 @@ class BagFrames:
         try:
             for _, msg, recorded in self._bag.read_messages(self.topic):
                 yield msg, (msg.header.stamp or recorded).to_nsec()
-        except _DAMAGE_ERRORS as error:
-            raise _damaged(self._path, error)
+        except DAMAGE_ERRORS as error:
+            raise damaged(self._path, error)
         finally:
             self._bag.close()
 
@@ -127,11 +128,12 @@ def _open(path: str) -> rosbag.Bag:
     except rosbag.ROSBagUnindexedException:
         raise UserError('the bag {} has no index; its recording was probably interrupted'.format(
             path), 'create the index: rosbag reindex {}'.format(path))
-    except _DAMAGE_ERRORS as error:
+    except DAMAGE_ERRORS as error:
         raise UserError('cannot read {} as a bag: {}'.format(path, one_line(error)), WANTED)
 
 
-def _damaged(path: str, error: Exception) -> UserError:
+def damaged(path: str, error: Exception) -> UserError:
+    """Return the error for a bag that cannot be read to its end."""
     return UserError('the bag {} is damaged: {}'.format(path, one_line(error)),
                      'try rosbag reindex, or record it again')
 

@@ -3,16 +3,19 @@
 Times are integers in nanoseconds from the first frame, so that rounding errors do not accumulate.
 An event takes effect at the physics step nearest to its time.
 """
-from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import (TYPE_CHECKING, Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence,
+                    Tuple)
 
 import numpy as np
 
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import STOP, Command, Commander
 from img_recog.recognition.settings import RecognitionSettings
-from img_recog.simulation.body import Motion
-from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.vehicle import Reading
+
+if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
+    from img_recog.simulation.body import Motion
+    from img_recog.simulation.simulator import Simulator
+    from img_recog.simulation.vehicle import Reading
 
 SECOND_NS = 10 ** 9
 RECOGNITION, TELEOP = 'recognition', 'teleop'
@@ -55,7 +58,7 @@ class FrameResult(NamedTuple):
     areas_px: List[int]
     centroids: List[Optional[Tuple[float, float]]]
     commands: List[Command]
-    motion: Motion
+    motion: 'Motion'
 
 
 class CommandSent(NamedTuple):
@@ -78,7 +81,7 @@ class Recorder:
     def on_command(self, sent: CommandSent) -> None:
         """Handle a command."""
 
-    def on_reading(self, reading: Reading) -> None:
+    def on_reading(self, reading: 'Reading') -> None:
         """Handle the reading of a sensor of the robot."""
 
 
@@ -93,7 +96,7 @@ def measure(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator[
 class Chain:
     """Decides on the commands of measured frames and drives a simulated robot by them."""
 
-    def __init__(self, simulator: Simulator, settings: RecognitionSettings, teleop: bool,
+    def __init__(self, simulator: 'Simulator', settings: RecognitionSettings, teleop: bool,
                  recorders: Sequence[Recorder]):
         """Drive the first vehicle of `simulator`, which must not have been advanced yet.
 

@@ -76,6 +76,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
                         help='where to write the files (default: NAME.replay.bag, .csv and .png '
                         'in the current folder)')
+    parser.add_argument('--film', action='store_true',
+                        help='also write a film, NAME.replay.mp4, of camera, masked images, map '
+                        'and charts; needs ffmpeg')
     parser.add_argument('--no-teleop', dest='teleop', action='store_false',
                         help='do not send the zeros of the idle teleop: each command holds until '
                         'the next one')

@@ -1,12 +1,13 @@
 """Runs the program replay: from its arguments to its files and its summary."""
 import argparse
+import contextlib
 import io
 import logging
 import os
 import signal
 import sys
 import time
-from typing import TYPE_CHECKING, Iterable, Sequence, Union
+from typing import TYPE_CHECKING, Iterable, List, Optional, Sequence, Union
 
 import cv2
 from tqdm import tqdm
@@ -15,7 +16,7 @@ from img_recog import files
 from img_recog.errors import UserError, one_line
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.replay import cli, inputs, scenario
-from img_recog.replay.chain import SECOND_NS, Chain, FrameMeasurement, measure
+from img_recog.replay.chain import SECOND_NS, Chain, FrameMeasurement, Recorder, measure
 from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
 from img_recog.replay.painter import Painter
 from img_recog.replay.plot_recorder import PlotRecorder
@@ -27,6 +28,7 @@ from img_recog.simulation.footprints import footprints
 
 if TYPE_CHECKING:
     from img_recog.replay.bags import BagFrames
+    from img_recog.replay.film import Film
     from img_recog.replay.robot_frames import RobotFrames
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
@@ -77,20 +79,29 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         os.path.expanduser(options.input), options.topic, options.max_image_pixels)
     settings = _recognition_settings(options.colors)
     name = os.path.expanduser(options.input) or 'robot_in_' + os.path.basename(options.world)
-    paths = files.output_paths(name, os.path.expanduser(options.output), _EXTENSIONS)
+    extensions = _EXTENSIONS + (('.mp4',) if options.film else ())
+    paths = files.output_paths(name, os.path.expanduser(options.output), extensions)
     built = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
                            cli.spawn_settings(options), options.allow_partial_world)
     frames = recording or _robot_frames(built, options)
     simulator = built.simulator
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
-    with files.atomic_write(paths) as (bag_file, csv_file, png_file):
+    with files.atomic_write(paths) as (bag_file, csv_file, png_file, *film_files), \
+            contextlib.ExitStack() as stack:
         bag = BagRecorder(bag_file.raw, settings.color_names, odometry,
                           odometry.base_frame or robot.root)
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
         table = TableRecorder(text, settings.color_names)
+        recorders: List[Recorder] = [bag, table, plot]
+        film: 'Optional[Film]' = None
+        for file in film_files:
+            # imported here because loading it takes time
+            from img_recog.replay import film as films
+            film = stack.enter_context(films.Film(file, settings, footprints(simulator.world)))
+            recorders.append(films.FilmRecorder(film))
         start_s = time.perf_counter()
-        chain = Chain(simulator, settings, options.teleop, [bag, table, plot])
+        chain = Chain(simulator, settings, options.teleop, recorders)
         with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
             progress = tqdm(_measurements(frames, settings, chain), unit=' frames',
                             total=frames.expected or None, disable=None)
@@ -102,6 +113,8 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
             os.path.basename(options.world)),
                       plot.data(end_ns / SECOND_NS, footprints(simulator.world)))
         bag.close()
+        if film is not None:
+            film.close(end_ns / SECOND_NS)
         text.flush()
         png_file.write(painter.finish())
     for warning in frames.warnings:

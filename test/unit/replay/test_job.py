@@ -57,17 +57,18 @@ def test_defaults_of_the_options():
         'input': 'a.bag', 'topic': '', 'colors': '', 'output': '', 'teleop': True,
         'world': 'turtlebot3_world', 'urdf': resources.burger(), 'x_pos': -2.0, 'y_pos': -0.5,
         'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000, 'allow_partial_world': False,
-        'camera': '', 'seconds': 60.0}
+        'camera': '', 'seconds': 60.0, 'film': False}
 
 
 def test_all_options():
     options = vars(cli.parse(
         'a.bag --topic t --colors c --output o --no-teleop --world w --urdf u --x-pos 1 '
-        '--y-pos 2 --z-pos 3 --yaw 0.5 --max-image-pixels 9 --allow-partial-world'.split()))
+        '--y-pos 2 --z-pos 3 --yaw 0.5 --max-image-pixels 9 --allow-partial-world --film'.split()))
     assert options == {
         'input': 'a.bag', 'topic': 't', 'colors': 'c', 'output': 'o', 'teleop': False,
         'world': 'w', 'urdf': 'u', 'x_pos': 1.0, 'y_pos': 2.0, 'z_pos': 3.0, 'yaw': 0.5,
-        'max_image_pixels': 9, 'allow_partial_world': True, 'camera': '', 'seconds': 60.0}
+        'max_image_pixels': 9, 'allow_partial_world': True, 'camera': '', 'seconds': 60.0,
+        'film': True}
     assert cli.spawn_settings(cli.parse(['a', '--x-pos', '1', '--yaw', '2'])) == SpawnSettings(
         1.0, -0.5, 0.0, 2.0)
 

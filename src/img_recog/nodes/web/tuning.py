@@ -1,6 +1,6 @@
 """Changes parameters of other nodes by dynamic_reconfigure, without waiting for them."""
 import threading
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, Optional
 
 import rospy
 from dynamic_reconfigure import DynamicReconfigureException
@@ -28,7 +28,6 @@ class Tuning:
         self._thread: Optional[threading.Thread] = None
         self._changes: Dict[str, Any] = {}
         self._values: Dict[str, Any] = {}
-        self._described: List[Dict[str, Any]] = []
         self.revision = 0
 
     def watch(self, is_watched: bool) -> None:
@@ -47,10 +46,6 @@ class Tuning:
         """
         return self._values
 
-    def described(self) -> List[Dict[str, Any]]:
-        """Return name, type, min, max and description of each parameter."""
-        return self._described
-
     def change(self, **values: Any) -> None:
         """Change parameters, soon and in another thread."""
         with self._condition:
@@ -59,26 +54,36 @@ class Tuning:
 
     def _run(self) -> None:
         client: Optional[Client] = None
-        while not rospy.is_shutdown():
+        while True:
             with self._condition:
-                if not self._is_watched:
+                is_wanted = self._is_watched and not rospy.is_shutdown()
+                if not is_wanted and client is None:
                     self._thread, self._values = None, {}
-                    break
+                    return
             try:
-                if client is None:
-                    client = self._connect()
-                    self._described = client.get_parameter_descriptions(_CONNECT_TIMEOUT_S) or []
+                if not is_wanted:
+                    raise rospy.ROSException('nobody looks')
+                client = client or self._connect()
                 self._send(client)
             except (DynamicReconfigureException, rospy.ROSException, rospy.ServiceException,
                     OSError) as error:
-                self._warn('the parameters of %s: %s', self._node, one_line(error))
-                with self._condition:
-                    self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
-        if client is not None:
-            client.close()
+                # before another one is made: rospy sends no latched messages to a second
+                # subscriber of a process
+                if client is not None:
+                    client.close()
+                    client = None
+                if is_wanted:
+                    self._warn('the parameters of %s: %s', self._node, one_line(error))
+                    with self._condition:
+                        self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
 
     def _connect(self) -> Client:
-        return Client(self._node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received)
+        client = Client(self._node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received)
+        # without it, update_configuration would wait for ever
+        if client.get_parameter_descriptions(_CONNECT_TIMEOUT_S) is None:
+            client.close()
+            raise rospy.ROSException('no descriptions came')
+        return client
 
     def _send(self, client: Client) -> None:
         """Send the changes that wait, or wait for some."""

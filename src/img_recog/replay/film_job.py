@@ -1,0 +1,169 @@
+"""The program film: makes a film of a bag that was recorded in the running system."""
+import argparse
+import logging
+import math
+import os
+import sys
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+
+import cv2
+import numpy as np
+import rosbag
+from tqdm import tqdm
+
+from img_recog import files, still_images
+from img_recog.conversions import plane_msgs
+from img_recog.conversions.image_msgs import ImageError
+from img_recog.conversions.plane_msgs import PoseError
+from img_recog.errors import UserError, one_line
+from img_recog.recognition import parameter_file
+from img_recog.recognition.settings import with_colors
+from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
+from img_recog.replay.film import Film
+from img_recog.replay.inputs import is_bag
+
+_LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
+_KINDS = {'odom': 'nav_msgs/Odometry', 'scan': 'sensor_msgs/LaserScan',
+          'cmd_vel': 'geometry_msgs/Twist', 'outlines': 'visualization_msgs/MarkerArray'}
+# the ends of their usual names; of outlines, only these are of the world
+_USUAL = {'odom': 'odom', 'scan': 'scan', 'cmd_vel': 'cmd_vel', 'outlines': 'world_outlines'}
+_log = logging.getLogger('film.py')
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the program; return its exit code."""
+    logging.basicConfig(format='film.py: %(levelname)s: %(message)s')
+    cv2.setLogLevel(_LOG_SILENT)
+    words = sys.argv[1:] if arguments is None else arguments
+    # roslaunch adds __name:=... and __log:=...
+    options = _options([word for word in words if not (word.startswith('__') and ':=' in word)])
+    try:
+        sys.stdout.write(_make(options) + '\n')
+    except UserError as error:
+        _log.error('%s', one_line(error))
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def _make(options: argparse.Namespace) -> str:
+    path = os.path.expanduser(options.bag)
+    if not os.path.isfile(path) or not is_bag(path):
+        raise UserError('cannot make a film of {}: {}'.format(
+            path, 'no such file' if not os.path.exists(path) else 'it is not a bag'),
+            'give a bag, as of ./run demo record:=FILE')
+    settings = (parameter_file.read(os.path.expanduser(options.colors)) if options.colors
+                else with_colors()())
+    frames = BagFrames(path, options.topic, options.max_image_pixels)
+    output = os.path.expanduser(options.output)
+    with rosbag.Bag(path) as bag, files.atomic_write(
+            [output], 'give a path that can be written') as (file,):
+        messages = _Messages(path, bag, frames)
+        with Film(file, settings, messages.outlines()) as film:
+            end_s = _fill(film, messages, frames)
+            film.close(end_s)
+    return '{}: {:.1f} s, {} images of {}'.format(output, end_s, messages.images, frames.topic)
+
+
+class _Messages:
+    """The messages of a bag that a film shows. images: number of images so far."""
+
+    def __init__(self, path: str, bag: rosbag.Bag, frames: BagFrames):
+        self._path, self._bag, self._frames = path, bag, frames
+        self.images = 0
+        kinds = {name: topic.msg_type
+                 for name, topic in bag.get_type_and_topic_info().topics.items()}
+        self._roles: Dict[str, str] = {frames.topic: 'image'}
+        for role, kind in _KINDS.items():
+            found = sorted(name for name in kinds if kinds[name] == kind)
+            usual = [name for name in found if name.endswith(_USUAL[role])]
+            if usual or found and role != 'outlines':
+                self._roles[(usual or found)[0]] = role
+
+    def outlines(self) -> List[np.ndarray]:
+        """Return the outlines of what stands in the world; none if they were not recorded."""
+        for role, msg, _ in self._read(['outlines']):
+            return plane_msgs.outlines_from_msg(msg)
+        return []
+
+    def in_order(self) -> Iterator[Tuple[str, Any, float]]:
+        """Yield role, message and time of recording in s, without the outlines."""
+        return self._read(['image', 'odom', 'scan', 'cmd_vel'])
+
+    def _read(self, roles: Sequence[str]) -> Iterator[Tuple[str, Any, float]]:
+        topics = [name for name, role in self._roles.items() if role in roles]
+        if not topics:
+            return
+        try:
+            for name, msg, time in self._bag.read_messages(topics):
+                yield self._roles[name], msg, time.to_sec()
+        except DAMAGE_ERRORS as error:
+            raise damaged(self._path, error)
+
+
+def _fill(film: Film, messages: _Messages, frames: BagFrames) -> float:
+    """Add all messages to a film; return its length in s."""
+    start_s, time_s, last_problem = None, 0.0, ''
+    with tqdm(total=frames.expected, unit=' images', disable=None) as progress:
+        for role, msg, recorded_s in messages.in_order():
+            if role == 'cmd_vel':
+                film.asked = msg.linear.x if math.isfinite(msg.linear.x) else 0.0
+            elif role == 'odom':
+                _take_odometry(film, msg)
+            elif role == 'scan' and film.pose is not None:
+                film.scan = _points(msg, film.pose)
+            elif role == 'image':
+                progress.update()
+                start_s = recorded_s if start_s is None else start_s
+                time_s = recorded_s - start_s
+                try:
+                    film.add(time_s, *frames.decode(msg))
+                    messages.images += 1
+                except ImageError as error:
+                    last_problem = one_line(error)
+    if not messages.images:
+        raise UserError('no image on {} can be used; {}'.format(
+            frames.topic, last_problem or 'there is no message'))
+    if last_problem:
+        _log.warning('%d of %d images cannot be used; the last is %s',
+                     frames.expected - messages.images, frames.expected, last_problem)
+    return time_s
+
+
+def _take_odometry(film: Film, msg: Any) -> None:
+    try:
+        film.pose = plane_msgs.pose_from_msg(msg.pose)
+    except PoseError:       # a film needs no warning for each message
+        return
+    speed = msg.twist.twist.linear.x
+    film.driven = speed if math.isfinite(speed) else 0.0
+
+
+def _points(msg: Any, pose: Tuple[float, float, float]) -> np.ndarray:
+    """Return the points (n, 2) of a scan in m, in the frame of the pose."""
+    ranges = np.array(msg.ranges, float)
+    angles = pose[2] + msg.angle_min + np.arange(len(ranges)) * msg.angle_increment
+    is_hit = (ranges >= msg.range_min) & (ranges <= msg.range_max)
+    points = ranges[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1) + pose[:2]
+    return points[is_hit]
+
+
+def _options(arguments: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog='film.py', description='Make a film of a recorded bag: camera, masked images, map '
+        'and charts side by side.', allow_abbrev=False)
+    parser.add_argument('bag', metavar='BAG', help='a bag with images, as of ./run demo '
+                        'record:=FILE')
+    parser.add_argument('output', metavar='FILE.mp4', type=_mp4, help='where to write the film')
+    parser.add_argument('--colors', default='', metavar='YAML',
+                        help='parameter file of color_extract (default: the article\'s colors)')
+    parser.add_argument('--topic', default='', help='topic of the images, if there are several')
+    still_images.add_option(parser)
+    return parser.parse_args(arguments)
+
+
+def _mp4(text: str) -> str:
+    if not text.lower().endswith('.mp4'):
+        raise argparse.ArgumentTypeError('got {!r}, expected FILE.mp4'.format(text))
+    return text

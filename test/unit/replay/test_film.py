@@ -1,0 +1,199 @@
+"""Films: what their pictures show, and what ffmpeg makes of them."""
+import cv2
+import genpy
+import numpy as np
+import pytest
+import rosbag
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header, String
+
+from img_recog.conversions import compressed_image_msgs, image_msgs, plane_msgs
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.errors import UserError
+from img_recog.recognition.settings import with_colors
+from img_recog.replay import film_job, film_writer
+from img_recog.replay.film import RATE_HZ, Film
+from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture, FilmState
+from img_recog.replay.film_writer import FilmWriter
+
+SETTINGS = with_colors()()
+BLUE = (215, 70, 25)
+SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
+ROBOT = (74, 163, 22)
+
+
+def card(color=BLUE):
+    image = np.full((120, 160, 3), 190, np.uint8)
+    image[30:90, 40:120] = color
+    return image
+
+
+def state(time_s=1.0, pose=(2.0, 2.0, 0.0), **fields):
+    image = card()
+    masked = [np.where((image == BLUE).all(axis=2, keepdims=True), image, 0).astype(np.uint8),
+              np.zeros_like(image)]
+    return FilmState(**dict({
+        'time_s': time_s, 'image': image, 'masked': masked, 'areas_px': (4800, 0), 'pose': pose,
+        'scan': np.empty((0, 2)), 'asked': 0.2, 'driven': 0.1}, **fields))
+
+
+def center_of(picture, color, tolerance=3):
+    """Return the middle (x, y) of the pixels of a color; None if there are none."""
+    rows, columns = np.nonzero((abs(picture.astype(int) - color) <= tolerance).all(axis=2))
+    return (columns.mean(), rows.mean()) if len(rows) else None
+
+
+def test_all_parts_are_in_the_picture():
+    picture = FilmPicture(SETTINGS.colors, [SQUARE]).draw(state())
+    assert picture.shape == (HEIGHT, WIDTH, 3) and picture.dtype == np.uint8
+    camera, masked = picture[34:394, 10:490], picture[34:200, 500:730]
+    assert center_of(camera, BLUE) == pytest.approx((240, 180), abs=2)
+    assert center_of(masked, BLUE) is not None and center_of(masked, (190,) * 3) is None
+    assert (masked == 0).all(axis=2).mean() > 0.3
+
+
+@pytest.mark.parametrize('pose, side', [((2.0, 2.0, 0.0), (0, 0)), ((3.5, 2.0, 1.0), (1, 0)),
+                                        ((2.0, 0.5, -2.0), (0, 1))])
+def test_the_robot_is_where_it_is_in_the_map(pose, side):
+    picture = FilmPicture(SETTINGS.colors, [SQUARE]).draw(state(pose=pose))
+    x, y = center_of(picture[34:394, 740:1270], ROBOT)
+    scale = 360 / 4.6       # the square with its margin
+    assert x - 265 == pytest.approx(side[0] * 1.5 * scale, abs=10)
+    assert y - 180 == pytest.approx(side[1] * 1.5 * scale, abs=10)      # y is upwards
+
+
+def test_without_odometry_there_is_no_robot():
+    picture = FilmPicture(SETTINGS.colors, []).draw(state(pose=None))
+    assert center_of(picture[34:394, 740:1270], ROBOT) is None
+
+
+def test_old_values_leave_the_charts():
+    film = FilmPicture(SETTINGS.colors, [])
+    for time_s in (0.0, 1.0, 30.0):
+        film.draw(state(time_s))
+    assert [row[0] for row in film._areas] == [30.0]
+
+
+def frames_of(path):
+    video = cv2.VideoCapture(str(path))
+    frames = []
+    while True:
+        there, frame = video.read()
+        if not there:
+            return frames, video.get(cv2.CAP_PROP_FPS)
+        frames.append(frame)
+
+
+def test_a_film_shows_each_image_until_the_next_one(tmp_path):
+    path = tmp_path / 'out.mp4'
+    with open(str(path), 'w+b') as file, Film(file, SETTINGS, [SQUARE]) as film:
+        film.pose = (1.0, 1.0, 0.0)
+        film.add(0.0, card(), 'bgr8')
+        film.add(0.5, card((40, 40, 210)), 'bgr8')
+        film.close(1.0)
+    frames, rate_hz = frames_of(path)
+    assert (len(frames), rate_hz) == (RATE_HZ, RATE_HZ)
+    blue = [frame[214, 250].tolist() for frame in frames]
+    assert all(pixel[0] > 150 for pixel in blue[:14]) and all(pixel[2] > 150
+                                                              for pixel in blue[16:])
+
+
+def test_without_ffmpeg(tmp_path, monkeypatch):
+    monkeypatch.setattr(film_writer.shutil, 'which', lambda _: None)
+    with open(str(tmp_path / 'out.mp4'), 'w+b') as file:
+        with pytest.raises(UserError, match='no program ffmpeg; install the package ffmpeg'):
+            FilmWriter(file, WIDTH, HEIGHT, RATE_HZ)
+
+
+def test_an_error_of_ffmpeg_is_one_line(tmp_path):
+    with open(str(tmp_path / 'out.mp4'), 'w+b') as file:
+        writer = FilmWriter(file, 0, HEIGHT, RATE_HZ)
+        with pytest.raises(UserError, match='^cannot write the film: ffmpeg: [^\n]+$'):
+            for _ in range(100):
+                writer.write(np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+            writer.close()
+
+
+def message(msg_type, time_s):
+    msg = msg_type()
+    msg.header.stamp = genpy.Time.from_sec(time_s)
+    return msg
+
+
+@pytest.fixture
+def bag(tmp_path):
+    """A bag of one second, like that of a demo."""
+    path = tmp_path / 'in.bag'
+    with rosbag.Bag(str(path), 'w') as file:
+        file.write('/gazebo/world_outlines', plane_msgs.outlines_to_msg(
+            [SQUARE], 'odom', genpy.Time(1)), genpy.Time(1))
+        for tick in range(30):
+            now = genpy.Time.from_sec(10.0 + tick / 30)
+            odometry = message(Odometry, now.to_sec())
+            odometry.pose.pose.position.x, odometry.pose.pose.position.y = 2.0, 2.0
+            odometry.pose.pose.orientation.w = 1.0
+            scan = LaserScan(angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.0,
+                             ranges=[1.0, float('inf'), float('nan'), 2.0])
+            image = compressed_image_msgs.to_msg(card(), 'bgr8', Header(stamp=now),
+                                                 CompressionSettings())
+            for topic, msg in (('/odom', odometry), ('/scan', scan), ('/cmd_vel', Twist()),
+                               ('/usb_cam/image_raw/compressed', image)):
+                file.write(topic, msg, now)
+    return path
+
+
+def make(capsys, *arguments):
+    code = film_job.main([str(argument) for argument in arguments])
+    return code, capsys.readouterr()
+
+
+def test_a_film_of_a_bag(bag, tmp_path, capsys):
+    out = tmp_path / 'out.mp4'
+    code, output = make(capsys, bag, out)
+    assert code == 0, output.err
+    assert output.out == '{}: 1.0 s, 30 images of /usb_cam/image_raw/compressed\n'.format(out)
+    frames, _ = frames_of(out)
+    assert len(frames) == 30
+    assert center_of(frames[-1][34:394, 740:1270], ROBOT, 40) == pytest.approx((265, 180), abs=12)
+    assert center_of(frames[-1][34:394, 10:490], BLUE, 30) == pytest.approx((240, 180), abs=4)
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['nowhere.bag', 'out.mp4'], 'no such file; give a bag'),
+    ([__file__, 'out.mp4'], 'it is not a bag')])
+def test_inputs_that_are_refused(tmp_path, capsys, monkeypatch, caplog, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert make(capsys, *arguments)[0] == 1
+    assert words in caplog.text and not (tmp_path / 'out.mp4').exists()
+
+
+def test_a_bag_without_images(tmp_path, capsys, caplog):
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        file.write('/chatter', String('hello'), genpy.Time(1))
+    assert make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')[0] == 1
+    assert 'has no messages of type sensor_msgs/Image' in caplog.text
+    assert not (tmp_path / 'out.mp4').exists()
+
+
+def test_a_bag_whose_images_cannot_be_used(tmp_path, capsys, caplog):
+    bad = image_msgs.to_msg(card(), 'bgr8', Header())
+    bad.data = b'short'
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        file.write('/usb_cam/image_raw', bad, genpy.Time(1))
+    assert make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')[0] == 1
+    assert 'no image on /usb_cam/image_raw can be used' in caplog.text
+    assert list(tmp_path.iterdir()) == [tmp_path / 'in.bag']
+
+
+@pytest.mark.parametrize('output', ['out.avi', 'out'])
+def test_an_output_that_is_no_mp4(bag, capsys, output):
+    with pytest.raises(SystemExit):
+        make(capsys, bag, output)
+    assert 'expected FILE.mp4' in capsys.readouterr().err
+
+
+def test_a_path_that_cannot_be_written(bag, capsys, caplog):
+    assert make(capsys, bag, '/nowhere/out.mp4')[0] == 1
+    assert 'cannot write /nowhere/out.mp4' in caplog.text
