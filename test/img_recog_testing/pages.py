@@ -20,7 +20,7 @@ class Table(NamedTuple):
 
 def paths() -> List[str]:
     """Return all pages, relative to the root."""
-    return ['README.md', 'CONTRIBUTING.md', *sorted(
+    return ['README.md', 'README.ja.md', 'CONTRIBUTING.md', *sorted(
         os.path.relpath(path, ROOT) for path in glob.glob(os.path.join(ROOT, 'doc', '*.md')))]
 
 

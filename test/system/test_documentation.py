@@ -23,7 +23,8 @@ from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, 
 from img_recog.settings import SettingError, Settings
 from img_recog.simulation import settings as simulation
 from img_recog.teleoperation.settings import TeleopSettings
-from img_recog_testing.pages import ROOT, anchors, code, links, paths, read, rows
+from img_recog_testing.pages import (ROOT, anchors, code, links, paths, read, rows,
+                                     tables)
 
 REFERENCE = read('doc/reference.md')
 # for each node its module, its settings classes, and its parameters that are in none of them
@@ -179,6 +180,24 @@ def test_options_agree_with_the_script(script):
                           stdout=subprocess.PIPE, check=True).stdout.decode()
     options = sorted(set(re.findall(r'(?<!\S)--[a-z-]+', text)) - {'--help'})
     assert sorted(row[0].strip('`') for row in rows(REFERENCE, script, 'option')) == options
+
+
+def commands(path):
+    """Return the indented lines of a page that call ./run, and the code in rows of its tables."""
+    text = read(path)
+    cells = [re.findall('`([^`]+)`', ' '.join(row)) for table in tables(text)
+             for row in table.rows]
+    lines = re.findall(r'(?m)^    (\./run.*?)(?: +#.*)?$', text)
+    return list(dict.fromkeys(lines)), cells
+
+
+def test_the_japanese_readme_agrees_with_the_english_one():
+    english, japanese = map(commands, ('README.md', 'README.ja.md'))
+    # in the same order; the others are in its chapter about the article
+    assert [line for line in japanese[0] if line in english[0]] == english[0]
+    assert japanese[1] == [row for row in english[1] if row in japanese[1]]
+    assert len(japanese[1]) == 9        # the terminals of the article
+    assert '[日本語](README.ja.md)' in read('README.md')
 
 
 def test_the_pages_build_without_a_warning():
