@@ -3,6 +3,7 @@ import os
 import re
 import signal
 
+from img_recog.ros.bag_recording import TOPICS
 from img_recog_testing.waiting import wait_for
 
 NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_keyboard',
@@ -111,3 +112,21 @@ def test_window_without_a_display_is_one_warning(ros):
     demo.wait_output(r'\[WARN\].*no window: .*the simulation goes on')
     ros.wait_run('clock:', 'rostopic', 'echo', '-n', '1', '/clock')
     assert demo.interrupt() == 0
+
+
+def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
+    """And a film can be made of it."""
+    demo = ros.demo('world:=empty', 'record:={}/demo'.format(tmp_path))
+    demo.wait_output('the robot drives forward')
+    ros.wait_run(r'\* /record', 'rostopic', 'info', '/usb_cam/image_raw/compressed')
+    ros.run('rostopic', 'echo', '-n', '30', '/odom/header/seq')
+    assert demo.interrupt() == 0
+    info = ros.run('rosbag', 'info', str(tmp_path / 'demo.bag'))
+    recorded = re.findall(r'(?m)^(?:topics:)? +(\S+) +\d+ msgs? ', info)
+    assert set(recorded) <= set(TOPICS)
+    assert set(TOPICS) - set(recorded) <= {'tf_static', 'diagnostics', 'scan'}      # seldom
+    film = ros.start('rosrun', 'img_recog', 'film.py', str(tmp_path / 'demo.bag'),
+                     str(tmp_path / 'film.mp4'))
+    assert film.wait() == 0, film.output
+    assert re.search(r'film.mp4: \d+\.\d s, \d+ images of usb_cam/image_raw/compressed',
+                     film.output), film.output
