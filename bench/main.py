@@ -5,6 +5,7 @@ import sys
 import camera
 import drawing
 import growth
+import page
 import recognition
 import robot_camera
 import simulator
@@ -14,7 +15,7 @@ from tqdm import tqdm
 
 BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
               'robot_camera': robot_camera, 'camera': camera, 'recognition': recognition,
-              'growth': growth, 'transport': transport}
+              'growth': growth, 'transport': transport, 'page': page}
 
 
 def main() -> int:

@@ -50,10 +50,12 @@ class Master:
                 except subprocess.TimeoutExpired:
                     process.kill()
 
-    def start(self, *command: str, env: Optional[Dict[str, str]] = None) -> subprocess.Popen:
-        """Start a program with this master."""
+    def start(self, *command: str, env: Optional[Dict[str, str]] = None, output: bool = False
+              ) -> subprocess.Popen:
+        """Start a program with this master; output: whether its stdout is a pipe."""
         process = subprocess.Popen(command, env={**self.env, **(env or {})},
-                                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                   stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE if output else subprocess.DEVNULL,
                                    stderr=subprocess.DEVNULL)
         self._processes.append(process)
         return process

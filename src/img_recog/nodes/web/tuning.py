@@ -1,4 +1,5 @@
 """Changes parameters of other nodes by dynamic_reconfigure, without waiting for them."""
+import contextlib
 import threading
 from typing import Any, Dict, Optional
 
@@ -53,29 +54,28 @@ class Tuning:
             self._condition.notify()
 
     def _run(self) -> None:
-        client: Optional[Client] = None
-        while True:
-            with self._condition:
-                is_wanted = self._is_watched and not rospy.is_shutdown()
-                if not is_wanted and client is None:
-                    self._thread, self._values = None, {}
-                    return
+        while self._goes_on():
             try:
-                if not is_wanted:
-                    raise rospy.ROSException('nobody looks')
-                client = client or self._connect()
-                self._send(client)
+                # closed before the next one is made: rospy sends no latched messages to a second
+                # subscriber of a process
+                with contextlib.closing(self._connect()) as client:
+                    while self._is_wanted():
+                        self._send(client)
             except (DynamicReconfigureException, rospy.ROSException, rospy.ServiceException,
                     OSError) as error:
-                # before another one is made: rospy sends no latched messages to a second
-                # subscriber of a process
-                if client is not None:
-                    client.close()
-                    client = None
-                if is_wanted:
-                    self._warn('the parameters of %s: %s', self._node, one_line(error))
-                    with self._condition:
-                        self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
+                self._warn('the parameters of %s: %s', self._node, one_line(error))
+                with self._condition:
+                    self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
+
+    def _is_wanted(self) -> bool:
+        return self._is_watched and not rospy.is_shutdown()
+
+    def _goes_on(self) -> bool:
+        """Return whether the thread is still needed; if not, the next `watch` starts another."""
+        with self._condition:
+            if not self._is_wanted():
+                self._thread, self._values = None, {}
+            return self._thread is not None
 
     def _connect(self) -> Client:
         client = Client(self._node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received)

@@ -1,0 +1,104 @@
+"""Parameters of another node, with a stand-in for the client of dynamic_reconfigure."""
+import threading
+
+import pytest
+import rospy
+
+from img_recog.nodes.web import tuning
+from img_recog.nodes.web.tuning import Tuning
+from img_recog_testing.waiting import DEADLINE_S, wait_for
+
+
+class Client:
+    """Counts how many are open at a time; `block` holds the updates."""
+
+    opened, open_now, most_open = 0, 0, 0
+    updates, descriptions, block, fails = [], [{'name': 'a'}], None, 0
+
+    def __init__(self, node, timeout, config_callback):
+        cls = Client
+        if cls.fails:
+            cls.fails -= 1
+            raise rospy.ROSException('timeout exceeded while waiting for service')
+        cls.opened, cls.open_now = cls.opened + 1, cls.open_now + 1
+        cls.most_open = max(cls.most_open, cls.open_now)
+        config_callback({'a': 1, 'groups': {}})
+        self._callback = config_callback
+
+    def get_parameter_descriptions(self, _timeout):
+        return Client.descriptions
+
+    def update_configuration(self, changes):
+        if Client.block is not None:
+            assert Client.block.wait(DEADLINE_S)
+        Client.updates.append(changes)
+        self._callback(dict({'a': 1}, **changes))
+
+    def close(self):
+        Client.open_now -= 1
+
+
+@pytest.fixture
+def node(monkeypatch):
+    """Tuning of a node that answers."""
+    for name, value in (('opened', 0), ('open_now', 0), ('most_open', 0), ('updates', []),
+                        ('descriptions', [{'name': 'a'}]), ('block', None), ('fails', 0)):
+        monkeypatch.setattr(Client, name, value)
+    monkeypatch.setattr(tuning, 'Client', Client)
+    monkeypatch.setattr(tuning, '_RETRY_PERIOD_S', 0.05)
+    monkeypatch.setattr(rospy, 'is_shutdown', lambda: False)
+    parameters = Tuning('/color_extract')
+    yield parameters
+    parameters.watch(False)
+    wait_for(lambda: parameters._thread is None, 'the end of the thread')
+    assert Client.open_now == 0
+
+
+def test_values_are_there_while_somebody_looks(node):
+    assert node.values() == {}
+    node.watch(True)
+    wait_for(lambda: node.values() == {'a': 1}, 'the values')
+    revision = node.revision
+    node.change(a=2)
+    wait_for(lambda: node.values() == {'a': 2}, 'the change')
+    assert node.revision > revision and Client.updates == [{'a': 2}]
+    node.watch(False)
+    wait_for(lambda: node.values() == {}, 'the end')
+    assert Client.open_now == 0
+
+
+def test_of_several_changes_that_wait_the_last_is_sent(node):
+    Client.block = threading.Event()
+    node.watch(True)
+    wait_for(node.values, 'the values')
+    node.change(a=2)
+    wait_for(lambda: not node._changes, 'the first change to be taken')
+    for value in (3, 4, 5):
+        node.change(a=value, b=value)
+    Client.block.set()
+    wait_for(lambda: len(Client.updates) == 2, 'the changes')
+    assert Client.updates == [{'a': 2}, {'a': 5, 'b': 5}]
+
+
+def test_there_is_never_a_second_client(node):
+    """rospy would not give it the latched messages."""
+    for _ in range(20):
+        node.watch(True)
+        wait_for(node.values, 'the values')
+        node.watch(False)
+        node.watch(True)
+    assert Client.most_open == 1
+
+
+@pytest.mark.parametrize('problem', [{'fails': 3}, {'descriptions': None}])
+def test_it_connects_again_until_the_node_answers(node, problem):
+    lines = []
+    node._warn = lambda text, *values: lines.append(text % values)
+    for name, value in problem.items():
+        setattr(Client, name, value)
+    node.change(a=7)
+    node.watch(True)
+    wait_for(lambda: lines, 'a warning')
+    assert '/color_extract' in lines[0]
+    Client.descriptions = [{'name': 'a'}]
+    wait_for(lambda: Client.updates == [{'a': 7}], 'the change')
