@@ -1,0 +1,53 @@
+"""Windows of other packages in the demo: started if they are there, else one line."""
+import os
+import stat
+
+import pytest
+
+
+@pytest.fixture
+def with_package(tmp_path):
+    """The environment with a package `shown` whose program writes its arguments to a file."""
+    folder = tmp_path / 'packages' / 'shown'
+    folder.mkdir(parents=True)
+    (folder / 'package.xml').write_text(
+        '<package><name>shown</name><version>1.0.0</version><description>d</description>'
+        '<maintainer email="a@b.invalid">m</maintainer><license>BSD</license></package>')
+    program = folder / 'program'
+    program.write_text('#!/bin/sh\necho "$@" >{}/arguments\n'.format(tmp_path))
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    return {'ROS_PACKAGE_PATH': '{}:{}'.format(folder.parent, os.environ['ROS_PACKAGE_PATH'])}
+
+
+def start(ros, *arguments, **env):
+    return ros.start('rosrun', 'img_recog', 'optional_window.py', *arguments,
+                     env=dict(ros.env, **env))
+
+
+def test_a_program_that_is_there_is_started_with_its_arguments(ros, tmp_path, with_package):
+    process = start(ros, 'shown', 'program', '-d', 'a file', '__name:=rviz', DISPLAY=':0',
+                    **with_package)
+    assert process.wait() == 0, process.output
+    assert (tmp_path / 'arguments').read_text() == '-d a file __name:=rviz\n'
+
+
+def test_without_the_package_a_line_says_how_to_get_it(ros):
+    process = start(ros, 'rqt_nowhere', 'rqt_nowhere', '__name:=rqt', DISPLAY=':0')
+    assert process.wait() == 0
+    assert process.output == (
+        '[rqt] no window: rqt_nowhere is not installed: install the package rqt-nowhere (Debian, '
+        'if it has it) or ros-noetic-rqt-nowhere\n')
+
+
+def test_without_a_display_a_line_says_what_to_do(ros, with_package):
+    process = start(ros, 'shown', 'program', **with_package)
+    assert process.wait() == 0
+    assert process.output == ('[program] no window: there is no display: set DISPLAY, or look at '
+                              'the page (web:=true)\n')
+
+
+def test_the_demo_goes_on_without_a_window(ros):
+    demo = ros.demo('world:=empty', 'rqt_graph:=true', 'rviz:=true', 'rqt_reconfigure:=true')
+    demo.wait_output('the robot drives forward')
+    assert demo.output.count('no window: ') == 3
+    assert demo.interrupt() == 0
