@@ -6,9 +6,20 @@ import sys
 
 NICENESS = 5
 
+
+def main():
+    """Run the node; return its exit code."""
+    try:
+        from img_recog.nodes.web.node import main as run
+    except ModuleNotFoundError as error:
+        sys.stderr.write('[FATAL] web: {}; ./run setup installs what requirements.txt lists, or '
+                         'set web:=false\n'.format(error))
+        return 1
+    return run()
+
+
 if __name__ == '__main__':
     signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
     # the nodes that the robot needs come first, also while this one loads its modules for 2 s
     os.nice(NICENESS)
-    from img_recog.nodes.web.node import main
     sys.exit(main())

@@ -45,12 +45,14 @@ from img_recog.nodes.web.server import Server, address, listen
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.simulation import ACTIONS, SimulationControl
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.recognition.parameter_file import COLORS
+from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
 from img_recog.recognition.proposal import propose_bounds
+from img_recog.recognition.settings import DEFAULT_COLORS, color_names
 from img_recog.ros import bag_recording, lifecycle, parameters
 from img_recog.ros.bag_recording import BagRecording
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.throttle import ThrottledWarning
+from img_recog.settings import SettingError
 from img_recog.teleoperation.settings import TeleopSettings
 
 _POLL_PERIOD_S = 0.5
@@ -136,13 +138,19 @@ class Web:
 
     def picture_topics(self) -> List[Tuple[str, str, str]]:
         """Return topic, key of its title and color of each picture."""
-        names = page.color_names_in(self.colors.values()) or ['blue', 'red']
-        published = {name for name, kind in rospy.get_published_topics()
-                     if kind == 'sensor_msgs/Image'}
+        published: Set[str] = set()
+        names, topics = list(DEFAULT_COLORS), {}
+        try:
+            published = {name for name, _ in rospy.get_published_topics()}
+            given = rospy.get_param('color_extract', {})
+            names = list(color_names(given.get(COLORS, names)))
+            topics = {name: given.get(IMAGE_TOPIC.format(name)) for name in names}
+        except (OSError, rospy.ROSException, rosgraph.MasterException, AttributeError,
+                SettingError) as error:
+            self._warn('the colors of color_extract: %s', one_line(error))
         found = [(rospy.resolve_name('usb_cam/image_raw'), 'camera', '')]
         for name in names:
-            topic = rospy.get_param('color_extract/{}_image_topic'.format(name), name + '_image')
-            found.append((rospy.resolve_name(topic), 'mask', name))
+            found.append((rospy.resolve_name(topics.get(name) or name + '_image'), 'mask', name))
         found.append((rospy.resolve_name('gazebo/view/image_raw'), 'view', ''))
         robot = rospy.resolve_name('camera/rgb/image_raw')
         return found + ([(robot, 'robot_camera', '')] if robot in published else [])

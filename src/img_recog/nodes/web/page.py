@@ -4,6 +4,7 @@ What moves is drawn by static/live.js in the browser, from what feed.py sends.
 """
 import json
 import os
+import time
 from functools import partial
 from typing import Any, Dict, List, Protocol, Sequence, Tuple
 
@@ -22,6 +23,7 @@ _BOUNDS = ('saturation', 'value')
 _CHART_TEXT, _CHART_LINES = '#8b919c', '#8b919c44'
 _LEVELS = ('debug', 'info', 'warn', 'error')
 _SLIDER_THROTTLE_S = 0.05
+_SETTLE_S = 1.0
 _PAD: Sequence[Tuple[str, str, str]] = (      # text, icon, direction; by rows of three
     ('', '', ''), ('forward', 'arrow_upward', '1,0'), ('', '', ''),
     ('left', 'rotate_left', '0,1'), ('stop', 'stop', '0,0'), ('right', 'rotate_right', '0,-1'),
@@ -89,6 +91,7 @@ class _Page:
     def __init__(self, system: System, language: str):
         self._system, self._language, self._texts = system, language, texts(language)
         self._sliders: Dict[str, Any] = {}
+        self._moved_s: Dict[str, float] = {}        # when the visitor moved them
         self._revision = -1
         self._picked = ''
 
@@ -108,7 +111,8 @@ class _Page:
         ui.on('pose', self._on_pose, throttle=0.2)
         ui.on('pick', self._on_pick, throttle=0.2)
         ui.timer(_POLL_S, self._poll)
-        self._system.watch(self, True)
+        # also when a connection was lost for a moment
+        ui.context.client.on_connect(lambda: self._system.watch(self, True))
         ui.context.client.on_disconnect(lambda: self._system.watch(self, False))
 
     def _t(self, key: str, *values: Any) -> str:
@@ -262,10 +266,12 @@ class _Page:
     def _tuned(self, title: str, parameter: str, low: float, high: float, step: float,
                values: Dict[str, Any], classes: str = '') -> None:
         is_whole = isinstance(values[parameter], int)
-        self._sliders[parameter] = self._slider(
-            title, low, high, step, values[parameter],
-            lambda value: self._system.colors.change(
-                **{parameter: int(value) if is_whole else float(value)}), classes)
+
+        def change(value: float) -> None:
+            self._moved_s[parameter] = time.monotonic()
+            self._system.colors.change(**{parameter: int(value) if is_whole else float(value)})
+        self._sliders[parameter] = self._slider(title, low, high, step, values[parameter],
+                                                change, classes)
 
     def _slider(self, title: str, low: float, high: float, step: float, value: float,
                 change: Any, classes: str = '') -> Any:
@@ -378,9 +384,14 @@ class _Page:
             self._tune(values, names)
         ui.run_javascript('window.limits = {}'.format(json.dumps(
             {name: values[name + '_area_limit'] for name in names})))
+        now_s = time.monotonic()
         for parameter, slider in self._sliders.items():
             if parameter in values and slider.value != values[parameter]:
-                slider.value = values[parameter]
+                # one that is being moved is ahead of its parameter
+                if now_s - self._moved_s.get(parameter, 0.0) < _SETTLE_S:
+                    self._revision = -1
+                else:
+                    slider.value = values[parameter]
 
 
 def color_names_in(values: Dict[str, Any]) -> List[str]:
