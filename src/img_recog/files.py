@@ -37,6 +37,12 @@ def find_user_path(path: str, except_names: Sequence[str] = ()) -> str:
     return next(filter(os.path.isfile, candidates), path)
 
 
+def user_output_path(path: str) -> str:
+    """Return the absolute path of a file to write; a relative path starts in the user's folder."""
+    folder = next(filter(os.path.isdir, user_folders()))
+    return os.path.abspath(os.path.join(folder, os.path.expanduser(path)))
+
+
 def find_in(folder: str) -> FindFile:
     """Return a function that finds file:// URIs, absolute paths and paths relative to `folder`.
     """

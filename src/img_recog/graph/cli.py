@@ -36,8 +36,7 @@ def _draw(options: argparse.Namespace) -> str:
         system = reader.read()
     choice = Choice(*4 * [True]) if options.all else Choice(leaves=options.leaves)
     picture = dot.draw(dot.to_dot(visible(system, choice)), _kind(options.output))
-    path = os.path.join(next(filter(os.path.isdir, files.user_folders())),
-                        os.path.expanduser(options.output))
+    path = files.user_output_path(options.output)
     with files.atomic_write([path], 'give a path that can be written') as (file,):
         file.write(picture)
     return path

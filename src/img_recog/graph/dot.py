@@ -23,11 +23,8 @@ class Colors(NamedTuple):
     dead: str = 'red'
 
 
-def to_dot(system: System, colors: Colors = Colors(), direction: str = 'LR') -> str:
-    """Return the text of a graph: nodes as ellipses, topics as boxes, a frame per namespace.
-
-    direction: of the edges, LR (left to right) or TB (top to bottom).
-    """
+def to_dot(system: System, colors: Colors = Colors()) -> str:
+    """Return the text of a graph: nodes as ellipses, topics as boxes, a frame per namespace."""
     members: Dict[tuple, List[str]] = {}
     for node in sorted(system.nodes):
         members.setdefault(clusters_of(node), []).append(_node_line(node, system, colors))
@@ -37,9 +34,8 @@ def to_dot(system: System, colors: Colors = Colors(), direction: str = 'LR') -> 
     if system.topics & set(TF_TOPICS):
         members.setdefault((), []).append('{} [label={}, shape=box3d, {}];'.format(
             _id('topic', _TF), _quoted(_TF), _fill(colors.topic)))
-    lines = ['graph [rankdir={}, bgcolor={}, color={}, fontcolor={}, fontname={}, ranksep=0.3];'
-             .format(direction, *map(_quoted, (colors.background, colors.line, colors.line,
-                                               _FONT)))]
+    lines = ['graph [rankdir=LR, bgcolor={}, color={}, fontcolor={}, fontname={}, ranksep=0.3];'
+             .format(*map(_quoted, (colors.background, colors.line, colors.line, _FONT)))]
     lines += ['{} [color={}, fontcolor={}, fontname={}];'.format(
         kind, *map(_quoted, (colors.line, colors.line, _FONT))) for kind in ('node', 'edge')]
     lines += _cluster_lines((), members)

@@ -34,7 +34,8 @@ class Decoded(NamedTuple):
 class BagFrames:
     """The images on one topic of a bag, at the times of their stamps.
 
-    topic: of the images; decode: returns the Decoded of a message, raises ImageError.
+    bag: open until all images were read; topic: of the images; decode: returns the Decoded of a
+    message, raises ImageError.
     expected, period_ns, warnings: as in VideoFrames. The period is the mean of all periods; it and
     the warnings are known after the last frame.
     """
@@ -47,24 +48,24 @@ class BagFrames:
         Raises UserError if the file cannot be read as a bag or has no such images.
         """
         self._path = path
-        self._bag = _open(path)
+        self.bag = _open(path)
         try:
             types = self._image_topics()
             self.topic = _choose_topic(path, types, topic)
         except UserError:
-            self._bag.close()
+            self.bag.close()
             raise
         self.decode: Callable[[Any], Decoded] = _decode_raw
         if types[self.topic] != Image._type:
             self.decode = partial(_decode_compressed, max_pixels=max_pixels)
-        self.expected = self._bag.get_message_count(self.topic)
+        self.expected = self.bag.get_message_count(self.topic)
         self.period_ns = 0
         self.warnings: List[str] = []
 
     def _image_topics(self) -> Dict[str, str]:
         """Return the message types of the topics whose messages are images as defined here."""
         try:
-            types, topics = self._bag.get_type_and_topic_info()
+            types, topics = self.bag.get_type_and_topic_info()
         except DAMAGE_ERRORS as error:
             raise damaged(self._path, error)
         return {name: topic.msg_type for name, topic in sorted(topics.items())
@@ -98,12 +99,12 @@ class BagFrames:
     def _messages(self) -> Iterator[Tuple[Any, int]]:
         """Yield each message and its stamp in ns, or its time of recording if the stamp is 0."""
         try:
-            for _, msg, recorded in self._bag.read_messages(self.topic):
+            for _, msg, recorded in self.bag.read_messages(self.topic):
                 yield msg, (msg.header.stamp or recorded).to_nsec()
         except DAMAGE_ERRORS as error:
             raise damaged(self._path, error)
         finally:
-            self._bag.close()
+            self.bag.close()
 
     def _check_stamp(self, number: int, last_ns: int, stamp_ns: int) -> None:
         gap_s = (stamp_ns - last_ns) / SECOND_NS

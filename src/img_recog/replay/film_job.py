@@ -8,7 +8,6 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
-import rosbag
 from tqdm import tqdm
 
 from img_recog import files, still_images
@@ -18,6 +17,7 @@ from img_recog.conversions.plane_msgs import PoseError
 from img_recog.errors import UserError, one_line
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import with_colors
+from img_recog.replay.arguments import without_special_keys
 from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
 from img_recog.replay.film import Film
 from img_recog.replay.inputs import is_bag
@@ -35,8 +35,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     logging.basicConfig(format='film.py: %(levelname)s: %(message)s')
     cv2.setLogLevel(_LOG_SILENT)
     words = sys.argv[1:] if arguments is None else arguments
-    # roslaunch adds __name:=... and __log:=...
-    options = _options([word for word in words if not (word.startswith('__') and ':=' in word)])
+    options = _options(without_special_keys(words))
     try:
         sys.stdout.write(_make(options) + '\n')
     except UserError as error:
@@ -57,9 +56,9 @@ def _make(options: argparse.Namespace) -> str:
                 else with_colors()())
     frames = BagFrames(path, options.topic, options.max_image_pixels)
     output = os.path.expanduser(options.output)
-    with rosbag.Bag(path) as bag, files.atomic_write(
+    with frames.bag, files.atomic_write(
             [output], 'give a path that can be written') as (file,):
-        messages = _Messages(path, bag, frames)
+        messages = _Messages(path, frames)
         with Film(file, settings, messages.outlines()) as film:
             end_s = _fill(film, messages, frames)
             film.close(end_s)
@@ -69,11 +68,11 @@ def _make(options: argparse.Namespace) -> str:
 class _Messages:
     """The messages of a bag that a film shows. images: number of images so far."""
 
-    def __init__(self, path: str, bag: rosbag.Bag, frames: BagFrames):
-        self._path, self._bag, self._frames = path, bag, frames
+    def __init__(self, path: str, frames: BagFrames):
+        self._path, self._bag = path, frames.bag
         self.images = 0
         kinds = {name: topic.msg_type
-                 for name, topic in bag.get_type_and_topic_info().topics.items()}
+                 for name, topic in self._bag.get_type_and_topic_info().topics.items()}
         self._roles: Dict[str, str] = {frames.topic: 'image'}
         for role, kind in _KINDS.items():
             found = sorted(name for name in kinds if kinds[name] == kind)

@@ -16,6 +16,7 @@ from img_recog import files
 from img_recog.errors import UserError, one_line
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.replay import cli, inputs, scenario
+from img_recog.replay.arguments import without_special_keys
 from img_recog.replay.chain import SECOND_NS, Chain, FrameMeasurement, Recorder, measure
 from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
 from img_recog.replay.painter import Painter
@@ -50,12 +51,9 @@ def main(painter: Painter, begin_s: float) -> int:
     cv2.setLogLevel(_LOG_FATAL)
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_FFMPEG_QUIET))
     interrupts = Interrupts()
-    # roslaunch adds __name:=... and __log:=...
-    arguments = [word for word in sys.argv[1:]
-                 if not (word.startswith('__') and ':=' in word)]
     try:
-        sys.stdout.write(replay(cli.parse(arguments), painter, begin_s, interrupts)
-                         + '\n')
+        sys.stdout.write(replay(cli.parse(without_special_keys(sys.argv[1:])), painter,
+                                begin_s, interrupts) + '\n')
     except UserError as error:
         _log.error('%s', one_line(error))
         return 1

@@ -153,7 +153,7 @@ def test_whatever_rosbag_raises_while_it_reads_is_damage(make_bag, monkeypatch, 
         raise error
     path = make_bag((RAW, raw(0, 1), 1))
     frames = BagFrames(path)
-    frames._bag.read_messages = fail
+    frames.bag.read_messages = fail
     line = refusal(list, frames)
     assert line.startswith('the bag {} is damaged: '.format(path)) and 'bad' in line
     assert line.endswith('; try rosbag reindex, or record it again')

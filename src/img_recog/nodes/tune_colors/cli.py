@@ -74,7 +74,7 @@ def _image_in(path: str, number: int, max_pixels: int) -> np.ndarray:
 
 def _tune(options: argparse.Namespace) -> int:
     name = options.image_or_topic
-    picture = PictureOutput(_output_path(options.output), not options.no_window)
+    picture = PictureOutput(files.user_output_path(options.output), not options.no_window)
     path = files.find_user_path(name)
     if os.path.isfile(path):
         _tune_file(path, options, picture)
@@ -89,11 +89,6 @@ def _tune(options: argparse.Namespace) -> int:
     message_type = image_topics.kind_of(topic)
     return lifecycle.run(rosgraph.names.anonymous_name('tune_colors'),
                          lambda: TuneColorsNode(topic, message_type, options, picture).spin())
-
-
-def _output_path(path: str) -> str:
-    folder = next(filter(os.path.isdir, files.user_folders()))
-    return os.path.abspath(os.path.join(folder, os.path.expanduser(path)))
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:

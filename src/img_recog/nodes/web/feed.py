@@ -220,14 +220,3 @@ def _share(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise ValueError(value)
     return max(-1.0, min(1.0, float(value)))
-
-
-def decoded(data: bytes) -> Tuple[Dict[str, Any], List[bytes]]:
-    """Return the JSON text, decoded, and the pictures of a message."""
-    length, = _LENGTH.unpack_from(data)
-    start = _LENGTH.size + length
-    news, jpegs = json.loads(data[_LENGTH.size:start]), []
-    for _, size, _, _ in news['pictures']:
-        jpegs.append(data[start:start + size])
-        start += size
-    return news, jpegs

@@ -249,8 +249,7 @@ def _wait_for_other_nodes() -> None:
 
 def _free_path(name: str, extension: str) -> str:
     """Return the path of a new file NAME_1, NAME_2, ... in the user's folder."""
-    folder = next(filter(os.path.isdir, files.user_folders()))
-    paths = (os.path.join(folder, '{}_{}{}'.format(name, number, extension))
+    paths = (files.user_output_path('{}_{}{}'.format(name, number, extension))
              for number in itertools.count(1))
     return next(path for path in paths if not any(
         os.path.exists(path + suffix) for suffix in ('', '.active')))

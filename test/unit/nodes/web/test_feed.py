@@ -5,10 +5,21 @@ import json
 import pytest
 
 from img_recog.nodes.web import feed
-from img_recog.nodes.web.feed import Feed, Picture, decoded
+from img_recog.nodes.web.feed import Feed, Picture
 from img_recog.nodes.web.news import News
 
 CAMERA, BLUE = '/usb_cam/image_raw', '/blue_image'
+
+
+def decoded(data):
+    """Return the JSON text, decoded, and the pictures of a message, like the page does."""
+    length = int.from_bytes(data[:4], 'big')
+    start = 4 + length
+    news, jpegs = json.loads(data[4:start]), []
+    for _, size, _, _ in news['pictures']:
+        jpegs.append(data[start:start + size])
+        start += size
+    return news, jpegs
 
 
 class Pictures:
