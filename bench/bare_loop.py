@@ -20,7 +20,7 @@ def main() -> int:
     world = World(physics, world_file.read('turtlebot3_world', worlds), client)
     with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
         robot = description.parse(file.read())
-    vehicle = Vehicle(robot, RobotSettings(), physics.step_s, client)
+    vehicle = Vehicle(robot, RobotSettings(), world)
     # the speeds of sample.py, without a ramp: 0.1 m/s and 0.5 rad/s
     vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))
     world.step(BATCH)

@@ -66,7 +66,7 @@ def drive(areas):
     world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
     with open(BURGER) as file:
         robot = description.parse(file.read())
-    vehicle = Vehicle(robot, RobotSettings(), world.step_s, client)
+    vehicle = Vehicle(robot, RobotSettings(), world)
     simulator = Simulator(world, [vehicle])
     for step in range(0, 40 * len(areas), 20):
         if step % 100 == 0:

@@ -3,14 +3,16 @@
 `read_robot` reads the text of a URDF; `build` makes the simulator from robots, settings and a
 world. Both return warnings and log nothing.
 """
+import contextlib
 import dataclasses
-from typing import Callable, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.settings import SettingError, from_mapping
-from img_recog.simulation import camera_tags, description, gazebo_tags, loading, meshes, wheels
+from img_recog.simulation import (camera_tags, description, gazebo_tags, loading, meshes, places,
+                                  wheels)
 from img_recog.simulation.description import Description
-from img_recog.simulation.scene import Scene
+from img_recog.simulation.scene import Scene, scene_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, PhysicsSettings,
                                            RobotSettings, SimulationError)
 from img_recog.simulation.simulator import Simulator
@@ -106,33 +108,73 @@ def build(physics: PhysicsSettings, world: WorldFile,
     """
     physics_client_id = loading.connect()
     simulated_world = World(physics, world, physics_client_id)
-    vehicles: List[Vehicle] = []
     warnings = list(world.warnings)
     if simulated_world.lifted:
         warnings.append('world {}: at the start in the floor, and lifted onto it: {}'.format(
             world.name, ', '.join('{} by {:.3f} m'.format(*each)
                                   for each in simulated_world.lifted.items())))
+    simulator = Simulator(simulated_world)
     for robot, settings in robots:
-        try:
-            vehicles.append(Vehicle(robot.description, settings, physics.step_s,
-                                    physics_client_id))
-        except SimulationError as error:
-            raise _refused(robot.source, error.problem, error.advice)
-        warnings += ['{}: {}'.format(robot.source, line) for line in wheels.measure(
-            robot.description, settings.drive).contradictions(settings.drive)]
-    simulator = Simulator(simulated_world, vehicles)
-    for vehicle in vehicles:
-        for sensor in unused_sensors:
-            vehicle.set_sensor_enabled(sensor, False)
-        warnings += ['{} runs without the sensor {}: no link {}'.format(
-            vehicle.robot.name, sensor, link)
-            for sensor, link in vehicle.missing_sensors.items() if sensor not in unused_sensors]
+        warnings += add_robot(simulator, robot, settings, unused_sensors)
     for overlap in simulator.overlaps():
         warnings.append('{}: they overlap at the start, and the physics will throw them apart; '
                         'set {}'.format(overlap, ', '.join(
                             map(option_name, ('x_pos', 'y_pos', 'z_pos')))))
-    return Assembly(simulator, Scene([robot.description for robot, _ in robots], world),
-                    tuple(robot.cameras for robot, _ in robots), tuple(warnings))
+    return Assembly(simulator, scene_of(simulator), tuple(robot.cameras for robot, _ in robots),
+                    tuple(warnings))
+
+
+def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,
+              unused_sensors: Sequence[str] = ()) -> List[str]:
+    """Load a robot into the world of a simulator; return warnings, a line each.
+
+    Arguments and errors as for `build`; after an error, nothing has changed.
+    """
+    with _refusal(robot), loading.all_or_nothing(simulator.world.physics_client_id):
+        vehicle = Vehicle(robot.description, settings, simulator.world)
+    simulator.add(vehicle)
+    for sensor in unused_sensors:
+        vehicle.set_sensor_enabled(sensor, False)
+    return ['{}: {}'.format(robot.source, line) for line in wheels.measure(
+        robot.description, settings.drive).contradictions(settings.drive)] + [
+        '{} runs without the sensor {}: no link {}'.format(robot.description.name, sensor, link)
+        for sensor, link in vehicle.missing_sensors.items() if sensor not in unused_sensors]
+
+
+def add_robot_apart(simulator: Simulator, robot: RobotSource, settings: RobotSettings,
+                    has_place: bool) -> List[str]:
+    """Add a robot like `add_robot`, but not inside of a wall or another robot.
+
+    has_place: whether it starts where its settings say; else that is where the nearest free place
+    is searched. Raises SimulationError also when there is none.
+    """
+    warnings = add_robot(simulator, robot, settings)
+    vehicle = simulator.vehicles[-1]
+    try:
+        if has_place:
+            others = simulator.overlapped(vehicle.robot)
+            if others:
+                raise SimulationError('it would start inside of {}'.format(', '.join(others)),
+                                      'give it another x_pos, y_pos or z_pos')
+        else:
+            vehicle.set_start(places.find(simulator, vehicle))
+    except SimulationError as error:
+        simulator.remove(vehicle)
+        raise _refused(robot.source, error.problem, error.advice)
+    return warnings
+
+
+def named(robot: RobotSource, name: str) -> RobotSource:
+    """Return the robot with another name."""
+    return robot._replace(description=dataclasses.replace(robot.description, name=name))
+
+
+@contextlib.contextmanager
+def _refusal(robot: RobotSource) -> Iterator[None]:
+    try:
+        yield
+    except SimulationError as error:
+        raise _refused(robot.source, error.problem, error.advice)
 
 
 def _refused(source: str, problem: str, advice: str) -> SimulationError:

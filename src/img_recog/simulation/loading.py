@@ -2,7 +2,7 @@
 import contextlib
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator
+from typing import Dict, Iterator, Tuple
 
 import pybullet
 
@@ -25,6 +25,24 @@ def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
     # its cache goes by file name, and `_file` gives each text the same one
     pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=physics_client_id)
     return physics_client_id
+
+
+@contextlib.contextmanager
+def all_or_nothing(physics_client_id: int) -> Iterator[None]:
+    """Remove the bodies that were loaded in the `with` block if it raises an error."""
+    before = set(body_ids(physics_client_id))
+    try:
+        yield
+    except Exception:
+        for body_id in set(body_ids(physics_client_id)) - before:
+            pybullet.removeBody(body_id, physicsClientId=physics_client_id)
+        raise
+
+
+def body_ids(physics_client_id: int) -> Tuple[int, ...]:
+    """Return the ids of all bodies in a physics client."""
+    return tuple(pybullet.getBodyUniqueId(index, physicsClientId=physics_client_id)
+                 for index in range(pybullet.getNumBodies(physicsClientId=physics_client_id)))
 
 
 def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,

@@ -10,7 +10,6 @@ from img_recog.simulation.geometry import to_rpy
 from img_recog.simulation.loading import link_indices, load_urdf
 from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
 
-COLLISION_GROUP = 64            # the bit by which rays ignore the robot that they start in
 _DEFAULT_FRICTION = 1.0         # of links without a coefficient (Gazebo's default)
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
@@ -29,7 +28,7 @@ class JointStates(NamedTuple):
 class Robot(Body):
     """The body of a description, driven by two wheels.
 
-    root: name of its root link.
+    root: name of its root link; spawn: where `reset` moves it.
     """
 
     def __init__(self, description: Description, drive: DriveSettings, spawn: SpawnSettings,
@@ -40,7 +39,7 @@ class Robot(Body):
         """
         super().__init__(load_urdf(description.urdf, physics_client_id), physics_client_id)
         self.name = description.name
-        self._spawn = spawn
+        self.spawn = spawn
         self._torques = (drive.wheel_torque, drive.wheel_torque)
         self.root, self._frames = description.root, description.frames
         self._link_indices = link_indices(self.body_id, physics_client_id)
@@ -56,7 +55,7 @@ class Robot(Body):
 
     def reset(self) -> None:
         """Move the robot back to where it was spawned, at rest, its wheels at 0 rad."""
-        spawn = self._spawn
+        spawn = self.spawn
         self.place(Pose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
                         pybullet.getQuaternionFromEuler((0, 0, spawn.yaw)),
                         [0.0] * len(self.joints)))
@@ -144,8 +143,6 @@ class Robot(Body):
 
     def _set_dynamics(self, description: Description) -> None:
         for name, link in self._link_indices.items():
-            pybullet.setCollisionFilterGroupMask(self.body_id, link, COLLISION_GROUP, ~0,
-                                                 physicsClientId=self.physics_client_id)
             pybullet.changeDynamics(
                 self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
                 lateralFriction=description.friction.get(name, _DEFAULT_FRICTION),

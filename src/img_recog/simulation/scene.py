@@ -58,6 +58,11 @@ class SceneCopy:
             body.place(pose)
 
 
+def scene_of(simulator: Simulator) -> Scene:
+    """Return what there is to draw of a simulator now."""
+    return Scene([vehicle.description for vehicle in simulator.vehicles], simulator.world.file)
+
+
 def poses_of(simulator: Simulator) -> Sequence[Pose]:
     """Return the poses of robots and world bodies in the order of a SceneCopy."""
     bodies = [vehicle.robot for vehicle in simulator.vehicles] + simulator.world.bodies

@@ -1,8 +1,12 @@
 """World and vehicles, advanced together by whole steps."""
-from typing import List, Sequence
+from typing import Any, List, Sequence
 
 import pybullet
 
+from img_recog.simulation import laser_scanner
+from img_recog.simulation.body import Body
+from img_recog.simulation.laser_scanner import LaserScanner
+from img_recog.simulation.sensor import Sensor
 from img_recog.simulation.vehicle import Reading, Vehicle
 from img_recog.simulation.world import World
 
@@ -16,9 +20,24 @@ class Simulator:
     that are due are read. Time is the number of steps multiplied by the step.
     """
 
-    def __init__(self, world: World, vehicles: Sequence[Vehicle]):
-        self.world, self.vehicles = world, vehicles
+    def __init__(self, world: World, vehicles: Sequence[Vehicle] = ()):
+        self.world, self._vehicles = world, list(vehicles)
         self._steps = 0
+
+    @property
+    def vehicles(self) -> Sequence[Vehicle]:
+        """The vehicles in the order in which they were added."""
+        return self._vehicles
+
+    def add(self, vehicle: Vehicle) -> None:
+        """Add a vehicle that was loaded into the world."""
+        self._vehicles.append(vehicle)
+        self.world.revision += 1
+
+    def remove(self, vehicle: Vehicle) -> None:
+        """Remove a vehicle, also from the world."""
+        self._vehicles.remove(vehicle)
+        self.world.unload(vehicle.robot)
 
     @property
     def time_s(self) -> float:
@@ -32,28 +51,41 @@ class Simulator:
         while self._steps < end:
             for vehicle in self.vehicles:
                 vehicle.before_step(self._steps)
-            stop = min(vehicle.next_event(self._steps) for vehicle in self.vehicles)
+            stop = min((vehicle.next_event(self._steps) for vehicle in self.vehicles),
+                       default=end)
             stop = min(stop, end)
             self.world.step(stop - self._steps)
             self._steps = stop
-            for vehicle in self.vehicles:
-                readings.extend(vehicle.after_step(self._steps, self.time_s))
+            readings.extend(self._read_sensors())
         return readings
+
+    def _read_sensors(self) -> List[Reading]:
+        """Return the readings of the sensors that are due now."""
+        due = [(vehicle.robot.name, scheduled) for vehicle in self.vehicles
+               for scheduled in vehicle.due_sensors(self._steps)]
+        values = _read_together([scheduled.sensor for _, scheduled in due])
+        return [Reading(robot, scheduled.name, self.time_s, value)
+                for (robot, scheduled), value in zip(due, values)]
 
     def overlaps(self) -> List[str]:
         """Return which robots overlap with which bodies, as 'A in B', deeper than contacts do."""
+        return ['{} in {}'.format(vehicle.robot.name, name)
+                for vehicle in self.vehicles for name in self.overlapped(vehicle.robot)]
+
+    def overlapped(self, robot: Body) -> List[str]:
+        """Return the names of the bodies that a robot overlaps with, deeper than contacts do."""
         client = self.world.physics_client_id
         bodies = [self.world.floor, *self.world.bodies,
                   *(vehicle.robot for vehicle in self.vehicles)]
         names = {body.body_id: body.name for body in bodies}
         pybullet.performCollisionDetection(physicsClientId=client)
         found: List[str] = []
-        for vehicle in self.vehicles:
-            for contact in pybullet.getContactPoints(vehicle.robot.body_id,
-                                                     physicsClientId=client):
-                words = '{} in {}'.format(vehicle.robot.name, names[contact[2]])
-                if contact[8] < -_MAX_CONTACT_DEPTH_M and words not in found:
-                    found.append(words)
+        for contact in pybullet.getContactPoints(robot.body_id, physicsClientId=client):
+            # of two robots, either may be the first body of a contact
+            other = contact[1] if contact[2] == robot.body_id else contact[2]
+            name = names.get(other, robot.name)
+            if contact[8] < -_MAX_CONTACT_DEPTH_M and name not in found:
+                found.append(name)
         return found
 
     def reset_world(self) -> None:
@@ -66,3 +98,11 @@ class Simulator:
         """Do what `reset_world` does, and set the time to 0."""
         self.reset_world()
         self._steps = 0
+
+
+def _read_together(sensors: Sequence[Sensor]) -> List[Any]:
+    """Return what each of the sensors measures now."""
+    scanners = [sensor for sensor in sensors if isinstance(sensor, LaserScanner)]
+    scans = iter(laser_scanner.read_together(scanners) if scanners else ())
+    return [next(scans) if isinstance(sensor, LaserScanner) else sensor.read()
+            for sensor in sensors]

@@ -9,6 +9,7 @@ import numpy as np
 import pybullet
 
 from img_recog.simulation.body import Quaternion, Vector, rotation_matrix
+from img_recog.simulation.loading import body_ids
 
 _BOX, _CYLINDER, _SPHERE, _PLANE = (pybullet.GEOM_BOX, pybullet.GEOM_CYLINDER,
                                     pybullet.GEOM_SPHERE, pybullet.GEOM_PLANE)
@@ -16,6 +17,20 @@ _UP = (0.0, 0.0, 1.0)           # the normal of a floor
 _TINY = 1e-300                  # in place of 0 in a divisor: the quotient is large but a number
 _Part = Tuple[int, int]         # body and link, -1 for the base
 _Poses = Dict[_Part, Tuple[Vector, Quaternion]]
+
+
+class Bundles(NamedTuple):
+    """Bundles of rays; those of a bundle start at the same point.
+
+    starts (n, 3): m; directions (n, rays, 3): unit vectors; both in the world. longest (n,): m,
+    bodies that are farther away may be missed. excluded (n,): a body that the bundle does not hit,
+    -1 for none.
+    """
+
+    starts: np.ndarray
+    directions: np.ndarray
+    longest: np.ndarray
+    excluded: np.ndarray
 
 
 class _Shape(NamedTuple):
@@ -32,43 +47,38 @@ class _Shape(NamedTuple):
 
 
 class Solids:
-    """The collision shapes of all bodies in a physics client except one.
+    """The collision shapes of all bodies in a physics client.
 
     A shape in which a ray begins is not hit, as in PyBullet.
     """
 
-    def __init__(self, physics_client_id: int, excluded_body: int):
-        """Prepare for rays that start in `excluded_body`."""
-        self._client, self._excluded = physics_client_id, excluded_body
+    def __init__(self, physics_client_id: int):
+        self._client = physics_client_id
         self._bodies: Tuple[int, ...] = ()
         self._shapes: Optional[List[_Shape]] = []
         self._poses: _Poses = {}
         self._groups: Dict[int, _Group] = {}
 
-    def distances(self, start: np.ndarray, directions: np.ndarray, longest: float = np.inf
-                  ) -> Optional[np.ndarray]:
-        """Return how far each ray goes until it hits a body, inf if it does not.
+    def distances(self, bundles: 'Bundles') -> Optional[np.ndarray]:
+        """Return how far each ray goes until it hits a body, (bundles, rays); inf if it does not.
 
-        start: (3,) in m; directions: unit vectors of shape (rays, 3); both in the world.
-        longest: m; bodies that are farther away may be missed.
         None if there are shapes of other kinds.
         """
         self._refresh()
         if self._shapes is None:
             return None
-        nearest = np.full(len(directions), np.inf)
+        nearest = np.full(bundles.directions.shape[:2], np.inf)
         for group in self._groups.values():
-            np.minimum(nearest, group.distances(start, directions, longest), out=nearest)
+            group.shorten(nearest, bundles)
         return nearest
 
     def _refresh(self) -> None:
         """Take note of bodies that were added, removed or moved."""
         client = self._client
-        bodies = tuple(pybullet.getBodyUniqueId(index, physicsClientId=client)
-                       for index in range(pybullet.getNumBodies(physicsClientId=client)))
+        bodies = body_ids(client)
         if bodies != self._bodies:
             self._bodies = bodies
-            self._shapes = _shapes([body for body in bodies if body != self._excluded], client)
+            self._shapes = _shapes(bodies, client)
             self._poses, self._groups = {}, {}
         if self._shapes is None:
             return
@@ -108,6 +118,7 @@ class _Group:
     def __init__(self, shapes: Sequence[_Shape], poses: _Poses):
         placed = [pybullet.multiplyTransforms(*poses[shape.part], shape.position,
                                               shape.orientation) for shape in shapes]
+        self._bodies = np.array([shape.part[0] for shape in shapes])
         self._positions = np.array([position for position, _ in placed])
         # (axes of a shape, shapes, axes of the world): the inverse rotations
         self._rotations = np.array([rotation_matrix(turned) for _, turned in placed]
@@ -116,19 +127,26 @@ class _Group:
         self._sizes = np.array([shape.size for shape in shapes]).T[:, :, None]
         self._reaches = self._reach()
 
-    def distances(self, start: np.ndarray, directions: np.ndarray, longest: float) -> np.ndarray:
-        """Return the distance to the nearest shape that each ray enters, inf if there is none."""
-        offsets = start - self._positions
-        near = np.flatnonzero(np.sqrt((offsets * offsets).sum(axis=1)) <= longest + self._reaches)
-        if not len(near):
-            return np.full(len(directions), np.inf)
-        # in the frames of the shapes, axis by axis: (axes, shapes, 1) and (axes, shapes, rays)
-        rotations = self._rotations[:, near]
-        starts = (rotations * offsets[near]).sum(axis=-1, keepdims=True)
-        turned = (rotations.reshape(-1, 3) @ directions.T).reshape(3, len(near), -1)
-        enter, leave = self._interval(self._sizes[:, near], starts, turned)
-        hit = (enter <= leave) & (enter > 0)
-        return np.where(hit, enter, np.inf).min(axis=0)
+    def shorten(self, nearest: np.ndarray, bundles: Bundles) -> None:
+        """Reduce distances (bundles, rays) to those of the shapes that the rays enter."""
+        # (bundles, shapes, axes)
+        offsets = bundles.starts[:, None] - self._positions
+        near = np.sqrt((offsets * offsets).sum(axis=-1)) <= (
+            bundles.longest[:, None] + self._reaches)
+        near &= bundles.excluded[:, None] != self._bodies
+        for number, is_near in enumerate(near):
+            shapes = np.flatnonzero(is_near)
+            if not len(shapes):
+                continue
+            # in the frames of the shapes, axis by axis: (axes, shapes, 1), (axes, shapes, rays)
+            rotations = self._rotations[:, shapes]
+            starts = (rotations * offsets[number, shapes]).sum(axis=-1, keepdims=True)
+            turned = (rotations.reshape(-1, 3) @ bundles.directions[number].T).reshape(
+                3, len(shapes), -1)
+            enter, leave = self._interval(self._sizes[:, shapes], starts, turned)
+            hit = (enter <= leave) & (enter > 0)
+            np.minimum(nearest[number], np.where(hit, enter, np.inf).min(axis=0),
+                       out=nearest[number])
 
     def _reach(self) -> np.ndarray:
         """Return how far each shape reaches at most from its middle, (shapes,)."""

@@ -1,4 +1,5 @@
 """A robot with its drive and its sensors."""
+import dataclasses
 import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
@@ -14,7 +15,9 @@ from img_recog.simulation.robot import JointStates, Robot
 from img_recog.simulation.robot_camera import RobotCamera
 from img_recog.simulation.sensor import ScheduledSensor, Sensor
 from img_recog.simulation.settings import (CameraSettings, ImuSettings, RobotSettings,
-                                           ScanSettings, nearest_period, whole_steps)
+                                           ScanSettings, SpawnSettings, nearest_period,
+                                           whole_steps)
+from img_recog.simulation.world import World
 
 
 class Reading(NamedTuple):
@@ -43,19 +46,19 @@ class _JointStateSensor(Sensor):
 class Vehicle:
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
-    robot: the body; settings: what it was made with; missing_sensors: the sensors that
-    were left out, and the links for them that the robot does not have.
+    robot: the body; description, settings: what it was made with; missing_sensors: the sensors
+    that were left out, and the links for them that the robot does not have.
     """
 
-    def __init__(self, description: Description, settings: RobotSettings, step_s: float,
-                 physics_client_id: int):
-        """Load the robot into a physics client.
+    def __init__(self, description: Description, settings: RobotSettings, world: World):
+        """Load the robot into a world.
 
-        step_s: of the physics. Raises SimulationError when a setting does not fit the robot or
-        the physics.
+        Raises SimulationError when a setting does not fit the robot or the physics; nothing is
+        left in the world then.
         """
-        self.settings, self._step_s = settings, step_s
-        self.robot = Robot(description, settings.drive, settings.spawn, physics_client_id)
+        step_s = world.step_s
+        self.description, self.settings, self._step_s = description, settings, step_s
+        self.robot = Robot(description, settings.drive, settings.spawn, world.physics_client_id)
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s, step_s)
         self._drive = DifferentialDrive(settings.drive)
         self._wheel_velocities: Optional[Tuple[float, float]] = None    # that the motors have
@@ -71,7 +74,7 @@ class Vehicle:
         if self._can_have('imu', settings.imu.imu_frame, ImuSettings().imu_frame):
             sensors['imu'] = Imu(self.robot, settings.imu, periods.imu_period_s, imu_noise)
         if self._can_have('scan', settings.scan.scan_frame, ScanSettings().scan_frame):
-            sensors['scan'] = LaserScanner(self.robot, settings.scan, scan_noise)
+            sensors['scan'] = LaserScanner(self.robot, settings.scan, scan_noise, world.solids)
         self._sensors = {name: ScheduledSensor(name, self._period_steps(name, step_s), sensor)
                          for name, sensor in sensors.items()}
 
@@ -134,10 +137,9 @@ class Vehicle:
                 self._wheel_velocities = velocities
                 self.robot.set_wheel_velocities(velocities)
 
-    def after_step(self, steps: int, time_s: float) -> List[Reading]:
-        """Return the readings of the sensors that are due after `steps` steps."""
-        return [Reading(self.robot.name, scheduled.name, time_s, scheduled.sensor.read())
-                for scheduled in self._sensors.values()
+    def due_sensors(self, steps: int) -> List[ScheduledSensor]:
+        """Return the sensors that are to be read after `steps` steps."""
+        return [scheduled for scheduled in self._sensors.values()
                 if scheduled.enabled and steps % scheduled.period_steps == 0]
 
     def next_event(self, steps: int) -> int:
@@ -155,6 +157,12 @@ class Vehicle:
         self._wheel_velocities = None
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
+
+    def set_start(self, spawn: SpawnSettings) -> None:
+        """Start from another pose, also after a reset; moves the robot there."""
+        self.settings = dataclasses.replace(self.settings, spawn=spawn)
+        self.robot.spawn = spawn
+        self.reset()
 
     def move_to(self, x: float, y: float, yaw: float) -> None:
         """Move the robot to x, y in m and yaw in rad, at rest and without a command.

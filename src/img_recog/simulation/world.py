@@ -10,6 +10,7 @@ from img_recog.simulation.description import friction_of
 from img_recog.simulation.loading import link_indices, load_urdf
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
+from img_recog.simulation.solids import Solids
 from img_recog.simulation.world_file import WorldFile
 
 _FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
@@ -21,15 +22,17 @@ _FRICTION = 1.0                 # of links without a coefficient (Gazebo's defau
 class World:
     """A physics client with gravity, a floor at z 0 and the bodies of a world file.
 
-    physics_client_id: to be passed to every PyBullet call; step_s: of the physics; floor; file:
-    what stands in the world now; bodies: one for each tree in `file`; revision: the number of
-    times that something was added or removed, or that something fixed was moved; lifted: how far,
-    in m, each body was moved upward that was in the floor when it was added, by name.
+    physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
+    bodies in the client; floor; file: what stands in the world now; bodies: one for each tree in
+    `file`; revision: the number of times that something was added or removed, robots too, or that
+    something fixed was moved; lifted: how far, in m, each body was moved upward that was in the
+    floor when it was added, by name.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int):
         """Build the world in a physics client; SimulationError when PyBullet cannot load it."""
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
+        self.solids = Solids(physics_client_id)
         self.file, self.revision = file._replace(trees=()), 0
         self._is_rearranged = False
         self.bodies: List[Body] = []
@@ -71,6 +74,11 @@ class World:
             body.start = body.start._replace(position=(x, y, z + depth_m))
             body.reset()
             self.lifted[body.name] = depth_m
+
+    def unload(self, body: Body) -> None:
+        """Remove a body that is not one of `bodies`, a robot."""
+        pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+        self.revision += 1
 
     def remove(self, bodies: Sequence[Body]) -> None:
         """Remove some of `bodies` from the world."""

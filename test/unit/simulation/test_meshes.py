@@ -165,9 +165,9 @@ def test_robot_weighs_what_it_says_and_stands_and_drives(find, has_meshes):
     sim = simulator()
     description = parse(TOY, find if has_meshes else lambda uri: None)
     settings = RobotSettings(spawn=SpawnSettings(x_pos=1.0, y_pos=1.0))
-    toy = Vehicle(description, settings,
-                  sim.world.step_s, sim.world.physics_client_id)
-    sim.vehicles = [toy]
+    sim.remove(sim.vehicles[0])
+    toy = Vehicle(description, settings, sim.world)
+    sim.add(toy)
     assert toy.robot.mass() == pytest.approx(0.8 + 2 * 0.03 + 0.1 + 0.005, abs=1e-6)
     sim.advance(2000)
     stands = toy.robot.motion()

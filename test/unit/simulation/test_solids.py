@@ -4,7 +4,7 @@ import pybullet
 import pytest
 
 from img_recog.simulation.body import rotation_matrix
-from img_recog.simulation.solids import Solids
+from img_recog.simulation.solids import Bundles, Solids
 
 RAYS = 200
 STEPS = np.linspace(0.0, 1.0, 1500)[1:-1]
@@ -56,6 +56,13 @@ def random_shape(client, random):
     return Shape(client, kind, size, random.uniform(-2.0, 2.0, 3), turned / np.linalg.norm(turned))
 
 
+def distances_of(solids, start, directions, longest=np.inf, excluded=-1):
+    """Return the distances (rays,) of one bundle, None if there are shapes of other kinds."""
+    found = solids.distances(Bundles(start[None], directions[None], np.array([longest]),
+                                     np.array([excluded])))
+    return None if found is None else found[0]
+
+
 def directions_into_the_shapes(start, random):
     directions = random.uniform(-2.0, 2.0, (RAYS, 3)) - start
     return directions / np.linalg.norm(directions, axis=1)[:, None]
@@ -70,7 +77,7 @@ def test_rays_end_where_they_enter_the_first_shape(client, seed):
     start = random.uniform(-1.0, 1.0, 3) + (0, 0, 1)
     directions = directions_into_the_shapes(start, random)
     around = [shape for shape in shapes if shape.contains(start[None], 0)[0]]
-    distances = Solids(client, -1).distances(start, directions)
+    distances = distances_of(Solids(client), start, directions)
     hits = np.isfinite(distances)
     assert np.count_nonzero(hits) > 10 and distances.min() > 0
     for direction, distance in zip(directions, distances):
@@ -90,11 +97,11 @@ def test_what_is_within_a_range_is_found(client, seed):
     random = np.random.RandomState(seed)
     for _ in range(12):
         random_shape(client, random)
-    solids, start = Solids(client, -1), random.uniform(-4.0, 4.0, 3)
+    solids, start = Solids(client), random.uniform(-4.0, 4.0, 3)
     directions = directions_into_the_shapes(start, random)
-    every = solids.distances(start, directions)
+    every = distances_of(solids, start, directions)
     for longest in (0.5, 1.0, 2.0, 4.0):
-        found = solids.distances(start, directions, longest)
+        found = distances_of(solids, start, directions, longest)
         assert np.array_equal(found[every <= longest], every[every <= longest])
         assert np.all(found[every > longest] > longest)
 
@@ -106,7 +113,7 @@ def test_distances_are_those_of_pybullet(client, seed):
         random_shape(client, random)
     start = np.array([0.0, 0.0, 3.5])
     directions = directions_into_the_shapes(start, random)
-    distances = Solids(client, -1).distances(start, directions)
+    distances = distances_of(Solids(client), start, directions)
     hits = pybullet.rayTestBatch([start.tolist()] * RAYS, (start + 8 * directions).tolist(),
                                  physicsClientId=client)
     theirs = np.array([8 * hit[2] if hit[0] >= 0 else np.inf for hit in hits])
@@ -123,29 +130,29 @@ def test_rays_along_the_axes(client, direction, expected):
     Shape(client, pybullet.GEOM_BOX, (0.5, 1.0, 2.0), (2.0, 0, 0))
     Shape(client, pybullet.GEOM_CYLINDER, (0.5, 2.0), (0, -3.0, 0))
     Shape(client, pybullet.GEOM_PLANE, ())
-    found = Solids(client, -1).distances(np.array([0, 0, 0.25]), np.array([direction], float))
+    found = distances_of(Solids(client), np.array([0, 0, 0.25]), np.array([direction], float))
     assert found.tolist() == [expected]
 
 
 def test_along_a_cylinder(client):
     Shape(client, pybullet.GEOM_CYLINDER, (0.5, 2.0), (0, 0, -3.0))
     rays = np.array([[0.0, 0.0, -1.0]])
-    solids = Solids(client, -1)
-    assert solids.distances(np.array([0.3, 0.3, 0.0]), rays).tolist() == [2.0]
-    assert solids.distances(np.array([0.5, 0.3, 0.0]), rays).tolist() == [np.inf]
+    solids = Solids(client)
+    assert distances_of(solids, np.array([0.3, 0.3, 0.0]), rays).tolist() == [2.0]
+    assert distances_of(solids, np.array([0.5, 0.3, 0.0]), rays).tolist() == [np.inf]
 
 
 def test_what_is_moved_added_and_removed_is_noticed(client):
     start, rays = np.zeros(3), np.array([[1.0, 0.0, 0.0]])
     own = Shape(client, pybullet.GEOM_SPHERE, (0.25,), (0.5, 0, 0))
-    solids = Solids(client, own.body)
-    assert solids.distances(start, rays).tolist() == [np.inf]
+    solids = Solids(client)
+    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [np.inf]
     ball = Shape(client, pybullet.GEOM_SPHERE, (0.5,), (2.0, 0, 0))
-    assert solids.distances(start, rays).tolist() == [1.5]
+    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [1.5]
     ball.move(client, (3.0, 0, 0))
-    assert solids.distances(start, rays).tolist() == [2.5]
+    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [2.5]
     pybullet.removeBody(ball.body, physicsClientId=client)
-    assert solids.distances(start, rays).tolist() == [np.inf]
+    assert distances_of(solids, start, rays, excluded=own.body).tolist() == [np.inf]
 
 
 def test_links_that_move(client):
@@ -159,10 +166,10 @@ def test_links_that_move(client):
         linkParentIndices=[0], linkJointTypes=[pybullet.JOINT_REVOLUTE],
         linkJointAxis=[(0, 0, 1)], physicsClientId=client)
     start, rays = np.zeros(3), np.array([[0.0, 1.0, 0.0]])
-    solids = Solids(client, -1)
-    assert solids.distances(start, rays).tolist() == pytest.approx([1.9])
+    solids = Solids(client)
+    assert distances_of(solids, start, rays).tolist() == pytest.approx([1.9])
     pybullet.resetJointState(body, 0, -np.pi / 2, physicsClientId=client)
-    assert solids.distances(start, rays).tolist() == pytest.approx([1.0])
+    assert distances_of(solids, start, rays).tolist() == pytest.approx([1.0])
 
 
 @pytest.mark.parametrize('kind, values', [
@@ -170,10 +177,10 @@ def test_links_that_move(client):
     (pybullet.GEOM_PLANE, {'planeNormal': (1, 0, 0)}),
     (pybullet.GEOM_MESH, {'vertices': [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]})])
 def test_other_shapes_are_left_to_pybullet(client, kind, values):
-    solids = Solids(client, -1)
+    solids = Solids(client)
     other = pybullet.createMultiBody(0, pybullet.createCollisionShape(
         kind, physicsClientId=client, **values), physicsClientId=client)
     start, rays = np.zeros(3), np.array([[1.0, 0.0, 0.0]])
-    assert solids.distances(start, rays) is None
+    assert distances_of(solids, start, rays) is None
     pybullet.removeBody(other, physicsClientId=client)
-    assert solids.distances(start, rays).tolist() == [np.inf]
+    assert distances_of(solids, start, rays).tolist() == [np.inf]

@@ -1,0 +1,203 @@
+"""Several robots in one world: each as if alone, until they touch."""
+import math
+
+import numpy as np
+import pybullet
+import pytest
+
+from img_recog.simulation import assembly, world_file
+from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, ScanSettings,
+                                           SimulationError, SpawnSettings)
+from img_recog_testing.robots import WORLDS, burger
+
+COMMANDS = ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))
+PLACES = ((-2.0, -0.5, 0.0), (0.5, 0.55, 1.0), (-0.5, -1.6, 2.0), (1.6, 0.55, -1.0),
+          (0.55, -0.55, 3.0), (-0.55, 0.55, -2.0), (-0.55, -0.5, 0.5), (0.5, 1.65, 0.0))
+
+
+def source(name, urdf=None):
+    read = assembly.read_robot(urdf or burger(), 0.001, lambda uri: None, name)
+    return assembly.named(read, name)
+
+
+def settings(x, y, yaw=0.0, z=0.0, **groups):
+    return RobotSettings(spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw), **groups)
+
+
+def several(places, world='turtlebot3_world', **groups):
+    """Return the simulator of robots tb3_0, tb3_1 and so on at places (x, y, yaw)."""
+    robots = [(source('tb3_{}'.format(number)), settings(*place, **groups))
+              for number, place in enumerate(places)]
+    return assembly.build(PhysicsSettings(world=world), world_file.read(world, WORLDS),
+                          robots).simulator
+
+
+def empty_world(world='empty'):
+    return several((), world)
+
+
+def drive(sim, numbers):
+    """Drive robots, each another order of COMMANDS; return all that is measured, by robot."""
+    measured = {vehicle.robot.name: [] for vehicle in sim.vehicles}
+    for turn in range(len(COMMANDS)):
+        for vehicle, number in zip(sim.vehicles, numbers):
+            linear, angular = COMMANDS[(turn + number) % len(COMMANDS)]
+            vehicle.command(linear / 20, angular)
+        for reading in sim.advance(500):
+            if reading.sensor == 'odometry':
+                value = (reading.value.position.tobytes(), reading.value.orientation,
+                         reading.value.linear.tobytes(), reading.value.angular.tobytes())
+            elif reading.sensor == 'imu':
+                value = reading.value
+            elif reading.sensor == 'joint_states':
+                value = tuple(reading.value.positions), tuple(reading.value.velocities)
+            else:
+                continue        # a scan shows the other robots
+            measured[reading.robot].append((reading.time_s, reading.sensor, value))
+    return measured
+
+
+@pytest.mark.parametrize('world', ['empty', 'turtlebot3_world'])
+def test_a_robot_among_others_moves_to_the_bit_as_it_does_alone(world):
+    together = several(PLACES, world)
+    measured = drive(together, range(len(PLACES)))
+    for number, place in enumerate(PLACES):
+        alone = drive(several([place], world), [number])
+        assert len(alone['tb3_0']) > 500
+        assert measured['tb3_{}'.format(number)] == alone['tb3_0']
+
+
+def scans(sim):
+    return {each.robot: each.value for each in sim.advance(200) if each.sensor == 'scan'}
+
+
+def at(ranges, degrees):
+    return ranges[round(degrees) % 360]
+
+
+@pytest.mark.parametrize('mesh', [False, True])
+def test_two_that_meet_see_each_other_in_their_scans(mesh, tmp_path):
+    world = 'empty'
+    if mesh:        # PyBullet casts the rays then
+        (tmp_path / 'a.obj').write_text('v 9 9 9\nv 9 9 8\nv 9 8 9\nv 8 9 9\nf 1 2 3\nf 1 2 4\n'
+                                        'f 1 3 4\nf 2 3 4\n')
+        world = str(tmp_path / 'w.sdf')
+        (tmp_path / 'w.sdf').write_text(
+            '<sdf version="1.6"><model name="m"><static>true</static><link name="l"><collision '
+            'name="c"><geometry><mesh><uri>{}</uri></mesh></geometry></collision></link></model>'
+            '</sdf>'.format(tmp_path / 'a.obj'))
+    exact = ScanSettings(scan_noise=0.0)
+    # the scanner is 0.032 m behind the root link; it is a cylinder of radius 0.055 m, whose axis
+    # is 0.015 m before the point where its rays begin
+    found = scans(several([(0.0, 0.0, 0.0), (1.0, 0.0, math.pi), (0.0, 2.0, 0.0)], world,
+                          scan=exact))
+    assert at(found['tb3_0'], 0) == pytest.approx(0.994, abs=0.004)
+    assert at(found['tb3_1'], 0) == pytest.approx(0.994, abs=0.004)
+    assert at(found['tb3_0'], 90) == pytest.approx(1.947, abs=0.004)
+    assert at(found['tb3_2'], -90) == pytest.approx(1.947, abs=0.004)
+    assert np.isinf(at(found['tb3_0'], 180)) and np.isinf(at(found['tb3_0'], 45))
+
+
+def test_scanners_of_different_numbers_of_rays_are_read_together():
+    robots = [(source(name), settings(x, 0.0, scan=ScanSettings(scan_samples=samples,
+                                                                scan_noise=0.0)))
+              for name, x, samples in (('a', 0.0, 360), ('b', 1.0, 720), ('c', -1.0, 360))]
+    sim = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', WORLDS),
+                         robots).simulator
+    found = scans(sim)
+    assert [len(found[name]) for name in 'abc'] == [360, 720, 360]
+    assert found['a'][0] == pytest.approx(0.96, abs=0.004)
+    assert found['c'][0] == pytest.approx(0.96, abs=0.004)
+    assert np.isinf(found['b'][0]) and found['b'][360] == pytest.approx(0.93, abs=0.004)
+
+
+def test_one_pushes_the_other():
+    sim = several([(0.0, 0.0, 0.0), (0.3, 0.0, math.pi / 2)], 'empty')
+    pusher, pushed = sim.vehicles
+    pusher.command(0.2, 0.0)
+    sim.advance(4000)
+    assert pushed.robot.motion().position[0] > 0.4
+    gap = pushed.robot.motion().position[0] - pusher.robot.motion().position[0]
+    assert 0.1 < gap < 0.3
+
+
+def test_places_are_free_and_inside_of_the_walls():
+    sim = empty_world('turtlebot3_world')
+    for number in range(16):
+        assembly.add_robot_apart(sim, source('tb3_{}'.format(number)),
+                                 settings(-2.0, -0.5, 0.3), has_place=False)
+    assert sim.overlaps() == []
+    found = np.array([vehicle.robot.motion().position[:2] for vehicle in sim.vehicles])
+    assert found[0].tolist() == [-2.0, -0.5]
+    assert np.hypot(*found.T).max() < 2.7       # the radius of the wall
+    between = np.hypot(*(found[:, None] - found).transpose(2, 0, 1)) + 9 * np.eye(16)
+    assert between.min() >= 0.4
+    assert all(vehicle.robot.motion().yaw == pytest.approx(0.3) for vehicle in sim.vehicles)
+    places = [vehicle.settings.spawn for vehicle in sim.vehicles]
+    sim.advance(100)
+    sim.reset_world()
+    assert [(place.x_pos, place.y_pos) for place in places] == [
+        pytest.approx(tuple(vehicle.robot.motion().position[:2]), abs=1e-6) for vehicle in sim.vehicles]
+
+
+def test_no_place_is_refused_and_leaves_nothing(tmp_path):
+    cell = tmp_path / 'cell.sdf'
+    walls = ''.join(
+        '<link name="l{}"><pose>{} {} 0.5 0 0 {}</pose><collision name="c"><geometry><box><size>'
+        '0.1 1.3 1</size></box></geometry></collision></link>'.format(
+            number, 0.6 * math.cos(turn), 0.6 * math.sin(turn), turn)
+        for number, turn in enumerate(np.arange(4) * math.pi / 2))
+    cell.write_text('<sdf version="1.6"><model name="cell"><static>true</static>{}</model></sdf>'
+                    .format(walls))
+    sim = empty_world(str(cell))
+    assembly.add_robot_apart(sim, source('a'), settings(0.0, 0.0), has_place=False)
+    count = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
+    with pytest.raises(SimulationError, match='cannot use the robot in b: there is no free place '
+                                              'for it near x 0 m, y 0 m'):
+        assembly.add_robot_apart(sim, source('b'), settings(0.0, 0.0), has_place=False)
+    assert len(sim.vehicles) == 1
+    assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
+
+
+@pytest.mark.parametrize('place, other', [((-2.0, -0.45), 'a'), ((0.0, 0.1), 'turtlebot3_world')])
+def test_a_given_place_inside_of_something_is_refused(place, other):
+    sim = several([], 'turtlebot3_world')
+    assembly.add_robot_apart(sim, source('a'), settings(-2.0, -0.5), has_place=True)
+    with pytest.raises(SimulationError, match='would start inside of {}'.format(other)):
+        assembly.add_robot_apart(sim, source('b'), settings(*place), has_place=True)
+    assert [vehicle.robot.name for vehicle in sim.vehicles] == ['a']
+
+
+def test_a_robot_that_fails_leaves_nothing():
+    sim = several([PLACES[0]])
+    count, revision = pybullet.getNumBodies(
+        physicsClientId=sim.world.physics_client_id), sim.world.revision
+    for urdf, scan in ((burger().replace('wheel_left_joint', 'axle'), ScanSettings()),
+                       (burger(), ScanSettings(scan_frame='lidar'))):
+        with pytest.raises(SimulationError, match='cannot use the robot in b: '):
+            assembly.add_robot(sim, source('b', urdf), settings(1.0, 1.0, scan=scan))
+    assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
+    assert len(sim.vehicles) == 1 and sim.world.revision == revision
+
+
+def test_a_robot_that_is_removed_is_gone_and_the_others_go_on():
+    sim = several([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], 'empty')
+    first, second = sim.vehicles
+    second.command(0.2, 0.0)
+    sim.advance(1000)
+    revision = sim.world.revision
+    sim.remove(first)
+    assert sim.world.revision > revision and sim.vehicles == [second]
+    readings = sim.advance(1000)
+    assert {each.robot for each in readings} == {'tb3_1'}
+    assert second.robot.motion().position[0] > 1.3
+    behind = [each.value for each in readings if each.sensor == 'scan'][-1][180]
+    assert np.isinf(behind)
+
+
+def test_a_world_without_robots_runs_and_takes_one_later():
+    sim = empty_world()
+    assert sim.advance(50) == [] and sim.time_s == pytest.approx(0.05)
+    assembly.add_robot(sim, source('late'), settings(0.0, 0.0))
+    times = [each.time_s for each in sim.advance(50) if each.sensor == 'odometry']
+    assert times == pytest.approx([0.066, 0.099])
