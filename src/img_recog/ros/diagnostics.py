@@ -2,6 +2,7 @@
 import threading
 import time
 from collections import deque
+from functools import partial
 from typing import Callable, Deque, Optional, Tuple
 
 import diagnostic_updater
@@ -102,13 +103,21 @@ class NodeDiagnostics:
 
         report: fills in level, message and values of the status; it is called in the thread.
         """
-        self._report, self._subscribers = report, SubscriberCheck()
+        self._subscribers = SubscriberCheck()
         self._ended = threading.Event()
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
-        self._updater.add(name, self._fill)
+        self._updater.add(name, partial(self._fill, report))
         lifecycle.on_shutdown(self._ended.set)
         threading.Thread(target=self._run, daemon=True).start()
+
+    def add(self, name: str, report: Report) -> None:
+        """Publish another status NODE: NAME too."""
+        self._updater.add(name, partial(self._fill_plain, report))
+
+    def remove(self, name: str) -> None:
+        """Stop to publish a status that was added."""
+        self._updater.removeByName(name)
 
     def _run(self) -> None:
         while not self._ended.wait(_PERIOD_S):
@@ -118,10 +127,15 @@ class NodeDiagnostics:
                 if not lifecycle.is_of_shutdown(error):
                     raise
 
-    def _fill(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        status.summary(DiagnosticStatus.OK, '')
-        self._report(status)
+    def _fill(self, report: Report, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        self._fill_plain(report, status)
         add_subscribers(status, self._subscribers.not_reading())
+        return status
+
+    @staticmethod
+    def _fill_plain(report: Report, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        status.summary(DiagnosticStatus.OK, '')
+        report(status)
         return status
 
 

@@ -15,21 +15,24 @@ _NO_VALUES: Mapping[str, Any] = MappingProxyType({})
 
 def read(settings_class: Type[SettingsType],
          from_description: Mapping[str, Any] = _NO_VALUES,
-         namespace: str = '~') -> SettingsType:
+         namespace: str = '~', fallback: str = '') -> SettingsType:
     """Return the settings; private parameters override the fields of the same name.
 
     from_description: values of a robot description, which override the defaults; parameters
     override both.
-    namespace: a resolved name, to read parameters other than the private ones.
+    namespace: to read parameters other than the private ones. fallback: the namespace whose
+    parameters hold where there is none in `namespace`; '' for none.
     Raises ParameterError naming the parameter, its value and what is allowed.
     """
-    private = _parameters_in(namespace)
+    own, others = _parameters_in(namespace), _parameters_in(fallback) if fallback else _NO_VALUES
     try:
-        return from_mapping(settings_class, {**from_description, **private})
+        return from_mapping(settings_class, {**from_description, **others, **own})
     except SettingError as error:
-        is_described = error.name in from_description and error.name not in private
-        where = ('{}, as robot_description states it'.format(error.name) if is_described
-                 else 'parameter ' + _name_in(namespace, error.name))
+        where = '{}, as robot_description states it'.format(error.name)
+        if error.name in own or error.name not in from_description:
+            where = 'parameter ' + _name_in(namespace, error.name)
+        elif error.name in others:
+            where = 'parameter ' + _name_in(fallback, error.name)
         raise ParameterError('{}: got {}, allowed is {}'.format(where, error.got, error.allowed))
 
 
@@ -47,10 +50,12 @@ def read_one(name: str, default: Any, checked: Callable[[Any], Any], namespace: 
             _name_in(namespace, name), error.got, error.allowed))
 
 
-def read_group(group_class: type, from_description: Mapping[str, Any] = _NO_VALUES):
+def read_group(group_class: type, from_description: Mapping[str, Any] = _NO_VALUES,
+               namespace: str = '~', fallback: str = ''):
     """Return a dataclass whose fields are settings, each read as by `read`."""
-    return group_class(**{field.name: read(type(field.default), from_description)
-                          for field in dataclasses.fields(group_class)})
+    return group_class(**{
+        field.name: read(type(field.default), from_description, namespace, fallback)
+        for field in dataclasses.fields(group_class)})
 
 
 def warn_of_unknown(*settings_classes: Type[Settings], also_known: Iterable[str] = (),
@@ -70,12 +75,18 @@ def names_in(namespace: str) -> List[str]:
     return sorted(_parameters_in(namespace))
 
 
-def robot_description() -> str:
-    """Return the URDF on the parameter server, from this namespace or the nearest one above.
+def value(name: str) -> Any:
+    """Return a parameter, or a dict of those in a namespace; None when there is none."""
+    return _get(name, None)
 
+
+def robot_description(name: str = '') -> str:
+    """Return the URDF on the parameter server.
+
+    name: of the parameter; '' for robot_description in this namespace or the nearest one above.
     Raises ParameterError when there is none.
     """
-    name = rospy.search_param('robot_description')
+    name = name or rospy.search_param('robot_description')
     text = _get(name, None) if name else None
     if not isinstance(text, str):
         raise ParameterError(

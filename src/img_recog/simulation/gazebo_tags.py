@@ -54,6 +54,14 @@ def not_simulated(urdf: str) -> List[str]:
     return _sorted(urdf)[1]
 
 
+def has_drive(urdf: str) -> bool:
+    """Return whether a plugin in the <gazebo> tags drives the robot.
+
+    Raises SimulationError when `urdf` is not a URDF.
+    """
+    return 'drive' in _sorted(urdf)[0]
+
+
 class _Part(NamedTuple):
     """A plugin or a sensor with its plugin; role: drive, scan or imu, '' if not simulated."""
 

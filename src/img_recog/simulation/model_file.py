@@ -5,13 +5,22 @@ from typing import List, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml
-from img_recog.simulation import description, names, sdf_file, visual_scene, world_file
+from img_recog.simulation import (description, gazebo_tags, names, sdf_file, visual_scene,
+                                  world_file)
 from img_recog.simulation.geometry import IDENTITY
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
 
 _NOWHERE = os.path.join(os.sep, 'model.sdf')        # a text has no folder
 _WORLD_LINK = 'world'       # a URDF whose root has that name is fixed to the world
+
+
+def is_robot(text: str) -> bool:
+    """Return whether a model is a robot that drives: a URDF with the plugin of a drive."""
+    try:
+        return gazebo_tags.has_drive(text)
+    except SimulationError:
+        return False        # `read` says what is wrong
 
 
 def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:

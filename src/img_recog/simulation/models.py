@@ -74,8 +74,21 @@ class Models:
         for model in _grouped(world.file.trees, world.bodies):
             self._models[self._free_name(model.bodies[0].name)] = model
         for vehicle in simulator.vehicles:
-            self._models[self._free_name(vehicle.robot.name)] = _Model([vehicle.robot],
-                                                                       vehicle=vehicle)
+            self.add_vehicle(vehicle)
+
+    def add_vehicle(self, vehicle: Vehicle) -> None:
+        """Make a robot a model, of the same name if that is free."""
+        self._models[self._free_name(vehicle.robot.name)] = _Model([vehicle.robot],
+                                                                   vehicle=vehicle)
+
+    def remove_vehicle(self, vehicle: Vehicle) -> None:
+        """Forget the model of a robot."""
+        self._models = {name: model for name, model in self._models.items()
+                        if model.vehicle is not vehicle}
+
+    def vehicle(self, name: str) -> Optional[Vehicle]:
+        """Return the robot that is the model of that name; None if there is none."""
+        return self._models[name].vehicle if name in self._models else None
 
     def _free_name(self, name: str) -> str:
         number, free = 0, name
@@ -130,13 +143,20 @@ class Models:
         """
         if name in self._models:
             raise SimulationError('there is a model {} already'.format(name), 'give another name')
-        origin = _transform(self._frame(frame))
-        _check(state)
-        pose = origin @ _transform(state)
+        pose = self.pose_in_world(state, frame)
         placed = [tree._replace(pose=pose @ tree.pose) for tree in trees]
         count = len(self._world.bodies)
         self._world.add(placed)
         self._models[name], = _grouped(placed, self._world.bodies[count:])
+
+    def pose_in_world(self, state: State, frame: str = WORLD) -> Transform:
+        """Return the pose in the world that `state` has in a frame.
+
+        Raises SimulationError when there is no such frame, or the state is not allowed.
+        """
+        origin = _transform(self._frame(frame))
+        _check(state)
+        return origin @ _transform(state)
 
     def remove(self, name: str) -> None:
         """Remove a model from the world; SimulationError if it is the floor or a robot."""

@@ -1,6 +1,6 @@
 """The topics of the cameras on a simulated robot."""
 import itertools
-from typing import Dict, Iterable, Sequence
+from typing import Dict, Iterable, List, Tuple
 
 import numpy as np
 import rosgraph
@@ -50,11 +50,13 @@ class CameraTopics:
 
     Topics, all with the same header: images (sensor_msgs/Image, rgb8), depths (sensor_msgs/Image,
     32FC1, m; only of a depth camera) and for each of the two a sensor_msgs/CameraInfo.
+
+    number: of the camera among those that are drawn.
     """
 
     def __init__(self, settings: CameraSettings, number: int):
-        """Advertise the topics; number: of the camera among those that are drawn."""
-        self._settings, self._number = settings, number
+        """Advertise the topics."""
+        self._settings, self.number = settings, number
         self.camera = Camera(settings.camera_width, settings.camera_height,
                              settings.camera_horizontal_fov, settings.camera_near,
                              settings.camera_far)
@@ -78,7 +80,7 @@ class CameraTopics:
 
     def job(self, exposure: Exposure, time_s: float) -> Job:
         """Return what is to be drawn of an exposure, and how it is published."""
-        shot = Shot(self._number, exposure.camera_pose, self._wants_depth())
+        shot = Shot(self.number, exposure.camera_pose, self._wants_depth())
         return Job(shot, lambda drawn: self._publish(drawn, time_s))
 
     def _publish(self, drawn: Drawn, time_s: float) -> None:
@@ -105,35 +107,62 @@ class CameraTopics:
             P=[fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
 
 
+    def close(self) -> None:
+        """End the topics."""
+        self._images.unregister()
+        if self._depths is not None:
+            self._depths.unregister()
+        for publisher in self._infos:
+            publisher.unregister()
+
+
 class RobotCameras:
-    """All cameras of a vehicle. A camera is used while one of its topics has a subscriber."""
+    """The cameras of all robots. A camera is used while one of its topics has a subscriber."""
 
-    def __init__(self, vehicle: Vehicle, names: Sequence[str], topics: Sequence[CameraTopics],
-                 drawing: Drawing):
-        """Connect the sensors `names` of a vehicle to topics, whose images `drawing` draws."""
-        self._vehicle, self._drawing = vehicle, drawing
-        self._topics = dict(zip(names, topics))
+    def __init__(self, drawing: Drawing):
+        """drawing: draws the images."""
+        self._drawing = drawing
+        self._cameras: Dict[Tuple[str, str], Tuple[Vehicle, CameraTopics]] = {}
 
-    def __contains__(self, sensor: str) -> bool:
-        return sensor in self._topics
+    def add(self, vehicle: Vehicle, sensor: str, topics: CameraTopics) -> None:
+        """Connect a sensor of a vehicle to topics."""
+        self._cameras[vehicle.robot.name, sensor] = vehicle, topics
+
+    def remove(self, vehicle: Vehicle) -> None:
+        """End the topics of a vehicle."""
+        for key, (owner, topics) in list(self._cameras.items()):
+            if owner is vehicle:
+                topics.close()
+                del self._cameras[key]
+
+    @property
+    def topics(self) -> List[CameraTopics]:
+        """Those of all cameras."""
+        return [topics for _, topics in self._cameras.values()]
+
+    def is_reading(self, reading: Reading) -> bool:
+        """Return whether a reading is that of one of the cameras."""
+        return (reading.robot, reading.sensor) in self._cameras
 
     def update(self) -> None:
         """Enable the cameras that are used; to be called by the loop before it simulates."""
-        for name, topics in self._topics.items():
+        for (_, sensor), (vehicle, topics) in self._cameras.items():
             is_wanted = topics.is_wanted()
             if is_wanted:
                 self._drawing.start()
-            self._vehicle.set_sensor_enabled(name, is_wanted and self._drawing.is_ready)
+            vehicle.set_sensor_enabled(sensor, is_wanted and self._drawing.is_ready)
 
     def draw(self, readings: Iterable[Reading]) -> None:
         """Draw what the cameras among the sensors have read; waits for earlier images."""
-        for _, same_time in itertools.groupby(
-                (each for each in readings if each.sensor in self._topics),
-                key=lambda each: each.time_s):
+        for _, same_time in itertools.groupby(filter(self.is_reading, readings),
+                                              key=lambda each: each.time_s):
             exposed = list(same_time)
-            self._drawing.submit([self._topics[each.sensor].job(each.value, each.time_s)
-                                  for each in exposed], exposed[0].value.poses,
+            self._drawing.submit([self._job(each) for each in exposed], exposed[0].value.poses,
                                  exposed[0].time_s)
+
+    def _job(self, reading: Reading) -> Job:
+        _, topics = self._cameras[reading.robot, reading.sensor]
+        return topics.job(reading.value, reading.time_s)
 
 
 def optical_transform(settings: CameraSettings) -> TransformStamped:

@@ -83,6 +83,17 @@ class Drawing:
                 self._jobs, self._is_busy = [], True
                 self._process.load(scene, poses)
 
+    def set_cameras(self, cameras: Sequence[Camera]) -> None:
+        """Draw for other cameras from now on; waits until earlier images are drawn.
+
+        Another process is started for them, with the next `start`.
+        """
+        with self._condition:
+            if list(cameras) != self._cameras:
+                self._wait_idle()
+                self._cameras = list(cameras)
+                self._process, self._is_ready, self._is_busy, self._jobs = None, False, False, []
+
     def add_to_next(self, make_job: Callable[[float], Job]) -> None:
         """Draw one more image with the next request; its time in s is the argument of make_job.
 
@@ -139,19 +150,27 @@ class Drawing:
     def _run(self, process: DrawingProcess) -> None:
         try:
             self._wait_ready(process)
-            while not self._has_ended:
+            while self._is_in_use(process):
                 self._take_answer(process)
         except DrawingError as error:
-            self._failures += 1
-            if isinstance(error, ProcessEnded) and self._failures < _MAX_FAILURES:
-                rospy.logwarn('%s; it is started again', one_line(error))
-            else:
-                self._give_up(one_line(error))
+            if self._is_in_use(process):
+                self._failed(error)
         finally:
             process.close()
             with self._condition:
-                self._process, self._is_ready, self._is_busy = None, False, False
-                self._condition.notify_all()
+                if self._process is process:
+                    self._process, self._is_ready, self._is_busy = None, False, False
+                    self._condition.notify_all()
+
+    def _is_in_use(self, process: DrawingProcess) -> bool:
+        return not self._has_ended and self._process is process
+
+    def _failed(self, error: DrawingError) -> None:
+        self._failures += 1
+        if isinstance(error, ProcessEnded) and self._failures < _MAX_FAILURES:
+            rospy.logwarn('%s; it is started again', one_line(error))
+        else:
+            self._give_up(one_line(error))
 
     def _give_up(self, problem: str) -> None:
         self._has_ended, self._problem = True, problem
@@ -159,13 +178,14 @@ class Drawing:
 
     def _wait_ready(self, process: DrawingProcess) -> None:
         end_s = time.monotonic() + _MAX_WAIT_S
-        while not self._has_ended:
+        while self._is_in_use(process):
             if process.wait_ready(_POLL_PERIOD_S):
                 if process.fallback_reason:
                     rospy.logwarn('images are drawn without shadows, and slowly: %s',
                                   process.fallback_reason)
                 self._warn_of_missing(process)
-                self._is_ready = True
+                with self._condition:
+                    self._is_ready = self._is_in_use(process)
                 return
             if time.monotonic() > end_s:
                 end_s = math.inf

@@ -1,16 +1,19 @@
-"""All images of the node: of the cameras on the robot, and of the view."""
-from typing import Sequence
+"""All images of the node: of the cameras on robots, and of the view."""
+import itertools
+from typing import Dict, List, Sequence
 
+import numpy as np
 import rospy
-import tf2_ros
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, RobotCameras, optical_transform
 from img_recog.nodes.gazebo.drawing import Drawing
+from img_recog.nodes.gazebo.names import Names
+from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view import ViewTopic, camera_of
 from img_recog.simulation import robot_camera, visual_scene
-from img_recog.simulation.scene import Scene
+from img_recog.simulation.scene import Scene, scene_of
 from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Reading, Vehicle
@@ -21,39 +24,64 @@ from img_recog.simulation.visual_scene import Parts
 class Images:
     """Draws what the simulation looks like. All methods are for the thread that simulates."""
 
-    def __init__(self, simulator: Simulator, scene: Scene, view: ViewSettings,
-                 cameras: Sequence[CameraSettings]):
-        """Mount the cameras on the robot; publish where those are that its URDF does not have.
-
-        scene: that of the simulator. Raises a UserError when the robot has no link for one, or
-        their topics cannot be used.
-        """
-        camera_topics.check(cameras)
-        self._simulator = simulator
+    def __init__(self, simulator: Simulator, view: ViewSettings, statics: StaticTransforms):
+        self._simulator, self._statics = simulator, statics
         self._parts = Parts(simulator)
-        topics = [CameraTopics(each, number) for number, each in enumerate(cameras, 1)]
-        self._drawing = Drawing(visual_scene.read(scene, self._parts), self._parts.poses(),
-                                [camera_of(view), *(each.camera for each in topics)])
+        self._view_camera = camera_of(view)
+        self._drawing = Drawing(visual_scene.read(scene_of(simulator), self._parts),
+                                self._parts.poses(), [self._view_camera])
         self._view = ViewTopic(view, self._drawing, 0, above(simulator.world))
-        vehicle = simulator.vehicles[0]
-        names = [vehicle.mount_camera(each, self._parts.poses) for each in cameras]
-        self._cameras = RobotCameras(vehicle, names, topics, self._drawing)
-        self._publish_frames(vehicle, cameras)
+        self._cameras = RobotCameras(self._drawing)
+        self._seen: Dict[str, List[CameraSettings]] = {}    # by robot, with the names others see
+        self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
 
-    def _publish_frames(self, vehicle: Vehicle, cameras: Sequence[CameraSettings]) -> None:
+    def add_cameras(self, vehicle: Vehicle, cameras: Sequence[CameraSettings],
+                    names: Names) -> None:
+        """Mount cameras on a robot; publish where those are that its URDF does not have.
+
+        Raises a UserError when the robot has no link for one, or their topics cannot be used;
+        nothing has changed then.
+        """
+        if not cameras:
+            return
+        seen = [names.camera(each) for each in cameras]
+        camera_topics.check(itertools.chain(*self._seen.values(), seen))
+        sensors = [vehicle.mount_camera(each, self._poses) for each in cameras]
+        for sensor, each in zip(sensors, seen):
+            self._cameras.add(vehicle, sensor, CameraTopics(each, 0))
+        self._seen[vehicle.robot.name] = seen
+        self._number_cameras()
         for each in cameras:
             warning = robot_camera.warning_about_frame(vehicle.robot, each)
             if warning:
                 rospy.logwarn('%s', warning)
-        unknown = [optical_transform(each) for each in cameras
-                   if not vehicle.robot.has_frame(each.camera_optical_frame)]
-        if unknown:
-            self._static_transforms = tf2_ros.StaticTransformBroadcaster()
-            self._static_transforms.sendTransform(unknown)
+        self._statics.set('cameras of ' + vehicle.robot.name, [
+            optical_transform(named) for each, named in zip(cameras, seen)
+            if not vehicle.robot.has_frame(each.camera_optical_frame)])
 
-    def is_camera(self, sensor: str) -> bool:
-        """Return whether a sensor is one of the cameras."""
-        return sensor in self._cameras
+    def remove_cameras(self, vehicle: Vehicle) -> None:
+        """End the images of a robot's cameras."""
+        if self._seen.pop(vehicle.robot.name, None):
+            self._cameras.remove(vehicle)
+            self._statics.remove('cameras of ' + vehicle.robot.name)
+            self._number_cameras()
+
+    def _number_cameras(self) -> None:
+        topics = self._cameras.topics
+        self._drawing.set_cameras([self._view_camera, *(each.camera for each in topics)])
+        for number, each in enumerate(topics, 1):
+            each.number = number
+
+    def _poses(self) -> np.ndarray:
+        """Return the poses of all parts, read once for all cameras that are read together."""
+        time_s = self._simulator.time_s
+        if self._last_poses_s != time_s:
+            self._last_poses, self._last_poses_s = self._parts.poses(), time_s
+        return self._last_poses
+
+    def is_camera(self, reading: Reading) -> bool:
+        """Return whether a reading is that of a camera."""
+        return self._cameras.is_reading(reading)
 
     def set_scene(self, scene: Scene) -> None:
         """Show another scene from now on: something was added to the simulator or removed."""
@@ -62,6 +90,7 @@ class Images:
 
     def enable_cameras(self) -> None:
         """Enable the cameras that are used; to be called before each simulated period."""
+        self._last_poses_s = -1.0       # since then, anything may have been moved
         self._cameras.update()
 
     def draw(self, readings: Sequence[Reading]) -> None:

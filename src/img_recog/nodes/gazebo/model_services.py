@@ -1,4 +1,5 @@
 """The topics and services of Gazebo's models, where the package gazebo_msgs is installed."""
+from functools import partial
 from typing import Any, Callable
 
 import rospy
@@ -6,10 +7,14 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 
 from img_recog import resources
 from img_recog.conversions import robot_msgs
+from img_recog.errors import UserError
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.simulation import model_file
+from img_recog.nodes.gazebo.robot_plans import RobotPlans
+from img_recog.nodes.gazebo.robots import Robots
+from img_recog.simulation import model_file, names
+from img_recog.simulation.geometry import to_rpy
 from img_recog.simulation.models import WORLD, Models, State
-from img_recog.simulation.settings import SimulationError
+from img_recog.simulation.settings import SimulationError, SpawnSettings
 
 try:
     from gazebo_msgs.msg import ModelStates
@@ -31,9 +36,11 @@ class ModelServices:
     Must be created only when AVAILABLE.
     """
 
-    def __init__(self, models: Models, calls: ServiceCalls, time_s: Callable[[], float]):
+    def __init__(self, models: Models, robots: Robots, plans: RobotPlans, calls: ServiceCalls,
+                 time_s: Callable[[], float]):
         """Advertise; time_s returns the simulated time."""
-        self._models, self._calls, self._time_s = models, calls, time_s
+        self._models, self._robots, self._plans = models, robots, plans
+        self._calls, self._time_s = calls, time_s
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
         rospy.Service('~get_model_state', GetModelState, self._get)
         rospy.Service('~set_model_state', SetModelState, self._set)
@@ -78,27 +85,47 @@ class ModelServices:
             if not name:
                 raise SimulationError('model_name is empty', 'give the model a name')
             # read in the thread of the service: the simulation goes on meanwhile
-            trees = model_file.read(request.model_xml, name, resources.find)
-        except SimulationError as error:
+            if model_file.is_robot(request.model_xml):
+                add = self._robot_adder(name, request, state, frame)
+            else:
+                trees = model_file.read(request.model_xml, name, resources.find)
+                add = partial(self._models.add, name, trees, state, frame)
+        except UserError as error:
             return SpawnModelResponse(success=False, status_message=str(error))
-        response = self._answer(SpawnModelResponse,
-                                lambda: self._models.add(name, trees, state, frame))
+        response = self._answer(SpawnModelResponse, add)
         if response.success:
             rospy.loginfo('added the model %s', name)
         return response
 
+    def _robot_adder(self, name: str, request: 'SpawnModelRequest', state: State,
+                     frame: str) -> Callable[[], None]:
+        """Return what adds a robot that has a drive: it gets topics in its namespace."""
+        names.check('model', name)
+        pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
+        x, y, z = pose.translation.tolist()
+        yaw = float(to_rpy(pose.rotation)[2])
+        plan = self._plans.spawned(name, request.model_xml, request.robot_namespace.strip('/'),
+                                   SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
+        return partial(self._robots.add, plan)
+
     def _delete(self, request: 'DeleteModelRequest') -> 'DeleteModelResponse':
-        response = self._answer(DeleteModelResponse,
-                                lambda: self._models.remove(request.model_name))
+        response = self._answer(DeleteModelResponse, partial(self._remove, request.model_name))
         if response.success:
             rospy.loginfo('deleted the model %s', request.model_name)
         return response
+
+    def _remove(self, name: str) -> None:
+        vehicle = self._models.vehicle(name)
+        if vehicle is None:
+            self._models.remove(name)
+        else:
+            self._robots.remove(vehicle.robot.name)
 
     def _answer(self, response: Callable[..., Any], action: Callable[[], None]) -> Any:
         """Have the loop call `action`; return the response with its result."""
         try:
             self._calls.call(action)
-        except SimulationError as error:
+        except UserError as error:
             return response(success=False, status_message=str(error))
         return response(success=True)
 

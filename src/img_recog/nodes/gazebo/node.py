@@ -1,5 +1,8 @@
 """The node gazebo: the TurtleBot3 burger in its world, simulated by PyBullet.
 
+With several_robots it simulates those of the parameter ~robots: the topics of each are in the
+namespace of its name, its ~set_pose is ~NAME/set_pose, and its frames begin with NAME/.
+
 Subscribes: cmd_vel (geometry_msgs/Twist; a command holds until the next one), ~set_pose
 (geometry_msgs/PoseStamped; moves the robot).
 Publishes: /clock (rosgraph_msgs/Clock, 100 Hz of simulated time), odom (nav_msgs/Odometry, frame
@@ -12,15 +15,17 @@ odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_sta
 ~world_outlines (visualization_msgs/MarkerArray, latched: what stands in the world, from above).
 Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image) and
 camera/rgb/camera_info, camera/depth/camera_info (sensor_msgs/CameraInfo).
-Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), and if
-it is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_model,
+Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty),
+~update_robots (std_srvs/Trigger; with several_robots: adds and removes robots), and if gazebo_msgs
+is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_model,
 ~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
 Served by dynamic_reconfigure (~set_parameters, ~parameter_descriptions, ~parameter_updates):
 real_time_factor and view.
-Reads: robot_description, and the fields of all settings of the simulation as private parameters.
+Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and the fields of all settings of the simulation as private parameters.
 """
+import itertools
 import time
-from typing import Optional, Sequence, Tuple
+from typing import Optional
 
 import rosgraph
 import rospy
@@ -31,25 +36,28 @@ from visualization_msgs.msg import MarkerArray
 
 from img_recog import resources
 from img_recog.conversions import plane_msgs, robot_msgs
-from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics, State
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.physics_services import PhysicsServices, ServiceCalls
 from img_recog.nodes.gazebo.property_services import Now, PropertyServices
-from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings
-from img_recog.nodes.gazebo.runtime import RuntimeControl, RuntimeSettings, timeout_scale
+from img_recog.nodes.gazebo.robot_plans import (ROBOTS, RobotPlans, RobotsSettings,
+                                                robot_settings_classes)
+from img_recog.nodes.gazebo.robot_updates import RobotUpdates
+from img_recog.nodes.gazebo.robots import WORLD_FRAME, RobotPlan, Robots
+from img_recog.nodes.gazebo.runtime import RuntimeSettings, timeout_scale
+from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly, world_file
-from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.footprints import footprints
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer, SlowReports
-from img_recog.simulation.scene import poses_of
-from img_recog.simulation.settings import (CameraSettings, DriveSettings, PhysicsSettings,
-                                           RobotSettings, ViewSettings, whole_steps)
+from img_recog.simulation.scene import poses_of, scene_of
+from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps
+from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.view import above
 from img_recog.simulation.window import Window
 
@@ -61,12 +69,15 @@ class PybulletSim:
 
     def __init__(self) -> None:
         physics, view = parameters.read(PhysicsSettings), parameters.read(ViewSettings)
+        which = parameters.read(RobotsSettings)
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
-        built, topics, cameras = _build(physics)
-        self._simulator = built.simulator
+        _warn_of_unknown_parameters()
+        plans = RobotPlans(physics.step_s)
+        single = None if which.several_robots else plans.single()
+        self._simulator = _build(physics, single)
         self._window: Optional[Window] = (
-            Window(built.scene, above(self._simulator.world)) if view.gui else None)
+            Window(scene_of(self._simulator), above(self._simulator.world)) if view.gui else None)
         self._factor, self._wanted_factor = RealTimeFactor(), physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
         self._slow_reports = SlowReports()
@@ -77,37 +88,45 @@ class PybulletSim:
         PhysicsServices(self._calls, {
             'pause_physics': self._pause, 'unpause_physics': self._unpause,
             'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
-        self._models = self._model_services(physics)
-        self._scene, self._revision = built.scene, self._simulator.world.revision
-        self._images = Images(self._simulator, built.scene, view, cameras)
-        self._topics = {vehicle.robot.name: RobotTopics(vehicle, topics)
-                        for vehicle in self._simulator.vehicles}
+        self._revision = self._simulator.world.revision
+        statics, models = StaticTransforms(), Models(self._simulator)
+        self._images = Images(self._simulator, view, statics)
+        self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
+                              which.world_tf)
+        self._outline_frame = WORLD_FRAME
+        if single is None:
+            RobotUpdates(self._robots, plans, self._calls)
+        else:
+            self._robots.connect(self._simulator.vehicles[0], single)
+            self._outline_frame = single.settings.odometry.odom_frame
+        self._models = self._model_services(physics, models, plans)
         self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
         self._publish_outlines()
         self._given_factor = physics.real_time_factor
-        self._control = RuntimeControl(
-            RuntimeSettings(physics.real_time_factor, view.view), self, self._calls,
-            self._simulator.vehicles[0].settings.odometry.odom_frame)
+        self._reconfigurable = Reconfigurable(
+            RuntimeSettings(physics.real_time_factor, view.view),
+            lambda settings: self._calls.call(lambda: self._configure(settings)))
         self._diagnostics = SimulationDiagnostics()
-        NodeDiagnostics('simulation', 'none', self._report)
+        self._robots.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         _warn_of_other_clocks()
-        for vehicle in self._simulator.vehicles:
-            rospy.loginfo('simulating %.4f kg with root link %s in world %s',
-                          vehicle.robot.mass(), vehicle.robot.root, physics.world)
-            spawn = vehicle.settings.spawn
-            rospy.loginfo('the robot is at the start: x %.2f m, y %.2f m, yaw %.2f rad; time '
-                          'starts at 0', spawn.x_pos, spawn.y_pos, spawn.yaw)
+        if single is None:
+            rospy.loginfo('simulating %d robots in world %s', len(self._simulator.vehicles),
+                          physics.world)
+        else:
+            robot = self._simulator.vehicles[0].robot
+            rospy.loginfo('simulating %.4f kg with root link %s in world %s', robot.mass(),
+                          robot.root, physics.world)
+            self._robots.log_start(single.name)
 
-    def _model_services(self, physics: PhysicsSettings
+    def _model_services(self, physics: PhysicsSettings, models: Models, plans: RobotPlans
                         ) -> 'Optional[model_services.ModelServices]':
         if not model_services.AVAILABLE:
             rospy.loginfo('gazebo_msgs is not installed: model_states and the services of models '
                           'are not offered')
             return None
-        models = Models(self._simulator)
         PropertyServices(models, self._simulator.world, physics, self._calls,
                          lambda: Now(self._simulator.time_s, self._paused))
-        return model_services.ModelServices(models, self._calls,
+        return model_services.ModelServices(models, self._robots, plans, self._calls,
                                             lambda: self._simulator.time_s)
 
     def spin(self) -> None:
@@ -141,16 +160,13 @@ class PybulletSim:
     def _advance(self) -> None:
         """Simulate one clock period and publish what the sensors measured in it."""
         begin_s = time.perf_counter()
-        for topics in self._topics.values():
-            topics.apply_command()
+        self._robots.apply_commands()
         self._update_scene()
         self._images.enable_cameras()
         readings = self._simulator.advance(self._clock_steps)
         # the clock first, so that no reading is stamped in the future
         self._publish_clock()
-        for robot, topics in self._topics.items():
-            topics.publish([reading for reading in readings if reading.robot == robot
-                            and not self._images.is_camera(reading.sensor)])
+        self._robots.publish(readings)
         self._images.draw(readings)
         if self._models is not None:
             self._models.update()
@@ -161,8 +177,7 @@ class PybulletSim:
         self._diagnostics.report(status, State(
             self._simulator.time_s, self._paused, self._factor.last, self._wanted_factor,
             self._calls.waiting, self._calls.late.total))
-        for topics in self._topics.values():
-            topics.report(status)
+        self._robots.report(status)
         self._images.report(status)
 
     def _publish_clock(self) -> None:
@@ -198,18 +213,18 @@ class PybulletSim:
         world = self._simulator.world
         if self._revision != world.revision:
             self._revision = world.revision
-            self._scene = self._scene._replace(world=world.file)
-            self._images.set_scene(self._scene)
+            scene = scene_of(self._simulator)
+            self._images.set_scene(scene)
             self._publish_outlines()
             if self._window is not None:
-                self._window.set_scene(self._scene)
+                self._window.set_scene(scene)
 
     def _publish_outlines(self) -> None:
-        frame = self._simulator.vehicles[0].settings.odometry.odom_frame
         self._outlines.publish(plane_msgs.outlines_to_msg(
-            footprints(self._simulator.world), frame, robot_msgs.stamp_of(self._simulator.time_s)))
+            footprints(self._simulator.world), self._outline_frame,
+            robot_msgs.stamp_of(self._simulator.time_s)))
 
-    def configure(self, settings: RuntimeSettings) -> None:
+    def _configure(self, settings: RuntimeSettings) -> None:
         """Apply settings that were changed while the simulation runs."""
         self._images.set_view(settings.view)
         factor = settings.real_time_factor
@@ -219,11 +234,6 @@ class PybulletSim:
             for vehicle in self._simulator.vehicles:
                 vehicle.scale_command_timeout(scale)
 
-    def move_robot(self, pose: PlanePose) -> None:
-        """Move the robot in the world."""
-        self._discard_commands()
-        self._simulator.vehicles[0].move_to(*pose)
-
     def _pause(self) -> None:
         self._paused = True
 
@@ -231,44 +241,33 @@ class PybulletSim:
         self._paused = False
 
     def _reset_world(self) -> None:
-        self._discard_commands()
+        self._robots.discard_commands()
         self._simulator.reset_world()
 
     def _reset_simulation(self) -> None:
-        self._discard_commands()
+        self._robots.discard_commands()
         self._simulator.reset_simulation()
         # at once: while the physics is paused, no step publishes it
         self._publish_clock()
 
-    def _discard_commands(self) -> None:
-        for topics in self._topics.values():
-            topics.discard_command()
+
+def _warn_of_unknown_parameters() -> None:
+    parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
+                               *robot_settings_classes(), also_known=[ROBOTS[1:]])
 
 
-def _build(physics: PhysicsSettings
-           ) -> Tuple[Assembly, TopicSettings, Sequence[CameraSettings]]:
-    """Build the simulator from robot_description and the parameters, and log its warnings.
-
-    Returns the cameras of the robot too.
-    """
-    robot = assembly.read_robot(parameters.robot_description(), physics.step_s, resources.find,
-                                'robot_description')
-    robot = assembly.with_wheels(robot, parameters.read(DriveSettings, robot.tag_values))
-    settings = parameters.read_group(RobotSettings, robot.tag_values)
-    topics = parameters.read(TopicSettings, robot.tag_values)
-    camera = parameters.read(CameraSettings)
-    cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
-    parameters.warn_of_unknown(PhysicsSettings, ViewSettings, TopicSettings, CameraSettings,
-                               *map(type, vars(settings).values()))
+def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:
+    """Build the simulator of a world, with the robot if there is a single one; log warnings."""
     world = world_file.read(physics.world, resources.worlds(), resources.find,
                             physics.allow_partial_world)
     if world.has_physics:
         rospy.loginfo('world %s: its <physics> is not used: PyBullet simulates in steps of %g s',
                       world.name, physics.step_s)
-    built = assembly.build(physics, world, [(robot, settings)])
-    for warning in robot.warnings + built.warnings:
+    robots = [] if single is None else [single]
+    built = assembly.build(physics, world, [(each.source, each.settings) for each in robots])
+    for warning in itertools.chain(*(each.source.warnings for each in robots), built.warnings):
         rospy.logwarn('%s', warning)
-    return built, topics, cameras
+    return built.simulator
 
 
 def _warn_of_other_clocks() -> None:

@@ -1,7 +1,8 @@
 """The topics of one simulated robot."""
+import dataclasses
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, List, Optional, Sequence
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -12,6 +13,7 @@ from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import robot_msgs, twist_msgs
 from img_recog.nodes.gazebo.diagnostics import CommandCounts
+from img_recog.nodes.gazebo.names import Names
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
@@ -54,34 +56,72 @@ class _Output:
         return self._msg
 
 
-class RobotTopics:
-    """Passes commands to a vehicle, and publishes its readings."""
+class Transforms:
+    """Publishes on /tf, the topic of tf2_ros: the transforms of all robots in one message."""
 
-    def __init__(self, vehicle: Vehicle, names: TopicSettings):
-        self._vehicle = vehicle
+    def __init__(self) -> None:
+        self._publisher = DirectPublisher('/tf', TFMessage)
+        self._waiting: List[TransformStamped] = []
+
+    def add(self, transform: TransformStamped) -> None:
+        """Add a transform to those that are published next; until then it must not be changed,
+        except for the next call.
+        """
+        self._waiting.append(transform)
+
+    def separate(self, transform: TransformStamped) -> None:
+        """Call before a transform is changed: what was added so far is a message."""
+        if any(each is transform for each in self._waiting):
+            self._serialize()
+
+    def flush(self) -> None:
+        """Publish what was added."""
+        self._serialize()
+        self._publisher.flush()
+
+    def _serialize(self) -> None:
+        if self._waiting:
+            self._publisher.add(TFMessage(self._waiting))
+            self._waiting = []
+
+
+class RobotTopics:
+    """Passes commands to a vehicle, and publishes its readings.
+
+    vehicle: that one.
+    """
+
+    def __init__(self, vehicle: Vehicle, topics: TopicSettings, names: Names,
+                 transforms: Transforms):
+        """Advertise and subscribe; transforms: publishes the pose."""
+        self.vehicle, self._names = vehicle, names
         self._counts = CommandCounts()
         settings = vehicle.settings
         odometry = settings.odometry
-        base_frame = odometry.base_frame or vehicle.robot.root
+        base_frame = names.frame(odometry.base_frame or vehicle.robot.root)
+        imu = dataclasses.replace(settings.imu, imu_frame=names.frame(settings.imu.imu_frame))
+        scan = dataclasses.replace(settings.scan, scan_frame=names.frame(settings.scan.scan_frame))
         self._publishes_tf = odometry.publish_odom_tf
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
         self._warn = ThrottledWarning()
-        self._command_topic = names.command_topic
+        self._command_topic = names.topic(topics.command_topic)
         self._commands = LatestValue()
         self._timed_out = False
-        self._transforms = DirectPublisher('/tf', TFMessage)       # the topic of tf2_ros
-        self._transform: Optional[TransformStamped] = None
+        self._transforms = transforms
+        self._transform = TransformStamped()
         self._outputs = {
-            'odometry': _Output(names.odometry_topic, Odometry, partial(
-                robot_msgs.odometry_to_msg, frame_id=odometry.odom_frame,
+            'odometry': _Output(names.topic(topics.odometry_topic), Odometry, partial(
+                robot_msgs.odometry_to_msg, frame_id=names.frame(odometry.odom_frame),
                 child_frame_id=base_frame)),
-            'joint_states': _Output('joint_states', JointState, robot_msgs.joint_states_to_msg),
-            'imu': _Output(names.imu_topic, Imu, partial(robot_msgs.imu_to_msg,
-                                                         settings=settings.imu)),
-            'scan': _Output(names.scan_topic, LaserScan, partial(robot_msgs.scan_to_msg,
-                                                                 settings=settings.scan))}
-        rospy.Subscriber(names.command_topic, Twist, self._keep_command, queue_size=10,
-                         tcp_nodelay=True)
+            'joint_states': _Output(names.topic('joint_states'), JointState,
+                                    robot_msgs.joint_states_to_msg),
+            'imu': _Output(names.topic(topics.imu_topic), Imu,
+                           partial(robot_msgs.imu_to_msg, settings=imu)),
+            'scan': _Output(names.topic(topics.scan_topic), LaserScan,
+                            partial(robot_msgs.scan_to_msg, settings=scan))}
+        self._transform.child_frame_id = base_frame
+        self._subscriber = rospy.Subscriber(self._command_topic, Twist, self._keep_command,
+                                            queue_size=10, tcp_nodelay=True)
 
     def _keep_command(self, msg: Twist) -> None:
         try:
@@ -98,45 +138,53 @@ class RobotTopics:
         self._log_timeout()
         command = self._commands.take()
         if command is not None:
-            self._vehicle.command(*command)
+            self.vehicle.command(*command)
         for sensor in ('joint_states', 'imu', 'scan'):
             publisher = self._outputs[sensor].publisher
-            self._vehicle.set_sensor_enabled(sensor, publisher.get_num_connections() > 0)
+            self.vehicle.set_sensor_enabled(sensor, publisher.get_num_connections() > 0)
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish readings of the sensors of the vehicle, in order of time."""
         for reading in readings:
+            if reading.sensor == 'odometry':
+                # it shares its header with the message, which is changed now
+                self._transforms.separate(self._transform)
             msg = self._outputs[reading.sensor].add(reading)
             if reading.sensor == 'odometry':
                 self._log_motion_change(reading)
                 if self._publishes_tf:
-                    self._transform = robot_msgs.transform_of(msg, self._transform)
-                    self._transforms.add(TFMessage([self._transform]))
+                    self._transforms.add(robot_msgs.transform_of(msg, self._transform))
         self._counts.readings.add(len(readings))
         # several messages of a topic together
         for output in self._outputs.values():
             output.publisher.flush()
-        self._transforms.flush()
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
-        self._counts.report(status, self._vehicle.settings.drive.cmd_vel_timeout,
-                            self._vehicle.command_timed_out)
+        self._counts.report(status, self.vehicle.settings.drive.cmd_vel_timeout,
+                            self.vehicle.command_timed_out)
 
     def discard_command(self) -> None:
         """Drop a command that was not applied yet: after a reset it is out of date."""
         self._commands.take()
 
     def _log_timeout(self) -> None:
-        timed_out = self._vehicle.command_timed_out
+        timed_out = self.vehicle.command_timed_out
         if timed_out and not self._timed_out:
-            rospy.logwarn('no command on %s for %g s of simulated time: the robot is stopped',
-                          self._command_topic, self._vehicle.settings.drive.cmd_vel_timeout)
+            rospy.logwarn('no command on %s for %g s of simulated time: %s is stopped',
+                          self._command_topic, self.vehicle.settings.drive.cmd_vel_timeout,
+                          self._names.words)
         self._timed_out = timed_out
 
     def _log_motion_change(self, reading: Reading) -> None:
         if self._log_throttle.ready():
             change = self._motion_state.update(reading.value)
             if change is not None:
-                rospy.loginfo('the robot %s, at x %.2f m, y %.2f m', change,
+                rospy.loginfo('%s %s, at x %.2f m, y %.2f m', self._names.words, change,
                               *reading.value.position[:2])
+
+    def close(self) -> None:
+        """End the topics."""
+        self._subscriber.unregister()
+        for output in self._outputs.values():
+            output.publisher.unregister()

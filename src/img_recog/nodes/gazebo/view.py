@@ -59,7 +59,7 @@ class ViewTopic:
 
     def _job(self, simulator: Simulator, time_s: float) -> Job:
         viewpoint = self._above
-        if self._settings.view == 'follow':
+        if self._settings.view == 'follow' and simulator.vehicles:
             viewpoint = view.follow(simulator.vehicles[0].robot.pose())
         return Job(Shot(self._number, viewpoint.pose()),
                    lambda drawn: self._publish(drawn, time_s))

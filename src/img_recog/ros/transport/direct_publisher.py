@@ -39,6 +39,10 @@ class DirectPublisher:
         """Return the number of subscribers."""
         return self._publisher.get_num_connections()
 
+    def unregister(self) -> None:
+        """Stop to advertise; nothing can be published any more."""
+        self._publisher.unregister()
+
     def publish(self, msg) -> None:
         """Send a message to all subscribers that have room for it."""
         self.add(msg)

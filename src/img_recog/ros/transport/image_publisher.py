@@ -37,6 +37,10 @@ class ImagePublisher:
         """Return the number of subscribers."""
         return self._publisher.get_num_connections()
 
+    def unregister(self) -> None:
+        """Stop to advertise; what is published from now on is dropped."""
+        self._publisher.unregister()
+
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Publish an image if there are subscribers.
 
@@ -66,6 +70,8 @@ class ImagePublisher:
                 self._publisher.publish(msg)
             return
         topic = self._publisher.impl
+        if topic is None:
+            return
         connections = topic.connections
         self._outboxes.follow(connections)
         if not connections:

@@ -1,5 +1,6 @@
 """The topics of a camera on the simulated robot."""
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ class FakePublisher:
     made = {}
 
     def __init__(self, topic, *_, **__):
-        self.sent, self.subscribers = [], 0
+        self.sent, self.subscribers, self.is_ended = [], 0, False
         self.made[topic] = self
 
     def get_num_connections(self):
@@ -33,6 +34,9 @@ class FakePublisher:
 
     def publish(self, *values):
         self.sent.append(values)
+
+    def unregister(self):
+        self.is_ended = True
 
 
 @pytest.fixture
@@ -126,8 +130,8 @@ class FakeDrawing:
 class FakeVehicle:
     """Keeps which sensors are enabled."""
 
-    def __init__(self):
-        self.enabled = {}
+    def __init__(self, name='r'):
+        self.enabled, self.robot = {}, SimpleNamespace(name=name)
 
     def set_sensor_enabled(self, name, enabled):
         self.enabled[name] = enabled
@@ -138,8 +142,10 @@ def rig(publishers):
     """Two cameras on a vehicle."""
     other = settings(camera_image_topic='back/image_raw', camera_info_topic='back/camera_info')
     vehicle, drawing = FakeVehicle(), FakeDrawing()
-    topics = [CameraTopics(SETTINGS, 1), CameraTopics(other, 2)]
-    return RobotCameras(vehicle, ['camera_0', 'camera_1'], topics, drawing), vehicle, drawing
+    cameras = RobotCameras(drawing)
+    cameras.add(vehicle, 'camera_0', CameraTopics(SETTINGS, 1))
+    cameras.add(vehicle, 'camera_1', CameraTopics(other, 2))
+    return cameras, vehicle, drawing
 
 
 def test_a_camera_is_enabled_while_it_is_used_and_can_be_drawn(rig, publishers):
@@ -159,7 +165,8 @@ def test_a_camera_is_enabled_while_it_is_used_and_can_be_drawn(rig, publishers):
 
 def test_exposures_of_one_time_are_one_request(rig):
     cameras, _, drawing = rig
-    assert 'camera_0' in cameras and 'scan' not in cameras
+    assert [cameras.is_reading(Reading(robot, sensor, 0.0, None)) for robot, sensor in (
+        ('r', 'camera_0'), ('r', 'scan'), ('other', 'camera_0'))] == [True, False, False]
     cameras.draw([Reading('r', 'odometry', 0.5, None), Reading('r', 'camera_0', 0.5, exposure(1)),
                   Reading('r', 'camera_1', 0.5, exposure(1)),
                   Reading('r', 'camera_0', 0.6, exposure(2))])
@@ -167,6 +174,19 @@ def test_exposures_of_one_time_are_one_request(rig):
     assert [(poses[0, 0], time_s) for _, poses, time_s in drawing.requests] == [(1, 0.5), (2, 0.6)]
     cameras.draw([])
     assert len(drawing.requests) == 2
+
+
+def test_cameras_of_two_robots_are_one_request(rig, publishers):
+    cameras, vehicle, drawing = rig
+    cameras.add(FakeVehicle('s'), 'camera_0', CameraTopics(settings(
+        camera_image_topic='s/image_raw', camera_info_topic='s/camera_info'), 3))
+    cameras.draw([Reading('r', 'camera_0', 0.5, exposure(1)),
+                  Reading('s', 'camera_0', 0.5, exposure(1))])
+    (jobs, *_), = drawing.requests
+    assert [job.shot.camera for job in jobs] == [1, 3]
+    cameras.remove(vehicle)
+    assert [topics.number for topics in cameras.topics] == [3]
+    assert publishers['back/image_raw'].is_ended and not publishers['s/image_raw'].is_ended
 
 
 def test_the_optical_frame_of_a_camera_that_looks_ahead():

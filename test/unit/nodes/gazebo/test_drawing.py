@@ -105,6 +105,26 @@ def test_nothing_is_started_before_it_is_needed(made):
     assert process.arguments[:3] == ('scene', POSES, ['camera']) and not made.is_ready
 
 
+def test_other_cameras_are_drawn_by_another_process(made):
+    first, published = start(made), []
+    made.set_cameras(['camera'])        # the same
+    assert made.is_ready
+    made.submit([job(published)], POSES, 0.0)
+    first.answers.put([image()])
+    wait_for(lambda: published, 'the image')
+    made.set_cameras(['camera', 'other'])
+    assert not made.is_ready and not made.is_busy
+    wait_for(lambda: first.is_closed, 'the end of the first process')
+    made.start()
+    second = FakeProcess.made[1]
+    second.ready.put('')
+    wait_for(lambda: made.is_ready, 'the second process')
+    assert second.arguments[2] == ['camera', 'other']
+    made.submit([job(published)], POSES, 0.0)
+    second.answers.put([image()])
+    wait_for(lambda: len(published) == 2, 'its image')
+
+
 def test_images_are_published_in_their_order(made):
     process, published = start(made), []
     made.submit([job(published, 'a'), job(published, 'b')], POSES, 0.0)

@@ -1,0 +1,132 @@
+"""Reads what robots are made from: their URDF and their parameters."""
+import dataclasses
+import zlib
+from dataclasses import dataclass
+from typing import Any, List, Sequence, Tuple
+
+import rosgraph
+import rospy
+
+from img_recog import resources
+from img_recog.nodes.gazebo.names import Names
+from img_recog.nodes.gazebo.robot_topics import TopicSettings
+from img_recog.nodes.gazebo.robots import RobotPlan
+from img_recog.ros import parameters
+from img_recog.settings import (ParameterError, Settings, setting, setting_fields, unknown)
+from img_recog.simulation import assembly
+from img_recog.simulation.settings import (CameraSettings, DriveSettings, RobotSettings,
+                                           SpawnSettings)
+
+ROBOTS = '~robots'
+_MAX_SEED = 2 ** 31 - 1
+_NO_NAMESPACE = ''
+
+
+@dataclass(frozen=True)
+class RobotsSettings(Settings):
+    """Which robots there are.
+
+    several_robots: the robots of ~robots, each in a namespace of its name, in place of the one of
+    robot_description. world_tf: whether the frame `world` is the parent of their odometry frames,
+    to show them together; not beside a localization, which is that parent too.
+    """
+
+    several_robots: bool = setting(False)
+    world_tf: bool = setting(False)
+
+
+class RobotPlans:
+    """Makes plans of robots from parameters."""
+
+    def __init__(self, step_s: float):
+        """step_s: of the physics."""
+        self._step_s = step_s
+
+    def single(self) -> RobotPlan:
+        """Return the plan of the robot in robot_description and the private parameters."""
+        return self._plan('', parameters.robot_description(), 'robot_description', Names(),
+                          _NO_NAMESPACE)
+
+    def names(self) -> List[str]:
+        """Return the names of the robots in ~robots, tb3_2 before tb3_10."""
+        return sorted(parameters.names_in(ROBOTS), key=_natural)
+
+    def snapshot(self, name: str) -> Tuple[Any, ...]:
+        """Return what differs when another plan of the robot is to be made."""
+        return (parameters.value('{}/{}'.format(ROBOTS, name)),
+                parameters.value(name + '/robot_description'),
+                parameters.value(name + '/tf_prefix'))
+
+    def named(self, name: str) -> RobotPlan:
+        """Return the plan of a robot in ~robots.
+
+        Its URDF is NAME/robot_description, or robot_description; the private parameters hold
+        where it has none.
+        Raises a UserError naming what is wrong.
+        """
+        if not rosgraph.names.is_legal_base_name(name):
+            raise ParameterError('its name is not allowed: letters, digits and _, the first a '
+                                 'letter')
+        namespace = '{}/{}'.format(ROBOTS, name)
+        own = parameters.names_in(namespace)
+        known = [field.name for each in robot_settings_classes() for field in setting_fields(each)]
+        for wrong in sorted(set(own) - set(known)):
+            raise ParameterError(unknown(wrong, known, rospy.resolve_name(
+                '{}/{}'.format(namespace, wrong))))
+        described = name + '/robot_description'
+        has_urdf = parameters.value(described) is not None
+        plan = self._plan(
+            name, parameters.robot_description(described if has_urdf else ''),
+            rospy.resolve_name(described) if has_urdf else 'robot_description',
+            names_of(name, name), namespace)
+        return plan._replace(
+            settings=plan.settings if 'seed' in own else _with_seed(plan.settings, name),
+            has_place='x_pos' in own or 'y_pos' in own)
+
+    def spawned(self, name: str, urdf: str, namespace: str, spawn: SpawnSettings) -> RobotPlan:
+        """Return the plan of a robot that a service adds at a place."""
+        plan = self._plan(name, urdf, 'the model ' + name,
+                          names_of(namespace, namespace) if namespace else Names(), _NO_NAMESPACE)
+        return plan._replace(settings=dataclasses.replace(_with_seed(plan.settings, name),
+                                                          spawn=spawn))
+
+    def _plan(self, name: str, urdf: str, source: str, names: Names,
+              namespace: str) -> RobotPlan:
+        """name: '' for that in the URDF; namespace: of its own parameters, '' for none."""
+        robot = assembly.read_robot(urdf, self._step_s, resources.find, source)
+        if name:
+            robot = assembly.named(robot, name)
+        spaces = {'namespace': namespace or '~', 'fallback': '~'}
+        robot = assembly.with_wheels(robot, parameters.read(DriveSettings, robot.tag_values,
+                                                            **spaces))
+        settings = parameters.read_group(RobotSettings, robot.tag_values, **spaces)
+        topics = parameters.read(TopicSettings, robot.tag_values, **spaces)
+        camera = parameters.read(CameraSettings, **spaces)
+        cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
+        return RobotPlan(robot, settings, topics, cameras, names)
+
+
+def names_of(namespace: str, default_prefix: str) -> Names:
+    """Return the names in a namespace; its parameter tf_prefix gives the prefix of frames."""
+    prefix = parameters.value(namespace + '/tf_prefix')
+    return Names(namespace.strip('/'),
+                 (prefix if isinstance(prefix, str) else default_prefix).strip('/'))
+
+
+def robot_settings_classes() -> Sequence[type]:
+    """Return the classes of all parameters that a robot reads."""
+    return [*(type(field.default) for field in dataclasses.fields(RobotSettings)), TopicSettings,
+            CameraSettings]
+
+
+def _with_seed(settings: RobotSettings, name: str) -> RobotSettings:
+    """Return settings whose noise is not that of the other robots."""
+    sensors = settings.sensors
+    seed = (sensors.seed + zlib.crc32(name.encode())) % _MAX_SEED
+    return dataclasses.replace(settings, sensors=dataclasses.replace(sensors, seed=seed))
+
+
+def _natural(name: str) -> Tuple[str, int, str]:
+    """Return a key by which names are in the order of their last numbers."""
+    digits = len(name) - len(name.rstrip('0123456789'))
+    return name[:len(name) - digits], int(name[len(name) - digits:] or -1), name

@@ -1,0 +1,65 @@
+"""Keeps the robots of the simulation those of the parameters."""
+import threading
+from typing import Any, Callable, Dict, List, Tuple
+
+import rospy
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from img_recog.errors import UserError, one_line
+from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.nodes.gazebo.robot_plans import RobotPlans
+from img_recog.nodes.gazebo.robots import Robots
+
+
+class RobotUpdates:
+    """Makes the robots those of ~robots, also by the service ~update_robots (std_srvs/Trigger).
+
+    A robot that fails does not keep the others from being there. The message of the response has a
+    line for each one that fails: NAME: REASON.
+    """
+
+    def __init__(self, robots: Robots, plans: RobotPlans, calls: ServiceCalls):
+        """Add the robots and advertise; the loop must not run yet."""
+        self._robots, self._plans, self._calls = robots, plans, calls
+        self._made: Dict[str, Tuple[Any, ...]] = {}     # from what each robot was made
+        self._said: Dict[str, str] = {}                 # why a robot is not there
+        self._lock = threading.Lock()
+        self._update(lambda action: action())
+        rospy.Service('~update_robots', Trigger, self._serve)
+
+    def _serve(self, _: TriggerRequest) -> TriggerResponse:
+        with self._lock:
+            problems = self._update(self._calls.call)
+        return TriggerResponse(not problems, '\n'.join(problems))
+
+    def _update(self, call: Callable[[Callable[[], None]], Any]) -> List[str]:
+        """Add and remove; return the problems. call: calls what simulates."""
+        names = self._plans.names()
+        problems = []
+        for name in [name for name in self._made if name not in names]:
+            self._remove(name, call)
+        for name in names:
+            try:
+                self._make(name, call)
+                self._said.pop(name, None)
+            except UserError as error:
+                reason = one_line(error)
+                problems.append('{}: {}'.format(name, reason))
+                if self._said.get(name) != reason:
+                    self._said[name] = reason
+                    rospy.logerr('robot %s is not simulated: %s', name, reason)
+        return problems
+
+    def _make(self, name: str, call: Callable[[Callable[[], None]], Any]) -> None:
+        snapshot = self._plans.snapshot(name)
+        if self._made.get(name) == snapshot:
+            return
+        plan = self._plans.named(name)      # before the one of that name is removed
+        if name in self._made:
+            self._remove(name, call)
+        call(lambda: self._robots.add(plan))
+        self._made[name] = snapshot
+
+    def _remove(self, name: str, call: Callable[[Callable[[], None]], Any]) -> None:
+        del self._made[name]
+        call(lambda: self._robots.remove(name) if name in self._robots else None)

@@ -1,0 +1,184 @@
+"""The robots of the simulation with all that belongs to them, added and removed while it runs."""
+from typing import Dict, List, NamedTuple, Optional, Sequence
+
+import rospy
+from diagnostic_updater import DiagnosticStatusWrapper
+from geometry_msgs.msg import TransformStamped
+
+from img_recog.conversions.plane_msgs import PlanePose
+from img_recog.errors import UserError
+from img_recog.nodes.gazebo.images import Images
+from img_recog.nodes.gazebo.names import Names
+from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.nodes.gazebo.pose_topic import PoseTopic
+from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings, Transforms
+from img_recog.nodes.gazebo.static_transforms import StaticTransforms
+from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.simulation import assembly
+from img_recog.simulation.assembly import RobotSource
+from img_recog.simulation.models import Models
+from img_recog.simulation.settings import CameraSettings, RobotSettings, SimulationError
+from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.vehicle import Reading, Vehicle
+
+WORLD_FRAME = 'world'
+
+
+class RobotPlan(NamedTuple):
+    """All that a robot is made from.
+
+    has_place: whether it starts where its settings say; else that is where the nearest free place
+    is searched.
+    """
+
+    source: RobotSource
+    settings: RobotSettings
+    topics: TopicSettings
+    cameras: Sequence[CameraSettings]
+    names: Names
+    has_place: bool = True
+
+    @property
+    def name(self) -> str:
+        """The name of the robot."""
+        return self.source.description.name
+
+
+class _Connected(NamedTuple):
+    """A robot with its topics."""
+
+    vehicle: Vehicle
+    names: Names
+    topics: RobotTopics
+    pose_topic: PoseTopic
+
+
+class Robots:
+    """The robots. All methods are for the thread that simulates, `report` for any.
+
+    world_tf: whether static transforms from the world to the odometry frames of robots with a
+    namespace are published.
+    """
+
+    def __init__(self, simulator: Simulator, models: Models, images: Images,
+                 statics: StaticTransforms, calls: ServiceCalls, world_tf: bool):
+        self._simulator, self._models, self._images = simulator, models, images
+        self._statics, self._calls, self._world_tf = statics, calls, world_tf
+        self._diagnostics: Optional[NodeDiagnostics] = None
+        self._transforms = Transforms()
+        self._robots: Dict[str, _Connected] = {}
+
+    def add(self, plan: RobotPlan) -> None:
+        """Add a robot, apart from the others and the walls, and log its warnings.
+
+        Raises a UserError when that cannot be; nothing has changed then.
+        """
+        if plan.name in self._models.names:
+            raise SimulationError('there is a model {} already'.format(plan.name),
+                                  'give another name')
+        if any(each.names.namespace == plan.names.namespace for each in self._robots.values()):
+            raise SimulationError('there is a robot with the namespace {!r} already'.format(
+                plan.names.namespace), 'give it another robot_namespace')
+        warnings = assembly.add_robot_apart(self._simulator, plan.source, plan.settings,
+                                            plan.has_place)
+        vehicle = self._simulator.vehicles[-1]
+        try:
+            self.connect(vehicle, plan)
+        except UserError:
+            self._simulator.remove(vehicle)
+            raise
+        self._models.add_vehicle(vehicle)
+        for warning in (*plan.source.warnings, *warnings):
+            rospy.logwarn('%s: %s', plan.names.words, warning)
+        rospy.loginfo('added %s: %.4f kg with root link %s', plan.names.words,
+                      vehicle.robot.mass(), vehicle.robot.root)
+        self.log_start(plan.name)
+
+    def log_start(self, name: str) -> None:
+        """Log where a robot starts."""
+        robot = self._robots[name]
+        spawn = robot.vehicle.settings.spawn
+        rospy.loginfo('%s is at the start: x %.2f m, y %.2f m, yaw %.2f rad', robot.names.words,
+                      spawn.x_pos, spawn.y_pos, spawn.yaw)
+
+    def connect(self, vehicle: Vehicle, plan: RobotPlan) -> None:
+        """Give a robot of the simulator its topics.
+
+        Raises a UserError when those of its cameras cannot be used.
+        """
+        names, odometry, name = plan.names, vehicle.settings.odometry, vehicle.robot.name
+        self._images.add_cameras(vehicle, plan.cameras, names)
+        self._robots[name] = _Connected(
+            vehicle, names, RobotTopics(vehicle, plan.topics, names, self._transforms),
+            PoseTopic(names, odometry.odom_frame, self._calls,
+                      lambda pose: self._move(name, pose)))
+        if self._world_tf and names.namespace and odometry.publish_odom_tf:
+            self._statics.set('world of ' + name, [_identity(
+                WORLD_FRAME, names.frame(odometry.odom_frame))])
+        self._add_diagnostics(name)
+
+    def remove(self, name: str) -> None:
+        """Remove a robot; SimulationError when there is none of that name."""
+        if name not in self._robots:
+            raise SimulationError('no robot {!r} (robots: {})'.format(
+                name, ', '.join(self._robots) or 'none'))
+        robot = self._robots.pop(name)
+        if self._diagnostics is not None and robot.names.namespace:
+            self._diagnostics.remove(name)
+        robot.topics.close()
+        robot.pose_topic.close()
+        self._statics.remove('world of ' + name)
+        self._images.remove_cameras(robot.vehicle)
+        self._models.remove_vehicle(robot.vehicle)
+        self._simulator.remove(robot.vehicle)
+        rospy.loginfo('%s was removed', robot.names.words)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._robots
+
+    def apply_commands(self) -> None:
+        """Apply the newest commands, and enable the sensors that have subscribers."""
+        for robot in self._robots.values():
+            robot.topics.apply_command()
+
+    def discard_commands(self) -> None:
+        """Drop commands that were not applied yet."""
+        for robot in self._robots.values():
+            robot.topics.discard_command()
+
+    def publish(self, readings: Sequence[Reading]) -> None:
+        """Publish the readings of all sensors but cameras."""
+        for name, robot in self._robots.items():
+            robot.topics.publish([reading for reading in readings if reading.robot == name
+                                  and not self._images.is_camera(reading)])
+        self._transforms.flush()
+
+    def _move(self, name: str, pose: PlanePose) -> None:
+        if name in self._robots:
+            robot = self._robots[name]
+            robot.topics.discard_command()
+            robot.vehicle.move_to(*pose)
+
+    def use_diagnostics(self, diagnostics: NodeDiagnostics) -> None:
+        """Report each robot with a namespace as a separate status from now on."""
+        self._diagnostics = diagnostics
+        for name in self._robots:
+            self._add_diagnostics(name)
+
+    def _add_diagnostics(self, name: str) -> None:
+        robot = self._robots[name]
+        if self._diagnostics is not None and robot.names.namespace:
+            self._diagnostics.add(name, robot.topics.report)
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Add the robot without a namespace to a status; to be called once in each period."""
+        for robot in list(self._robots.values()):
+            if not robot.names.namespace:
+                robot.topics.report(status)
+
+
+def _identity(parent: str, child: str) -> TransformStamped:
+    transform = TransformStamped(child_frame_id=child)
+    transform.header.frame_id = parent
+    transform.transform.rotation.w = 1.0
+    return transform

@@ -1,0 +1,184 @@
+"""The node robots: several robots in one world, each with its nodes in its namespace.
+
+Serves: ~reload (std_srvs/Trigger): reads the list of robots again; starts those that are new or
+have changed, and ends those that are not in it any more. The message has a line for each robot
+that cannot be: NAME: REASON.
+Calls: gazebo/update_robots (std_srvs/Trigger).
+Sets: gazebo/robots, and for each robot NAME/robot_description.
+Reads: the fields of ManagerSettings and NodeSettings as private parameters.
+"""
+import dataclasses
+import math
+import time
+from dataclasses import dataclass
+from typing import Dict, List, NamedTuple
+
+import rospy
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from img_recog import resources, robot_file
+from img_recog.errors import UserError, one_line
+from img_recog.nodes.robots import robot_list
+from img_recog.nodes.robots.robot_list import NodeSettings, Robot
+from img_recog.nodes.robots.robot_nodes import RobotNodes
+from img_recog.recognition import parameter_file
+from img_recog.ros import lifecycle, parameters
+from img_recog.ros.queues import CallQueue
+from img_recog.settings import Settings, not_empty, required, setting
+
+_PERIOD_S = 0.5
+_SERVICE_TIMEOUT_S = 1.0
+_PATIENCE_S = 10.0          # with a simulator that starts
+_RELOAD_TIMEOUT_S = 600.0
+_SIMULATED = 'gazebo/robots'
+_UPDATE = 'gazebo/update_robots'
+_AUTO, _ROBOT = 'auto', 'robot'
+
+
+@dataclass(frozen=True)
+class ManagerSettings(Settings):
+    """Which robots there are.
+
+    robots: a number, or the path of a YAML file. simulator: whether the robots are simulated;
+    else only their nodes are started. respawn: whether a node that was killed is started again.
+    robot_camera_frame: the link that carries the camera of camera:=robot; camera_frame_id: frame
+    of the images, without the prefix of a robot.
+    """
+
+    robots: str = required(str, not_empty())
+    simulator: bool = setting(True)
+    respawn: bool = setting(True)
+    robot_camera_frame: str = setting('camera_link', not_empty())
+    camera_frame_id: str = setting('head_camera', not_empty())
+
+
+class _Running(NamedTuple):
+    """A robot that is there. urdf: the text; nodes: its nodes."""
+
+    robot: Robot
+    urdf: str
+    nodes: RobotNodes
+
+
+class RobotsNode:
+    """Keeps the robots those of the list; all in the main thread."""
+
+    def __init__(self) -> None:
+        self._settings = parameters.read(ManagerSettings)
+        self._defaults = dataclasses.asdict(parameters.read(NodeSettings))
+        if self._defaults['camera'] == _AUTO:       # robots cannot share a device
+            self._defaults['camera'] = 'synthetic'
+        parameters.warn_of_unknown(ManagerSettings, NodeSettings)
+        self._running: Dict[str, _Running] = {}
+        self._calls = CallQueue()
+
+    def spin(self) -> None:
+        """Run the robots until the node is shut down."""
+        try:
+            self._update()
+            rospy.Service('~reload', Trigger, self._reload)
+            while not rospy.is_shutdown():
+                self._calls.process(_PERIOD_S)
+                self._check()
+        finally:
+            self._stop(list(self._running))
+
+    def _reload(self, _: TriggerRequest) -> TriggerResponse:
+        try:
+            problems = self._calls.call(self._update, _RELOAD_TIMEOUT_S)
+        except UserError as error:
+            return TriggerResponse(False, one_line(error))
+        return TriggerResponse(not problems, '\n'.join(problems))
+
+    def _update(self) -> List[str]:
+        """Make the robots those of the list; return a line for each that cannot be.
+
+        Raises RobotListError when there is no list; then nothing changes.
+        """
+        listed = robot_list.read(self._settings.robots, self._defaults, resources.find)
+        problems = list(listed.problems)
+        wanted: Dict[str, Robot] = {}
+        urdfs: Dict[str, str] = {}
+        for robot in listed.robots:
+            try:
+                urdfs[robot.name] = _urdf_of(robot)
+                wanted[robot.name] = robot
+            except UserError as error:
+                problems.append('{}: {}'.format(robot.name, one_line(error)))
+        failed = {problem.split(':')[0] for problem in problems}
+        # one that runs and has an error in the list now goes on as it is
+        self._stop([name for name, running in self._running.items() if name not in failed and (
+            name not in wanted or running.robot != wanted[name]
+            or running.urdf != urdfs[name])])
+        for problem in problems:
+            rospy.logerr('not started: %s', problem)
+        new = [robot for name, robot in wanted.items() if name not in self._running]
+        if self._settings.simulator:
+            refused = self._simulate(new, urdfs)
+            problems += refused
+            failed |= {problem.split(':')[0] for problem in refused}
+        for robot in new:
+            if robot.name not in failed and not rospy.is_shutdown():
+                self._running[robot.name] = _Running(robot, urdfs[robot.name], RobotNodes(
+                    robot, self._settings.camera_frame_id, self._settings.respawn))
+        return problems
+
+    def _simulate(self, new: List[Robot], urdfs: Dict[str, str]) -> List[str]:
+        """Have the simulator add and remove robots.
+
+        Returns a line for each that it refuses; it has logged them.
+        """
+        for robot in new:
+            rospy.set_param(robot.name + '/robot_description', urdfs[robot.name])
+        robots = [*(running.robot for running in self._running.values()), *new]
+        rospy.set_param(_SIMULATED, {robot.name: self._parameters_of(robot) for robot in robots})
+        update = rospy.ServiceProxy(_UPDATE, Trigger)
+        warn_s = time.monotonic() + _PATIENCE_S
+        while not rospy.is_shutdown():
+            try:
+                update.wait_for_service(_SERVICE_TIMEOUT_S)
+                return update().message.splitlines()
+            except (rospy.ROSException, rospy.ServiceException):
+                if time.monotonic() > warn_s:
+                    warn_s = math.inf
+                    rospy.logwarn('waiting for the service %s: is the simulator running?',
+                                  rospy.resolve_name(_UPDATE))
+        return []
+
+    def _parameters_of(self, robot: Robot) -> dict:
+        """Return the parameters of a robot in the simulator."""
+        nodes = robot.nodes
+        if nodes.camera != _ROBOT:
+            return robot.simulation
+        return {'camera_frame': self._settings.robot_camera_frame,
+                'camera_optical_frame': self._settings.camera_frame_id,
+                'camera_image_topic': 'usb_cam/image_raw',
+                'camera_info_topic': 'usb_cam/camera_info', 'camera_width': nodes.image_width,
+                'camera_height': nodes.image_height, 'camera_rate': nodes.framerate,
+                **robot.simulation}
+
+    def _stop(self, names: List[str]) -> None:
+        """End the nodes of robots, all at a time."""
+        stopped = [self._running.pop(name) for name in names]
+        for running in stopped:
+            running.nodes.interrupt()
+        for running in stopped:
+            running.nodes.wait()
+
+    def _check(self) -> None:
+        for name, running in self._running.items():
+            line = running.nodes.check()
+            if line is not None:
+                rospy.logerr('robot %s: %s', name, line)
+
+
+def _urdf_of(robot: Robot) -> str:
+    """Return the URDF of a robot; check its files. Raises UserError."""
+    if robot.nodes.recognition:
+        parameter_file.read(robot.nodes.colors)
+    return robot_file.read(robot.nodes.urdf)
+
+
+def main() -> int:
+    """Run the node; return its exit code."""
+    return lifecycle.run('robots', lambda: RobotsNode().spin())

@@ -1,0 +1,151 @@
+"""Reads which robots there are: from a number, or from a YAML file."""
+import os
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
+
+from dataclasses import dataclass
+
+import rosgraph
+
+from img_recog.errors import UserError, one_line, shortened
+from img_recog.markup import MarkupError, load_yaml, read_bytes
+from img_recog.settings import (SettingError, Settings, at_least, between, from_mapping,
+                                not_empty, setting, setting_fields, unknown)
+
+MAX_ROBOTS = 100
+_NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
+_POSE = ('x_pos', 'y_pos', 'z_pos', 'yaw')
+_PATHS = ('urdf', 'colors')
+_SIMULATION = 'simulation'
+_MAX_BYTES = 1 << 20
+
+
+class RobotListError(UserError):
+    """There is no list of robots."""
+
+
+@dataclass(frozen=True)
+class NodeSettings(Settings):
+    """What the nodes of a robot are started with; see the arguments of demo.launch.
+
+    urdf, colors: paths.
+    """
+
+    urdf: str = setting('', not_empty())
+    camera: str = setting('auto', not_empty())
+    colors: str = setting('', not_empty())
+    image_width: int = setting(640, between(1, 4096))
+    image_height: int = setting(480, between(1, 4096))
+    framerate: float = setting(30.0, at_least(0.01))
+    recognition: bool = setting(True)
+    teleop: bool = setting(True)
+
+
+class Robot(NamedTuple):
+    """A robot. simulation: its parameters in the simulator; no x_pos and y_pos: a free place."""
+
+    name: str
+    nodes: NodeSettings
+    simulation: Dict[str, Any]
+
+
+class RobotList(NamedTuple):
+    """The robots, and a line for each that cannot be: NAME: REASON."""
+
+    robots: List[Robot]
+    problems: List[str]
+
+
+def read(robots: str, defaults: Mapping[str, Any],
+         find: Callable[[str], Optional[str]]) -> RobotList:
+    """Return the robots that the argument `robots` means.
+
+    robots: a number of robots tb3_0, tb3_1 and so on, or the path of a YAML file: a list of
+    mappings with name, and optionally x_pos, y_pos, z_pos, yaw, simulation and the fields of
+    NodeSettings. defaults: of these fields. find: returns the path of a package:// URI.
+    Raises RobotListError when there is no list.
+    """
+    text = robots.strip()
+    try:
+        count = int(text)
+    except ValueError:
+        return _from_file(text, defaults, find)
+    if not 1 <= count <= MAX_ROBOTS:
+        raise RobotListError(
+            'robots: got {}, allowed is a number from 1 to {}, or the path of a YAML file'.format(
+                shortened(text), MAX_ROBOTS))
+    nodes = from_mapping(NodeSettings, defaults)
+    return RobotList([Robot(_NAME.format(number), nodes, {}) for number in range(count)], [])
+
+
+def _from_file(path: str, defaults: Mapping[str, Any],
+               find: Callable[[str], Optional[str]]) -> RobotList:
+    try:
+        entries = load_yaml(read_bytes(path, _MAX_BYTES))
+    except (OSError, MarkupError) as error:
+        raise RobotListError('robots: cannot read {}: {}'.format(path, one_line(error)),
+                             'give a number of robots, or the path of a YAML file')
+    if not isinstance(entries, list) or not 1 <= len(entries) <= MAX_ROBOTS:
+        raise RobotListError('robots: {}: got {}, expected a list of 1 to {} robots, each like '
+                             '- name: tb3_0'.format(path, _described(entries), MAX_ROBOTS))
+    robots: List[Robot] = []
+    problems: List[str] = []
+    for number, entry in enumerate(entries, 1):
+        label = 'robot {} of the list'.format(number)
+        try:
+            label = _name_of(entry, [robot.name for robot in robots])
+            robots.append(_robot(label, entry, defaults, os.path.dirname(path), find))
+        except UserError as error:
+            problems.append('{}: {}'.format(label, one_line(error)))
+    return RobotList(robots, problems)
+
+
+def _described(entries: Any) -> str:
+    return '{} robots'.format(len(entries)) if isinstance(entries, list) else (
+        'nothing' if entries is None else type(entries).__name__)
+
+
+def _name_of(entry: Any, used: List[str]) -> str:
+    if not isinstance(entry, dict) or not isinstance(entry.get('name'), str):
+        raise RobotListError('got {}, expected a mapping with a name, like - name: tb3_0'.format(
+            shortened(repr(entry)) if not isinstance(entry, dict) else 'no name'))
+    name = entry['name']
+    if not rosgraph.names.is_legal_base_name(name):
+        raise RobotListError('name: got {}, allowed are letters, digits and _, the first a letter'
+                             .format(shortened(repr(name))))
+    if name in used:
+        raise RobotListError('the name {} is used by a robot before it'.format(name),
+                             'give each robot another name')
+    return name
+
+
+def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder: str,
+           find: Callable[[str], Optional[str]]) -> Robot:
+    fields = [field.name for field in setting_fields(NodeSettings)]
+    known = ['name', _SIMULATION, *_POSE, *fields]
+    for key in entry:
+        if key not in known:
+            raise RobotListError(unknown(str(key), known))
+    simulation = entry.get(_SIMULATION) or {}
+    if not isinstance(simulation, dict):
+        raise RobotListError('simulation: got {}, expected parameters of the simulator, like '
+                             '{{scan_noise: 0.0}}'.format(shortened(repr(simulation))))
+    values = {**defaults, **{key: value for key, value in entry.items() if key in fields}}
+    try:
+        for key in _PATHS:
+            if key in entry:
+                values[key] = _path(key, entry[key], folder, find)
+        nodes = from_mapping(NodeSettings, values)
+    except SettingError as error:
+        raise RobotListError(one_line(error))
+    return Robot(name, nodes, {**simulation,
+                               **{key: entry[key] for key in _POSE if key in entry}})
+
+
+def _path(key: str, value: Any, folder: str, find: Callable[[str], Optional[str]]) -> str:
+    """Return a path that is given relative to the folder of the list, or as a package:// URI."""
+    if not isinstance(value, str):
+        raise SettingError(key, value, 'the path of a file')
+    path = find(value) if '://' in value else os.path.join(folder, value)
+    if path is None:
+        raise SettingError(key, value, 'the path or package:// URI of a file that exists')
+    return path

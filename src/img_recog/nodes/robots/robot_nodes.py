@@ -1,0 +1,66 @@
+"""Runs the nodes of a robot."""
+import signal
+import subprocess
+import time
+from typing import List, Optional
+
+from img_recog.nodes.robots.robot_list import Robot
+
+_LONG_LIFE_S = 10.0         # of a roslaunch that is started again if it ends
+_EXIT_TIMEOUT_S = 12.0      # roslaunch waits up to 15 s for the node that runs this
+
+
+class RobotNodes:
+    """A roslaunch of robot.launch. To be used in the main thread: it ends with that thread."""
+
+    def __init__(self, robot: Robot, camera_frame_id: str, respawn: bool):
+        """Start the nodes of a robot; camera_frame_id: of its images, without the prefix."""
+        self._command = command(robot, camera_frame_id, respawn)
+        self._process: Optional[subprocess.Popen] = None
+        self._start()
+
+    def _start(self) -> None:
+        self._started_s = time.monotonic()
+        # its own group: a Ctrl-C ends it by way of `stop`
+        self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL,
+                                         start_new_session=True)
+
+    def check(self) -> Optional[str]:
+        """Start the nodes again if they have ended; return a line if they were, else None."""
+        if self._process is None or self._process.poll() is None:
+            return None
+        code, self._process = self._process.returncode, None
+        if time.monotonic() - self._started_s < _LONG_LIFE_S:
+            return 'its nodes have ended with exit code {}, and are not started again'.format(code)
+        self._start()
+        return 'its nodes have ended with exit code {}, and are started again'.format(code)
+
+    def interrupt(self) -> None:
+        """Begin to end the nodes."""
+        if self._process is not None and self._process.poll() is None:
+            self._process.send_signal(signal.SIGINT)
+
+    def wait(self) -> None:
+        """Wait until the nodes have ended, after `interrupt`."""
+        if self._process is not None:
+            try:
+                self._process.wait(_EXIT_TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+            self._process = None
+
+
+def command(robot: Robot, camera_frame_id: str, respawn: bool) -> List[str]:
+    """Return the command that runs the nodes of a robot."""
+    nodes = robot.nodes
+    values = {
+        'name': robot.name, 'camera': nodes.camera, 'colors': nodes.colors,
+        'image_width': nodes.image_width, 'image_height': nodes.image_height,
+        'framerate': nodes.framerate, 'recognition': nodes.recognition, 'teleop': nodes.teleop,
+        'camera_frame_id': camera_frame_id, 'respawn': respawn}
+    # if this process is killed, roslaunch is interrupted and ends the nodes
+    return ['setpriv', '--pdeathsig', 'INT', 'roslaunch', '--no-summary', '--disable-title',
+            '--skip-log-check', 'img_recog', 'robot.launch',
+            *('{}:={}'.format(key, str(value).lower() if isinstance(value, bool) else value)
+              for key, value in values.items())]

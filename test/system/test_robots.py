@@ -1,0 +1,173 @@
+"""Several robots: those of the parameters, added and removed; bad lists; the nodes of each."""
+import os
+import re
+import signal
+import xmlrpc.client
+
+import pytest
+
+from img_recog_testing.service_calls import ServiceCalls
+from img_recog_testing.simulator_tools import burger
+from img_recog_testing.waiting import wait_for
+
+
+class Master:
+    """The parameters and topics of a master."""
+
+    def __init__(self, ros):
+        self._master = xmlrpc.client.ServerProxy(ros.env['ROS_MASTER_URI'])
+
+    def set(self, name, value):
+        assert self._master.setParam('/test', name, value)[0] == 1
+
+    def delete(self, name):
+        if self._master.hasParam('/test', name)[2]:
+            self._master.deleteParam('/test', name)
+
+    def robots(self):
+        """Return the names of the robots that are simulated."""
+        published = self._master.getSystemState('/test')[2][0]
+        found = (re.fullmatch('/(.*)/odom', topic) for topic, nodes in published
+                 if '/gazebo' in nodes)
+        return sorted(match.group(1) for match in found if match)
+
+    def nodes(self, namespace):
+        """Return the names of the nodes in a namespace."""
+        state = self._master.getSystemState('/test')[2]
+        names = {node for kind in state for _, nodes in kind for node in nodes}
+        return sorted(name for name in names if name.startswith('/{}/'.format(namespace)))
+
+
+@pytest.fixture
+def several(shared_ros):
+    """A function that starts the simulator with robots in ~robots."""
+    master = Master(shared_ros)
+
+    def start(robots, *parameters):
+        for name in ('/gazebo', '/robot_description'):
+            master.delete(name)
+        master.set('/robot_description', burger())
+        master.set('/gazebo/robots', robots)
+        return shared_ros.start('rosrun', 'img_recog', 'pybullet_sim.py', '_several_robots:=true',
+                                '_world:=empty', *parameters)
+    return start
+
+
+def test_robots_that_fail_do_not_keep_the_others_out(shared_ros, several):
+    master = Master(shared_ros)
+    master.set('/broken/robot_description', '<robot name="a"/>')
+    node = several({'tb3_0': {'x_pos': 1.0}, 'tb3_1': {'x_pos': 1.05}, 'broken': {},
+                    'typo': {'x_pso': 1.0}, 'wrong': {'x_pos': 'far'}, 'tb3_10': {}})
+    node.wait_output('simulating 2 robots in world empty')
+    for line in (
+            r'robot tb3_1 is not simulated: cannot use the robot in robot_description: it would '
+            r'start inside of tb3_0; give it another x_pos, y_pos or z_pos',
+            r'robot broken is not simulated: cannot use the robot in /broken/robot_description: ',
+            r'robot typo is not simulated: parameter /gazebo/robots/typo/x_pso is unknown to this '
+            r'node: did you mean x_pos\?',
+            r"robot wrong is not simulated: parameter /gazebo/robots/wrong/x_pos: got 'far', "
+            r'allowed is a finite number'):
+        assert len(re.findall(line, node.output)) == 1, (line, node.output)
+    assert master.robots() == ['tb3_0', 'tb3_10']
+    master.delete('/broken')
+
+
+def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several):
+    master, services = Master(shared_ros), ServiceCalls(shared_ros)
+    node = several({'a': {'x_pos': 1.0}, 'b': {}})
+    node.wait_output('simulating 2 robots')
+    rate = shared_ros.start('rostopic', 'echo', '-p', '/c/odom/header/frame_id')
+    master.set('/gazebo/robots', {'a': {'x_pos': 1.0}, 'c': {}, 'd': {'yaw': 'north'}})
+    answer = services.call('/gazebo/update_robots', {})
+    assert not answer['success']
+    assert answer['message'].startswith("d: parameter /gazebo/robots/d/yaw: got 'north'")
+    wait_for(lambda: master.robots() == ['a', 'c'], master.robots)
+    wait_for(lambda: 'c/odom' in rate.output, lambda: rate.output)
+    node.wait_output('robot b was removed')
+    master.set('/gazebo/robots', {'a': {'x_pos': 3.0}, 'c': {}})
+    assert services.call('/gazebo/update_robots', {})['success']
+    node.wait_output(r'(?s)robot a was removed.*robot a is at the start: x 3.00 m')
+    assert len(re.findall('robot c was', node.output)) == 0
+    master.set('/gazebo/robots', {})
+    assert services.call('/gazebo/update_robots', {})['success']
+    wait_for(lambda: master.robots() == [], master.robots)
+    services.close()
+    assert node.interrupt() == 0
+
+
+def test_a_given_prefix_of_frames_is_used(shared_ros, several):
+    Master(shared_ros).set('/a/tf_prefix', 'one')
+    node = several({'a': {}}, '_world_tf:=true')
+    node.wait_output('simulating 1 robots')
+    shared_ros.wait_run('frame_id: "one/odom"', 'rostopic', 'echo', '-n', '1', '/a/odom/header')
+    text = shared_ros.run('rostopic', 'echo', '-n', '1', '/tf_static')
+    assert re.search(r'frame_id: "world"\s+child_frame_id: "one/odom"', text), text
+    Master(shared_ros).delete('/a')
+
+
+@pytest.mark.parametrize('robots, line', [
+    ('0', 'robots: got 0, allowed is a number from 1 to 100, or the path of a YAML file'),
+    ('-1', 'robots: got -1, allowed is a number from 1 to 100'),
+    ('1000', 'robots: got 1000, allowed is a number from 1 to 100'),
+    ('/no/robots.yaml', 'robots: cannot read /no/robots.yaml: No such file or directory')])
+def test_a_number_or_file_that_cannot_be_ends_the_demo_with_one_line(ros, robots, line):
+    demo = ros.demo('robots:=' + robots)
+    assert demo.wait() == 0
+    assert len(re.findall(r'\[FATAL\].*' + line, demo.output)) == 1, demo.output
+
+
+LIST = '''\
+- {name: a, x_pos: 1.0}
+- {name: a}
+- {name: b, colors: none.yaml}
+- {name: c, urdf: none.urdf}
+'''
+
+
+def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
+    path = tmp_path / 'robots.yaml'
+    path.write_text(LIST)
+    demo = ros.demo('robots:={}'.format(path), 'camera:=none', 'world:=empty')
+    demo.wait_output(r'process\[a/color_extract-\d\]: started')
+    for line in ('not started: robot 2 of the list: the name a is used',
+                 'not started: b: cannot read the parameters in .*none.yaml: No such file',
+                 'not started: c: cannot read the robot in .*none.urdf: No such file'):
+        assert len(re.findall(line, demo.output)) == 1, (line, demo.output)
+    master, services = Master(ros), ServiceCalls(ros)
+    nodes = ['color_extract', 'robot_state_publisher', 'turtlebot3_teleop_keyboard']
+    wait_for(lambda: master.nodes('a') == ['/a/' + name for name in nodes],
+             lambda: master.nodes('a'))
+    assert master.robots() == ['a']
+    path.write_text('- {name: d}\n- {name: a, x_pos: 1.0}\n')
+    assert services.call('/robots/reload', {}) == {'success': True, 'message': ''}
+    wait_for(lambda: len(master.nodes('d')) == 3, lambda: master.nodes('d'))
+    path.write_text('- {name: d}\n- 3\n')
+    answer = services.call('/robots/reload', {})
+    assert answer == {'success': False, 'message':
+                      'robot 2 of the list: got 3, expected a mapping with a name, like - name: '
+                      'tb3_0'}
+    wait_for(lambda: master.nodes('a') == [] and master.robots() == ['d'],
+             lambda: (master.nodes('a'), master.robots()))
+    path.write_text('nothing: useful\n')
+    assert 'got dict' in services.call('/robots/reload', {})['message']
+    assert len(master.nodes('d')) == 3
+    services.close()
+    assert demo.interrupt() == 0
+    assert 'escalating' not in demo.output
+
+
+def test_nodes_end_when_the_node_that_runs_them_is_killed(ros):
+    demo = ros.demo('robots:=1', 'camera:=none', 'world:=empty', 'respawn:=false',
+                    'recognition:=false')
+    demo.wait_output(r'process\[tb3_0/turtlebot3_teleop_keyboard-\d\]: started')
+    master = Master(ros)
+    wait_for(lambda: len(master.nodes('tb3_0')) == 2, lambda: master.nodes('tb3_0'))
+    pid = int(re.search(r'process\[robots-\d+\]: started with pid \[(\d+)\]',
+                        demo.output).group(1))
+    os.kill(pid, signal.SIGKILL)
+    # it is required: the demo ends, and nothing is left over
+    assert demo.wait() == 0
+    pids = re.findall(r'process\[tb3_0/.*\]: started with pid \[(\d+)\]', demo.output)
+    assert len(pids) == 2
+    wait_for(lambda: not any(os.path.exists('/proc/' + pid) for pid in pids),
+             'the end of the nodes')

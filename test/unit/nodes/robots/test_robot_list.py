@@ -1,0 +1,93 @@
+"""The list of robots: from a number, from a file, and what is wrong with one of them."""
+import pytest
+
+from img_recog.nodes.robots import robot_list
+from img_recog.nodes.robots.robot_list import NodeSettings, RobotListError
+
+DEFAULTS = {'urdf': '/u/burger.urdf', 'colors': '/c/colors.yaml', 'camera': 'synthetic',
+            'image_width': 320}
+
+
+def find(uri):
+    return {'package://p/a.urdf': '/p/a.urdf'}.get(uri)
+
+
+def read(robots):
+    return robot_list.read(robots, DEFAULTS, find)
+
+
+@pytest.fixture
+def listed(tmp_path):
+    """A function that writes a list and reads it."""
+    def read_text(text):
+        path = tmp_path / 'robots.yaml'
+        path.write_text(text)
+        return read(str(path))
+    return read_text
+
+
+@pytest.mark.parametrize('count', ['1', '4', ' 100 '])
+def test_a_number_gives_the_names_of_multi_turtlebot3(count):
+    found = read(count)
+    assert [robot.name for robot in found.robots] == [
+        'tb3_{}'.format(number) for number in range(int(count))]
+    assert found.problems == []
+    assert {robot.nodes for robot in found.robots} == {NodeSettings(**DEFAULTS)}
+    assert all(robot.simulation == {} for robot in found.robots)
+
+
+@pytest.mark.parametrize('count', ['0', '-1', '101', '1000'])
+def test_other_numbers_are_refused(count):
+    with pytest.raises(RobotListError) as error:
+        read(count)
+    assert str(error.value) == (
+        "robots: got {}, allowed is a number from 1 to 100, or the path of a YAML file".format(
+            count))
+
+
+def test_a_list_gives_each_robot_its_own(listed, tmp_path):
+    found = listed('- name: a\n'
+                   '- {name: b, x_pos: 1, y_pos: -2.5, yaw: 0.5, camera: robot, colors: my.yaml,'
+                   ' urdf: "package://p/a.urdf", framerate: 5, simulation: {scan_noise: 0.0}}\n')
+    first, second = found.robots
+    assert found.problems == []
+    assert first.simulation == {} and first.nodes == NodeSettings(**DEFAULTS)
+    assert second.simulation == {'x_pos': 1, 'y_pos': -2.5, 'yaw': 0.5, 'scan_noise': 0.0}
+    assert second.nodes == NodeSettings(urdf='/p/a.urdf', colors=str(tmp_path / 'my.yaml'),
+                                        camera='robot', image_width=320, framerate=5.0)
+
+
+@pytest.mark.parametrize('entry, problem', [
+    ('{x_pos: 1}', 'robot 2 of the list: got no name, expected a mapping with a name'),
+    ('17', 'robot 2 of the list: got 17, expected a mapping'),
+    ('{name: 3}', 'robot 2 of the list: got no name'),
+    ('{name: a/b}', "robot 2 of the list: name: got 'a/b', allowed are letters"),
+    ('{name: ""}', "robot 2 of the list: name: got ''"),
+    ('{name: good}', 'robot 2 of the list: the name good is used by a robot before it'),
+    ('{name: b, x_pso: 1}', 'b: parameter x_pso is unknown to this node: did you mean x_pos?'),
+    ('{name: b, simulation: 3}', 'b: simulation: got 3, expected parameters'),
+    ('{name: b, framerate: fast}', "b: framerate: got 'fast', allowed is"),
+    ('{name: b, image_width: 0}', 'b: image_width: got 0, allowed is'),
+    ('{name: b, urdf: "package://no/a.urdf"}', "b: urdf: got 'package://no/a.urdf', allowed is"),
+    ('{name: b, colors: [1]}', 'b: colors: got [1], allowed is the path of a file'),
+])
+def test_one_that_is_wrong_does_not_keep_the_others_out(listed, entry, problem):
+    found = listed('- name: good\n- {}\n- name: last\n'.format(entry))
+    assert [robot.name for robot in found.robots] == ['good', 'last']
+    line, = found.problems
+    assert line.startswith(problem) and '\n' not in line
+
+
+@pytest.mark.parametrize('text, words', [
+    ('', 'got nothing, expected a list of 1 to 100 robots'), ('[]', 'got 0 robots'),
+    ('a: 1', 'got dict'), ('"text"', 'got str'), ('[', 'cannot read'),
+    ('- name: a\n' * 101, 'got 101 robots')])
+def test_what_is_not_a_list_is_refused(listed, text, words):
+    with pytest.raises(RobotListError) as error:
+        listed(text)
+    assert words in str(error.value) and '\n' not in str(error.value)
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    with pytest.raises(RobotListError, match='robots: cannot read .*none.yaml: .*No such file'):
+        read(str(tmp_path / 'none.yaml'))
