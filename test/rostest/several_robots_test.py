@@ -76,8 +76,8 @@ class SeveralRobotsTest(unittest.TestCase):
             odometry = self.odometry[name].messages[0]
             self.assertEqual((name + '/odom', name + '/base_footprint'),
                              (odometry.header.frame_id, odometry.child_frame_id))
-            for topic, kind, frame in (('imu', Imu, '/imu_link'), ('scan', LaserScan,
-                                                                  '/base_scan'),
+            for topic, kind, frame in (('imu', Imu, '/imu_link'),
+                                       ('scan', LaserScan, '/base_scan'),
                                        ('usb_cam/image_raw', Image, '/head_camera')):
                 recorder = Recorder('/{}/{}'.format(name, topic), kind)
                 self.assertEqual(name + frame, recorder.wait()[0].header.frame_id)

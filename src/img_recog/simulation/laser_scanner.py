@@ -99,7 +99,8 @@ def read_together(scanners: Sequence[LaserScanner]) -> List[np.ndarray]:
                    if scanner.samples == samples]
         found = scanners[0].solids.distances(Bundles(
             *map(np.concatenate, zip(*(bundles[number] for number in numbers)))))
-        for number, row in zip(numbers, found if found is not None else ()):
-            distances[number] = row
+        if found is not None:
+            for number, row in zip(numbers, found):
+                distances[number] = row
     return [scanner.ranges(scanner.cast(bundle) if found is None else found)
             for scanner, bundle, found in zip(scanners, bundles, distances)]

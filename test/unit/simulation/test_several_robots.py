@@ -137,7 +137,8 @@ def test_places_are_free_and_inside_of_the_walls():
     sim.advance(100)
     sim.reset_world()
     assert [(place.x_pos, place.y_pos) for place in places] == [
-        pytest.approx(tuple(vehicle.robot.motion().position[:2]), abs=1e-6) for vehicle in sim.vehicles]
+        pytest.approx(tuple(vehicle.robot.motion().position[:2]), abs=1e-6)
+        for vehicle in sim.vehicles]
 
 
 def test_no_place_is_refused_and_leaves_nothing(tmp_path):

@@ -106,7 +106,6 @@ class CameraTopics:
             R=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
             P=[fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
 
-
     def close(self) -> None:
         """End the topics."""
         self._images.unregister()

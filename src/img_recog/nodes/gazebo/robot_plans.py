@@ -96,12 +96,12 @@ class RobotPlans:
         robot = assembly.read_robot(urdf, self._step_s, resources.find, source)
         if name:
             robot = assembly.named(robot, name)
-        spaces = {'namespace': namespace or '~', 'fallback': '~'}
+        spaces = namespace or '~', '~'
         robot = assembly.with_wheels(robot, parameters.read(DriveSettings, robot.tag_values,
-                                                            **spaces))
-        settings = parameters.read_group(RobotSettings, robot.tag_values, **spaces)
-        topics = parameters.read(TopicSettings, robot.tag_values, **spaces)
-        camera = parameters.read(CameraSettings, **spaces)
+                                                            *spaces))
+        settings = parameters.read_group(RobotSettings, robot.tag_values, *spaces)
+        topics = parameters.read(TopicSettings, robot.tag_values, *spaces)
+        camera = parameters.read(CameraSettings, {}, *spaces)
         cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
         return RobotPlan(robot, settings, topics, cameras, names)
 

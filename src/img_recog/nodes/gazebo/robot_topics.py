@@ -2,7 +2,7 @@
 import dataclasses
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Callable, List, Optional, Sequence
+from typing import Any, Callable, List, Sequence
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper

@@ -1,5 +1,5 @@
 """The robots of the simulation with all that belongs to them, added and removed while it runs."""
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Dict, NamedTuple, Optional, Sequence
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
