@@ -1,9 +1,13 @@
-"""Run the benchmarks of ./run bench; print tables, and write JSON to the given file."""
+"""Run the benchmarks of ./run bench; print tables, and write JSON to the given file.
+
+usage: main.py FILE [NAME ...], by default all benchmarks.
+"""
 import json
 import sys
 
 import camera
 import drawing
+import fleet
 import growth
 import page
 import recognition
@@ -15,19 +19,26 @@ from tqdm import tqdm
 
 BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
               'robot_camera': robot_camera, 'camera': camera, 'recognition': recognition,
-              'growth': growth, 'transport': transport, 'page': page}
+              'growth': growth, 'transport': transport, 'page': page, 'fleet': fleet}
 
 
 def main() -> int:
-    """Run all benchmarks."""
+    """Run the benchmarks; return the exit code."""
+    names = sys.argv[2:] or list(BENCHMARKS)
+    unknown = sorted(set(names) - set(BENCHMARKS))
+    if unknown:
+        sys.stderr.write('no benchmark {}; there are {}\n'.format(
+            ', '.join(unknown), ', '.join(BENCHMARKS)))
+        return 2
+    chosen = {name: BENCHMARKS[name] for name in names}
     results = {}
-    total = sum(benchmark.count() for benchmark in BENCHMARKS.values())
+    total = sum(benchmark.count() for benchmark in chosen.values())
     with tqdm(total=total, desc='measuring', unit='measurement', file=sys.stderr) as bar:
-        for name, benchmark in BENCHMARKS.items():
+        for name, benchmark in chosen.items():
             results[name] = benchmark.measure(bar.update)
     with open(sys.argv[1], 'w') as file:
         json.dump(results, file, indent=2)
-    for name, benchmark in BENCHMARKS.items():
+    for name, benchmark in chosen.items():
         sys.stdout.write('\n' + benchmark.table(results[name]) + '\n')
     return 0
 

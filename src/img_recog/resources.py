@@ -59,6 +59,11 @@ def burger() -> str:
     return _own_file('turtlebot3_burger.urdf')
 
 
+def colors() -> str:
+    """Return the path of the file with the colors of the article."""
+    return _own_file('colors.yaml', 'config')
+
+
 def _exported_folders() -> Iterator[str]:
     """Return the folders of models that packages export to gazebo_ros."""
     for package in _packages.list():
@@ -70,5 +75,5 @@ def _exported_folders() -> Iterator[str]:
             yield folder.replace('${prefix}', _packages.get_path(package))
 
 
-def _own_file(name: str) -> str:
-    return os.path.join(rospkg.RosPack().get_path('img_recog'), 'urdf', name)
+def _own_file(name: str, folder: str = 'urdf') -> str:
+    return os.path.join(rospkg.RosPack().get_path('img_recog'), folder, name)

@@ -16,8 +16,11 @@ import img_recog
 from img_recog.camera import settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.nodes.color_extract.node import InputSettings
+from img_recog.nodes.gazebo.robot_plans import RobotsSettings
 from img_recog.nodes.gazebo.robot_topics import TopicSettings
 from img_recog.nodes.gazebo.runtime import RuntimeSettings
+from img_recog.nodes.robots.node import ManagerSettings
+from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, with_colors
 from img_recog.settings import SettingError, Settings
@@ -34,11 +37,12 @@ NODES = {
     'color_extract': ('color_extract.node', (InputSettings, with_colors()),
                       ('colors', *(name + '_image_topic' for name in DEFAULT_COLORS))),
     'gazebo': ('gazebo.node', (
-        simulation.PhysicsSettings, simulation.SpawnSettings, simulation.DriveSettings,
+        simulation.PhysicsSettings, RobotsSettings, simulation.SpawnSettings, simulation.DriveSettings,
         simulation.OdometrySettings, simulation.SensorSettings, simulation.ScanSettings,
         simulation.ImuSettings, simulation.CameraSettings, simulation.ViewSettings,
         TopicSettings), ()),
     'turtlebot3_teleop_keyboard': ('teleop_key', (TeleopSettings,), ()),
+    'robots': ('robots.node', (ManagerSettings, NodeSettings), ()),
     'web': ('web.node', (WebSettings, TeleopSettings), ())}
 # of dynamic_reconfigure alone: parameters that are among those above
 PARTS = {RuntimeSettings}

@@ -21,7 +21,8 @@ is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_
 ~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
 Served by dynamic_reconfigure (~set_parameters, ~parameter_descriptions, ~parameter_updates):
 real_time_factor and view.
-Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and the fields of all settings of the simulation as private parameters.
+Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and the fields of all
+settings of the simulation as private parameters.
 """
 import itertools
 import time

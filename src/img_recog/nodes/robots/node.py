@@ -24,7 +24,7 @@ from img_recog.nodes.robots.robot_nodes import RobotNodes
 from img_recog.recognition import parameter_file
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.queues import CallQueue
-from img_recog.settings import Settings, not_empty, required, setting
+from img_recog.settings import Settings, not_empty, setting
 
 _PERIOD_S = 0.5
 _SERVICE_TIMEOUT_S = 1.0
@@ -45,7 +45,7 @@ class ManagerSettings(Settings):
     of the images, without the prefix of a robot.
     """
 
-    robots: str = required(str, not_empty())
+    robots: str = setting('1', not_empty())
     simulator: bool = setting(True)
     respawn: bool = setting(True)
     robot_camera_frame: str = setting('camera_link', not_empty())
@@ -68,6 +68,8 @@ class RobotsNode:
         self._defaults = dataclasses.asdict(parameters.read(NodeSettings))
         if self._defaults['camera'] == _AUTO:       # robots cannot share a device
             self._defaults['camera'] = 'synthetic'
+        self._defaults['urdf'] = self._defaults['urdf'] or resources.burger()
+        self._defaults['colors'] = self._defaults['colors'] or resources.colors()
         parameters.warn_of_unknown(ManagerSettings, NodeSettings)
         self._running: Dict[str, _Running] = {}
         self._calls = CallQueue()

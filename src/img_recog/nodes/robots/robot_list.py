@@ -1,15 +1,14 @@
 """Reads which robots there are: from a number, or from a YAML file."""
 import os
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
-
 from dataclasses import dataclass
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 import rosgraph
 
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.markup import MarkupError, load_yaml, read_bytes
-from img_recog.settings import (SettingError, Settings, at_least, between, from_mapping,
-                                not_empty, setting, setting_fields, unknown)
+from img_recog.settings import (SettingError, Settings, any_value, at_least, between,
+                                from_mapping, not_empty, setting, setting_fields, unknown)
 
 MAX_ROBOTS = 100
 _NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
@@ -27,12 +26,12 @@ class RobotListError(UserError):
 class NodeSettings(Settings):
     """What the nodes of a robot are started with; see the arguments of demo.launch.
 
-    urdf, colors: paths.
+    urdf, colors: paths, '' for those of this package.
     """
 
-    urdf: str = setting('', not_empty())
+    urdf: str = setting('', any_value())
     camera: str = setting('auto', not_empty())
-    colors: str = setting('', not_empty())
+    colors: str = setting('', any_value())
     image_width: int = setting(640, between(1, 4096))
     image_height: int = setting(480, between(1, 4096))
     framerate: float = setting(30.0, at_least(0.01))
