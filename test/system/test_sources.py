@@ -26,11 +26,10 @@ def test_every_launch_argument_is_documented():
     documented = dict(re.findall(r'(?m)^  (\w+) \(default .*?\): (.+)$', output))
     assert {'camera', 'image_width', 'image_height', 'framerate', 'pixel_format',
             'camera_frame_id', 'camera_info_url', 'recognition', 'robots', 'simulator', 'teleop',
-            'gui', 'image_view', 'world', 'allow_partial_world', 'urdf', 'x_pos', 'y_pos', 'z_pos', 'yaw',
-            'real_time_factor', 'use_sim_time', 'view', 'colors', 'cmd_vel_timeout', 'safe',
-            'respawn', 'robot_camera_frame', 'web', 'web_host',
-            'web_port', 'record', 'record_size',
-            'rviz', 'rqt_graph', 'rqt_reconfigure'} == names == set(documented)
+            'gui', 'image_view', 'world', 'allow_partial_world', 'urdf', 'x_pos', 'y_pos', 'z_pos',
+            'yaw', 'real_time_factor', 'use_sim_time', 'view', 'colors', 'cmd_vel_timeout',
+            'safe', 'respawn', 'robot_camera_frame', 'web', 'web_host', 'web_port', 'record',
+            'record_size', 'rviz', 'rqt_graph', 'rqt_reconfigure'} == names == set(documented)
     assert all(len(words) > 10 for words in documented.values()), documented
 
 
