@@ -250,6 +250,31 @@ def test_urdf_is_added_in_a_frame(gazebo):
     assert [found['x'], found['y']] == pytest.approx([0.4, 0.0], abs=0.05)
 
 
+DRIVE = "<gazebo><plugin name='d' filename='libgazebo_ros_diff_drive.so'/></gazebo></robot>"
+
+
+def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
+    with open(BURGER) as file:
+        text = file.read().replace('</robot>', DRIVE)
+    assert spawn(gazebo, 'second', text, 0.5, 0.55, service='spawn_urdf_model') == {
+        'success': True, 'status_message': ''}
+    assert names(gazebo) == NAMES + ['second']
+    assert_at(get_state(gazebo, 'second'), 0.5, 0.55)
+    gazebo.wait_run('frame_id: "robotos_name_space/odom"', 'rostopic', 'echo', '-n', '1',
+                    '/robotos_name_space/odom/header')
+    assert set_state(gazebo, 0.5, -0.55, name='second')['success'] is True
+    assert_at(get_state(gazebo, 'second'), 0.5, -0.55)
+    for name, x, y, problem in (
+            ('third', 0.5, 0.55, "there is a robot with the namespace 'robotos_name_space' "
+                                 'already; give it another robot_namespace'),
+            ('second', 0.5, 0.55, 'there is a model second already; give another name')):
+        answer = spawn(gazebo, name, text, x, y)
+        assert (answer['success'], answer['status_message']) == (False, problem)
+    assert call(gazebo, 'delete_model', {'model_name': 'second'})['success'] is True
+    assert names(gazebo) == NAMES
+    wait_for(lambda: 'robotos_name_space' not in gazebo.run('rostopic', 'list'), 'no topics')
+
+
 @pytest.mark.parametrize('name, text, status', [
     ('', GOAL, 'model_name is empty; give the model a name'),
     ('goal', 'no markup', 'model goal: '),

@@ -22,6 +22,8 @@ TIMEOUT_S = 0.5             # cmd_vel_timeout of the demo
 BRAKING_S = 0.3             # from 0.2 m/s, with 1 m/s2, and the period of the watch
 CUT_S, BACK_S = 5.0, 5.0
 NO_WINDOWS = ['gui:=false', 'image_view:=false', 'web:=false']
+LAST_NODES = {'simulator': 'robot_state_publisher', 'camera': 'usb_cam',
+              'recognition': 'color_extract'}
 PARTS = {'simulator': ['camera:=none', 'recognition:=false', 'teleop:=false', 'world:=empty'],
          'camera': ['simulator:=false', 'recognition:=false', 'teleop:=false'],
          'recognition': ['simulator:=false', 'camera:=none', 'teleop:=false']}
@@ -40,7 +42,8 @@ class Network:
         for name, arguments in PARTS.items():
             self._run(name, 'roslaunch', *(['-p', '11311'] if name == 'simulator' else []),
                       'img_recog', 'demo.launch', 'use_sim_time:=true', *NO_WINDOWS, *arguments,
-                      *more[name]).wait_output(r'process\[.*\]: started')
+                      *more[name]).wait_output(r'process\[{}-\d+\]: started'.format(
+                          LAST_NODES[name]))
         self._watch = self._run('simulator', sys.executable, watch_robot.__file__)
         self.wait_follows()
 

@@ -13,10 +13,10 @@ NAME = '/turtlebot3_teleop_keyboard'
 class Terminal:
     """A pseudo terminal with the teleop in its foreground, as a user would start it."""
 
-    def __init__(self, ros):
+    def __init__(self, ros, *arguments):
         self.pid, self._fd = pty.fork()
         if self.pid == 0:
-            os.execvpe('rosrun', ['rosrun', 'img_recog', 'teleop_key.py'], ros.env)
+            os.execvpe('rosrun', ['rosrun', 'img_recog', 'teleop_key.py', *arguments], ros.env)
         self._status = None
 
     def type(self, keys):
@@ -116,3 +116,21 @@ def test_limits_are_parameters_and_checked(ros):
     teleop = ros.start('rosrun', 'img_recog', 'teleop_key.py', '_max_linear_velocity:=fast')
     assert teleop.wait() == 1
     assert "max_linear_velocity: got 'fast', allowed is a finite number" in teleop.output
+
+
+def test_in_the_namespace_of_a_robot_it_drives_only_that_robot(ros):
+    demo = ros.demo('robots:=2', 'camera:=none', 'recognition:=false', 'teleop:=false',
+                    'world:=empty')
+    demo.wait_output(r'process\[tb3_1/robot_state_publisher-\d\]: started')
+    speeds = {name: ros.start('rostopic', 'echo', '-p', '/{}/odom/twist/twist'.format(name))
+              for name in ('tb3_0', 'tb3_1')}
+    terminal = Terminal(ros, '__ns:=tb3_1')
+    try:
+        wait_for(lambda: not terminal.echoes(), 'the teleop')
+        terminal.type(b'w' * 10)
+        wait_for(lambda: max(values(speeds['tb3_1'].output, 'linear.x'), default=0) > 0.09,
+                 lambda: speeds['tb3_1'].output[-300:])
+        assert max(map(abs, values(speeds['tb3_0'].output, 'linear.x'))) < 0.01
+    finally:
+        terminal.close()
+    assert demo.interrupt() == 0

@@ -3,8 +3,8 @@
 Serves: ~reload (std_srvs/Trigger): reads the list of robots again; starts those that are new or
 have changed, and ends those that are not in it any more. The message has a line for each robot
 that cannot be: NAME: REASON.
-Calls: gazebo/update_robots (std_srvs/Trigger).
-Sets: gazebo/robots, and for each robot NAME/robot_description.
+Calls the service of gazebo that updates the robots. Sets gazebo/robots, and for each robot
+NAME/robot_description.
 Reads: the fields of ManagerSettings and NodeSettings as private parameters.
 """
 import dataclasses
