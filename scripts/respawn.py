@@ -31,6 +31,7 @@ _FINISHED = {0: 'it has finished', 76: 'another node has taken its name'}
 _LONG_LIFE_S = 4.0              # a node that lived so long is started again at once
 _FIRST_DELAY_S, _MAX_DELAY_S = 0.5, 5.0
 _POLL_PERIOD_S = 0.1
+_PARENT_PERIOD_S = 1.0
 # roslaunch that is interrupted while it starts nodes may wait for its own locks
 _MIN_AGE_TO_INTERRUPT_S = 2.0
 _PR_SET_PDEATHSIG = 1
@@ -144,8 +145,10 @@ class Respawner:
         else:
             self._say('ended and is not started again: {}'.format(reason))
         signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
-        if not self._signum:
-            signal.sigwait(_SIGNALS)
+        # without roslaunch, nothing would ever end this program
+        while not self._signum and os.getppid() == self._parent:
+            if signal.sigtimedwait(_SIGNALS, _PARENT_PERIOD_S) is not None:
+                break
 
     def _wait(self, delay_s):
         end_s = time.monotonic() + delay_s

@@ -88,6 +88,10 @@ def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several)
     assert services.call('/gazebo/update_robots', {})['success']
     node.wait_output(r'(?s)robot a was removed.*robot a is at the start: x 3.00 m')
     assert len(re.findall('robot c was', node.output)) == 0
+    master.set('/gazebo/robots', 4)
+    assert 'got 4, wants a mapping of robots' in services.call(
+        '/gazebo/update_robots', {})['message']
+    assert master.robots() == ['a', 'c']
     master.set('/gazebo/robots', {})
     assert services.call('/gazebo/update_robots', {})['success']
     wait_for(lambda: master.robots() == [], master.robots)

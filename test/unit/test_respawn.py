@@ -116,6 +116,13 @@ def test_is_not_started_again(run, code, reason):
     assert len(process.pids) == 1
 
 
+def test_it_does_not_outlive_roslaunch_when_the_node_has_ended(run):
+    process = run('sys.exit(76)')
+    process.wait_errors('again')
+    process.process.kill()
+    wait_for(lambda: not is_alive(process.pid), 'the end')
+
+
 def test_the_reason_is_the_last_error_in_the_log_file(run, tmp_path):
     log = tmp_path / 'node.log'
     log.write_text('[rosout][ERROR] 2026-11-22 01:00:00,000: first\n'

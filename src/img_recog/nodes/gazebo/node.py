@@ -231,9 +231,8 @@ class PybulletSim:
         factor = settings.real_time_factor
         if factor != self._wanted_factor:
             self._wanted_factor, self._pacer = factor, RealTimePacer(factor)
-            scale = timeout_scale(factor) / timeout_scale(self._given_factor)
-            for vehicle in self._simulator.vehicles:
-                vehicle.scale_command_timeout(scale)
+            self._robots.scale_timeouts(
+                timeout_scale(factor) / timeout_scale(self._given_factor))
 
     def _pause(self) -> None:
         self._paused = True

@@ -8,6 +8,7 @@ import rosgraph
 import rospy
 
 from img_recog import resources
+from img_recog.errors import shortened
 from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.robot_topics import TopicSettings
 from img_recog.nodes.gazebo.robots import RobotPlan
@@ -48,8 +49,16 @@ class RobotPlans:
                           _NO_NAMESPACE)
 
     def names(self) -> List[str]:
-        """Return the names of the robots in ~robots, tb3_2 before tb3_10."""
-        return sorted(parameters.names_in(ROBOTS), key=_natural)
+        """Return the names of the robots in ~robots, tb3_2 before tb3_10.
+
+        Raises ParameterError when that is no mapping.
+        """
+        robots = parameters.value(ROBOTS)
+        if robots is not None and not isinstance(robots, dict):
+            raise ParameterError(
+                'parameter {}: got {}, wants a mapping of robots, like {{tb3_0: {{x_pos: 1.0}}}}'
+                .format(rospy.resolve_name(ROBOTS), shortened(repr(robots))))
+        return sorted(robots or {}, key=_natural)
 
     def snapshot(self, name: str) -> Tuple[Any, ...]:
         """Return what differs when another plan of the robot is to be made."""

@@ -28,8 +28,11 @@ class RobotUpdates:
         rospy.Service('~update_robots', Trigger, self._serve)
 
     def _serve(self, _: TriggerRequest) -> TriggerResponse:
-        with self._lock:
-            problems = self._update(self._calls.call)
+        try:
+            with self._lock:
+                problems = self._update(self._calls.call)
+        except UserError as error:
+            return TriggerResponse(False, one_line(error))
         return TriggerResponse(not problems, '\n'.join(problems))
 
     def _update(self, call: Callable[[Callable[[], None]], Any]) -> List[str]:

@@ -1,5 +1,5 @@
 """The robots of the simulation with all that belongs to them, added and removed while it runs."""
-from typing import Dict, NamedTuple, Optional, Sequence
+from typing import Dict, List, NamedTuple, Optional, Sequence
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -66,6 +66,7 @@ class Robots:
         self._statics, self._calls, self._world_tf = statics, calls, world_tf
         self._diagnostics: Optional[NodeDiagnostics] = None
         self._transforms = Transforms()
+        self._timeout_scale = 1.0
         self._robots: Dict[str, _Connected] = {}
 
     def add(self, plan: RobotPlan) -> None:
@@ -107,6 +108,7 @@ class Robots:
         Raises a UserError when those of its cameras cannot be used.
         """
         names, odometry, name = plan.names, vehicle.settings.odometry, vehicle.robot.name
+        vehicle.scale_command_timeout(self._timeout_scale)
         self._images.add_cameras(vehicle, plan.cameras, names)
         self._robots[name] = _Connected(
             vehicle, names, RobotTopics(vehicle, plan.topics, names, self._transforms),
@@ -148,10 +150,19 @@ class Robots:
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish the readings of all sensors but cameras."""
+        found: Dict[str, List[Reading]] = {name: [] for name in self._robots}
+        for reading in readings:
+            if not self._images.is_camera(reading):
+                found[reading.robot].append(reading)
         for name, robot in self._robots.items():
-            robot.topics.publish([reading for reading in readings if reading.robot == name
-                                  and not self._images.is_camera(reading)])
+            robot.topics.publish(found[name])
         self._transforms.flush()
+
+    def scale_timeouts(self, scale: float) -> None:
+        """Make `cmd_vel_timeout` of all robots, also later ones, `scale` times as long."""
+        self._timeout_scale = scale
+        for robot in self._robots.values():
+            robot.vehicle.scale_command_timeout(scale)
 
     def _move(self, name: str, pose: PlanePose) -> None:
         if name in self._robots:

@@ -101,9 +101,10 @@ class RobotsNode:
         problems = list(listed.problems)
         wanted: Dict[str, Robot] = {}
         urdfs: Dict[str, str] = {}
+        texts: Dict[str, str] = {}      # by path: xacro takes a second
         for robot in listed.robots:
             try:
-                urdfs[robot.name] = _urdf_of(robot)
+                urdfs[robot.name] = _urdf_of(robot, texts)
                 wanted[robot.name] = robot
             except UserError as error:
                 problems.append('{}: {}'.format(robot.name, one_line(error)))
@@ -130,10 +131,9 @@ class RobotsNode:
 
         Returns a line for each that it refuses; it has logged them.
         """
-        for robot in new:
-            rospy.set_param(robot.name + '/robot_description', urdfs[robot.name])
         robots = [*(running.robot for running in self._running.values()), *new]
-        rospy.set_param(_SIMULATED, {robot.name: self._parameters_of(robot) for robot in robots})
+        self._set_parameters(robots, {
+            **{name: running.urdf for name, running in self._running.items()}, **urdfs})
         update = rospy.ServiceProxy(_UPDATE, Trigger)
         warn_s = time.monotonic() + _PATIENCE_S
         while not rospy.is_shutdown():
@@ -146,6 +146,11 @@ class RobotsNode:
                     rospy.logwarn('waiting for the service %s: is the simulator running?',
                                   rospy.resolve_name(_UPDATE))
         return []
+
+    def _set_parameters(self, robots: List[Robot], urdfs: Dict[str, str]) -> None:
+        for robot in robots:
+            rospy.set_param(robot.name + '/robot_description', urdfs[robot.name])
+        rospy.set_param(_SIMULATED, {robot.name: self._parameters_of(robot) for robot in robots})
 
     def _parameters_of(self, robot: Robot) -> dict:
         """Return the parameters of a robot in the simulator."""
@@ -166,19 +171,43 @@ class RobotsNode:
             running.nodes.interrupt()
         for running in stopped:
             running.nodes.wait()
+        for name in names:
+            self._forget(name)
+
+    def _forget(self, name: str) -> None:
+        described = name + '/robot_description'
+        try:
+            if self._settings.simulator and rospy.has_param(described):
+                rospy.delete_param(described)
+        except (OSError, KeyError):
+            pass        # there is no master, or a new one
 
     def _check(self) -> None:
+        """Start nodes again that have ended; tell a new master what the simulator would read."""
+        try:
+            if self._settings.simulator and not rospy.has_param(_SIMULATED):
+                self._set_parameters([running.robot for running in self._running.values()],
+                                     {name: running.urdf
+                                      for name, running in self._running.items()})
+        except OSError:
+            pass        # there is no master
         for name, running in self._running.items():
             line = running.nodes.check()
             if line is not None:
                 rospy.logerr('robot %s: %s', name, line)
 
 
-def _urdf_of(robot: Robot) -> str:
-    """Return the URDF of a robot; check its files. Raises UserError."""
+def _urdf_of(robot: Robot, texts: Dict[str, str]) -> str:
+    """Return the URDF of a robot; check its files. Raises UserError.
+
+    texts: URDFs that were read already, by path.
+    """
     if robot.nodes.recognition:
         parameter_file.read(robot.nodes.colors)
-    return robot_file.read(robot.nodes.urdf)
+    path = robot.nodes.urdf
+    if path not in texts:
+        texts[path] = robot_file.read(path)
+    return texts[path]
 
 
 def main() -> int:

@@ -15,6 +15,9 @@ _NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
 _POSE = ('x_pos', 'y_pos', 'z_pos', 'yaw')
 _PATHS = ('urdf', 'colors')
 _SIMULATION = 'simulation'
+# namespaces of nodes, and names of the world in services of gazebo_ros
+_RESERVED = ('gazebo', 'map', 'robots', 'world')
+_MAX_INT = 0x7fffffff       # on the parameter server
 _MAX_BYTES = 1 << 20
 
 
@@ -111,6 +114,9 @@ def _name_of(entry: Any, used: List[str]) -> str:
     if not rosgraph.names.is_legal_base_name(name):
         raise RobotListError('name: got {}, allowed are letters, digits and _, the first a letter'
                              .format(shortened(repr(name))))
+    if name in _RESERVED:
+        raise RobotListError('the name {} is that of a part of the system'.format(name),
+                             'give the robot another name')
     if name in used:
         raise RobotListError('the name {} is used by a robot before it'.format(name),
                              'give each robot another name')
@@ -128,6 +134,11 @@ def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder
     if not isinstance(simulation, dict):
         raise RobotListError('simulation: got {}, expected parameters of the simulator, like '
                              '{{scan_noise: 0.0}}'.format(shortened(repr(simulation))))
+    poses = {key: entry[key] for key in _POSE if key in entry}
+    for key, value in {**simulation, **poses}.items():
+        if not _is_parameter(key, value):
+            raise RobotListError('parameter {}: got {}, allowed is a number, a text, true or false'
+                                 .format(shortened(key), shortened(repr(value))))
     values = {**defaults, **{key: value for key, value in entry.items() if key in fields}}
     try:
         for key in _PATHS:
@@ -136,8 +147,15 @@ def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder
         nodes = from_mapping(NodeSettings, values)
     except SettingError as error:
         raise RobotListError(one_line(error))
-    return Robot(name, nodes, {**simulation,
-                               **{key: entry[key] for key in _POSE if key in entry}})
+    return Robot(name, nodes, {**simulation, **poses})
+
+
+def _is_parameter(key: Any, value: Any) -> bool:
+    """Return whether the parameter server takes a parameter, and the simulator may know it."""
+    if not isinstance(key, str) or not rosgraph.names.is_legal_base_name(key):
+        return False
+    return isinstance(value, (bool, float, str)) or (
+        isinstance(value, int) and abs(value) <= _MAX_INT)
 
 
 def _path(key: str, value: Any, folder: str, find: Callable[[str], Optional[str]]) -> str:
