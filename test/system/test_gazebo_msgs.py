@@ -270,6 +270,16 @@ def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
             ('second', 0.5, 0.55, 'there is a model second already; give another name')):
         answer = spawn(gazebo, name, text, x, y)
         assert (answer['success'], answer['status_message']) == (False, problem)
+    tilted = {'position': {'x': 0.5, 'y': 0.55, 'z': 0.0},
+              'orientation': {'x': 1.0, 'y': 0.0, 'z': 0.0, 'w': 0.0}}
+    for namespace, where, problem in (
+            ('a b', pose(0.5, 0.55, 0.0), "robot_namespace: got 'a b', wants names"),
+            ('~x', pose(0.5, 0.55, 0.0), "robot_namespace: got '~x', wants names"),
+            ('third', tilted, 'a robot starts upright: got roll 3.142 and pitch ')):
+        answer = call(gazebo, 'spawn_urdf_model', {
+            'model_name': 'third', 'model_xml': text, 'robot_namespace': namespace,
+            'initial_pose': where})
+        assert answer['success'] is False and answer['status_message'].startswith(problem), answer
     assert call(gazebo, 'delete_model', {'model_name': 'second'})['success'] is True
     assert names(gazebo) == NAMES
     wait_for(lambda: 'robotos_name_space' not in gazebo.run('rostopic', 'list'), 'no topics')

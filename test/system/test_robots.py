@@ -56,8 +56,11 @@ def several(shared_ros):
 def test_robots_that_fail_do_not_keep_the_others_out(shared_ros, several):
     master = Master(shared_ros)
     master.set('/broken/robot_description', '<robot name="a"/>')
+    master.set('/use_sim_time', False)
     node = several({'tb3_0': {'x_pos': 1.0}, 'tb3_1': {'x_pos': 1.05}, 'broken': {},
-                    'typo': {'x_pso': 1.0}, 'wrong': {'x_pos': 'far'}, 'tb3_10': {}})
+                    'typo': {'x_pso': 1.0}, 'wrong': {'x_pos': 'far'}, 'tb3_10': {},
+                    'topic': {'scan_topic': 'no name!'}, 'same': {'scan_topic': 'odom'},
+                    'use_sim_time': {}, 'number': 5})
     node.wait_output('simulating 2 robots in world empty')
     for line in (
             r'robot tb3_1 is not simulated: cannot use the robot in robot_description: it would '
@@ -65,11 +68,20 @@ def test_robots_that_fail_do_not_keep_the_others_out(shared_ros, several):
             r'robot broken is not simulated: cannot use the robot in /broken/robot_description: ',
             r'robot typo is not simulated: parameter /gazebo/robots/typo/x_pso is unknown to this '
             r'node: did you mean x_pos\?',
+            r"robot topic is not simulated: parameter scan_topic: got 'no name!', allowed is a "
+            r'valid topic name',
+            r'robot same is not simulated: two sensors are on the topic /same/odom; give each '
+            r'another topic',
+            r'robot use_sim_time is not simulated: parameter /use_sim_time: got False, wants a '
+            r'mapping',
+            r'robot number is not simulated: parameter /gazebo/robots/number: got 5, wants a '
+            r'mapping',
             r"robot wrong is not simulated: parameter /gazebo/robots/wrong/x_pos: got 'far', "
             r'allowed is a finite number'):
         assert len(re.findall(line, node.output)) == 1, (line, node.output)
     assert master.robots() == ['tb3_0', 'tb3_10']
-    master.delete('/broken')
+    for name in ('/broken', '/use_sim_time'):
+        master.delete(name)
 
 
 def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several):
@@ -133,6 +145,7 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     path.write_text(LIST)
     demo = ros.demo('robots:={}'.format(path), 'camera:=none', 'world:=empty')
     demo.wait_output(r'process\[a/color_extract-\d\]: started')
+    demo.wait_output('1 robots are running, 3 not started')
     for line in ('not started: robot 2 of the list: the name a is used',
                  'not started: b: cannot read the parameters in .*none.yaml: No such file',
                  'not started: c: cannot read the robot in .*none.urdf: No such file'):

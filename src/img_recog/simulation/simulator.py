@@ -32,7 +32,7 @@ class Simulator:
     def add(self, vehicle: Vehicle) -> None:
         """Add a vehicle that was loaded into the world."""
         self._vehicles.append(vehicle)
-        self.world.revision += 1
+        self.world.notify_changed()
 
     def remove(self, vehicle: Vehicle) -> None:
         """Remove a vehicle, also from the world."""

@@ -55,9 +55,14 @@ class Solids:
     def __init__(self, physics_client_id: int):
         self._client = physics_client_id
         self._bodies: Tuple[int, ...] = ()
+        self._is_known = False
         self._shapes: Optional[List[_Shape]] = []
         self._poses: _Poses = {}
         self._groups: Dict[int, _Group] = {}
+
+    def forget(self) -> None:
+        """Call after a body was added or removed: PyBullet uses the ids of bodies again."""
+        self._is_known = False
 
     def distances(self, bundles: 'Bundles') -> Optional[np.ndarray]:
         """Return how far each ray goes until it hits a body, (bundles, rays); inf if it does not.
@@ -76,18 +81,20 @@ class Solids:
         """Take note of bodies that were added, removed or moved."""
         client = self._client
         bodies = body_ids(client)
-        if bodies != self._bodies:
-            self._bodies = bodies
+        if bodies != self._bodies or not self._is_known:
+            self._bodies, self._is_known = bodies, True
             self._shapes = _shapes(bodies, client)
             self._poses, self._groups = {}, {}
+            for kind in sorted({shape.kind for shape in self._shapes or ()}):
+                self._groups[kind] = _GROUPS[kind](
+                    [shape for shape in self._shapes or () if shape.kind == kind])
         if self._shapes is None:
             return
         poses = {part: _pose(part, client) for part in {shape.part for shape in self._shapes}}
-        if poses != self._poses:
-            self._poses = poses
-            self._groups = {
-                kind: _GROUPS[kind]([shape for shape in self._shapes if shape.kind == kind], poses)
-                for kind in {shape.kind for shape in self._shapes}}
+        moved = {part: pose for part, pose in poses.items() if self._poses.get(part) != pose}
+        self._poses = poses
+        for group in self._groups.values():
+            group.place(moved)
 
 
 def _shapes(bodies: Sequence[int], client: int) -> Optional[List[_Shape]]:
@@ -115,17 +122,25 @@ def _pose(part: _Part, client: int) -> Tuple[Vector, Quaternion]:
 class _Group:
     """Shapes of one kind."""
 
-    def __init__(self, shapes: Sequence[_Shape], poses: _Poses):
-        placed = [pybullet.multiplyTransforms(*poses[shape.part], shape.position,
-                                              shape.orientation) for shape in shapes]
+    def __init__(self, shapes: Sequence[_Shape]):
+        """`place` must come next, for all parts."""
+        self._shapes = shapes
         self._bodies = np.array([shape.part[0] for shape in shapes])
-        self._positions = np.array([position for position, _ in placed])
+        self._positions = np.empty((len(shapes), 3))
         # (axes of a shape, shapes, axes of the world): the inverse rotations
-        self._rotations = np.array([rotation_matrix(turned) for _, turned in placed]
-                                   ).transpose(2, 0, 1).copy()
+        self._rotations = np.empty((3, len(shapes), 3))
         # (axes, shapes, 1)
         self._sizes = np.array([shape.size for shape in shapes]).T[:, :, None]
         self._reaches = self._reach()
+
+    def place(self, poses: _Poses) -> None:
+        """Move the shapes of some parts."""
+        for number, shape in enumerate(self._shapes):
+            if shape.part in poses:
+                position, orientation = pybullet.multiplyTransforms(
+                    *poses[shape.part], shape.position, shape.orientation)
+                self._positions[number] = position
+                self._rotations[:, number] = rotation_matrix(orientation).T
 
     def shorten(self, nearest: np.ndarray, bundles: Bundles) -> None:
         """Reduce distances (bundles, rays) to those of the shapes that the rays enter."""

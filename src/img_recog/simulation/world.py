@@ -59,7 +59,7 @@ class World:
                 self._lift(body)
         self.bodies += added
         self.file = self.file._replace(trees=(*self.file.trees, *trees))
-        self.revision += 1
+        self.notify_changed()
 
     def _lift(self, body: Body) -> None:
         """Move a body that is in the floor onto it.
@@ -78,7 +78,7 @@ class World:
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
         pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
-        self.revision += 1
+        self.notify_changed()
 
     def remove(self, bodies: Sequence[Body]) -> None:
         """Remove some of `bodies` from the world."""
@@ -87,7 +87,7 @@ class World:
             pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
         self.bodies = [self.bodies[number] for number in kept]
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
-        self.revision += 1
+        self.notify_changed()
 
     def _set_friction(self, body: Body, coefficients: Dict[str, float]) -> None:
         """Set the coefficients of the links of a body, which are given by their names."""
@@ -112,6 +112,11 @@ class World:
         if self._is_rearranged:
             self.notify_rearranged()
             self._is_rearranged = False
+
+    def notify_changed(self) -> None:
+        """Call after a body was added or removed."""
+        self.revision += 1
+        self.solids.forget()
 
     def notify_rearranged(self) -> None:
         """Call after a fixed body was moved."""

@@ -196,6 +196,17 @@ def test_a_robot_that_is_removed_is_gone_and_the_others_go_on():
     assert np.isinf(behind)
 
 
+def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
+    sim = several([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], 'empty', scan=ScanSettings(scan_noise=0.0))
+    before = scans(sim)['tb3_0'][0]
+    old = sim.vehicles[1].robot.body_id
+    sim.remove(sim.vehicles[1])
+    without_scanner = burger().replace('radius="0.055"', 'radius="0.01"')
+    assembly.add_robot(sim, source('tb3_1', without_scanner), settings(1.0, 0.0))
+    assert sim.vehicles[1].robot.body_id == old
+    assert scans(sim)['tb3_0'][0] == pytest.approx(before + 0.045, abs=0.003)
+
+
 def test_a_world_without_robots_runs_and_takes_one_later():
     sim = empty_world()
     assert sim.advance(50) == [] and sim.time_s == pytest.approx(0.05)

@@ -76,10 +76,15 @@ class Drawing:
             self._thread.start()
 
     def set_scene(self, scene: VisualScene, poses: np.ndarray) -> None:
-        """Draw another scene from now on; waits until earlier images are drawn."""
+        """Draw another scene from now on; waits until earlier images are drawn.
+
+        A process that still loads is replaced by the next `start`: to wait for it takes longer.
+        """
         with self._condition:
             self._scene, self._poses = scene, poses
-            if self._wait_idle() and self._process is not None:
+            if not self._is_ready:
+                self._drop()
+            elif self._wait_idle() and self._process is not None:
                 self._jobs, self._is_busy = [], True
                 self._process.load(scene, poses)
 
@@ -90,9 +95,14 @@ class Drawing:
         """
         with self._condition:
             if list(cameras) != self._cameras:
-                self._wait_idle()
+                if self._jobs:
+                    self._wait_idle()
                 self._cameras = list(cameras)
-                self._process, self._is_ready, self._is_busy, self._jobs = None, False, False, []
+                self._drop()
+
+    def _drop(self) -> None:
+        """Use another process from the next `start` on; the thread of this one ends it."""
+        self._process, self._is_ready, self._is_busy, self._jobs = None, False, False, []
 
     def add_to_next(self, make_job: Callable[[float], Job]) -> None:
         """Draw one more image with the next request; its time in s is the argument of make_job.
@@ -200,6 +210,7 @@ class Drawing:
             self._durations.add(time.monotonic() - self._requested_s)
         with self._condition:
             jobs, self._is_busy = self._jobs, False
+            self._jobs = []
             self._condition.notify_all()
         for job, image in zip(jobs, drawn):
             self._failures = 0

@@ -26,6 +26,7 @@ try:
 except ImportError:
     AVAILABLE = False
 
+_MAX_TILT = 0.01                                    # rad
 _WORLD_NAMES = ('', 'world', 'map', '/map')         # gazebo_ros's names for the world frame
 
 
@@ -103,7 +104,10 @@ class ModelServices:
         names.check('model', name)
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
         x, y, z = pose.translation.tolist()
-        yaw = float(to_rpy(pose.rotation)[2])
+        roll, pitch, yaw = to_rpy(pose.rotation).tolist()
+        if max(abs(roll), abs(pitch)) > _MAX_TILT:
+            raise SimulationError('a robot starts upright: got roll {:.3f} and pitch {:.3f} rad'
+                                  .format(roll, pitch), 'tilt it with set_model_state')
         plan = self._plans.spawned(name, request.model_xml, request.robot_namespace.strip('/'),
                                    SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
         return partial(self._robots.add, plan)

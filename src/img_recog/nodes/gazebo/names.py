@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 from img_recog.simulation.settings import CameraSettings
 
-_CAMERA_TOPICS = ('camera_image_topic', 'camera_info_topic', 'camera_depth_topic',
-                  'camera_depth_info_topic')
+CAMERA_TOPICS = ('camera_image_topic', 'camera_info_topic', 'camera_depth_topic',
+                 'camera_depth_info_topic')
 _CAMERA_FRAMES = ('camera_frame', 'camera_optical_frame')
 
 
@@ -32,7 +32,7 @@ class Names(NamedTuple):
 
     def camera(self, settings: CameraSettings) -> CameraSettings:
         """Return the settings with the names of topics and frames that others see."""
-        topics = {field: self.topic(getattr(settings, field)) for field in _CAMERA_TOPICS
+        topics = {field: self.topic(getattr(settings, field)) for field in CAMERA_TOPICS
                   if getattr(settings, field)}
         frames = {field: self.frame(getattr(settings, field)) for field in _CAMERA_FRAMES}
         return dataclasses.replace(settings, **topics, **frames)

@@ -20,6 +20,7 @@ from img_recog.simulation.settings import (CameraSettings, DriveSettings, RobotS
 
 ROBOTS = '~robots'
 _MAX_SEED = 2 ** 31 - 1
+_MAX_NAME = 100         # characters
 _NO_NAMESPACE = ''
 
 
@@ -73,9 +74,14 @@ class RobotPlans:
         where it has none.
         Raises a UserError naming what is wrong.
         """
-        if not rosgraph.names.is_legal_base_name(name):
+        if not rosgraph.names.is_legal_base_name(name) or len(name) > _MAX_NAME:
             raise ParameterError('its name is not allowed: letters, digits and _, the first a '
-                                 'letter')
+                                 'letter, at most {}'.format(_MAX_NAME))
+        for value, where in ((parameters.value('{}/{}'.format(ROBOTS, name)), ROBOTS + '/' + name),
+                             (parameters.value(name), name)):
+            if not isinstance(value, (dict, type(None))):
+                raise ParameterError('parameter {}: got {}, wants a mapping'.format(
+                    rospy.resolve_name(where), shortened(repr(value))))
         namespace = '{}/{}'.format(ROBOTS, name)
         own = parameters.names_in(namespace)
         known = [field.name for each in robot_settings_classes() for field in setting_fields(each)]
@@ -93,7 +99,13 @@ class RobotPlans:
             has_place='x_pos' in own or 'y_pos' in own)
 
     def spawned(self, name: str, urdf: str, namespace: str, spawn: SpawnSettings) -> RobotPlan:
-        """Return the plan of a robot that a service adds at a place."""
+        """Return the plan of a robot that a service adds at a place.
+
+        Raises a UserError naming what is wrong.
+        """
+        if namespace and not (rosgraph.names.is_legal_name(namespace) and namespace[0].isalpha()):
+            raise ParameterError('robot_namespace: got {}, wants names of letters, digits and _, '
+                                 'with / between them'.format(shortened(repr(namespace))))
         plan = self._plan(name, urdf, 'the model ' + name,
                           names_of(namespace, namespace) if namespace else Names(), _NO_NAMESPACE)
         return plan._replace(settings=dataclasses.replace(_with_seed(plan.settings, name),
@@ -110,6 +122,10 @@ class RobotPlans:
                                                             *spaces))
         settings = parameters.read_group(RobotSettings, robot.tag_values, *spaces)
         topics = parameters.read(TopicSettings, robot.tag_values, *spaces)
+        for field, topic in dataclasses.asdict(topics).items():
+            if not rosgraph.names.is_legal_name(topic):
+                raise ParameterError('parameter {}: got {}, allowed is a valid topic name'.format(
+                    field, shortened(repr(topic))))
         camera = parameters.read(CameraSettings, {}, *spaces)
         cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
         return RobotPlan(robot, settings, topics, cameras, names)
@@ -137,5 +153,5 @@ def _with_seed(settings: RobotSettings, name: str) -> RobotSettings:
 
 def _natural(name: str) -> Tuple[str, int, str]:
     """Return a key by which names are in the order of their last numbers."""
-    digits = len(name) - len(name.rstrip('0123456789'))
-    return name[:len(name) - digits], int(name[len(name) - digits:] or -1), name
+    text = name.rstrip('0123456789')
+    return text, len(name) - len(text), name

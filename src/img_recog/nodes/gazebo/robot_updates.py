@@ -8,7 +8,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
-from img_recog.nodes.gazebo.robots import Robots
+from img_recog.nodes.gazebo.robots import RobotPlan, Robots
 
 
 class RobotUpdates:
@@ -39,11 +39,12 @@ class RobotUpdates:
         """Add and remove; return the problems. call: calls what simulates."""
         names = self._plans.names()
         problems = []
-        for name in [name for name in self._made if name not in names]:
-            self._remove(name, call)
-        for name in names:
+        for name in [name for name in self._made if name not in names] + names:
             try:
-                self._make(name, call)
+                if name in names:
+                    self._make(name, call)
+                else:
+                    call(lambda: self._remove(name))
                 self._said.pop(name, None)
             except UserError as error:
                 reason = one_line(error)
@@ -55,14 +56,20 @@ class RobotUpdates:
 
     def _make(self, name: str, call: Callable[[Callable[[], None]], Any]) -> None:
         snapshot = self._plans.snapshot(name)
-        if self._made.get(name) == snapshot:
+        if self._made.get(name) == snapshot and name in self._robots:
             return
         plan = self._plans.named(name)      # before the one of that name is removed
-        if name in self._made:
-            self._remove(name, call)
-        call(lambda: self._robots.add(plan))
-        self._made[name] = snapshot
+        call(lambda: self._replace(plan, snapshot))
 
-    def _remove(self, name: str, call: Callable[[Callable[[], None]], Any]) -> None:
-        del self._made[name]
-        call(lambda: self._robots.remove(name) if name in self._robots else None)
+    # These two are called by what simulates, so that they are complete even if that is late.
+
+    def _replace(self, plan: RobotPlan, snapshot: Tuple[Any, ...]) -> None:
+        if plan.name in self._made:
+            self._remove(plan.name)
+        self._robots.add(plan)
+        self._made[plan.name] = snapshot
+
+    def _remove(self, name: str) -> None:
+        self._made.pop(name, None)
+        if name in self._robots:
+            self._robots.remove(name)

@@ -8,7 +8,7 @@ from geometry_msgs.msg import TransformStamped
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.names import Names
+from img_recog.nodes.gazebo.names import CAMERA_TOPICS, Names
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.pose_topic import PoseTopic
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings, Transforms
@@ -43,6 +43,14 @@ class RobotPlan(NamedTuple):
         """The name of the robot."""
         return self.source.description.name
 
+    def published(self) -> List[str]:
+        """Return the resolved names of the topics of the sensors."""
+        cameras = [getattr(self.names.camera(camera), field) for camera in self.cameras
+                   for field in CAMERA_TOPICS if getattr(camera, field)]
+        return [rospy.resolve_name(topic) for topic in (*cameras, *map(self.names.topic, (
+            'joint_states', self.topics.odometry_topic, self.topics.imu_topic,
+            self.topics.scan_topic)))]
+
 
 class _Connected(NamedTuple):
     """A robot with its topics."""
@@ -68,6 +76,7 @@ class Robots:
         self._transforms = Transforms()
         self._timeout_scale = 1.0
         self._robots: Dict[str, _Connected] = {}
+        self._plans: Dict[str, RobotPlan] = {}
 
     def add(self, plan: RobotPlan) -> None:
         """Add a robot, apart from the others and the walls, and log its warnings.
@@ -80,6 +89,7 @@ class Robots:
         if any(each.names.namespace == plan.names.namespace for each in self._robots.values()):
             raise SimulationError('there is a robot with the namespace {!r} already'.format(
                 plan.names.namespace), 'give it another robot_namespace')
+        self._check_topics(plan)
         warnings = assembly.add_robot_apart(self._simulator, plan.source, plan.settings,
                                             plan.has_place)
         vehicle = self._simulator.vehicles[-1]
@@ -89,11 +99,20 @@ class Robots:
             self._simulator.remove(vehicle)
             raise
         self._models.add_vehicle(vehicle)
+        self._plans[plan.name] = plan
         for warning in (*plan.source.warnings, *warnings):
             rospy.logwarn('%s: %s', plan.names.words, warning)
         rospy.loginfo('added %s: %.4f kg with root link %s', plan.names.words,
                       vehicle.robot.mass(), vehicle.robot.root)
         self.log_start(plan.name)
+
+    def _check_topics(self, plan: RobotPlan) -> None:
+        """Raise SimulationError if a robot publishes two things on one topic."""
+        topics = [topic for each in (*self._plans.values(), plan) for topic in each.published()]
+        for topic in topics:
+            if topics.count(topic) > 1:
+                raise SimulationError('two sensors are on the topic {}'.format(topic),
+                                      'give each another topic')
 
     def log_start(self, name: str) -> None:
         """Log where a robot starts."""
@@ -125,6 +144,7 @@ class Robots:
             raise SimulationError('no robot {!r} (robots: {})'.format(
                 name, ', '.join(self._robots) or 'none'))
         robot = self._robots.pop(name)
+        self._plans.pop(name, None)
         if self._diagnostics is not None and robot.names.namespace:
             self._diagnostics.remove(name)
         robot.topics.close()

@@ -112,25 +112,39 @@ class RobotsNode:
         # one that runs and has an error in the list now goes on as it is
         self._stop([name for name, running in self._running.items() if name not in failed and (
             name not in wanted or running.robot != wanted[name]
-            or running.urdf != urdfs[name])])
+            or running.urdf != urdfs[name] or running.nodes.has_ended)])
         for problem in problems:
             rospy.logerr('not started: %s', problem)
         new = [robot for name, robot in wanted.items() if name not in self._running]
         if self._settings.simulator:
-            refused = self._simulate(new, urdfs)
-            problems += refused
-            failed |= {problem.split(':')[0] for problem in refused}
+            problems += self._simulate(new, urdfs)
+        failed = {problem.split(':')[0] for problem in problems}
         for robot in new:
             if robot.name not in failed and not rospy.is_shutdown():
-                self._running[robot.name] = _Running(robot, urdfs[robot.name], RobotNodes(
-                    robot, self._settings.camera_frame_id, self._settings.respawn))
+                try:
+                    self._running[robot.name] = _Running(robot, urdfs[robot.name], RobotNodes(
+                        robot, self._settings.camera_frame_id, self._settings.respawn))
+                except (OSError, ValueError) as error:
+                    problems.append('{}: {}'.format(robot.name, one_line(error)))
+                    rospy.logerr('not started: %s', problems[-1])
+        if not rospy.is_shutdown():
+            rospy.loginfo('%d robots are running%s', len(self._running),
+                          ', {} not started'.format(len(problems)) if problems else '')
         return problems
 
     def _simulate(self, new: List[Robot], urdfs: Dict[str, str]) -> List[str]:
         """Have the simulator add and remove robots.
 
-        Returns a line for each that it refuses; it has logged them.
+        Returns a line for each that it refuses; they are logged.
         """
+        taken = [robot for robot in new
+                 if not isinstance(parameters.value(robot.name), (dict, type(None)))]
+        if taken:
+            lines = ['{0}: there is a parameter /{0}; give the robot another name'.format(
+                robot.name) for robot in taken]
+            for line in lines:
+                rospy.logerr('not started: %s', line)
+            return lines + self._simulate([robot for robot in new if robot not in taken], urdfs)
         robots = [*(running.robot for running in self._running.values()), *new]
         self._set_parameters(robots, {
             **{name: running.urdf for name, running in self._running.items()}, **urdfs})
@@ -139,13 +153,26 @@ class RobotsNode:
         while not rospy.is_shutdown():
             try:
                 update.wait_for_service(_SERVICE_TIMEOUT_S)
-                return update().message.splitlines()
+                return self._refused(update(), robots)
             except (rospy.ROSException, rospy.ServiceException):
                 if time.monotonic() > warn_s:
                     warn_s = math.inf
                     rospy.logwarn('waiting for the service %s: is the simulator running?',
                                   rospy.resolve_name(_UPDATE))
         return []
+
+    def _refused(self, answer: TriggerResponse, robots: List[Robot]) -> List[str]:
+        """Return a line for each robot that the simulator refuses, and forget those."""
+        lines = [] if answer.success else answer.message.splitlines()
+        names = {robot.name for robot in robots}
+        if any(line.split(':')[0] not in names for line in lines):      # about no robot
+            lines = ['{}: {}'.format(name, answer.message) for name in sorted(
+                names - set(self._running))]
+        refused = {line.split(':')[0] for line in lines} - set(self._running)
+        for name in refused:
+            if rospy.has_param('{}/{}'.format(_SIMULATED, name)):
+                rospy.delete_param('{}/{}'.format(_SIMULATED, name))
+        return [line for line in lines if line.split(':')[0] in refused]
 
     def _set_parameters(self, robots: List[Robot], urdfs: Dict[str, str]) -> None:
         for robot in robots:

@@ -15,9 +15,12 @@ _NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
 _POSE = ('x_pos', 'y_pos', 'z_pos', 'yaw')
 _PATHS = ('urdf', 'colors')
 _SIMULATION = 'simulation'
+_AUTO, _SYNTHETIC = 'auto', 'synthetic'
+_CAMERAS = (_SYNTHETIC, 'robot', 'none')
 # namespaces of nodes, and names of the world in services of gazebo_ros
 _RESERVED = ('gazebo', 'map', 'robots', 'world')
 _MAX_INT = 0x7fffffff       # on the parameter server
+_MAX_NAME = 100
 _MAX_BYTES = 1 << 20
 
 
@@ -107,13 +110,19 @@ def _described(entries: Any) -> str:
 
 
 def _name_of(entry: Any, used: List[str]) -> str:
-    if not isinstance(entry, dict) or not isinstance(entry.get('name'), str):
+    if not isinstance(entry, dict) or 'name' not in entry:
         raise RobotListError('got {}, expected a mapping with a name, like - name: tb3_0'.format(
             shortened(repr(entry)) if not isinstance(entry, dict) else 'no name'))
     name = entry['name']
+    if not isinstance(name, str):
+        raise RobotListError('name: got {}, expected a text; put it in quotes'.format(
+            shortened(repr(name))))
     if not rosgraph.names.is_legal_base_name(name):
         raise RobotListError('name: got {}, allowed are letters, digits and _, the first a letter'
                              .format(shortened(repr(name))))
+    if len(name) > _MAX_NAME:
+        raise RobotListError('name: got {}, allowed are {} characters'.format(
+            shortened(name), _MAX_NAME))
     if name in _RESERVED:
         raise RobotListError('the name {} is that of a part of the system'.format(name),
                              'give the robot another name')
@@ -144,6 +153,8 @@ def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder
         for key in _PATHS:
             if key in entry:
                 values[key] = _path(key, entry[key], folder, find)
+        if 'camera' in entry:
+            values['camera'] = _camera(entry['camera'], folder)
         nodes = from_mapping(NodeSettings, values)
     except SettingError as error:
         raise RobotListError(one_line(error))
@@ -154,13 +165,31 @@ def _is_parameter(key: Any, value: Any) -> bool:
     """Return whether the parameter server takes a parameter, and the simulator may know it."""
     if not isinstance(key, str) or not rosgraph.names.is_legal_base_name(key):
         return False
-    return isinstance(value, (bool, float, str)) or (
+    # XML-RPC has no control characters
+    return isinstance(value, (bool, float)) or (
+        isinstance(value, str) and value.isprintable()) or (
         isinstance(value, int) and abs(value) <= _MAX_INT)
+
+
+def _camera(value: Any, folder: str) -> str:
+    """Return the camera: a file beside the list by its path, everything else as it is."""
+    if not isinstance(value, str) or not value.isprintable() or not value:
+        raise SettingError('camera', value, 'auto, synthetic, robot, none, the path of a device, '
+                           'video, image or folder of images, or a URL')
+    beside = os.path.join(folder, value)
+    if value == _AUTO:
+        return _SYNTHETIC       # robots cannot share a device
+    if value in _CAMERAS or '://' in value:
+        return value
+    if not os.path.exists(beside):
+        raise SettingError('camera', value, 'a path that exists, or one of {}'.format(
+            ', '.join(_CAMERAS)))
+    return beside
 
 
 def _path(key: str, value: Any, folder: str, find: Callable[[str], Optional[str]]) -> str:
     """Return a path that is given relative to the folder of the list, or as a package:// URI."""
-    if not isinstance(value, str):
+    if not isinstance(value, str) or not value.isprintable():
         raise SettingError(key, value, 'the path of a file')
     path = find(value) if '://' in value else os.path.join(folder, value)
     if path is None:

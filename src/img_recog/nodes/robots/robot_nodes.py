@@ -25,12 +25,20 @@ class RobotNodes:
         self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL,
                                          start_new_session=True)
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether the nodes have ended and are not started again."""
+        return self._process is None
+
     def check(self) -> Optional[str]:
-        """Start the nodes again if they have ended; return a line if they were, else None."""
+        """Start the nodes again if they have ended; return a line if they were, else None.
+
+        If roslaunch was killed, its nodes go on: the new ones take their names.
+        """
         if self._process is None or self._process.poll() is None:
             return None
         code, self._process = self._process.returncode, None
-        if time.monotonic() - self._started_s < _LONG_LIFE_S:
+        if code >= 0 and time.monotonic() - self._started_s < _LONG_LIFE_S:
             return 'its nodes have ended with exit code {}, and are not started again'.format(code)
         self._start()
         return 'its nodes have ended with exit code {}, and are started again'.format(code)

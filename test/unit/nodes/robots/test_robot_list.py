@@ -60,7 +60,12 @@ def test_a_list_gives_each_robot_its_own(listed, tmp_path):
 @pytest.mark.parametrize('entry, problem', [
     ('{x_pos: 1}', 'robot 2 of the list: got no name, expected a mapping with a name'),
     ('17', 'robot 2 of the list: got 17, expected a mapping'),
-    ('{name: 3}', 'robot 2 of the list: got no name'),
+    ('{name: 3}', 'robot 2 of the list: name: got 3, expected a text; put it in quotes'),
+    ('{name: ' + 101 * 'a' + '}', 'robot 2 of the list: name: got a'),
+    ('{name: b, simulation: {scan_topic: "a\\x01b"}}', 'b: parameter scan_topic: got'),
+    ('{name: b, camera: "a\\0b"}', 'b: camera: got'),
+    ('{name: b, camera: none.mp4}', "b: camera: got 'none.mp4', allowed is a path that exists, "
+     'or one of synthetic, robot, none'),
     ('{name: a/b}', "robot 2 of the list: name: got 'a/b', allowed are letters"),
     ('{name: ""}', "robot 2 of the list: name: got ''"),
     ('{name: world}', 'robot 2 of the list: the name world is that of a part of the system'),
@@ -92,6 +97,16 @@ def test_what_is_not_a_list_is_refused(listed, text, words):
     with pytest.raises(RobotListError) as error:
         listed(text)
     assert words in str(error.value) and '\n' not in str(error.value)
+
+
+def test_a_camera_beside_the_list_is_found(listed, tmp_path):
+    (tmp_path / 'a.mp4').write_text('')
+    cameras = {'a.mp4': str(tmp_path / 'a.mp4'), 'auto': 'synthetic', 'robot': 'robot',
+               'http://host/a': 'http://host/a', str(tmp_path): str(tmp_path)}
+    found = listed(''.join('- {{name: r{}, camera: "{}"}}\n'.format(number, camera)
+                           for number, camera in enumerate(cameras)))
+    assert found.problems == []
+    assert [robot.nodes.camera for robot in found.robots] == list(cameras.values())
 
 
 def test_a_missing_file_is_refused(tmp_path):

@@ -48,8 +48,16 @@ def test_they_are_interrupted_and_waited_for(nodes):
 def test_nodes_that_end_at_once_are_not_started_again(nodes):
     running = nodes('import sys; sys.exit(3)')
     wait_for(running._process.poll, 'the end')
-    assert running.check() == ('its nodes have ended with exit code 3, and are not started again')
+    assert running.check() == 'its nodes have ended with exit code 3, and are not started again'
+    assert running.has_ended
     assert running.check() is None
+
+
+def test_nodes_whose_roslaunch_was_killed_are_started_again(nodes):
+    running = nodes('import os, signal; os.kill(os.getpid(), signal.SIGKILL)')
+    wait_for(running._process.poll, 'the end')
+    assert running.check() == 'its nodes have ended with exit code -9, and are started again'
+    assert not running.has_ended
 
 
 def test_nodes_that_have_lived_are_started_again(nodes, monkeypatch):
