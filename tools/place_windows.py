@@ -3,7 +3,7 @@
 
 Without one, X shows every window in the upper left corner, the simulator's on top of the images.
 Neither image_view (OpenCV's highgui) nor PyBullet has an option for the position of its window.
-Ends when all windows are placed, and immediately if a window manager is running.
+Ends when all windows stay where they are placed, and immediately if a window manager is running.
 """
 import ctypes
 import ctypes.util
@@ -18,6 +18,7 @@ IMAGES = ('/usb_cam/image_raw', '/blue_image', '/red_image')
 GAP_PX = 4
 _POLL_PERIOD_S = 0.3
 _PATIENCE_S = 300.0
+_STABLE_S = 3.0
 _SUBSTRUCTURE_REDIRECT = 1 << 20        # X.h; window managers select it on the root
 
 _Window, _Pointer = ctypes.c_ulong, ctypes.c_void_p
@@ -109,18 +110,21 @@ def main(*wanted):
     except OSError:
         return 0
     root = display.attributes(display.root)
-    placed = {}
-    end = time.monotonic() + _PATIENCE_S
+    stable_s = end = time.monotonic() + _PATIENCE_S
     while time.monotonic() < end and not root.all_event_masks & _SUBSTRUCTURE_REDIRECT:
         windows = {title: window for title, window in display.windows().items()
                    if title.startswith(wanted)}
         attributes = {title: display.attributes(window) for title, window in windows.items()}
         sizes = {title: (found.width, found.height) for title, found in attributes.items()}
-        for title, place in places((root.width, root.height), sizes).items():
-            if placed.get(title) != place:
-                display.move(windows[title], *place)
-                placed[title] = place
-        if len(placed) == len(wanted):
+        wrong = {title: place
+                 for title, place in places((root.width, root.height), sizes).items()
+                 if (attributes[title].x, attributes[title].y) != place}
+        for title, place in wrong.items():
+            display.move(windows[title], *place)
+        # a program may move its window again while it opens it
+        if wrong or len(windows) < len(wanted):
+            stable_s = time.monotonic() + _STABLE_S
+        elif time.monotonic() > stable_s:
             return 0
         time.sleep(_POLL_PERIOD_S)
     return 0

@@ -1,5 +1,6 @@
 """Keeps the robots of the simulation those of the parameters."""
 import threading
+from functools import partial
 from typing import Any, Callable, Dict, List, Tuple
 
 import rospy
@@ -44,7 +45,7 @@ class RobotUpdates:
                 if name in names:
                     self._make(name, call)
                 else:
-                    call(lambda: self._remove(name))
+                    call(partial(self._remove, name))
                 self._said.pop(name, None)
             except UserError as error:
                 reason = one_line(error)
@@ -61,9 +62,8 @@ class RobotUpdates:
         plan = self._plans.named(name)      # before the one of that name is removed
         call(lambda: self._replace(plan, snapshot))
 
-    # These two are called by what simulates, so that they are complete even if that is late.
-
     def _replace(self, plan: RobotPlan, snapshot: Tuple[Any, ...]) -> None:
+        """Add a robot; like `_remove` in what simulates, so that a late call is complete too."""
         if plan.name in self._made:
             self._remove(plan.name)
         self._robots.add(plan)

@@ -53,12 +53,13 @@ class RobotPlan(NamedTuple):
 
 
 class _Connected(NamedTuple):
-    """A robot with its topics."""
+    """A robot with its topics. published: the resolved names of those of its sensors."""
 
     vehicle: Vehicle
     names: Names
     topics: RobotTopics
     pose_topic: PoseTopic
+    published: List[str]
 
 
 class Robots:
@@ -76,7 +77,6 @@ class Robots:
         self._transforms = Transforms()
         self._timeout_scale = 1.0
         self._robots: Dict[str, _Connected] = {}
-        self._plans: Dict[str, RobotPlan] = {}
 
     def add(self, plan: RobotPlan) -> None:
         """Add a robot, apart from the others and the walls, and log its warnings.
@@ -99,7 +99,6 @@ class Robots:
             self._simulator.remove(vehicle)
             raise
         self._models.add_vehicle(vehicle)
-        self._plans[plan.name] = plan
         for warning in (*plan.source.warnings, *warnings):
             rospy.logwarn('%s: %s', plan.names.words, warning)
         rospy.loginfo('added %s: %.4f kg with root link %s', plan.names.words,
@@ -107,10 +106,11 @@ class Robots:
         self.log_start(plan.name)
 
     def _check_topics(self, plan: RobotPlan) -> None:
-        """Raise SimulationError if a robot publishes two things on one topic."""
-        topics = [topic for each in (*self._plans.values(), plan) for topic in each.published()]
-        for topic in topics:
-            if topics.count(topic) > 1:
+        """Raise SimulationError if a topic would be that of two sensors."""
+        own = plan.published()
+        others = {topic for robot in self._robots.values() for topic in robot.published}
+        for topic in own:
+            if own.count(topic) > 1 or topic in others:
                 raise SimulationError('two sensors are on the topic {}'.format(topic),
                                       'give each another topic')
 
@@ -132,7 +132,8 @@ class Robots:
         self._robots[name] = _Connected(
             vehicle, names, RobotTopics(vehicle, plan.topics, names, self._transforms),
             PoseTopic(names, odometry.odom_frame, self._calls,
-                      lambda pose: self._move(name, pose)))
+                      lambda pose: self._move(name, pose)),
+            plan.published())
         if self._world_tf and names.namespace and odometry.publish_odom_tf:
             self._statics.set('world of ' + name, [_identity(
                 WORLD_FRAME, names.frame(odometry.odom_frame))])
@@ -144,7 +145,6 @@ class Robots:
             raise SimulationError('no robot {!r} (robots: {})'.format(
                 name, ', '.join(self._robots) or 'none'))
         robot = self._robots.pop(name)
-        self._plans.pop(name, None)
         if self._diagnostics is not None and robot.names.namespace:
             self._diagnostics.remove(name)
         robot.topics.close()

@@ -1,4 +1,5 @@
 """Runs the nodes of a robot."""
+import os
 import signal
 import subprocess
 import time
@@ -7,6 +8,7 @@ from typing import List, Optional
 from img_recog.nodes.robots.robot_list import Robot
 
 _LONG_LIFE_S = 10.0         # of a roslaunch that is started again if it ends
+_LOG_FORMAT = '[${severity}] [${time}] ${node}: ${message}'     # the node names the robot
 _EXIT_TIMEOUT_S = 12.0      # roslaunch waits up to 15 s for the node that runs this
 
 
@@ -22,8 +24,9 @@ class RobotNodes:
     def _start(self) -> None:
         self._started_s = time.monotonic()
         # its own group: a Ctrl-C ends it by way of `stop`
-        self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL,
-                                         start_new_session=True)
+        self._process = subprocess.Popen(
+            self._command, env={'ROSCONSOLE_FORMAT': _LOG_FORMAT, **os.environ},
+            stdin=subprocess.DEVNULL, start_new_session=True)
 
     @property
     def has_ended(self) -> bool:
