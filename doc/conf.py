@@ -21,7 +21,7 @@ autodoc_typehints = 'signature'
 add_module_names = False
 
 # What starts a new item in a docstring: "name, name: ...", or one of these words.
-_NAMES = re.compile(r'((?:[\w*]+(?:, )?)+)(?=(?: \([^)]*\))?: )')
+_NAMES = re.compile(r'([\w*]+(?:, [\w*]+)*)(?=(?: \([^)]*\))?: )')
 _WORDS = re.compile(r'(?:Raises|Returns|Publishes|Subscribes|Serves|Reads)\b')
 _CODE = re.compile(r'`([^`]+)`')
 _MARKUP = re.compile(r'([\\*_|<>`])')

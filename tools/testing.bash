@@ -70,6 +70,8 @@ run_all_tests() {
 run_tests() {
   local kind=$1 expression=$2 verdict=0 folder log=build/test_results
   rm -rf "$build/test_results" "$build/coverage.data"
+  # the tests start hundreds of processes, which otherwise compile every module again
+  unset PYTHONDONTWRITEBYTECODE
   if [ -z "$kind$expression" ]; then
     log="build/test.log and $log"
     run_all_tests || verdict=$?
@@ -103,9 +105,11 @@ run_kind() {
     return $code
   fi
   local command=(-m pytest)       # as in CMakeLists.txt
+  # not when all tests run: it costs a third of the time of the unit tests
   [ "$kind" != unit ] || command=(-m coverage run --source="$root/src/img_recog" -m pytest)
-  COVERAGE_FILE=$build/coverage.data "$venv/bin/python3" "${command[@]}" -p no:cacheprovider --junit-xml="$results/pytest-$kind.xml" \
-    ${expression:+-k "$expression"} "$root/test/$kind" || code=$?
+  COVERAGE_FILE=$build/coverage.data "$venv/bin/python3" "${command[@]}" -p no:cacheprovider \
+    --junit-xml="$results/pytest-$kind.xml" ${expression:+-k "$expression"} \
+    "$root/test/$kind" || code=$?
   if [ $code -eq 5 ]; then         # pytest: no tests were collected
     rm -f "$results/pytest-$kind.xml"
     code=0

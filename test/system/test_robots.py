@@ -126,10 +126,17 @@ def test_a_given_prefix_of_frames_is_used(shared_ros, several):
     ('-1', 'robots: got -1, allowed is a number from 1 to 100'),
     ('1000', 'robots: got 1000, allowed is a number from 1 to 100'),
     ('/no/robots.yaml', 'robots: cannot read /no/robots.yaml: No such file or directory')])
-def test_a_number_or_file_that_cannot_be_ends_the_demo_with_one_line(ros, robots, line):
-    demo = ros.demo('robots:=' + robots)
+def test_a_number_or_file_that_cannot_be_ends_it_with_one_line(shared_ros, robots, line):
+    node = shared_ros.start('rosrun', 'img_recog', 'robots.py', '_robots:=' + robots)
+    assert node.wait() == 1
+    assert len(re.findall(r'\[FATAL\].*' + line, node.output)) == 1, node.output
+
+
+def test_a_list_that_cannot_be_read_ends_the_demo(ros):
+    demo = ros.demo('robots:=/no/robots.yaml')
     assert demo.wait() == 0
-    assert len(re.findall(r'\[FATAL\].*' + line, demo.output)) == 1, demo.output
+    lines = re.findall(r'\[FATAL\].*cannot read /no/robots.yaml', demo.output)
+    assert len(lines) == 1, demo.output
 
 
 LIST = '''\

@@ -19,10 +19,13 @@ RUN_TIMEOUT_S = 180.0
 
 
 def copied(folder):
-    """Copy this package without this file, because its tests would run themselves again."""
+    """Copy this package with the tests of the colored areas, and none that would run it again."""
     path = str(folder / 'img_recog')
     shutil.copytree(ROOT, path, symlinks=True, ignore=shutil.ignore_patterns(
-        'build', 'devel', '.git', '.venv', 'data', '__pycache__', os.path.basename(__file__)))
+        'build', 'devel', '.git', '.venv', 'data', '__pycache__', 'unit', 'test_*.py'))
+    areas = os.path.join('test', 'unit', 'recognition', 'test_areas.py')
+    os.makedirs(os.path.dirname(os.path.join(path, areas)))
+    shutil.copy(os.path.join(ROOT, areas), os.path.join(path, areas))
     for name in SHARED:
         os.symlink(os.path.realpath(os.path.join(ROOT, name)), os.path.join(path, name))
     return path

@@ -36,3 +36,10 @@ def test_every_launch_argument_is_documented():
 def test_cmake_lists_is_short():
     with open(os.path.join(ROOT, 'CMakeLists.txt')) as file:
         assert len(file.readlines()) < 60
+
+
+def test_rosrun_finds_each_script_once():
+    """It also finds executable files in the source folder, and asks which one is meant."""
+    folder = os.path.join(ROOT, 'scripts')
+    assert not [name for name in os.listdir(folder)
+                if os.stat(os.path.join(folder, name)).st_mode & 0o111]

@@ -51,6 +51,11 @@ class ManagerSettings(Settings):
     robot_camera_frame: str = setting('camera_link', not_empty())
     camera_frame_id: str = setting('head_camera', not_empty())
 
+    def __post_init__(self):
+        if type(self.robots) is int:        # rosrun makes a number of _robots:=4
+            object.__setattr__(self, 'robots', str(self.robots))
+        super().__post_init__()
+
 
 class _Running(NamedTuple):
     """A robot that is there. urdf: the text; nodes: its nodes."""
