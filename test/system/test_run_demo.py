@@ -56,8 +56,9 @@ def marked(mark):
     return found
 
 
-@pytest.mark.parametrize('after_s', [0.3, 1.0, 2.0, 4.0])
-@pytest.mark.parametrize('signum', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize('signum, after_s', [
+    (signal.SIGINT, 0.3), (signal.SIGINT, 1.0), (signal.SIGINT, 2.0), (signal.SIGINT, 4.0),
+    (signal.SIGTERM, 0.3), (signal.SIGTERM, 2.0), (signal.SIGHUP, 1.0), (signal.SIGHUP, 4.0)])
 def test_signal_at_any_moment_ends_everything(run_demo, after_s, signum):
     demo = run_demo('camera:=synthetic')
     time.sleep(after_s)             # an arbitrary moment
