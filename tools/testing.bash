@@ -16,7 +16,7 @@ lint() {
 }
 
 shell_scripts() {
-  grep -lrE '^#!.*\b(ba)?sh$|^# shellcheck shell=' --exclude-dir={.git,.venv,build,devel} \
+  grep -lrE '^#!.*\b(ba)?sh$|^# shellcheck shell=' --exclude-dir={.git,.venv,build,devel,__pycache__} \
     --exclude='*.py' . | sort
 }
 
