@@ -2,6 +2,7 @@
 import contextlib
 import fcntl
 import io
+import itertools
 import logging
 import os
 import re
@@ -41,6 +42,17 @@ def user_output_path(path: str) -> str:
     """Return the absolute path of a file to write; a relative path starts in the user's folder."""
     folder = next(filter(os.path.isdir, user_folders()))
     return os.path.abspath(os.path.join(folder, os.path.expanduser(path)))
+
+
+def free_output_path(name: str, extension: str) -> str:
+    """Return the path of a new file NAME_1, NAME_2, ... in the user's folder.
+
+    A file that rosbag has begun to record (with the suffix .active) takes its name.
+    """
+    paths = (user_output_path('{}_{}{}'.format(name, number, extension))
+             for number in itertools.count(1))
+    return next(path for path in paths if not any(
+        os.path.exists(path + suffix) for suffix in ('', '.active')))
 
 
 def find_in(folder: str) -> FindFile:

@@ -109,6 +109,10 @@ def load_yaml(text: bytes) -> Any:
         return yaml.safe_load(text)
     except RecursionError:
         raise MarkupError('nested too deeply')
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = ', line {}, column {}'.format(mark.line + 1, mark.column + 1) if mark else ''
+        raise MarkupError('no YAML{}: {}'.format(where, shortened(error.problem or 'unreadable')))
     # PyYAML's constructors raise nearly everything: for !!int "" an IndexError
     except Exception as error:
         raise MarkupError(one_line(error))

@@ -16,7 +16,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
-from img_recog.nodes.usb_cam.compressed_publisher import CompressedImages
+from img_recog.nodes.compressed_images import CompressedImages
 from img_recog_testing.recording import Recorder, from_node, wait_for
 from img_recog_testing.waiting import DEADLINE_S, stretch
 

@@ -27,17 +27,22 @@ WALL = ('<model name="wall"><static>1</static><pose>2.05 0 0.5 0 0 0</pose><link
         + '</link></model>')
 WATCH = r'''
 import json, sys
-import numpy, rospy, tf2_ros
-from sensor_msgs.msg import CameraInfo, Image
+import cv2, numpy, rospy, tf2_ros
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 def show(topic, msg):
-    row = {'topic': topic, 'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id,
-           'size': [msg.width, msg.height]}
+    row = {'topic': topic, 'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id}
+    if isinstance(msg, CompressedImage):
+        pixels = cv2.imdecode(numpy.frombuffer(msg.data, 'u1'), cv2.IMREAD_COLOR)[..., ::-1]
+        row.update(encoding=msg.format, size=pixels.shape[1::-1],
+                   middle=pixels[pixels.shape[0] // 2, pixels.shape[1] // 2].tolist())
+    else:
+        row['size'] = [msg.width, msg.height]
     if isinstance(msg, Image):
         row['encoding'], kind = msg.encoding, {'32FC1': '<f4', 'rgb8': 'u1'}[msg.encoding]
         pixels = numpy.frombuffer(msg.data, kind).reshape(msg.height, msg.width, -1)
         row['middle'] = pixels[msg.height // 2, msg.width // 2].tolist()
-    else:
+    elif isinstance(msg, CameraInfo):
         row['K'] = list(msg.K)
     sys.stdout.write(json.dumps(row) + '\n')     # at once: each topic has a thread
     sys.stdout.flush()
@@ -46,6 +51,7 @@ rospy.init_node('watch', anonymous=True)
 buffer = tf2_ros.Buffer()
 listener = tf2_ros.TransformListener(buffer)
 for name, kind in (('rgb/image_raw', Image), ('rgb/camera_info', CameraInfo),
+                   ('rgb/image_raw/compressed', CompressedImage),
                    ('depth/image_raw', Image), ('depth/camera_info', CameraInfo)):
     rospy.Subscriber('/camera/' + name, kind, lambda msg, name=name: show(name, msg))
 '''
@@ -74,7 +80,7 @@ def world(tmp_path):
 def watch(ros, also=''):
     """Return a function that returns the newest message of each topic when there are all."""
     process = ros.start(sys.executable, '-c', WATCH + also + 'rospy.spin()')
-    count = 5 if also else 4
+    count = 6 if also else 5
 
     def newest():
         rows = [json.loads(line) for line in process.output.split('\n')[:-1]
@@ -94,6 +100,9 @@ def test_a_depth_camera_sees_color_and_distance_of_a_wall(ros, simulate, world):
     assert (color['encoding'], depth['encoding']) == ('rgb8', '32FC1')
     red, green, blue = color['middle']
     assert red > 120 and green == blue == 0
+    compressed = seen['rgb/image_raw/compressed']
+    assert compressed['encoding'] == 'rgb8; jpeg compressed bgr8'
+    assert compressed['middle'] == pytest.approx(color['middle'], abs=4)
     # camera_link of the burger is 0.02 m in front of base_link, which is above the origin
     camera_x = float(burger().split('<child link="camera_link"/>')[1].split('xyz="')[1].split()[0])
     assert depth['middle'] == pytest.approx([2.0 - camera_x], abs=2e-3)

@@ -186,7 +186,7 @@ def test_recognition_that_cannot_start_ends_the_demo(run_demo, tmp_path):
 
 
 @pytest.mark.parametrize('content, words', [
-    ('colors: [blue\n', 'cannot read the parameters in FILE: while parsing a flow sequence'),
+    ('colors: [blue\n', 'cannot read the parameters in FILE: no YAML, line 2, column 1: '),
     ('- blue\n', 'cannot use the parameters in FILE: got list, expected lines like colors: '),
     ('', 'cannot use the parameters in FILE: got nothing, expected lines like colors: '),
     ('red_area_limit: -1\n', 'FILE: parameter red_area_limit: got -1, allowed is ')])

@@ -262,3 +262,11 @@ def test_find_in_a_folder(tmp_path):
     for uri in ('a.stl', 'm', '', 'file://', 'file://{}/b.stl'.format(tmp_path), '/m/a.stl',
                 'package://m/a.stl', 'http://m/a.stl'):
         assert find(uri) is None
+
+
+def test_a_free_name_is_not_that_of_a_file_or_of_a_recording(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, 'user_folders', lambda: (str(tmp_path),))
+    assert files.free_output_path('recording', '.bag') == str(tmp_path / 'recording_1.bag')
+    (tmp_path / 'recording_1.bag').touch()
+    (tmp_path / 'recording_2.bag.active').touch()       # rosbag records it
+    assert files.free_output_path('recording', '.bag') == str(tmp_path / 'recording_3.bag')

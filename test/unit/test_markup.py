@@ -131,3 +131,8 @@ def test_hostile_yaml_is_one_line_wherever_it_is_read(tmp_path, text):
 
 def test_yaml_that_is_too_deep_for_python():
     assert refusal(markup.load_yaml, b'[' * 5000) == 'nested too deeply'
+
+
+def test_an_error_of_yaml_has_its_place():
+    problem = refusal(markup.load_yaml, b'- name: a\n  x_pos: [1, 2\n')
+    assert problem.startswith('no YAML, line 3, column 1: ') and 'expected' in problem, problem

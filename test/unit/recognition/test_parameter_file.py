@@ -35,7 +35,7 @@ def test_another_file(tmp_path):
 @pytest.mark.parametrize('text, words', [
     ('', 'got nothing, expected lines like colors: [blue, red]'),
     ('# a comment\n', 'got nothing'), ('- blue\n', 'got list'), ('blue', 'got str'),
-    ('a: [', 'while parsing'), ('colors: []', 'parameter colors: got []'),
+    ('a: [', 'no YAML, line 1'), ('colors: []', 'parameter colors: got []'),
     ('colors:', 'parameter colors: got nothing'),
     ('colors: [green]', 'parameter green_hue_min: got nothing'),
     ('5: 6', 'got 5 where the name'),

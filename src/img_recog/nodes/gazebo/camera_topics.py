@@ -11,6 +11,7 @@ from std_msgs.msg import Header
 
 from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
+from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.gazebo.drawing import Drawing, Job
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.noise import PixelNoise
@@ -48,8 +49,9 @@ def check(cameras: Iterable[CameraSettings]) -> None:
 class CameraTopics:
     """Publishes the images of one camera, and what is true about them.
 
-    Topics, all with the same header: images (sensor_msgs/Image, rgb8), depths (sensor_msgs/Image,
-    32FC1, m; only of a depth camera) and for each of the two a sensor_msgs/CameraInfo.
+    Topics, all with the same header: images (sensor_msgs/Image, rgb8), the same compressed, as a
+    Gazebo with compressed_image_transport publishes them, depths (sensor_msgs/Image, 32FC1, m;
+    only of a depth camera), and for images and depths a sensor_msgs/CameraInfo each.
 
     number: of the camera among those that are drawn.
     """
@@ -62,6 +64,7 @@ class CameraTopics:
                              settings.camera_far)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
         self._images = ImagePublisher(settings.camera_image_topic)
+        self._compressed = CompressedImages(settings.camera_image_topic)
         self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo,
                                        queue_size=_INFO_QUEUE_SIZE)]
         self._depths = None
@@ -72,7 +75,8 @@ class CameraTopics:
 
     def is_wanted(self) -> bool:
         """Return whether any of the topics has a subscriber."""
-        return (self._images.get_num_connections() > 0 or self._wants_depth()
+        return (self._images.get_num_connections() > 0 or self._compressed.is_wanted()
+                or self._wants_depth()
                 or any(publisher.get_num_connections() > 0 for publisher in self._infos))
 
     def _wants_depth(self) -> bool:
@@ -89,6 +93,9 @@ class CameraTopics:
         if self._noise is not None:
             self._noise.add(drawn.image, round(time_s * 1e6))
         self._images.publish(drawn.image, 'rgb8', header)
+        if self._compressed.is_wanted():
+            # it is compressed later, when what is drawn may not be valid any more
+            self._compressed.publish(drawn.image.copy(), 'rgb8', header)
         if self._depths is not None and drawn.depth is not None:
             as_bytes = drawn.depth.view(np.uint8).reshape(*drawn.depth.shape, 4)
             self._depths.publish(as_bytes, '32FC1', header)
@@ -109,6 +116,7 @@ class CameraTopics:
     def close(self) -> None:
         """End the topics."""
         self._images.unregister()
+        self._compressed.close()
         if self._depths is not None:
             self._depths.unregister()
         for publisher in self._infos:

@@ -58,16 +58,18 @@ class Driving:
     """Publishes cmd_vel (geometry_msgs/Twist, 20 Hz) while somebody drives, and zeros at the end.
 
     Calls the service NODE/yield (std_srvs/Trigger) of each other publisher of cmd_vel that has it,
-    so that this node publishes nothing meanwhile. settings: the highest speeds.
+    so that this node publishes nothing meanwhile. settings: the highest speeds that are allowed;
+    limits: those that are set.
     """
 
-    def __init__(self, settings: TeleopSettings):
+    def __init__(self, settings: TeleopSettings, topic: str):
+        """Advertise `topic`, the full name of the robot's cmd_vel."""
         self.settings = settings
-        self._limits = {name: getattr(settings, name)
-                        for name in ('max_linear_velocity', 'max_angular_velocity')}
+        self.limits = {name: getattr(settings, name)
+                       for name in ('max_linear_velocity', 'max_angular_velocity')}
         self._speeds, self._driven = Speeds(), threading.Event()
         self._warn = ThrottledWarning()
-        self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+        self._velocity = rospy.Publisher(topic, Twist, queue_size=10)
         for target in (self._publish, self._hold_others):
             threading.Thread(target=target, daemon=True).start()
 
@@ -77,7 +79,7 @@ class Driving:
         At most that of the parameter.
         """
         if math.isfinite(value):
-            self._limits[name] = max(0.0, min(getattr(self.settings, name), value))
+            self.limits[name] = max(0.0, min(getattr(self.settings, name), value))
 
     def hold(self, owner: object, linear: float, angular: float) -> bool:
         """Drive with these shares of the highest speeds, -1 to 1, until HOLD_S have passed.
@@ -99,8 +101,8 @@ class Driving:
             shares = self._speeds.current()
             while shares is not None and not rospy.is_shutdown():
                 self._velocity.publish(twist_msgs.to_msg(
-                    shares[0] * self._limits['max_linear_velocity'],
-                    shares[1] * self._limits['max_angular_velocity']))
+                    shares[0] * self.limits['max_linear_velocity'],
+                    shares[1] * self.limits['max_angular_velocity']))
                 time.sleep(_PERIOD_S)
                 shares = self._speeds.current()
             for _ in range(_STOPS):

@@ -7,7 +7,8 @@ import asyncio
 import json
 import math
 import struct
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Set, Tuple
+from typing import (Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Protocol,
+                    Set, Tuple)
 
 RATE_HZ = 15.0
 _MAX_PICTURES, _MAX_NAME = 8, 300
@@ -41,8 +42,11 @@ class Measurements(Protocol):
     def watch(self, is_watched: bool) -> None:
         """Start or stop to measure."""
 
-    def since(self, cursor: int) -> Tuple[int, Dict[str, Any]]:
-        """Return what is new since a call that returned this cursor, and the next cursor."""
+    def since(self, cursor: Any) -> Tuple[Hashable, Dict[str, Any]]:
+        """Return what is new since a call that returned this cursor, and the next cursor.
+
+        cursor: None for all that there is.
+        """
 
 
 class Driver(Protocol):
@@ -71,14 +75,27 @@ class Socket(Protocol):
         """Close the connection."""
 
 
+class Robot(Protocol):
+    """What a page shows, and drives."""
+
+    @property
+    def measurements(self) -> Measurements:
+        """What is measured; robots may share it."""
+
+    @property
+    def driving(self) -> Driver:
+        """Who drives it."""
+
+
 class _Viewer:
     """A page that is connected."""
 
-    def __init__(self) -> None:
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
         self.names: Tuple[str, ...] = ()
         self.is_looking = False
         self.is_ready = asyncio.Event()
-        self.cursor = 0                 # of the measurements that it has got
+        self.cursor: Any = None         # of the measurements that it has got
         self.numbers: Dict[str, int] = {}       # of the pictures that it has got
         self.malformed = 0
         self.is_refused = False         # another page drives
@@ -87,21 +104,22 @@ class _Viewer:
 class Feed:
     """Serves all pages; to be used in one event loop."""
 
-    def __init__(self, pictures: Pictures, measurements: Measurements, driver: Driver):
-        self._pictures, self._measurements, self._driver = pictures, measurements, driver
+    def __init__(self, pictures: Pictures):
+        self._pictures = pictures
+        self._measured: List[Measurements] = []         # that are watched
         self._viewers: Set[_Viewer] = set()
         self._tick = asyncio.Event()
         self._ticking: Optional[asyncio.Task] = None
-        self._composed: Dict[tuple, Tuple[int, Dict[str, int], bytes]] = {}
+        self._composed: Dict[tuple, Tuple[Hashable, Dict[str, int], bytes]] = {}
 
     @property
     def viewers(self) -> int:
         """The number of pages that somebody looks at."""
         return sum(viewer.is_looking for viewer in self._viewers)
 
-    async def serve(self, socket: Socket) -> None:
+    async def serve(self, socket: Socket, robot: Robot) -> None:
         """Serve a page until its connection ends; the errors of the connection are raised."""
-        viewer = _Viewer()
+        viewer = _Viewer(robot)
         self._viewers.add(viewer)
         sender = asyncio.ensure_future(self._send(viewer, socket))
         try:
@@ -110,7 +128,7 @@ class Feed:
             await socket.close(1008)
         finally:
             self._viewers.discard(viewer)
-            self._driver.release(viewer)
+            robot.driving.release(viewer)
             self._update()
             sender.cancel()
             await asyncio.gather(sender, return_exceptions=True)
@@ -142,10 +160,10 @@ class Feed:
     def _drive(self, viewer: _Viewer, speeds: Any) -> None:
         """None: released; else the shares of the highest speeds, linear and angular."""
         if speeds is None:
-            self._driver.release(viewer)
+            viewer.robot.driving.release(viewer)
             return
         linear, angular = (_share(speed) for speed in speeds)
-        viewer.is_refused = not self._driver.hold(viewer, linear, angular)
+        viewer.is_refused = not viewer.robot.driving.hold(viewer, linear, angular)
 
     _ACTIONS: Dict[str, Callable[['Feed', _Viewer, Any], None]] = {
         'look': _look, 'ready': _ready, 'drive': _drive}
@@ -154,7 +172,16 @@ class Feed:
         """Get only what somebody looks at."""
         looking = [viewer for viewer in self._viewers if viewer.is_looking]
         self._pictures.watch({name for viewer in looking for name in viewer.names})
-        self._measurements.watch(bool(looking))
+        measured: List[Measurements] = []
+        for viewer in looking:
+            if viewer.robot.measurements not in measured:
+                measured.append(viewer.robot.measurements)
+        for each in self._measured:
+            if each not in measured:
+                each.watch(False)
+        for each in measured:
+            each.watch(True)
+        self._measured = measured
         if looking and self._ticking is None:
             self._ticking = asyncio.ensure_future(self._run())
         elif not looking and self._ticking is not None:
@@ -182,22 +209,24 @@ class Feed:
 
     def _news(self, viewer: _Viewer) -> bytes:
         """Return what a viewer has not got yet, b'' if there is nothing new."""
-        key = (viewer.names, viewer.cursor, tuple(sorted(viewer.numbers.items())))
+        measurements = viewer.robot.measurements
+        key = (id(measurements), viewer.names, viewer.cursor,
+               tuple(sorted(viewer.numbers.items())))
         found = self._composed.get(key)
         if found is None:
-            found = self._compose(viewer.names, viewer.cursor, viewer.numbers)
+            found = self._compose(measurements, viewer.names, viewer.cursor, viewer.numbers)
             if len(self._composed) < _CACHE_SIZE:
                 self._composed[key] = found
         viewer.cursor, viewer.numbers, data = found
         return data
 
-    def _compose(self, names: Iterable[str], cursor: int, numbers: Dict[str, int]
-                 ) -> Tuple[int, Dict[str, int], bytes]:
+    def _compose(self, measurements: Measurements, names: Iterable[str], cursor: Any,
+                 numbers: Dict[str, int]) -> Tuple[Hashable, Dict[str, int], bytes]:
         """Return cursor, numbers and message for those who are at this cursor and these numbers.
 
         The message: the length of a JSON text, the text, and the pictures that it lists.
         """
-        next_cursor, measured = self._measurements.since(cursor)
+        next_cursor, measured = measurements.since(cursor)
         next_numbers, listed, jpegs = dict(numbers), [], []
         for name in names:
             picture = self._pictures.latest(name)

@@ -1,7 +1,7 @@
 """What is new since a page got the last news. Independent of ROS."""
 import threading
 from collections import deque
-from typing import Any, Deque, Dict, List, Tuple
+from typing import Any, Deque, Dict, List, Optional, Tuple
 
 _MAX_EVENTS = 900       # about 10 s of a demo
 _MAX_PATH = 4000        # points
@@ -50,11 +50,12 @@ class News:
             self._states.clear()
             self._path.clear()
 
-    def since(self, cursor: int) -> Tuple[int, Dict[str, Any]]:
-        """Return the cursor of the last change, and what came after `cursor`; 0 for all.
+    def since(self, cursor: Optional[int]) -> Tuple[int, Dict[str, Any]]:
+        """Return the cursor of the last change, and what came after `cursor`; None for all.
 
-        Events as lists by their kind, states by their kind, and for cursor 0 the path.
+        Events as lists by their kind, states by their kind, and for None the path.
         """
+        is_first, cursor = cursor is None, cursor or 0
         with self._lock:
             news: Dict[str, Any] = {kind: value for kind, (number, value) in self._states.items()
                                     if number > cursor}
@@ -64,6 +65,6 @@ class News:
                     break
                 events.setdefault(kind, []).append(value)
             news.update({kind: values[::-1] for kind, values in events.items()})
-            if not cursor and self._path:
+            if is_first and self._path:
                 news['path'] = list(self._path)
             return self._number, news

@@ -1,7 +1,9 @@
 """The node web: a page that shows the running system and drives the robot.
 
-Publishes: cmd_vel (geometry_msgs/Twist, 20 Hz of wall time while a visitor drives, then zeros),
-gazebo/set_pose (geometry_msgs/PoseStamped), /diagnostics (diagnostic_msgs/DiagnosticArray, 1 Hz).
+Several robots are found by their topics ROBOT/cmd_vel; a page shows one of them.
+Publishes, for each robot that was shown: cmd_vel (geometry_msgs/Twist, 20 Hz of wall time while a
+visitor drives, then zeros), gazebo/set_pose or gazebo/ROBOT/set_pose (geometry_msgs/PoseStamped);
+/diagnostics (diagnostic_msgs/DiagnosticArray, 1 Hz).
 Subscribes, while somebody looks at a page: usb_cam/image_raw (sensor_msgs/Image) and other images,
 odom (nav_msgs/Odometry), scan (sensor_msgs/LaserScan), color_detection (sensor_msgs/PointCloud),
 gazebo/real_time_factor (std_msgs/Float64), gazebo/world_outlines (visualization_msgs/MarkerArray),
@@ -12,8 +14,6 @@ Reads: ~web_host, ~web_port (WebSettings), ~max_linear_velocity, ~max_angular_ve
 (TeleopSettings).
 """
 import contextlib
-import itertools
-import os
 import secrets
 import sys
 import threading
@@ -22,37 +22,31 @@ import traceback
 from typing import Dict, List, Optional, Set, Tuple
 
 import cv2
-import numpy as np
 import rosgraph
 import rospy
-import yaml
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from fastapi import FastAPI, WebSocket, WebSocketDisconnect
+from fastapi.concurrency import run_in_threadpool
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import Choice, visible
-from img_recog.nodes.web import page
+from img_recog.nodes.web import page, simulation
 from img_recog.nodes.web.doors import Doors
-from img_recog.nodes.web.driving import Driving
 from img_recog.nodes.web.feed import Feed
-from img_recog.nodes.web.measurements import MeasurementTopics
 from img_recog.nodes.web.pictures import PictureTopics
+from img_recog.nodes.web.robot import Robot
+from img_recog.nodes.web.robots import Robots
 from img_recog.nodes.web.server import Server, address, listen
 from img_recog.nodes.web.settings import WebSettings
-from img_recog.nodes.web.simulation import ACTIONS, SimulationControl
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
-from img_recog.recognition.proposal import propose_bounds
-from img_recog.recognition.settings import DEFAULT_COLORS, color_names
 from img_recog.ros import bag_recording, lifecycle, parameters
 from img_recog.ros.bag_recording import BagRecording
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.throttle import ThrottledWarning
-from img_recog.settings import SettingError
 from img_recog.teleoperation.settings import TeleopSettings
 
 _POLL_PERIOD_S = 0.5
@@ -60,7 +54,6 @@ _MAX_IMAGE_BYTES = 200_000_000
 _GRAPH_PERIOD_S = 1.0           # a drawn graph is shown to all pages for this time
 _LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
 _DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')
-_FOLDER_ADVICE = 'start it in a folder where files can be written'
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
 
 
@@ -80,12 +73,10 @@ class Web:
         self._recording_lock = threading.Lock()
         self._recording: Optional[BagRecording] = None
         lifecycle.on_shutdown(self._end_recording)
-        self.driving = Driving(limits)
-        self.colors = Tuning(rospy.resolve_name('color_extract'))
         self.simulator = Tuning(rospy.resolve_name('gazebo'))
-        self._simulation = SimulationControl()
-        self._pictures = PictureTopics(_MAX_IMAGE_BYTES)
-        self._feed = Feed(self._pictures, MeasurementTopics(), self.driving)
+        pictures = PictureTopics(_MAX_IMAGE_BYTES)
+        self._robots = Robots(limits, pictures)
+        self._feed = Feed(pictures)
         sock = listen(settings.web_host, settings.web_port)
         port = sock.getsockname()[1]
         if port != settings.web_port:
@@ -104,13 +95,15 @@ class Web:
             await socket.accept()
             # the end of a connection is nothing to report, in the middle of a message too
             with contextlib.suppress(WebSocketDisconnect, RuntimeError):
-                await self._feed.serve(socket)
+                name = socket.query_params.get('robot', '')
+                await self._feed.serve(socket, await run_in_threadpool(self.robot, name))
         page.build(app, self)
         return app
 
     def spin(self) -> None:
         """Serve the page until the node is shut down."""
         _wait_for_other_nodes()
+        self._robots.update()
         # not in the log, which others can read: it has the token
         sys.stdout.write('the page: {}\n'.format(self._address))
         sys.stdout.flush()
@@ -118,6 +111,8 @@ class Web:
             while not rospy.is_shutdown():
                 if self._failure is not None:
                     raise self._failure
+                if self._feed.viewers:
+                    self._robots.update()
                 time.sleep(_POLL_PERIOD_S)
         finally:
             self._server.close()
@@ -136,64 +131,27 @@ class Web:
 
     # what the page shows and does, see page.System
 
-    def picture_topics(self) -> List[Tuple[str, str, str]]:
-        """Return topic, key of its title and color of each picture."""
-        published: Set[str] = set()
-        names, topics = list(DEFAULT_COLORS), {}
-        try:
-            published = {name for name, _ in rospy.get_published_topics()}
-            given = rospy.get_param('color_extract', {})
-            names = list(color_names(given.get(COLORS, names)))
-            topics = {name: given.get(IMAGE_TOPIC.format(name)) for name in names}
-        except (OSError, rospy.ROSException, rosgraph.MasterException, AttributeError,
-                SettingError) as error:
-            self._warn('the colors of color_extract: %s', one_line(error))
-        found = [(rospy.resolve_name('usb_cam/image_raw'), 'camera', '')]
-        for name in names:
-            found.append((rospy.resolve_name(topics.get(name) or name + '_image'), 'mask', name))
-        found.append((rospy.resolve_name('gazebo/view/image_raw'), 'view', ''))
-        robot = rospy.resolve_name('camera/rgb/image_raw')
-        return found + ([(robot, 'robot_camera', '')] if robot in published else [])
+    def robots(self) -> List[str]:
+        """Return the names of the robots, at least one; '' for one without a namespace."""
+        return self._robots.names
+
+    def robot(self, name: str) -> Robot:
+        """Return the robot of this name, or the first one if there is none.
+
+        Waits: not for the event loop.
+        """
+        if name not in self.robots():
+            self._robots.update()
+        return self._robots.get(name)
 
     def watch(self, page_: object, is_watched: bool) -> None:
-        """Begin or end to follow the parameters for a page."""
+        """Begin or end to follow the simulator's parameters for a page."""
         (self._watching.add if is_watched else self._watching.discard)(page_)
-        for tuning in (self.colors, self.simulator):
-            tuning.watch(bool(self._watching))
+        self.simulator.watch(bool(self._watching))
 
     def act(self, action: str) -> None:
         """Call a service of the simulator; raise UserError if that fails."""
-        if action not in ACTIONS:
-            raise UserError('there is no action {!r}'.format(action))
-        self._simulation.call(action)
-
-    def set_pose(self, x: float, y: float, yaw: float) -> None:
-        """Move the robot; raise UserError for a pose that is not allowed."""
-        self._simulation.set_pose(x, y, yaw)
-
-    def propose(self, topic: str, x: float, y: float, color: str) -> Dict[str, int]:
-        """Set bounds of a color around that in a picture; return them."""
-        picture = self._pictures.latest(topic)
-        values = self.colors.values()
-        if picture is None or color + '_hue_min' not in values:
-            raise UserError('there is no picture of {} yet'.format(topic[:100]))
-        image = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR)
-        bounds = propose_bounds(image, x, y)
-        self.colors.change(**{'{}_{}'.format(color, part): value
-                              for part, value in bounds.items()})
-        return bounds
-
-    def save_colors(self) -> str:
-        """Save the parameters of the colors; return the path."""
-        values = self.colors.values()
-        names = page.color_names_in(values)
-        if not names:
-            raise UserError('color_extract does not answer', 'start it')
-        path = _free_path('colors', '.yaml')
-        text = yaml.safe_dump({COLORS: names, **values}, sort_keys=False)
-        with files.atomic_write([path], _FOLDER_ADVICE) as (file,):
-            file.write(text.encode())
-        return path
+        simulation.call(action)
 
     def record(self, is_wanted: bool) -> str:
         """Start or stop a recording; return its path."""
@@ -202,8 +160,11 @@ class Web:
             if is_wanted == (recording is not None and recording.is_running):
                 return self.recording()
             if recording is None or is_wanted:
-                topics = list(map(rospy.resolve_name, bag_recording.TOPICS))
-                self._recording = BagRecording(_free_path('recording', '.bag'), topics)
+                topics = sorted({
+                    name for topic in bag_recording.TOPICS for name in (
+                        rospy.resolve_name(topic),
+                        *(self.robot(robot).resolve(topic) for robot in self.robots()))})
+                self._recording = BagRecording(files.free_output_path('recording', '.bag'), topics)
                 return self._recording.path
             recording.stop()
             return recording.path
@@ -245,14 +206,6 @@ def _wait_for_other_nodes() -> None:
         if time.monotonic() - since_s > _QUIET_S:
             return
         time.sleep(_POLL_PERIOD_S)
-
-
-def _free_path(name: str, extension: str) -> str:
-    """Return the path of a new file NAME_1, NAME_2, ... in the user's folder."""
-    paths = (files.user_output_path('{}_{}{}'.format(name, number, extension))
-             for number in itertools.count(1))
-    return next(path for path in paths if not any(
-        os.path.exists(path + suffix) for suffix in ('', '.active')))
 
 
 def main() -> int:

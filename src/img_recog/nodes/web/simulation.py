@@ -1,5 +1,6 @@
 """What a visitor may do with the simulation: pause, reset, move the robot."""
 import math
+from typing import Callable
 
 import rospy
 from geometry_msgs.msg import PoseStamped
@@ -15,25 +16,37 @@ _TIMEOUT_S = 2.0
 _MAX_M = 1000.0
 
 
-class SimulationControl:
-    """Calls the services of /gazebo (std_srvs/Empty), and publishes gazebo/set_pose."""
+def call(action: str) -> None:
+    """Call a service of /gazebo (std_srvs/Empty), one of ACTIONS; raise UserError if that fails.
 
-    def __init__(self) -> None:
-        self._pose = rospy.Publisher('gazebo/set_pose', PoseStamped, queue_size=1)
+    Waits: not for the event loop.
+    """
+    if action not in ACTIONS:
+        raise UserError('there is no action {!r}'.format(action[:100]))
+    name = rospy.resolve_name('gazebo/' + action)
+    try:
+        rospy.wait_for_service(name, _TIMEOUT_S)
+        rospy.ServiceProxy(name, Empty)()
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        raise UserError('{}: {}'.format(name, one_line(error)), 'is the simulator running?')
 
-    def call(self, action: str) -> None:
-        """Call one of ACTIONS; raise UserError if that fails. Waits: not for the event loop."""
-        name = rospy.resolve_name('gazebo/' + action)
-        try:
-            rospy.wait_for_service(name, _TIMEOUT_S)
-            rospy.ServiceProxy(name, Empty)()
-        except (rospy.ROSException, rospy.ServiceException) as error:
-            raise UserError('{}: {}'.format(name, one_line(error)), 'is the simulator running?')
 
-    def set_pose(self, x: float, y: float, yaw: float) -> None:
-        """Move the robot; x and y in m, yaw in rad, in the frame of the odometry."""
+class PosePublisher:
+    """Publishes gazebo/set_pose (geometry_msgs/PoseStamped), or gazebo/ROBOT/set_pose."""
+
+    def __init__(self, robot: str, frame_id: Callable[[], str]):
+        """Advertise; robot: its namespace, or ''; frame_id: returns the frame of the poses."""
+        self._frame_id = frame_id
+        self._publisher = rospy.Publisher('/'.join(filter(None, ('gazebo', robot, 'set_pose'))),
+                                          PoseStamped, queue_size=1)
+
+    def publish(self, x: float, y: float, yaw: float) -> None:
+        """Move the robot; x and y in m, yaw in rad, in the frame of the odometry.
+
+        Raises UserError for a pose that is not allowed.
+        """
         if not all(map(math.isfinite, (x, y, yaw))) or max(abs(x), abs(y)) > _MAX_M:
             raise UserError('cannot move the robot to x {}, y {}, yaw {}'.format(x, y, yaw),
                             'choose a point of the map')
-        self._pose.publish(plane_msgs.pose_to_msg(
-            PlanePose(x, y, yaw), Header(stamp=rospy.Time.now(), frame_id='odom')))
+        self._publisher.publish(plane_msgs.pose_to_msg(
+            PlanePose(x, y, yaw), Header(stamp=rospy.Time.now(), frame_id=self._frame_id())))

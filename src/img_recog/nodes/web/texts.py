@@ -1,5 +1,5 @@
 """The texts of the page in English and Japanese."""
-from typing import Dict, Tuple
+from typing import Any, Dict, Tuple
 
 DEFAULT = 'en'
 # key: English, Japanese
@@ -10,6 +10,7 @@ _TEXTS: Dict[str, Tuple[str, str]] = {
     'graph': ('Graph', 'グラフ'),
     'nodes': ('Nodes', 'ノード'),
     'log': ('Log', 'ログ'),
+    'robot': ('Robot', 'ロボット'),
     'camera': ('Camera', 'カメラ'),
     'mask': ('{}: recognized pixels', '{}: 認識した画素'),
     'view': ('Simulator', 'シミュレータ'),
@@ -95,7 +96,15 @@ def language_of(accepted: str) -> str:
     return best
 
 
-def texts(language: str) -> Dict[str, str]:
-    """Return all texts in a language."""
-    column = LANGUAGES.index(language)
-    return {key: pair[column] for key, pair in _TEXTS.items()}
+class Texts:
+    """The texts in a language, one of LANGUAGES. all: by their keys."""
+
+    def __init__(self, language: str):
+        """Choose the texts of the language."""
+        column = LANGUAGES.index(language)
+        self.language = language
+        self.all: Dict[str, str] = {key: pair[column] for key, pair in _TEXTS.items()}
+
+    def __call__(self, key: str, *values: Any) -> str:
+        """Return a text, with these values in it."""
+        return self.all[key].format(*values)

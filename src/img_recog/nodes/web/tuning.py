@@ -1,7 +1,7 @@
 """Changes parameters of other nodes by dynamic_reconfigure, without waiting for them."""
 import contextlib
 import threading
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Mapping, Optional
 
 import rospy
 from dynamic_reconfigure import DynamicReconfigureException
@@ -12,6 +12,12 @@ from img_recog.ros.throttle import ThrottledWarning
 
 _CONNECT_TIMEOUT_S = 2.0
 _RETRY_PERIOD_S = 1.0
+
+
+def color_names_in(values: Mapping[str, Any]) -> List[str]:
+    """Return the names of the colors for which there are parameters, in their order."""
+    ending = '_hue_min'
+    return [name[:-len(ending)] for name in values if name.endswith(ending)]
 
 
 class Tuning:

@@ -1,6 +1,7 @@
 """What pages get and send over their WebSocket, with plain objects in place of ROS."""
 import asyncio
 import json
+from typing import NamedTuple
 
 import pytest
 
@@ -54,6 +55,11 @@ class Driver:
         self.calls.append(None)
 
 
+class Robot(NamedTuple):
+    measurements: Measurements
+    driving: Driver
+
+
 class Gone(Exception):
     """The connection has ended."""
 
@@ -88,16 +94,19 @@ async def ticks(count=3):
 
 
 def run(scenario, monkeypatch):
-    """Run scenario(parts, open) with a feed; open() connects a page and returns its Socket."""
+    """Run scenario(parts, connect) with a feed.
+
+    connect(robot) connects a page and returns its Socket; robot: default: that of the parts.
+    """
     monkeypatch.setattr(feed, 'RATE_HZ', 200.0)
 
     async def serve():
         parts = Pictures(), Measurements(), Driver()
-        served, sockets, tasks = Feed(*parts), [], []
+        served, sockets, tasks = Feed(parts[0]), [], []
 
-        def connect():
+        def connect(robot=Robot(*parts[1:])):
             sockets.append(Socket())
-            tasks.append(asyncio.ensure_future(served.serve(sockets[-1])))
+            tasks.append(asyncio.ensure_future(served.serve(sockets[-1], robot)))
             return sockets[-1]
         await scenario((served,) + parts, connect)
         for socket in sockets:
@@ -175,6 +184,25 @@ def test_pages_at_the_same_place_share_one_message(monkeypatch):
         assert all(len(socket.received) == 1 for socket in sockets)
         assert sum(b'1' != b'' for _ in composed) <= 6      # one a tick, not one a page
         assert served.viewers == 20
+    run(scenario, monkeypatch)
+
+
+def test_each_page_gets_the_measurements_of_its_robot_and_drives_it(monkeypatch):
+    async def scenario(parts, connect):
+        other = Robot(Measurements(), Driver())
+        first, second = connect(), connect(other)
+        parts[2].set('pose', [1, 0, 0])
+        other.measurements.set('pose', [2, 0, 0])
+        for socket in (first, second):
+            socket.send(look=[], ready=1)
+        second.send(drive=[1, 0])
+        await ticks()
+        assert first.received == [({'pictures': [], 'measured': {'pose': [1, 0, 0]}}, [])]
+        assert second.received == [({'pictures': [], 'measured': {'pose': [2, 0, 0]}}, [])]
+        assert other.driving.calls == [(1.0, 0.0)] and parts[3].calls == []
+        second.send(look=None)
+        await ticks()
+        assert parts[2].is_watched and not other.measurements.is_watched
     run(scenario, monkeypatch)
 
 

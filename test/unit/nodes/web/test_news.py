@@ -8,7 +8,7 @@ def test_events_are_sent_once_and_states_when_they_change():
     news.add('asked', 1)
     news.set('pose', [0, 0])
     news.set('pose', [1, 0])
-    cursor, first = news.since(0)
+    cursor, first = news.since(None)
     assert first == {'asked': [1], 'pose': [1, 0]}
     assert news.since(cursor) == (cursor, {})
     news.add('asked', 2)
@@ -16,7 +16,7 @@ def test_events_are_sent_once_and_states_when_they_change():
     news.set('pose', [2, 0])
     second, found = news.since(cursor)
     assert found == {'asked': [2, 3], 'pose': [2, 0]}
-    assert news.since(0)[1] == {'asked': [1, 2, 3], 'pose': [2, 0]}
+    assert news.since(None)[1] == {'asked': [1, 2, 3], 'pose': [2, 0]}
     assert second > cursor
 
 
@@ -25,7 +25,7 @@ def test_old_events_are_dropped(monkeypatch):
     news = News()
     for number in range(5):
         news.add('log', number)
-    assert news.since(0)[1] == {'log': [2, 3, 4]}
+    assert news.since(None)[1] == {'log': [2, 3, 4]}
 
 
 def test_the_path_is_for_those_who_come_anew():
@@ -33,7 +33,7 @@ def test_the_path_is_for_those_who_come_anew():
     for x in (0.0, 0.01, 0.03, 0.04, 0.06):
         news.extend_path(x, 1.0)
     news.add('asked', 1)
-    cursor, found = news.since(0)
+    cursor, found = news.since(None)
     assert found['path'] == [(0.0, 1.0), (0.03, 1.0), (0.06, 1.0)]
     news.extend_path(1.0, 1.0)
     assert news.since(cursor) == (cursor, {})
@@ -44,8 +44,8 @@ def test_nothing_remains_after_clear():
     news.add('asked', 1)
     news.set('factor', 1.0)
     news.extend_path(0.0, 0.0)
-    cursor, _ = news.since(0)
+    cursor, _ = news.since(None)
     news.clear()
-    assert news.since(0) == (cursor, {})
+    assert news.since(None) == (cursor, {})
     news.add('asked', 2)
     assert news.since(cursor)[1] == {'asked': [2]}

@@ -46,7 +46,8 @@
 
   function connect() {
     const scheme = location.protocol === 'https:' ? 'wss://' : 'ws://';
-    socket = new WebSocket(scheme + location.host + '/live');
+    socket = new WebSocket(`${scheme}${location.host}/live?robot=`
+      + encodeURIComponent(window.robot || ''));
     socket.binaryType = 'arraybuffer';
     socket.onopen = () => {
       looked = '';
@@ -113,7 +114,7 @@
     for (const kind of ['areas', 'asked', 'driven']) {
       if (measured[kind]) state[kind].push(...measured[kind]);
     }
-    for (const kind of ['pose', 'scan', 'outlines', 'colors', 'factor']) {
+    for (const kind of ['pose', 'scan', 'outlines', 'colors', 'factor', 'robots']) {
       if (measured[kind] !== undefined) state[kind] = measured[kind];
     }
     if (measured.busy) state.busyUntil = Date.now() + 2000;
@@ -189,7 +190,8 @@
 
   // ---- the map
   function bounds() {
-    const points = [...(state.outlines || []).flat(), ...state.path];
+    const points = [...(state.outlines || []).flat(), ...state.path,
+      ...Object.values(state.robots || {})];
     if (state.pose) points.push(state.pose);
     if (!points.length) return [-2.5, -2.5, 5];
     const xs = points.map((each) => each[0]);
@@ -251,6 +253,12 @@
       part.push(point);
     }
     line(context, part.map(at));
+    for (const [name, place] of Object.entries(state.robots || {})) {
+      if (name === window.robot) continue;
+      arrow(context, at(place), place[2], Math.max(8 * devicePixelRatio, 0.12 * scale), '#9ca3af');
+      context.fillStyle = css('--ink');
+      context.fillText(name, at(place)[0] + 10 * devicePixelRatio, at(place)[1]);
+    }
     if (!state.pose) return;
     const [x, y, yaw] = state.pose;
     if (state.scan) {

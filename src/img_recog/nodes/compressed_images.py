@@ -48,13 +48,17 @@ class CompressedImages:
         self._worker = threading.Thread(target=self._work, daemon=True)
         self._worker.start()
 
+    def is_wanted(self) -> bool:
+        """Return whether there is a subscriber."""
+        return self._publisher.get_num_connections() > 0
+
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Send the image if there is a subscriber; return immediately.
 
         image: uint8 of shape (height, width[, 3]), which must not be modified afterwards.
         encoding: rgb8, bgr8 or mono8.
         """
-        if self._publisher.get_num_connections() > 0:
+        if self.is_wanted():
             # a copy, because rospy writes the sequence number of each topic into the header
             copy = Header(seq=header.seq, stamp=header.stamp, frame_id=header.frame_id)
             if self._images.put((image, encoding, copy)) is not None:

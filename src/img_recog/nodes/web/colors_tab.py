@@ -1,0 +1,109 @@
+"""The tab with the bounds, limits and commands of the colors."""
+import json
+import time
+from typing import Any, Dict, List, Sequence
+
+from nicegui import ui
+
+from img_recog.nodes.web.elements import card, paragraph, picture, slider, wait_for
+from img_recog.nodes.web.system import PictureTopic, Robot
+from img_recog.nodes.web.texts import Texts
+from img_recog.nodes.web.tuning import color_names_in
+
+_BOUNDS = ('saturation', 'value')
+_PICTURES = 3
+_SETTLE_S = 1.0
+
+
+class ColorsTab:
+    """The tab of one visitor."""
+
+    def __init__(self, robot: Robot, texts: Texts, pictures: List[PictureTopic]):
+        """Add its elements; the sliders follow as soon as the node answers."""
+        self._robot, self._t = robot, texts
+        self._sliders: Dict[str, Any] = {}
+        self._moved_s: Dict[str, float] = {}        # when the visitor moved them
+        self._revision = -1
+        self._picked = ''
+        with ui.element('div').classes('tuning'):
+            with ui.element('div').classes('column-cards'):
+                for topic, title, color in pictures[:_PICTURES]:
+                    picture(topic, texts(title, color), texts('no_image'),
+                            'pick' if title == 'camera' else '')
+            self._tuning = ui.element('div').classes('column-cards')
+        ui.on('pick', self._on_pick, throttle=0.2)
+
+    def update(self) -> None:
+        """Show what other pages and nodes have changed."""
+        revision = self._robot.colors.revision
+        if revision == self._revision:
+            return
+        self._revision, values = revision, self._robot.colors.values()
+        names = color_names_in(values)
+        if [name + '_hue_min' for name in names] != [
+                each for each in self._sliders if each.endswith('_hue_min')]:
+            self._build(values, names)
+        ui.run_javascript('window.limits = {}'.format(json.dumps(
+            {name: values[name + '_area_limit'] for name in names})))
+        now_s = time.monotonic()
+        for parameter, element in self._sliders.items():
+            if parameter in values and element.value != values[parameter]:
+                # one that is being moved is ahead of its parameter
+                if now_s - self._moved_s.get(parameter, 0.0) < _SETTLE_S:
+                    self._revision = -1
+                else:
+                    element.value = values[parameter]
+
+    def _build(self, values: Dict[str, Any], names: Sequence[str]) -> None:
+        """Make the sliders of all colors."""
+        self._tuning.clear()
+        self._sliders.clear()
+        with self._tuning:
+            if not names:
+                paragraph(self._t('no_recognition'))
+                return
+            self._picked = self._picked if self._picked in names else names[0]
+            ui.toggle({name: name for name in names}, value=self._picked,
+                      on_change=lambda event: setattr(self, '_picked', event.value)).props(
+                          'dense no-caps')
+            paragraph(self._t('pick', ', '.join(names)))
+            for name in names:
+                with card(name), ui.element('div').classes('sliders'):
+                    self._color(name, values)
+            ui.button(self._t('save'), icon='save', on_click=self._save).props('no-caps')
+
+    def _color(self, name: str, values: Dict[str, Any]) -> None:
+        for part in ('hue_min', 'hue_max'):
+            self._slider(self._t(part), name + '_' + part, 0, 180, 1, values, 'hue')
+        for part in _BOUNDS:
+            for end in ('min', 'max'):
+                self._slider('{}, {}'.format(self._t(part), end),
+                             '{}_{}_{}'.format(name, part, end), 0, 255, 1, values)
+        self._slider(self._t('area_limit'), name + '_area_limit', 0, 20000, 50, values)
+        self._slider(self._t('linear_x'), name + '_linear_x', -10, 10, 0.01, values)
+        self._slider(self._t('angular_z'), name + '_angular_z', -3, 3, 0.05, values)
+
+    def _slider(self, title: str, parameter: str, low: float, high: float, step: float,
+                values: Dict[str, Any], classes: str = '') -> None:
+        is_whole = isinstance(values[parameter], int)
+
+        def change(value: float) -> None:
+            self._moved_s[parameter] = time.monotonic()
+            self._robot.colors.change(**{parameter: int(value) if is_whole else float(value)})
+        self._sliders[parameter] = slider(title, low, high, step, values[parameter], change,
+                                          classes)
+
+    async def _on_pick(self, event: Any) -> None:
+        try:
+            topic, (x, y) = str(event.args['topic']), (float(event.args[key]) for key in 'xy')
+        except (TypeError, ValueError, KeyError):
+            return
+        color = self._picked
+        bounds = await wait_for(self._robot.propose, topic, x, y, color)
+        if bounds:
+            ui.notify(self._t('proposed', color, bounds['hue_min'], bounds['hue_max']))
+
+    async def _save(self) -> None:
+        path = await wait_for(self._robot.save_colors)
+        if path:
+            ui.notify(self._t('saved', path), multi_line=True, timeout=10000)

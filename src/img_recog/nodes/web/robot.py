@@ -1,0 +1,101 @@
+"""A robot that the page shows and drives."""
+from typing import Dict, List, Set, Tuple
+
+import cv2
+import numpy as np
+import rosgraph
+import rospy
+import yaml
+
+from img_recog import files
+from img_recog.errors import UserError, one_line
+from img_recog.nodes.web.driving import Driving
+from img_recog.nodes.web.measurements import Measurements, RobotTopics, Topics
+from img_recog.nodes.web.pictures import PictureTopics
+from img_recog.nodes.web.simulation import PosePublisher
+from img_recog.nodes.web.tuning import Tuning, color_names_in
+from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
+from img_recog.recognition.proposal import propose_bounds
+from img_recog.recognition.settings import DEFAULT_COLORS, color_names
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.settings import SettingError
+from img_recog.teleoperation.settings import TeleopSettings
+
+_FOLDER_ADVICE = 'start it in a folder where files can be written'
+
+
+class Robot:
+    """The parts of a robot; `page.Robot` and `feed.Robot`.
+
+    name: its namespace, below that of the node; '' for the only robot.
+    """
+
+    def __init__(self, name: str, limits: TeleopSettings, pictures: PictureTopics,
+                 system: Topics, watched: List[Measurements]):
+        """Advertise its topics; pictures and system: those of all robots."""
+        self.name = name
+        self._pictures = pictures
+        self._warn = ThrottledWarning()
+        self._watching: Set[object] = set()
+        topics = RobotTopics(self.resolve)
+        self.measurements = Measurements(system, topics, watched)
+        self.driving = Driving(limits, self.resolve('cmd_vel'))
+        self.colors = Tuning(self.resolve('color_extract'))
+        self._pose = PosePublisher(self.name, lambda: topics.frame_id)
+
+    def resolve(self, name: str) -> str:
+        """Return the full name of a topic or node of this robot."""
+        is_relative = self.name and not name.startswith('/')
+        return rospy.resolve_name('{}/{}'.format(self.name, name) if is_relative else name)
+
+    def picture_topics(self) -> List[Tuple[str, str, str]]:
+        """Return topic, key of its title and color of each picture."""
+        published: Set[str] = set()
+        names, topics = list(DEFAULT_COLORS), {}
+        try:
+            published = {name for name, _ in rospy.get_published_topics()}
+            given = rospy.get_param(self.resolve('color_extract'), {})
+            names = list(color_names(given.get(COLORS, names)))
+            topics = {name: given.get(IMAGE_TOPIC.format(name)) for name in names}
+        except (OSError, rospy.ROSException, rosgraph.MasterException, AttributeError,
+                SettingError) as error:
+            self._warn('the colors of color_extract: %s', one_line(error))
+        found = [(self.resolve('usb_cam/image_raw'), 'camera', '')]
+        for name in names:
+            found.append((self.resolve(topics.get(name) or name + '_image'), 'mask', name))
+        found.append((rospy.resolve_name('gazebo/view/image_raw'), 'view', ''))
+        camera = self.resolve('camera/rgb/image_raw')
+        return found + ([(camera, 'robot_camera', '')] if camera in published else [])
+
+    def watch(self, page: object, is_watched: bool) -> None:
+        """Begin or end to follow the parameters for a page."""
+        (self._watching.add if is_watched else self._watching.discard)(page)
+        self.colors.watch(bool(self._watching))
+
+    def set_pose(self, x: float, y: float, yaw: float) -> None:
+        """Move the robot; raise UserError for a pose that is not allowed."""
+        self._pose.publish(x, y, yaw)
+
+    def propose(self, topic: str, x: float, y: float, color: str) -> Dict[str, int]:
+        """Set bounds of a color around that in a picture; return them."""
+        picture = self._pictures.latest(topic)
+        values = self.colors.values()
+        if picture is None or color + '_hue_min' not in values:
+            raise UserError('there is no picture of {} yet'.format(topic[:100]))
+        image = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR)
+        bounds = propose_bounds(image, x, y)
+        self.colors.change(**{'{}_{}'.format(color, part): value
+                              for part, value in bounds.items()})
+        return bounds
+
+    def save_colors(self) -> str:
+        """Save the parameters of the colors; return the path."""
+        values = self.colors.values()
+        names = color_names_in(values)
+        if not names:
+            raise UserError('color_extract does not answer', 'start it')
+        path = files.free_output_path('colors', '.yaml')
+        text = yaml.safe_dump({COLORS: names, **values}, sort_keys=False)
+        with files.atomic_write([path], _FOLDER_ADVICE) as (file,):
+            file.write(text.encode())
+        return path

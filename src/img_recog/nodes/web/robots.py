@@ -1,0 +1,76 @@
+"""The robots that the page can show."""
+import re
+import threading
+from typing import Dict, Iterable, List, Tuple
+
+import rosgraph
+import rospy
+
+from img_recog.errors import one_line
+from img_recog.nodes.web.measurements import Measurements, SystemTopics
+from img_recog.nodes.web.pictures import PictureTopics
+from img_recog.nodes.web.robot import Robot
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.teleoperation.settings import TeleopSettings
+
+_COMMANDS = 'cmd_vel'
+_PARTS = re.compile('([0-9]+)')
+
+TopicUsers = Iterable[Tuple[str, List[str]]]
+
+
+class Robots:
+    """Finds the robots by their cmd_vel, and makes the parts of those that somebody looks at."""
+
+    def __init__(self, limits: TeleopSettings, pictures: PictureTopics):
+        """Make nothing yet; limits: the highest speeds."""
+        self._limits, self._pictures = limits, pictures
+        self._system = SystemTopics()
+        self._watched: List[Measurements] = []
+        self._lock = threading.Lock()
+        self._made: Dict[str, Robot] = {}
+        self._warn = ThrottledWarning()
+        self.names: List[str] = ['']
+
+    def update(self) -> None:
+        """Look for the robots; names: those that were found, '' for one without a namespace."""
+        try:
+            published, subscribed, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+        except (OSError, rosgraph.MasterException) as error:
+            self._warn('the robots: %s', one_line(error))
+            return
+        self.names = names_in(published, subscribed, rospy.get_namespace(), rospy.get_name())
+        others = self.names if len(self.names) > 1 else []
+        self._system.follow({name: rospy.resolve_name(name + '/odom') for name in others if name})
+
+    def get(self, name: str) -> Robot:
+        """Return the robot of this name, or the first one if there is none."""
+        names = self.names
+        name = name if name in names else names[0]
+        with self._lock:
+            if name not in self._made:
+                self._made[name] = Robot(name, self._limits, self._pictures, self._system,
+                                         self._watched)
+            return self._made[name]
+
+
+def names_in(published: TopicUsers, subscribed: TopicUsers, namespace: str,
+             node: str) -> List[str]:
+    """Return the names of the robots in a namespace that ends with a slash, at least one.
+
+    A robot subscribes to its cmd_vel. If none does, those whose cmd_vel is published by another
+    node than `node`; if there are none, one without a namespace.
+    """
+    for users in (subscribed, published):
+        found = {topic[len(namespace):-len(_COMMANDS)].rstrip('/') for topic, nodes in users
+                 if topic.startswith(namespace) and topic.endswith('/' + _COMMANDS)
+                 and set(nodes) != {node}}
+        legal = [name for name in found if not name or rosgraph.names.is_legal_name(name)]
+        if legal:
+            return sorted(legal, key=_natural)
+    return ['']
+
+
+def _natural(name: str) -> List[Tuple[int, str]]:
+    """Sort tb3_2 before tb3_10."""
+    return [(int(part), '') if part.isdigit() else (0, part) for part in _PARTS.split(name)]

@@ -1,0 +1,62 @@
+"""The page of several robots in a real browser: a visitor drives the one that was chosen."""
+import re
+
+import cv2
+import numpy as np
+import pytest
+
+from img_recog_testing.browser import Browser, need_chromium
+from img_recog_testing.waiting import wait_for
+
+LIST = '''
+- {name: tb3_0, x_pos: 0.0, y_pos: 0.0, camera: card.png, teleop: false}
+- {name: tb3_1, x_pos: 0.0, y_pos: 1.0, camera: none, recognition: false}
+'''
+
+
+@pytest.fixture
+def page(ros, tmp_path):
+    """A page of two robots; the camera of the first one shows a grey wall."""
+    need_chromium()
+    assert cv2.imwrite(str(tmp_path / 'card.png'), np.full((120, 160, 3), 150, np.uint8))
+    (tmp_path / 'robots.yaml').write_text(LIST)
+    demo = ros.demo('robots:={}/robots.yaml'.format(tmp_path), 'world:=empty', 'web:=true')
+    url = demo.wait_output(r'the page: (http://\S+)').group(1)
+    browser = Browser(tmp_path / 'browser')
+    browser.open(url)
+    yield browser
+    browser.close()
+
+
+def positions(ros):
+    """Return x of both robots."""
+    return [float(ros.run('rostopic', 'echo', '-n', '1', '/{}/odom/pose/pose/position/x'.format(
+        name)).split()[0]) for name in ('tb3_0', 'tb3_1')]
+
+
+def test_a_visitor_chooses_a_robot_and_drives_only_that_one(ros, page, tmp_path):
+    wait_for(lambda: page.pixels('/tb3_0/usb_cam/image_raw'), 'a picture of the first robot')
+    wait_for(lambda: page.js('const list = document.querySelector(".robot");'
+                             'return list.offsetParent && list.textContent') == 'tb3_0',
+             'the list of robots')
+    page.js('document.querySelector(".robot").click()')
+    choice = ('[...document.querySelectorAll(".q-menu .q-item")].find((each) => '
+              'each.textContent === "tb3_1")')
+    wait_for(lambda: page.js('return Boolean({})'.format(choice)), 'the second robot in the list')
+    page.js(choice + '.click()')
+    wait_for(lambda: page.js('return window.robot') == 'tb3_1', 'the page of the second robot')
+    wait_for(lambda: re.search('y 1.0', page.text('[data-bind=pose]')), 'its position')
+    assert page.js('return document.querySelector("[data-picture]").dataset.picture') \
+        == '/tb3_1/usb_cam/image_raw'
+    page.hold_key('w', True)
+    wait_for(lambda: page.pose()[0] > 0.15, 'the second robot to drive')
+    page.hold_key('w', False)
+    first, second = positions(ros)
+    assert abs(first) < 0.01 and second > 0.15
+    # a robot that is removed is not shown any more
+    with open(str(tmp_path / 'robots.yaml'), 'w') as file:
+        file.write(LIST.splitlines()[1] + '\n')
+    ros.run('rosservice', 'call', '/robots/reload')
+    wait_for(lambda: page.js('return window.robot') == 'tb3_0', 'the page of the other robot')
+    wait_for(lambda: re.search('y -?0.0', page.text('[data-bind=pose]')), 'its position')
+    assert page.errors() == []
