@@ -12,7 +12,7 @@ import numpy as np
 LIST = '''\
 - {name: tb3_0, x_pos: -1.0, y_pos: -2.0, camera: FOLDER/blue.png, colors: slow.yaml}
 # it stands, and looks at the one before
-- {name: tb3_1, x_pos: 0.2, y_pos: -2.0, yaw: 3.14159, camera: FOLDER/black.png}
+- {name: tb3_1, x_pos: 0.0, y_pos: -2.0, yaw: 3.14159, camera: FOLDER/black.png}
 - {name: tb3_2, x_pos: -1.0, y_pos: 1.5, camera: FOLDER/red.png, colors: to_red.yaml}
 # a blue post stands ahead of it
 - {name: tb3_3, x_pos: -0.75, y_pos: -0.15, camera: robot, colors: slow.yaml}

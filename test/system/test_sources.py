@@ -4,6 +4,7 @@ import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
 
+PROGRAMS = os.path.join(os.environ['CMAKE_PREFIX_PATH'].split(':')[0], 'lib', 'img_recog')
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 
 
@@ -43,3 +44,6 @@ def test_rosrun_finds_each_script_once():
     folder = os.path.join(ROOT, 'scripts')
     assert not [name for name in os.listdir(folder)
                 if os.stat(os.path.join(folder, name)).st_mode & 0o111]
+    for name in ('color_img_recog.py', 'robots.py'):
+        code, output = run('rosrun', '--prefix', 'echo', 'img_recog', name)
+        assert (code, output) == (0, '{}/{}\n'.format(PROGRAMS, name))

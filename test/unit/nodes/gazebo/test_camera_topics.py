@@ -39,11 +39,25 @@ class FakePublisher:
         self.is_ended = True
 
 
+class FakeCompressed(FakePublisher):
+    """Stands in for CompressedImages."""
+
+    def __init__(self, topic):
+        super().__init__(topic + '/compressed')
+
+    def is_wanted(self):
+        return self.subscribers > 0
+
+    def close(self):
+        self.unregister()
+
+
 @pytest.fixture
 def publishers(monkeypatch):
     """The publishers that are made, by topic."""
     monkeypatch.setattr(FakePublisher, 'made', {})
     monkeypatch.setattr(camera_topics, 'ImagePublisher', FakePublisher)
+    monkeypatch.setattr(camera_topics, 'CompressedImages', FakeCompressed)
     monkeypatch.setattr(camera_topics.rospy, 'Publisher', FakePublisher)
     return FakePublisher.made
 
@@ -65,7 +79,7 @@ def drawn(depth=False):
 
 def test_an_image_and_its_info_have_one_header(publishers):
     topics = CameraTopics(SETTINGS, 3)
-    assert set(publishers) == {'eye/image_raw', 'eye/camera_info'}
+    assert set(publishers) == {'eye/image_raw', 'eye/image_raw/compressed', 'eye/camera_info'}
     job = topics.job(exposure(5.0), 1.25)
     assert (job.shot.camera, job.shot.depth) == (3, False) and job.shot.pose[0, 3] == 5.0
     job.publish(drawn())
@@ -86,7 +100,19 @@ def test_the_info_is_that_of_a_pinhole_camera(publishers):
     assert (info.distortion_model, info.D) == ('plumb_bob', [0.0] * 5)
 
 
+def test_images_are_copied_for_the_compression_only_if_somebody_wants_it(publishers):
+    topics, image = CameraTopics(SETTINGS, 0), drawn()
+    topics.job(exposure(), 1.0).publish(image)
+    assert publishers['eye/image_raw/compressed'].sent == []
+    publishers['eye/image_raw/compressed'].subscribers = 1
+    topics.job(exposure(), 2.0).publish(image)
+    (copy, encoding, header), = publishers['eye/image_raw/compressed'].sent
+    image.image[:] = 0          # as when the next one is drawn
+    assert np.all(copy == 7) and encoding == 'rgb8' and header.stamp.to_sec() == 2.0
+
+
 @pytest.mark.parametrize('topic', ['eye/image_raw', 'eye/camera_info', 'eye/depth',
+                                   'eye/image_raw/compressed',
                                    'eye/depth_info'])
 def test_a_subscriber_of_any_topic_wants_images(publishers, topic):
     topics = CameraTopics(settings(**DEPTH), 0)
