@@ -56,6 +56,7 @@ class LiveTab:
                     'splitNumber': 4, 'splitLine': {'lineStyle': {'color': _CHART_LINES}},
                     'nameTextStyle': {'color': _CHART_TEXT}}
             ui.echart({
+                'animation': False,         # else the labels of an axis come later than its lines
                 'grid': {'left': 48, 'right': 12, 'top': 26, 'bottom': 34},
                 'legend': {'top': 0, 'textStyle': {'color': _CHART_TEXT}},
                 'xAxis': dict(axis, min=-20, max=0, name=self._t('seconds'),

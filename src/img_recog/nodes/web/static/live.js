@@ -11,6 +11,9 @@
     w: [1, 0], arrowup: [1, 0], x: [-1, 0], arrowdown: [-1, 0],
     a: [0, 1], arrowleft: [0, 1], d: [0, -1], arrowright: [0, -1],
   };
+  // of colors with these names; readable on a light and on a dark card
+  const LINES = { blue: '#4f7df3', red: '#e5484d', green: '#30a46c', yellow: '#d9a800',
+    orange: '#f2751a', purple: '#8e4ec6', pink: '#d6409f' };
   const decoder = new TextDecoder();
   const all = (selector) => [...document.querySelectorAll(selector)];
   const text = (key) => (window.texts || {})[key] || key;
@@ -170,7 +173,7 @@
     const areas = chart('areas');
     if (areas) {
       areas.setOption({ series: state.colors.map((name, index) => ({
-        name, type: 'line', showSymbol: false, animation: false,
+        name, type: 'line', showSymbol: false, animation: false, color: LINES[name],
         data: column(state.areas, index + 1), markLine: limitLine(name) })) });
     }
     const speeds = chart('speeds');
@@ -220,18 +223,18 @@
     context.clearRect(0, 0, side, side);
     context.lineWidth = devicePixelRatio;
     context.font = `${11 * devicePixelRatio}px sans-serif`;
-    // a grid of whole meters, with its labels
+    // a grid of whole meters; its labels stand on what is in the world
     const step = size > 12 ? 5 : 1;
+    const labels = [];
     context.strokeStyle = css('--soft');
-    context.fillStyle = css('--ink');
     context.globalAlpha = 0.6;
     for (let m = Math.ceil(x0 / step) * step; m < x0 + size; m += step) {
       line(context, [at([m, y0]), at([m, y0 + size])]);
-      context.fillText(`${m} m`, at([m, y0])[0] + 3, side - 4);
+      labels.push([`${m} m`, at([m, y0])[0] + 3, side - 4]);
     }
     for (let m = Math.ceil(y0 / step) * step; m < y0 + size; m += step) {
       line(context, [at([x0, m]), at([x0 + size, m])]);
-      context.fillText(`${m} m`, 3, at([x0, m])[1] - 3);
+      labels.push([`${m} m`, 3, at([x0, m])[1] - 3]);
     }
     context.globalAlpha = 1;
     context.strokeStyle = css('--line');
@@ -239,6 +242,10 @@
     for (const outline of state.outlines || []) {
       line(context, [...outline, outline[0]].map(at));
       context.fill();
+    }
+    context.fillStyle = css('--ink');
+    for (const label of labels) {
+      if (label[1] + context.measureText(label[0]).width < side) context.fillText(...label);
     }
     context.strokeStyle = '#2563eb';
     context.lineWidth = 2 * devicePixelRatio;
@@ -257,7 +264,9 @@
       if (name === window.robot) continue;
       arrow(context, at(place), place[2], Math.max(8 * devicePixelRatio, 0.12 * scale), '#9ca3af');
       context.fillStyle = css('--ink');
-      context.fillText(name, at(place)[0] + 10 * devicePixelRatio, at(place)[1]);
+      const width = context.measureText(name).width + 10 * devicePixelRatio;
+      context.fillText(name, Math.min(at(place)[0] + 10 * devicePixelRatio, side - width),
+        at(place)[1]);
     }
     if (!state.pose) return;
     const [x, y, yaw] = state.pose;
