@@ -13,8 +13,9 @@ odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_sta
 ~model_states (gazebo_msgs/ModelStates, 100 Hz) if gazebo_msgs is installed, /diagnostics
 (diagnostic_msgs/DiagnosticArray, 1 Hz of wall time), /tf_static (tf2_msgs/TFMessage) for cameras.
 ~world_outlines (visualization_msgs/MarkerArray, latched: what stands in the world, from above).
-Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image) and
-camera/rgb/camera_info, camera/depth/camera_info (sensor_msgs/CameraInfo).
+Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image),
+camera/rgb/image_raw/compressed (sensor_msgs/CompressedImage), camera/rgb/camera_info and
+camera/depth/camera_info (sensor_msgs/CameraInfo).
 Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty),
 ~update_robots (std_srvs/Trigger; with several_robots: adds and removes robots), and if gazebo_msgs
 is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_model,

@@ -2,7 +2,7 @@
 
 Several robots are found by their topics ROBOT/cmd_vel; a page shows one of them.
 Publishes, for each robot that was shown: cmd_vel (geometry_msgs/Twist, 20 Hz of wall time while a
-visitor drives, then zeros), gazebo/set_pose or gazebo/ROBOT/set_pose (geometry_msgs/PoseStamped);
+visitor drives, then zeros), gazebo/set_pose (geometry_msgs/PoseStamped; gazebo/ROBOT/set_pose);
 /diagnostics (diagnostic_msgs/DiagnosticArray, 1 Hz).
 Subscribes, while somebody looks at a page: usb_cam/image_raw (sensor_msgs/Image) and other images,
 odom (nav_msgs/Odometry), scan (sensor_msgs/LaserScan), color_detection (sensor_msgs/PointCloud),
