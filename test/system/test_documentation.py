@@ -25,7 +25,7 @@ from img_recog.nodes.web.settings import WebSettings
 from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, with_colors
 from img_recog.settings import SettingError, Settings
 from img_recog.simulation import settings as simulation
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.settings import TeleopSettings, VelocityLimits
 from img_recog_testing.pages import (ROOT, anchors, code, links, paths, read, rows,
                                      tables)
 
@@ -43,7 +43,7 @@ NODES = {
         simulation.ViewSettings, TopicSettings), ()),
     'turtlebot3_teleop_keyboard': ('teleop_key', (TeleopSettings,), ()),
     'robots': ('robots.node', (ManagerSettings, NodeSettings), ()),
-    'web': ('web.node', (WebSettings, TeleopSettings), ())}
+    'web': ('web.node', (WebSettings, VelocityLimits), ())}
 # of dynamic_reconfigure alone: parameters that are among those above
 PARTS = {RuntimeSettings}
 NAME = r'[~/]?[a-z][a-z0-9_]*(?:/[a-z0-9_]+)*'

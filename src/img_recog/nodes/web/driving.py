@@ -12,7 +12,7 @@ from std_srvs.srv import Trigger
 from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
 from img_recog.ros.throttle import ThrottledWarning
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.settings import VelocityLimits
 
 _PERIOD_S = 0.05
 _POLL_PERIOD_S = 1.0    # how often the threads check for the shutdown
@@ -62,7 +62,7 @@ class Driving:
     limits: those that are set.
     """
 
-    def __init__(self, settings: TeleopSettings, topic: str):
+    def __init__(self, settings: VelocityLimits, topic: str):
         """Advertise `topic`, the full name of the robot's cmd_vel."""
         self.settings = settings
         self.limits = {name: getattr(settings, name)

@@ -11,7 +11,7 @@ gazebo/real_time_factor (std_msgs/Float64), gazebo/world_outlines (visualization
 Calls the services of gazebo that pause and reset, the service ~yield of the other publishers of
 cmd_vel, and dynamic_reconfigure of color_extract and gazebo.
 Reads: ~web_host, ~web_port (WebSettings), ~max_linear_velocity, ~max_angular_velocity
-(TeleopSettings).
+(VelocityLimits).
 """
 import contextlib
 import secrets
@@ -47,7 +47,7 @@ from img_recog.ros import bag_recording, lifecycle, parameters
 from img_recog.ros.bag_recording import BagRecording
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.throttle import ThrottledWarning
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.settings import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
 _MAX_IMAGE_BYTES = 200_000_000
@@ -62,8 +62,8 @@ class Web:
 
     def __init__(self) -> None:
         settings = parameters.read(WebSettings)
-        limits = parameters.read(TeleopSettings)
-        parameters.warn_of_unknown(WebSettings, TeleopSettings)
+        limits = parameters.read(VelocityLimits)
+        parameters.warn_of_unknown(WebSettings, VelocityLimits)
         self._warn = ThrottledWarning()
         self._failure: Optional[BaseException] = None
         self._watching: Set[object] = set()

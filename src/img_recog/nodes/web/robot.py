@@ -19,7 +19,7 @@ from img_recog.recognition.proposal import propose_bounds
 from img_recog.recognition.settings import DEFAULT_COLORS, color_names
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.settings import SettingError
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.settings import VelocityLimits
 
 _FOLDER_ADVICE = 'start it in a folder where files can be written'
 
@@ -30,7 +30,7 @@ class Robot:
     name: its namespace, below that of the node; '' for the only robot.
     """
 
-    def __init__(self, name: str, limits: TeleopSettings, pictures: PictureTopics,
+    def __init__(self, name: str, limits: VelocityLimits, pictures: PictureTopics,
                  system: Topics, watched: List[Measurements]):
         """Advertise its topics; pictures and system: those of all robots."""
         self.name = name

@@ -11,7 +11,7 @@ from img_recog.nodes.web.measurements import Measurements, SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.robot import Robot
 from img_recog.ros.throttle import ThrottledWarning
-from img_recog.teleoperation.settings import TeleopSettings
+from img_recog.teleoperation.settings import VelocityLimits
 
 _COMMANDS = 'cmd_vel'
 _PARTS = re.compile('([0-9]+)')
@@ -22,7 +22,7 @@ TopicUsers = Iterable[Tuple[str, List[str]]]
 class Robots:
     """Finds the robots by their cmd_vel, and makes the parts of those that somebody looks at."""
 
-    def __init__(self, limits: TeleopSettings, pictures: PictureTopics):
+    def __init__(self, limits: VelocityLimits, pictures: PictureTopics):
         """Make nothing yet; limits: the highest speeds."""
         self._limits, self._pictures = limits, pictures
         self._system = SystemTopics()
