@@ -60,6 +60,10 @@ class Browser:
                  lambda: 'measurements in the page: ' + self.js(
                      'return document.body.innerText')[:2000])
 
+    def leave(self):
+        """Close the page, but not the browser."""
+        self.driver.get('about:blank')
+
     def js(self, script, *arguments):
         """Run a script in the page; return its result."""
         return self.driver.execute_script(script, *arguments)

@@ -58,13 +58,29 @@ def browse(demo, tmp_path):
         browser.close()
 
 
+@pytest.fixture(scope='module')
+def browser(demo, tmp_path_factory):
+    """A browser for tests that leave it as it was; the start of one takes seconds."""
+    browser = Browser(tmp_path_factory.mktemp('browser'))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def page(demo, browser):
+    """The page, opened again, in a browser that other tests use too."""
+    browser.open(demo.url)
+    yield browser
+    browser.errors()        # so that the next test gets only its own
+    browser.leave()
+
+
 def speed(demo):
     """Return the speed of the robot in m/s."""
     return float(demo.run('rostopic', 'echo', '-n', '1', '/odom/twist/twist/linear/x').split()[0])
 
 
-def test_pictures_and_measurements(browse):
-    page = browse()
+def test_pictures_and_measurements(page):
     camera = wait_for(lambda: page.pixels(CAMERA), 'a picture of the camera')
     # a quarter is the card, the rest the wall; BGR in the image, RGB here
     expected = [CARD_SHARE * card + (1 - CARD_SHARE) * wall
@@ -83,8 +99,7 @@ def test_pictures_and_measurements(browse):
     assert page.errors() == []
 
 
-def test_a_key_moves_the_robot_and_its_release_stops_it(demo, browse):
-    page = browse()
+def test_a_key_moves_the_robot_and_its_release_stops_it(demo, page):
     start_x, _ = page.pose()
     page.hold_key('w', True)
     wait_for(lambda: page.pose()[0] > start_x + 0.15, 'the robot to drive')
@@ -108,8 +123,7 @@ def test_the_robot_stops_when_the_browser_goes_away(demo, browse):
     wait_for(lambda: abs(speed(demo)) < 0.01, 'the robot to stand')
 
 
-def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, browse):
-    page = browse()
+def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     page.tab('colors')
     slider = ('[...document.querySelectorAll(".q-slider")].find((each) => '
               'each.getAttribute("aria-label") === "Highest hue (0 to 180)")')
@@ -131,8 +145,7 @@ def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, browse):
              'the value that another program has set')
 
 
-def test_a_click_into_the_picture_proposes_bounds(demo, browse):
-    page = browse()
+def test_a_click_into_the_picture_proposes_bounds(demo, page):
     page.tab('colors')
     wait_for(lambda: page.pixels(CAMERA), 'a picture')
     wait_for(lambda: page.js('return document.querySelectorAll(".q-slider").length') > 4,
@@ -151,8 +164,7 @@ def test_a_click_into_the_picture_proposes_bounds(demo, browse):
              "'blue_value_min': 100}")
 
 
-def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(browse):
-    page = browse()
+def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(page):
     page.js('''const canvas = document.querySelector("canvas.map");
                const box = canvas.getBoundingClientRect();
                const at = { bubbles: true, pointerId: 1, clientX: box.left + box.width * 0.8,
@@ -165,8 +177,7 @@ def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(browse)
     wait_for(lambda: abs(page.pose()[0]) < 0.05 and abs(page.pose()[1]) < 0.05, 'the start')
 
 
-def test_pause_and_resume(demo, browse):
-    page = browse()
+def test_pause_and_resume(demo, page):
     page.js('document.querySelector("[aria-label=Pause]").click()')
     wait_for(lambda: page.text('[data-bind=factor]')
              == '0.00', 'the pause')
@@ -174,8 +185,7 @@ def test_pause_and_resume(demo, browse):
     wait_for(lambda: float(page.text('[data-bind=factor]')) > 0.5, 'time to pass')
 
 
-def test_the_graph_has_the_nodes_of_the_article(demo, browse):
-    page = browse()
+def test_the_graph_has_the_nodes_of_the_article(demo, page):
     page.tab('graph')
     source = wait_for(lambda: page.js(
         'const image = document.querySelector("[data-graph]");'
@@ -190,8 +200,7 @@ def test_the_graph_has_the_nodes_of_the_article(demo, browse):
     wait_for(lambda: ' Hz</text>' in page.js(fetch, source), 'rates')
 
 
-def test_a_recording(demo, browse):
-    page = browse()
+def test_a_recording(demo, page):
     button = ('document.querySelector("[aria-label=\'{}\']")'.format)
     page.js(button('Record') + '.click()')
     wait_for(lambda: page.js('return Boolean({})'.format(button('Stop recording'))), 'the start')
@@ -232,7 +241,7 @@ def test_a_web_socket_from_elsewhere_is_refused(demo, headers):
     asyncio.run(refuse())
 
 
-def test_what_is_malformed_or_too_much_is_dropped_and_the_page_lives(demo, browse):
+def test_what_is_malformed_or_too_much_is_dropped_and_the_page_lives(demo, page):
     async def attack(*messages):
         async with live(demo) as socket:
             with pytest.raises(ConnectionClosed):
@@ -243,7 +252,6 @@ def test_what_is_malformed_or_too_much_is_dropped_and_the_page_lives(demo, brows
     asyncio.run(attack('x' * 1_000_000))
     asyncio.run(attack(*['{"ready": 1}'] * 5000))
     asyncio.run(attack(*['nonsense'] * 100))
-    page = browse()
     assert wait_for(lambda: page.pixels(CAMERA), 'a picture')
 
 

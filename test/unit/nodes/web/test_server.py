@@ -9,8 +9,15 @@ from img_recog.nodes.web import server
 from img_recog.nodes.web.server import Server, address, listen
 
 
+def free_port():
+    """Return a port that nobody listens at, with others after it."""
+    with socket.socket() as probe:
+        probe.bind(('127.0.0.1', 0))
+        return min(probe.getsockname()[1], 65500)
+
+
 def test_the_next_free_port_is_taken():
-    with listen('127.0.0.1', 18200) as first:
+    with listen('127.0.0.1', free_port()) as first:
         port = first.getsockname()[1]
         with listen('127.0.0.1', port) as second:
             assert port < second.getsockname()[1] <= port + 10
@@ -26,7 +33,7 @@ def test_an_address_of_another_computer(host):
 
 def test_all_ports_taken(monkeypatch):
     monkeypatch.setattr(server, '_PORTS', 1)
-    with listen('127.0.0.1', 18200) as taken:
+    with listen('127.0.0.1', free_port()) as taken:
         with pytest.raises(UserError, match='ports .*: Address already in use'):
             listen('127.0.0.1', taken.getsockname()[1])
 
@@ -56,7 +63,7 @@ async def hello(scope, receive, send):
 
 
 def test_a_server_answers_until_it_is_closed():
-    failures, sock = [], listen('127.0.0.1', 18200)
+    failures, sock = [], listen('127.0.0.1', free_port())
     url = 'http://127.0.0.1:{}/'.format(sock.getsockname()[1])
     running = Server(hello, sock, failures.append)
     with urllib.request.urlopen(url, timeout=20) as answer:
