@@ -28,21 +28,16 @@ def alive(pid):
     return True
 
 
-def test_ctrl_c_ends_everything_cleanly(ros):
+def test_the_log_shows_areas_and_commands_in_order_and_ctrl_c_ends_everything(ros):
     demo = ros.demo()
-    demo.wait_output('the robot drives forward')
+    demo.wait_output(r'camera: synthetic scene, 640x480, 30 Hz')
+    demo.wait_output(r'(?s)blue=[1-9]\d{4}, red=0\n.*drives forward.*blue=0, red=0\n.*stands.*'
+                     r'blue=0, red=[1-9]\d{4}\n.*drives backward.*blue=0, red=0\n.*stands')
     pids = node_pids(ros)
     assert demo.interrupt() == 0
     for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]'):
         assert words not in demo.output, demo.output
     assert [name for name, pid in pids.items() if alive(pid)] == []
-
-
-def test_the_log_shows_areas_and_commands_in_order(ros):
-    demo = ros.demo()
-    demo.wait_output(r'camera: synthetic scene, 640x480, 30 Hz')
-    demo.wait_output(r'(?s)blue=[1-9]\d{4}, red=0\n.*drives forward.*blue=0, red=0\n.*stands.*'
-                     r'blue=0, red=[1-9]\d{4}\n.*drives backward.*blue=0, red=0\n.*stands')
 
 
 def test_auto_logs_which_camera_it_uses(ros):
