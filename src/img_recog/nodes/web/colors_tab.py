@@ -10,7 +10,6 @@ from img_recog.nodes.web.system import PictureTopic, Robot
 from img_recog.nodes.web.texts import Texts
 from img_recog.nodes.web.tuning import color_names_in
 
-_BOUNDS = ('saturation', 'value')
 _PICTURES = 3
 _SETTLE_S = 1.0
 
@@ -66,19 +65,17 @@ class ColorsTab:
             ui.toggle({name: name for name in names}, value=self._picked,
                       on_change=lambda event: setattr(self, '_picked', event.value)).props(
                           'dense no-caps')
-            paragraph(self._t('pick', ', '.join(names)))
+            paragraph(self._t('pick'))
             for name in names:
                 with card(name), ui.element('div').classes('sliders'):
                     self._color(name, values)
             ui.button(self._t('save'), icon='save', on_click=self._save).props('no-caps')
 
     def _color(self, name: str, values: Dict[str, Any]) -> None:
-        for part in ('hue_min', 'hue_max'):
-            self._slider(self._t(part), name + '_' + part, 0, 180, 1, values, 'hue')
-        for part in _BOUNDS:
-            for end in ('min', 'max'):
-                self._slider('{}, {}'.format(self._t(part), end),
-                             '{}_{}_{}'.format(name, part, end), 0, 255, 1, values)
+        for bound in ('hue_min', 'hue_max'):
+            self._slider(self._t(bound), name + '_' + bound, 0, 180, 1, values, 'hue')
+        for bound in ('saturation_min', 'saturation_max', 'value_min', 'value_max'):
+            self._slider(self._t(bound), name + '_' + bound, 0, 255, 1, values)
         self._slider(self._t('area_limit'), name + '_area_limit', 0, 20000, 50, values)
         self._slider(self._t('linear_x'), name + '_linear_x', -10, 10, 0.01, values)
         self._slider(self._t('angular_z'), name + '_angular_z', -3, 3, 0.05, values)

@@ -4,6 +4,7 @@ Works as ASGI middleware in front of everything that the node serves.
 """
 import hmac
 import http.cookies
+import re
 import time
 import urllib.parse
 from typing import Any, Awaitable, Callable, Dict, List, Optional, Tuple
@@ -22,8 +23,9 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 # Sent with the cookie, in place of a redirect: a browser that comes from a link in another site
 # would not send a SameSite=Strict cookie with a redirected request.
-_ENTER = (b'<!doctype html><html lang="en"><meta charset="utf-8"><title>img_recog</title>'
-          b'<meta http-equiv="refresh" content="0;url=/"><a href="/">img_recog</a></html>')
+_ENTER = ('<!doctype html><html lang="en"><meta charset="utf-8"><title>img_recog</title>'
+          '<meta http-equiv="refresh" content="0;url={0}"><a href="{0}">img_recog</a></html>')
+_ROBOT = re.compile('[A-Za-z][A-Za-z0-9_/]{0,255}')
 _REFUSED = ('This page needs the address with the token that the terminal shows after it has '
             'started: http://.../?token=...\n')
 _HEADERS = [(b'x-frame-options', b'DENY'), (b'x-content-type-options', b'nosniff'),
@@ -56,7 +58,7 @@ class Doors:
                    for name, value in scope['headers']}
         problem = self._problem(scope, headers)
         if problem == 0:
-            await self._enter(send)
+            await self._enter(scope, send)
         elif problem is not None:
             await _refuse(scope, receive, send, problem)
         else:
@@ -74,7 +76,7 @@ class Doors:
         """Return the HTTP status of a refusal, 0 for a visitor with the token, None if allowed."""
         if _is_foreign(scope, headers):
             return 403
-        query = urllib.parse.parse_qs(scope.get('query_string', b'').decode('latin-1'))
+        query = _query(scope)
         if scope['type'] == 'http' and scope['path'] == '/' and 'token' in query:
             return 0 if self._is_token(query['token'][0]) else 403
         if not self._is_token(_cookie(headers.get('cookie', ''), self._cookie)):
@@ -87,10 +89,16 @@ class Doors:
     def _is_token(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self._token.encode())
 
-    async def _enter(self, send: Send) -> None:
+    async def _enter(self, scope: Scope, send: Send) -> None:
+        robot = _query(scope).get('robot', [''])[0]
+        page = '/?robot=' + robot if _ROBOT.fullmatch(robot) else '/'
         cookie = '{}={}; Path=/; HttpOnly; SameSite=Strict'.format(self._cookie, self._token)
-        await _answer(send, 200, _ENTER, b'text/html; charset=utf-8',
+        await _answer(send, 200, _ENTER.format(page).encode(), b'text/html; charset=utf-8',
                       [(b'set-cookie', cookie.encode()), (b'cache-control', b'no-store')])
+
+
+def _query(scope: Scope) -> Dict[str, List[str]]:
+    return urllib.parse.parse_qs(scope.get('query_string', b'').decode('latin-1'))
 
 
 def _is_foreign(scope: Scope, headers: Dict[str, str]) -> bool:

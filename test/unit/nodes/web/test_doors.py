@@ -70,6 +70,14 @@ def test_the_token_becomes_a_cookie_that_scripts_and_other_sites_do_not_get():
     assert TOKEN.encode() not in sent[1]['body']
 
 
+@pytest.mark.parametrize('robot, page', [
+    ('tb3_1', '/?robot=tb3_1'), ('lab/tb3_1', '/?robot=lab/tb3_1'), ('', '/'),
+    ('%22%3E%3Cscript%3E', '/'), ('//evil.example', '/'), ('x' * 300, '/')])
+def test_a_robot_in_the_address_is_kept(robot, page):
+    _, sent, _ = visit(query='token={}&robot={}'.format(TOKEN, robot))
+    assert 'url={}"'.format(page).encode() in sent[1]['body']
+
+
 @pytest.mark.parametrize('visitor', [
     {}, {'query': 'token=wrong'}, {'query': 'token='}, {'query': 'token=' + TOKEN + 'x'},
     {'query': 'token=%ff%fe'}, {'query': 'token=' + TOKEN, 'path': '/graph.svg'},

@@ -21,7 +21,8 @@
 
   // ---- what is shown
   const visible = new Set();
-  const state = { areas: [], asked: [], driven: [], path: [], log: [], nodes: {}, colors: [] };
+  const state = { areas: [], asked: [], driven: [], path: [], log: [], nodes: {}, colors: [],
+    lines: 0 };
   const observer = new IntersectionObserver((entries) => {
     for (const entry of entries) {
       if (entry.isIntersecting) visible.add(entry.target); else visible.delete(entry.target);
@@ -41,6 +42,8 @@
     for (const element of visible) {
       if (!element.isConnected) { visible.delete(element); look(); }
     }
+    // a tab that was not open has missed lines
+    for (const box of all('[data-log]')) if (box.lines !== state.lines) fillLog(box);
   }
 
   // ---- the connection
@@ -110,7 +113,7 @@
   // ---- measurements
   function reset() {
     Object.assign(state, { areas: [], asked: [], driven: [], path: [], log: [], nodes: {} });
-    all('[data-log]').forEach((each) => each.replaceChildren());
+    all('[data-log]').forEach(fillLog);
   }
 
   function measure(measured) {
@@ -129,7 +132,7 @@
     if (measured.pose) {
       const [x, y, yaw] = measured.pose;
       show('[data-bind=pose]', `${text('position')}: x ${x.toFixed(2)} m, y ${y.toFixed(2)} m; `
-        + `${text('heading')}: ${(yaw * 180 / Math.PI).toFixed(0)}°`);
+        + `${text('heading')}: ${Math.round(yaw * 180 / Math.PI) + 0}°`);
     }
     for (const [kind, value] of Object.entries(measured)) {
       if (kind.startsWith('node ')) { state.nodes[kind.slice(5)] = value; state.changed = true; }
@@ -404,15 +407,26 @@
 
   // ---- log and nodes
   function log(entries) {
+    const known = state.lines;
     state.log.push(...entries);
     state.log.splice(0, Math.max(0, state.log.length - MAX_LOG));
+    state.lines += entries.length;
     for (const box of all('[data-log]')) {
+      if (box.lines !== known) { fillLog(box); continue; }
+      box.lines = state.lines;
       const isAtEnd = box.scrollHeight - box.scrollTop - box.clientHeight < 30;
       box.append(...entries.map(logLine));
       while (box.childElementCount > MAX_LOG) box.firstElementChild.remove();
       filterLog(box);
       if (isAtEnd) box.scrollTop = box.scrollHeight;
     }
+  }
+
+  function fillLog(box) {
+    box.lines = state.lines;
+    box.replaceChildren(...state.log.map(logLine));
+    filterLog(box);
+    box.scrollTop = box.scrollHeight;
   }
 
   function logLine([time, level, node, message]) {
@@ -431,9 +445,7 @@
   }
   window.filterLog = (level) => all('[data-log]').forEach((box) => {
     box.dataset.log = level;
-    if (!box.childElementCount) box.append(...state.log.map(logLine));
-    filterLog(box);
-    box.scrollTop = box.scrollHeight;
+    fillLog(box);
   });
 
   function listNodes() {
@@ -445,7 +457,7 @@
           .map(([key, value]) => `${key.slice(0, -5)} ${value} Hz`).join(', ');
         const row = document.createElement('tr');
         const level = levels[node.level] || 'error';
-        for (const value of [node.name, `${level.toUpperCase()}: ${node.message}`, rates]) {
+        for (const value of [node.name, [level.toUpperCase(), node.message].filter(Boolean).join(': '), rates]) {
           const cell = document.createElement('td');
           cell.textContent = value;
           row.append(cell);
