@@ -94,10 +94,12 @@ def _from_file(path: str, defaults: Mapping[str, Any],
                              '- name: tb3_0'.format(path, _described(entries), MAX_ROBOTS))
     robots: List[Robot] = []
     problems: List[str] = []
+    used: List[str] = []        # also by those that cannot be
     for number, entry in enumerate(entries, 1):
         label = 'robot {} of the list'.format(number)
         try:
-            label = _name_of(entry, [robot.name for robot in robots])
+            label = _name_of(entry, used)
+            used.append(label)
             robots.append(_robot(label, entry, defaults, os.path.dirname(path), find))
         except UserError as error:
             problems.append('{}: {}'.format(label, one_line(error)))

@@ -6,6 +6,7 @@ a slow browser misses frames, and slows nobody down.
 import asyncio
 import json
 import math
+import re
 import struct
 from typing import (Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Protocol,
                     Set, Tuple)
@@ -14,6 +15,7 @@ RATE_HZ = 15.0
 _MAX_PICTURES, _MAX_NAME = 8, 300
 _MAX_MALFORMED = 20             # messages, until the connection is closed
 _CACHE_SIZE = 8
+_TOPIC = re.compile('(/[A-Za-z][A-Za-z0-9_]*)+')        # the full name of one
 _LENGTH = struct.Struct('>I')
 
 
@@ -140,14 +142,15 @@ class Feed:
             actions = {key: self._ACTIONS[key] for key in message}
             for key, action in actions.items():
                 action(self, viewer, message[key])
-        except (ValueError, TypeError, KeyError, RecursionError):
+        except (ValueError, TypeError, KeyError, OverflowError, RecursionError):
             viewer.malformed += 1
 
     def _look(self, viewer: _Viewer, names: Any) -> None:
         """None: nobody looks at the page; else the names of the pictures that can be seen."""
         if names is not None and not (
                 isinstance(names, list) and len(names) <= _MAX_PICTURES
-                and all(isinstance(name, str) and len(name) <= _MAX_NAME for name in names)):
+                and all(isinstance(name, str) and len(name) <= _MAX_NAME
+                        and _TOPIC.fullmatch(name) for name in names)):
             raise ValueError(names)
         viewer.is_looking = names is not None
         viewer.names = tuple(names or ())

@@ -9,12 +9,14 @@ import rospy
 from sensor_msgs.msg import Image
 
 from img_recog.conversions.image_msgs import ColorImages, ImageError
+from img_recog.errors import one_line
 from img_recog.nodes.web.feed import RATE_HZ, Picture
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 _MAX_WIDTH = 640
+_RETRY_PERIOD_S = 1.0
 _QUALITY = 80
 _TO_BGR = {'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR, 'bgra8': cv2.COLOR_BGRA2BGR}
 
@@ -29,6 +31,7 @@ class PictureTopics:
         self._wanted: Set[str] = set()
         self._topics: Dict[str, _Topic] = {}        # of the thread
         self._thread: Optional[threading.Thread] = None
+        self._warn = ThrottledWarning()
 
     def watch(self, names: Set[str]) -> None:
         """Subscribe to these topics, and to no others, soon and in another thread."""
@@ -46,15 +49,19 @@ class PictureTopics:
     def _run(self) -> None:
         """Encode the newest images at the rate of the feed, while somebody looks."""
         while not rospy.is_shutdown():
-            begin_s = time.monotonic()
-            self._subscribe()
-            with self._lock:
-                if not self._wanted and not self._topics:
-                    self._thread = None
-                    return
-            for topic in self._topics.values():
-                topic.encode()
-            time.sleep(max(0.0, begin_s + 1 / RATE_HZ - time.monotonic()))
+            begin_s, period_s = time.monotonic(), 1 / RATE_HZ
+            try:
+                self._subscribe()
+                with self._lock:
+                    if not self._wanted and not self._topics:
+                        self._thread = None
+                        return
+                for topic in self._topics.values():
+                    topic.encode()
+            except Exception as error:      # one topic must not end the pictures of the others
+                self._warn('a picture failed: %s: %s', type(error).__name__, one_line(error))
+                period_s = _RETRY_PERIOD_S
+            time.sleep(max(0.0, begin_s + period_s - time.monotonic()))
 
     def _subscribe(self) -> None:
         wanted = self._wanted

@@ -1,4 +1,5 @@
 """A robot that the page shows and drives."""
+import threading
 from typing import Dict, List, Set, Tuple
 
 import cv2
@@ -21,6 +22,7 @@ from img_recog.ros.throttle import ThrottledWarning
 from img_recog.settings import SettingError
 from img_recog.teleoperation.settings import VelocityLimits
 
+_saving = threading.Lock()      # of all robots: a name is free until its file is there
 _FOLDER_ADVICE = 'start it in a folder where files can be written'
 
 
@@ -94,8 +96,9 @@ class Robot:
         names = color_names_in(values)
         if not names:
             raise UserError('color_extract does not answer', 'start it')
-        path = files.free_output_path('colors', '.yaml')
         text = yaml.safe_dump({COLORS: names, **values}, sort_keys=False)
-        with files.atomic_write([path], _FOLDER_ADVICE) as (file,):
-            file.write(text.encode())
+        with _saving:
+            path = files.free_output_path('colors', '.yaml')
+            with files.atomic_write([path], _FOLDER_ADVICE) as (file,):
+                file.write(text.encode())
         return path

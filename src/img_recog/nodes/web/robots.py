@@ -1,7 +1,7 @@
 """The robots that the page can show."""
 import re
 import threading
-from typing import Dict, Iterable, List, Tuple
+from typing import Dict, Iterable, List, Set, Tuple
 
 import rosgraph
 import rospy
@@ -13,7 +13,7 @@ from img_recog.nodes.web.robot import Robot
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 
-_COMMANDS = 'cmd_vel'
+_COMMANDS, _ODOMETRY = 'cmd_vel', 'odom'
 _PARTS = re.compile('([0-9]+)')
 
 TopicUsers = Iterable[Tuple[str, List[str]]]
@@ -58,13 +58,16 @@ def names_in(published: TopicUsers, subscribed: TopicUsers, namespace: str,
              node: str) -> List[str]:
     """Return the names of the robots in a namespace that ends with a slash, at least one.
 
-    A robot subscribes to its cmd_vel. If none does, those whose cmd_vel is published by another
-    node than `node`; if there are none, one without a namespace.
+    A robot subscribes to its cmd_vel and publishes its odom. If none does both, those with a
+    subscriber of cmd_vel, which may also be a tool; else those with a publisher; else one without
+    a namespace. `node` itself does not count.
     """
-    for users in (subscribed, published):
-        found = {topic[len(namespace):-len(_COMMANDS)].rstrip('/') for topic, nodes in users
-                 if topic.startswith(namespace) and topic.endswith('/' + _COMMANDS)
-                 and set(nodes) != {node}}
+    def using(topic: str, users: TopicUsers) -> Set[str]:
+        return {name[len(namespace):-len(topic)].rstrip('/') for name, nodes in users
+                if name.startswith(namespace) and name.endswith('/' + topic)
+                and set(nodes) != {node}}
+    driven = using(_COMMANDS, subscribed)
+    for found in (driven & using(_ODOMETRY, published), driven, using(_COMMANDS, published)):
         legal = [name for name in found if not name or rosgraph.names.is_legal_name(name)]
         if legal:
             return sorted(legal, key=_natural)

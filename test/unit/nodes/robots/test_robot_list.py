@@ -112,3 +112,10 @@ def test_a_camera_beside_the_list_is_found(listed, tmp_path):
 def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(RobotListError, match='robots: cannot read .*none.yaml: .*No such file'):
         read(str(tmp_path / 'none.yaml'))
+
+
+def test_the_name_of_one_that_is_wrong_is_used_too(listed):
+    """Else a robot of this name would be in the simulator, without nodes."""
+    found = listed('- {name: b, foo: 1}\n- {name: b}\n- {name: c}\n')
+    assert [robot.name for robot in found.robots] == ['c'] and len(found.problems) == 2
+    assert 'the name b is used by a robot before it' in found.problems[1]

@@ -253,7 +253,10 @@ def test_who_may_not_drive_gets_to_know_it(monkeypatch):
 
 MALFORMED = ['', 'null', '[]', '7', '"look"', '{', '{"look": "/camera"}', '{"look": [7]}',
              '{"look": {"a": 1}}', json.dumps({'look': ['/x' * 200]}),
-             json.dumps({'look': ['/x'] * 9}), '{"drive": 1}', '{"drive": [1]}',
+             json.dumps({'look': ['/x'] * 9}), '{"look": [""]}', '{"look": ["camera"]}',
+             '{"look": ["/a//b"]}', '{"look": ["/a/"]}', '{"look": ["/a\\u0000"]}',
+             '{"look": ["/a\\n"]}', '{"look": ["~a"]}', '{"drive": [1' + '0' * 400 + ', 0]}',
+             '{"drive": 1}', '{"drive": [1]}',
              '{"drive": [1, 2, 3]}', '{"drive": ["1", 0]}', '{"drive": [true, 0]}',
              '{"drive": [NaN, 0]}', '{"drive": [Infinity, 0]}', '{"drive": {"a": 1, "b": 2}}',
              '{"delete": "everything"}', '[' * 100000]
