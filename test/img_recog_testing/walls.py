@@ -138,7 +138,7 @@ def _reason_within(name, part, target):
         return 'packets are for ros/transport alone'
     if target[0] == part:
         node = name.parts[1].replace('.py', '') if len(name.parts) > 1 else ''
-        if part == 'nodes' and target[1] not in (node, 'color_parameters'):
+        if part == 'nodes' and target[1] not in (node, 'color_parameters', 'compressed_images'):
             return 'a node does not import another'
         return None
     if target[0] not in ALLOWED.get(part, ()):

@@ -131,7 +131,9 @@ def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     wait_for(lambda: page.pixels(BLUE) and page.pixels(BLUE)[2] > 40, 'blue pixels')
     element = page.js('return {}.querySelector("[tabindex]")'.format(slider))
     element.send_keys(5 * PAGE_DOWN)
-    wait_for(lambda: page.pixels(BLUE)[2] < 1, 'no more blue pixels')
+    wait_for(lambda: page.pixels(BLUE)[2] < 1, lambda: 'no more blue pixels; {} in {}'.format(
+        page.js('return {}.getAttribute("aria-valuenow")'.format(slider)),
+        demo.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'get', 'color_extract')))
     page.js('[...document.querySelectorAll("button")].find((each) => '
             'each.textContent.includes("Save as a file")).click()')
     saved = wait_for(lambda: list(demo.folder.glob('colors_*.yaml')), 'a file')

@@ -4,7 +4,8 @@ import threading
 from typing import Any, Dict, List, Mapping, Optional
 
 import rospy
-from dynamic_reconfigure import DynamicReconfigureException
+from dynamic_reconfigure import (DynamicReconfigureCallbackException,
+                                 DynamicReconfigureException)
 from dynamic_reconfigure.client import Client
 
 from img_recog.errors import one_line
@@ -97,8 +98,14 @@ class Tuning:
             self._condition.wait_for(lambda: self._changes or not self._is_watched,
                                      _RETRY_PERIOD_S)
             changes, self._changes = self._changes, {}
-        if changes:
+        if not changes:
+            return
+        try:
             client.update_configuration(changes)
+        except (DynamicReconfigureCallbackException, rospy.ROSException, OSError):
+            with self._condition:       # again with the next connection
+                self._changes = {**changes, **self._changes}
+            raise
 
     def _received(self, values: Dict[str, Any]) -> None:
         self._values = {name: value for name, value in values.items() if name != 'groups'}

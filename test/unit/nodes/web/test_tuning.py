@@ -3,6 +3,7 @@ import threading
 
 import pytest
 import rospy
+from dynamic_reconfigure import DynamicReconfigureCallbackException
 
 from img_recog.nodes.web import tuning
 from img_recog.nodes.web.tuning import Tuning
@@ -13,7 +14,7 @@ class Client:
     """Counts how many are open at a time; `block` holds the updates."""
 
     opened, open_now, most_open = 0, 0, 0
-    updates, descriptions, block, fails = [], [{'name': 'a'}], None, 0
+    updates, descriptions, block, fails, fails_to_update = [], [{'name': 'a'}], None, 0, None
 
     def __init__(self, node, timeout, config_callback):
         cls = Client
@@ -31,6 +32,9 @@ class Client:
     def update_configuration(self, changes):
         if Client.block is not None:
             assert Client.block.wait(DEADLINE_S)
+        if Client.fails_to_update is not None:
+            error, Client.fails_to_update = Client.fails_to_update, None
+            raise error
         Client.updates.append(changes)
         self._callback(dict({'a': 1}, **changes))
 
@@ -42,7 +46,8 @@ class Client:
 def node(monkeypatch):
     """Tuning of a node that answers."""
     for name, value in (('opened', 0), ('open_now', 0), ('most_open', 0), ('updates', []),
-                        ('descriptions', [{'name': 'a'}]), ('block', None), ('fails', 0)):
+                        ('descriptions', [{'name': 'a'}]), ('block', None), ('fails', 0),
+                        ('fails_to_update', None)):
         monkeypatch.setattr(Client, name, value)
     monkeypatch.setattr(tuning, 'Client', Client)
     monkeypatch.setattr(tuning, '_RETRY_PERIOD_S', 0.05)
@@ -102,3 +107,15 @@ def test_it_connects_again_until_the_node_answers(node, problem):
     assert '/color_extract' in lines[0]
     Client.descriptions = [{'name': 'a'}]
     wait_for(lambda: Client.updates == [{'a': 7}], 'the change')
+
+
+@pytest.mark.parametrize('error', [DynamicReconfigureCallbackException('call failed'),
+                                   rospy.ROSException('unavailable'), OSError('broken pipe')])
+def test_a_change_whose_call_fails_is_sent_again(node, error):
+    node._warn = lambda text, *values: None
+    Client.fails_to_update = error
+    node.watch(True)
+    wait_for(node.values, 'the values')
+    node.change(a=8)
+    wait_for(lambda: Client.updates == [{'a': 8}], 'the change')
+    assert Client.opened == 2
