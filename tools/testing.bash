@@ -58,9 +58,9 @@ report_coverage() {
 # Most tests wait for a robot in real time, so that several fit on two cores at the same time.
 run_all_tests() {
   local jobs
-  jobs=$(($(nproc) + 1))
+  jobs=$(($(nproc) + 2))
   [ $jobs -le 4 ] || jobs=4
-  say "running the tests, $jobs at a time, about 9 min; the full output is in build/test.log"
+  say "running the tests, $jobs at a time, about 11 min; the full output is in build/test.log"
   # show a line for each test, without the log of the nodes
   cmake --build "$build" --target run_tests -- -j "$jobs" 2>&1 | tee "$build/test.log" |
     grep --line-buffered -E '^\[img_recog\.|^\[Testcase|^[.FEsx]+ +\[|^FAILED|^E  |passed|failed|RESULT'

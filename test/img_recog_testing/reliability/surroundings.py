@@ -47,8 +47,9 @@ def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> Lis
         clock.publish(Clock(genpy.Time.from_sec(now_s)))
         check.wait(_START_LIMIT_S * factor)
         for _ in range(count):
-            now_s = max(0.0, rng.choice((0.0, 1.0, now_s + 3600.0, now_s - 3600.0, _MAX_CLOCK_S,
-                                         rng.uniform(0, 1e9))))
+            now_s = rng.choice((0.0, 1.0, now_s + 3600.0, now_s - 3600.0, _MAX_CLOCK_S,
+                                rng.uniform(0, 1e9)))
+            now_s = min(max(now_s, 0.0), _MAX_CLOCK_S)
             for _ in range(rng.randrange(1, 5)):
                 clock.publish(Clock(genpy.Time.from_sec(now_s)))
                 now_s = min(now_s + 0.01, _MAX_CLOCK_S)
