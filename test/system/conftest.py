@@ -2,7 +2,6 @@
 import copy
 import os
 import signal
-import xmlrpc.client
 
 import pytest
 
@@ -43,11 +42,8 @@ def shared_ros(roscore):
 @pytest.fixture
 def simulate(shared_ros):
     """A function that starts the simulator."""
-    master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
-
     def start(*parameters, urdf=None, **popen):
-        if master.hasParam('/test', '/gazebo')[2]:
-            master.deleteParam('/test', '/gazebo')
-        master.setParam('/test', '/robot_description', urdf or burger())
+        shared_ros.set_parameters('/gazebo')
+        shared_ros.set_parameters('/robot_description', urdf or burger())
         return shared_ros.start('rosrun', 'img_recog', 'pybullet_sim.py', *parameters, **popen)
     return start

@@ -3,6 +3,7 @@ import os
 import re
 
 import pytest
+import yaml
 
 BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
 
@@ -41,7 +42,7 @@ CAMERA_CASES = {
 @pytest.mark.parametrize('parameter, named, advice', list(CAMERA_CASES.values()),
                          ids=list(CAMERA_CASES))
 def test_camera(roscore, parameter, named, advice):
-    roscore.run('rosparam', 'delete', '/usb_cam')
+    roscore.set_parameters('/usb_cam')
     arguments = [parameter]
     if 'video_device' not in parameter:
         arguments.append('_video_device:=synthetic')
@@ -50,7 +51,7 @@ def test_camera(roscore, parameter, named, advice):
 
 
 def test_camera_typo_is_a_warning(roscore):
-    roscore.run('rosparam', 'delete', '/usb_cam')
+    roscore.set_parameters('/usb_cam')
     camera = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
                            '_framrate:=10')
     line = camera.wait_output(r'\[WARN\].*').group()
@@ -60,7 +61,7 @@ def test_camera_typo_is_a_warning(roscore):
 
 
 def test_camera_continues_without_a_calibration_that_does_not_parse(roscore, tmp_path):
-    roscore.run('rosparam', 'delete', '/usb_cam')
+    roscore.set_parameters('/usb_cam')
     path = tmp_path / 'camera.yaml'
     path.write_text('image_width: 640\n')
     camera = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
@@ -97,40 +98,12 @@ SIMULATOR_CASES = {
 
 @pytest.mark.parametrize('urdf, parameter, named, advice', list(SIMULATOR_CASES.values()),
                          ids=list(SIMULATOR_CASES))
-def test_simulator(roscore, tmp_path, urdf, parameter, named, advice):
-    roscore.run('rosparam', 'delete', '/gazebo')
-    roscore.run('rosparam', 'delete', '/robot_description')
-    if urdf is not None:
-        path = tmp_path / 'robot.urdf'
-        path.write_text(urdf())
-        roscore.run('rosparam', 'set', 'robot_description', '-t', path)
+def test_simulator(roscore, urdf, parameter, named, advice):
+    roscore.set_parameters('/gazebo')
+    roscore.set_parameters('/robot_description', urdf and urdf())
     line = fatal_line(roscore.start('rosrun', 'img_recog', 'pybullet_sim.py',
                                     *filter(None, [parameter])))
     assert named in line and advice in line, line
-
-
-def test_in_the_demo_the_other_nodes_continue_without_a_camera(ros):
-    demo = ros.demo('camera:=/no/such.mp4')
-    demo.wait_output(r'\[FATAL\].*/no/such\.mp4')
-    demo.wait_output(r'\[respawn\] usb_cam: ended and is not started again: .*/no/such\.mp4')
-    others = {'/color_extract', '/turtlebot3_teleop_keyboard', '/gazebo',
-              '/robot_state_publisher'}
-    ros.wait_run(r'(?s)' + '.*'.join(sorted(others)), 'rosnode', 'list')
-    assert '/usb_cam' not in ros.run('rosnode', 'list').split()
-    assert demo.interrupt() == 0
-
-
-@pytest.mark.parametrize('argument, node, named', [
-    ('world:=mars', 'gazebo', 'mars'),
-    ('colors:={}', 'color_extract', 'red_area_limit: got -1')])
-def test_without_simulator_or_recognition_the_demo_ends(ros, tmp_path, argument, node, named):
-    path = tmp_path / 'colors.yaml'
-    path.write_text('red_area_limit: -1\n')
-    demo = ros.demo(argument.format(path))
-    demo.wait()
-    assert re.search(r'\[FATAL\].*' + re.escape(named), demo.output), demo.output
-    assert re.search(r'\[respawn\] {}: ended, and the demo with it: .*{}'.format(
-        node, re.escape(named)), demo.output)
 
 
 COLOR_CASES = {
@@ -158,10 +131,9 @@ def recognition(roscore, tmp_path, text):
     path = tmp_path / 'colors.yaml'
     path.write_text(text)
     command = ['rosrun', 'img_recog', 'color_img_recog.py']
-    roscore.run('rosparam', 'delete', '/color_extract')
-    if not text:            # rosparam loads nothing, so pass the file name too, like the demo
+    roscore.set_parameters('/color_extract', yaml.safe_load(text))
+    if not text:            # nothing is loaded, so pass the file name too, like the demo
         return roscore.start(*command, '_colors_file:={}'.format(path))
-    assert roscore.start('rosparam', 'load', path, '/color_extract').wait() == 0
     return roscore.start(*command)
 
 
@@ -172,7 +144,7 @@ def test_colors(roscore, tmp_path, text, named, advice):
 
 
 def test_unknown_parameters_of_color_extract_are_warnings(roscore, tmp_path):
-    roscore.run('rosparam', 'delete', '/color_extract')
+    roscore.set_parameters('/color_extract')
     node = roscore.start('rosrun', 'img_recog', 'color_img_recog.py', '_blue_hue_mni:=10',
                          '_green_hue_min:=40')
     node.wait_output(r'\[WARN\].*/color_extract/blue_hue_mni .*did you mean blue_hue_min\?')

@@ -14,7 +14,7 @@ CAMERA = ('rosrun', 'img_recog', 'usb_cam_node.py')
 
 
 def start(roscore, *parameters):
-    roscore.run('rosparam', 'delete', '/usb_cam')
+    roscore.set_parameters('/usb_cam')
     return roscore.start(*CAMERA, *parameters)
 
 
@@ -95,7 +95,7 @@ class Recognition:
 
 def test_a_recorded_bag_gives_the_same_areas_as_the_camera(roscore, tmp_path):
     bag = str(tmp_path / 'camera.bag')
-    roscore.run('rosparam', 'delete', '/usb_cam')
+    roscore.set_parameters('/usb_cam')
     live = Recognition(roscore, tmp_path / 'live')
     record = roscore.start('rosbag', 'record', '-O', bag, '/usb_cam/image_raw')
     roscore.wait_run(r'(?s)Subscribers:(?=.*/color_extract)(?=.*/record_)',

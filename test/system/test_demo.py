@@ -12,12 +12,7 @@ NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_
 
 def node_pids(ros):
     """Return the process id of each node; wait until all of them are running."""
-    ros.wait_run(r'(?s)' + '.*'.join('/' + name for name in sorted(NODES)), 'rosnode', 'list')
-    return {name: node_pid(ros, name) for name in NODES}
-
-
-def node_pid(ros, name):
-    return int(ros.wait_run(r'Pid: (\d+)', 'rosnode', 'info', '/' + name).group(1))
+    return {name: ros.node_pid('/' + name) for name in NODES}
 
 
 def alive(pid):
@@ -28,16 +23,33 @@ def alive(pid):
     return True
 
 
-def test_the_log_shows_areas_and_commands_in_order_and_ctrl_c_ends_everything(ros):
+def test_log_and_names_are_as_expected_and_ctrl_c_ends_everything(ros):
     demo = ros.demo()
     demo.wait_output(r'camera: synthetic scene, 640x480, 30 Hz')
     demo.wait_output(r'(?s)blue=[1-9]\d{4}, red=0\n.*drives forward.*blue=0, red=0\n.*stands.*'
                      r'blue=0, red=[1-9]\d{4}\n.*drives backward.*blue=0, red=0\n.*stands')
     pids = node_pids(ros)
+    check_names(ros)
     assert demo.interrupt() == 0
     for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]'):
         assert words not in demo.output, demo.output
     assert [name for name, pid in pids.items() if alive(pid)] == []
+
+
+def check_names(ros):
+    """Use the tools of ROS on a running demo."""
+    topics = ros.run('rostopic', 'list').split()
+    assert {'/usb_cam/image_raw', '/usb_cam/camera_info', '/blue_image', '/red_image', '/cmd_vel',
+            '/odom', '/joint_states', '/imu', '/scan', '/tf', '/clock'} <= set(topics)
+    services = ros.run('rosservice', 'list').split()
+    assert {'/gazebo/pause_physics', '/gazebo/unpause_physics', '/gazebo/reset_world',
+            '/gazebo/reset_simulation', '/usb_cam/start_capture', '/usb_cam/stop_capture',
+            '/usb_cam/set_camera_info'} <= set(services)
+    nodes = ros.run('rosnode', 'list').split()
+    assert {'/' + name for name in NODES} <= set(nodes)
+    report = ros.run('roswtf')
+    assert 'running graph rules' in report
+    assert not re.search(r'Found \d+ error|\bERROR\b', report), report
 
 
 def test_auto_logs_which_camera_it_uses(ros):
@@ -64,22 +76,6 @@ def test_the_camera_of_the_robot_gets_its_parameters_from_the_launch_file(ros):
     assert '/gazebo/world' in synthetic.output and '/gazebo/camera' not in synthetic.output
 
 
-def test_ros_tools_find_the_names_and_no_error(ros):
-    demo = ros.demo()
-    demo.wait_output('the robot drives forward')
-    node_pids(ros)      # the teleop may start later than the robot
-    topics = ros.run('rostopic', 'list').split()
-    assert {'/usb_cam/image_raw', '/usb_cam/camera_info', '/blue_image', '/red_image', '/cmd_vel',
-            '/odom', '/joint_states', '/imu', '/scan', '/tf', '/clock'} <= set(topics)
-    services = ros.run('rosservice', 'list').split()
-    assert {'/gazebo/pause_physics', '/gazebo/unpause_physics', '/gazebo/reset_world',
-            '/gazebo/reset_simulation', '/usb_cam/start_capture', '/usb_cam/stop_capture',
-            '/usb_cam/set_camera_info'} <= set(services)
-    report = ros.run('roswtf')
-    assert 'running graph rules' in report
-    assert not re.search(r'Found \d+ error|\bERROR\b', report), report
-
-
 def test_after_the_camera_is_killed_the_robot_stops_and_the_others_run(ros):
     demo = ros.demo('respawn:=false')
     demo.wait_output('the robot drives forward')
@@ -98,7 +94,7 @@ def test_second_simulator_replaces_the_first(simulate, shared_ros):
     second = simulate()
     second.wait_output('simulating 1.0017 kg')
     assert first.wait() == 0
-    assert node_pid(shared_ros, 'gazebo') == second.pid
+    assert shared_ros.node_pid('/gazebo') == second.pid
     assert 'Traceback' not in first.output + second.output, first.output + second.output
 
 

@@ -3,7 +3,6 @@ import copy
 import math
 import os
 import sys
-import xmlrpc.client
 
 import pytest
 import yaml
@@ -43,8 +42,7 @@ def gazebo(roscore, tmp_path_factory):
 
 def simulate(ros):
     with open(BURGER) as file:
-        xmlrpc.client.ServerProxy(ros.env['ROS_MASTER_URI']).setParam(
-            '/test', '/robot_description', file.read())
+        ros.set_parameters('/robot_description', file.read())
     node = ros.start('rosrun', 'img_recog', 'pybullet_sim.py')
     node.wait_output('simulating 1.0017 kg')
     return node

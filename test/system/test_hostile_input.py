@@ -46,7 +46,7 @@ def silent_subscriber(shared_ros):
     socks = []
 
     def subscribe(node, topic, message_type):
-        master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
+        master = shared_ros.master()
         api = xmlrpc.client.ServerProxy(master.lookupNode('/test', node)[2])
         _, host, port = api.requestTopic('/test', topic, [['TCPROS']])[2]
         socks.append(socket.socket())
@@ -65,7 +65,7 @@ def silent_subscriber(shared_ros):
 
 
 def test_recognition_goes_on(shared_ros, silent_subscriber):
-    master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
+    master = shared_ros.master()
     master.setParam('/test', '/color_extract', {FORGED: 1, 'blue_image_topi': 'x' * (8 << 20)})
     node = shared_ros.start('rosrun', 'img_recog', 'color_img_recog.py')
     node.wait_output(r'parameter /color_extract/x\\n\[FATAL\] forged is unknown')

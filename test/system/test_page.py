@@ -36,7 +36,8 @@ def demo(tmp_path_factory):
     ros.demo_process = ros.start(
         'roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'world:=empty', 'web:=true',
         'camera:={}/card.png'.format(folder), 'colors:={}/colors.yaml'.format(folder),
-        'x_pos:=0', 'y_pos:=0', cwd=str(folder), env=dict(ros.env, PWD=str(folder)))
+        'x_pos:=0', 'y_pos:=0', 'framerate:=15', cwd=str(folder),
+        env=dict(ros.env, PWD=str(folder)))
     ros.url = ros.demo_process.wait_output(r'the page: (http://\S+)').group(1)
     ros.origin, ros.token = ros.url.split('/?token=')
     ros.folder = folder

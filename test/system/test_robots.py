@@ -2,7 +2,6 @@
 import os
 import re
 import signal
-import xmlrpc.client
 
 import pytest
 
@@ -15,7 +14,7 @@ class Master:
     """The parameters and topics of a master."""
 
     def __init__(self, ros):
-        self._master = xmlrpc.client.ServerProxy(ros.env['ROS_MASTER_URI'])
+        self._master = ros.master()
 
     def set(self, name, value):
         assert self._master.setParam('/test', name, value)[0] == 1

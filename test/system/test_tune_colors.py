@@ -2,7 +2,6 @@
 import os
 import re
 import stat
-import xmlrpc.client
 
 import cv2
 import numpy as np
@@ -185,7 +184,7 @@ def test_usage(here, arguments, named):
 @pytest.fixture
 def camera(shared_ros, folder):
     """The master with a camera that shows the blue card, and no parameters of other tests."""
-    master = xmlrpc.client.ServerProxy(shared_ros.env['ROS_MASTER_URI'])
+    master = shared_ros.master()
     for name in ('/color_extract', '/other'):
         master.deleteParam('/test', name)
     shared_ros.master = master
