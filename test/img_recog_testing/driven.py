@@ -25,10 +25,14 @@ class Robot:
 
     def wait_start(self, reset):
         """Call `reset`, which moves the robot to its start; forget what was before."""
+        before = len(self.odometry.messages)
         reset()
-        wait_for(lambda: math.dist(place(self.odometry.wait()[-1]), START) < 0.05,
-                 'the robot at its start')
-        now = self.odometry.messages[-1].header.stamp
+
+        def at_start():     # it may drive away at once
+            return [msg for msg in self.odometry.messages[before:]
+                    if math.dist(place(msg), START) < 0.05]
+        wait_for(at_start, 'the robot at its start')
+        now = at_start()[-1].header.stamp
         for recorder in (self.odometry, self.scans, self.detections):
             recorder.messages = [msg for msg in recorder.messages if msg.header.stamp >= now]
         self.commands.messages = []
