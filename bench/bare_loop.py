@@ -1,4 +1,7 @@
-"""Print the steps per second of PyBullet alone, with the world and the robot of the node."""
+"""Measure the steps per second of PyBullet alone, with the world and the robot of the node.
+
+For each line of the input, a number of seconds, it simulates so long and prints the result.
+"""
 import os
 import sys
 import time
@@ -12,9 +15,17 @@ FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'ur
 BATCH = 1000
 
 
+def steps_per_s(world: World, seconds: float) -> float:
+    """Simulate for so many seconds of wall time."""
+    steps, start = 0, time.perf_counter()
+    while time.perf_counter() - start < seconds:
+        world.step(BATCH)
+        steps += BATCH
+    return steps / (time.perf_counter() - start)
+
+
 def main() -> int:
-    """Simulate for the number of seconds given as argument."""
-    seconds = float(sys.argv[1])
+    """Answer the lines of the input."""
     worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
     client, physics = loading.connect(), PhysicsSettings()
     world = World(physics, world_file.read('turtlebot3_world', worlds), client)
@@ -24,11 +35,9 @@ def main() -> int:
     # the speeds of sample.py, without a ramp: 0.1 m/s and 0.5 rad/s
     vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))
     world.step(BATCH)
-    steps, start = 0, time.perf_counter()
-    while time.perf_counter() - start < seconds:
-        world.step(BATCH)
-        steps += BATCH
-    sys.stdout.write('{}\n'.format(steps / (time.perf_counter() - start)))
+    for line in sys.stdin:
+        sys.stdout.write('{}\n'.format(steps_per_s(world, float(line))))
+        sys.stdout.flush()
     return 0
 
 

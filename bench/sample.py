@@ -1,13 +1,34 @@
-"""Drive the robot of a running simulator in a circle; print speed and CPU share as JSON."""
+"""Drive the robot of a running simulator in a circle; print speed and CPU share as JSON.
+
+A simulator in free run and a loop of PyBullet alone take turns, so that a slow moment of the
+machine affects both; the simulator is stopped meanwhile.
+"""
 import json
+import os
+import signal
+import subprocess
 import sys
 import time
 
 import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from ros_processes import cpu_s
+from ros_processes import HERE, cpu_s
 from rosgraph_msgs.msg import Clock
+
+
+class BareLoop:
+    """A running bare_loop.py."""
+
+    def __init__(self):
+        self._process = subprocess.Popen(
+            [sys.executable, os.path.join(HERE, 'bare_loop.py')], stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, universal_newlines=True, bufsize=1)
+
+    def steps_per_s(self, seconds: float) -> float:
+        """Let it simulate for so long."""
+        self._process.stdin.write('{}\n'.format(seconds))
+        return float(self._process.stdout.readline())
 
 
 def simulated_s() -> float:
@@ -15,9 +36,19 @@ def simulated_s() -> float:
     return rospy.wait_for_message('/clock', Clock).clock.to_sec()
 
 
+def sample(pid: int, seconds: float) -> dict:
+    """Return the speed and the CPU share of the simulator, a process."""
+    simulated, processor, wall = simulated_s(), cpu_s(pid), time.perf_counter()
+    time.sleep(seconds)
+    simulated = simulated_s() - simulated
+    processor, wall = cpu_s(pid) - processor, time.perf_counter() - wall
+    return {'real_time_factor': simulated / wall, 'cpu_share': processor / wall}
+
+
 def main() -> int:
-    """Measure the process PID for SECONDS."""
-    seconds, pid = float(sys.argv[1]), int(sys.argv[2])
+    """Measure the process PID in TURNS of SECONDS; FREE: 1 for a free run, or 0."""
+    pid, turns, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
+    is_free = bool(int(sys.argv[4]))
     rospy.init_node('sample', disable_rostime=True)
     commands = rospy.Publisher('/cmd_vel', Twist, latch=True, queue_size=1)
     command = Twist()
@@ -26,12 +57,18 @@ def main() -> int:
     while rospy.wait_for_message('/odom', Odometry).twist.twist.linear.x < 0.09:
         time.sleep(0.1)
     commands.unregister()
-    simulated, processor, wall = simulated_s(), cpu_s(pid), time.perf_counter()
-    time.sleep(seconds)
-    simulated = simulated_s() - simulated
-    processor, wall = cpu_s(pid) - processor, time.perf_counter() - wall
-    sys.stdout.write(json.dumps({'real_time_factor': simulated / wall,
-                                 'cpu_share': processor / wall}) + '\n')
+    bare_loop = BareLoop() if is_free else None
+    samples = []
+    for _ in range(turns):
+        alone = {}
+        if bare_loop:
+            os.kill(pid, signal.SIGSTOP)
+            try:
+                alone = {'bare_steps_per_s': bare_loop.steps_per_s(seconds)}
+            finally:
+                os.kill(pid, signal.SIGCONT)
+        samples.append({**sample(pid, seconds), **alone})
+    sys.stdout.write(json.dumps(samples) + '\n')
     return 0
 
 

@@ -9,7 +9,7 @@ from ros_processes import Master, run_script, wait_for
 HERE = os.path.dirname(os.path.abspath(__file__))
 PACKAGE = os.path.dirname(HERE)
 ROUNDS = 3
-SECONDS = 5.0
+TURNS, SECONDS = 5, 1.0         # in a round; a turn is once of the simulator and once of PyBullet
 STEPS_A_SECOND = 1000           # per second of simulated time: the step is 1 ms
 # messages per second of simulated time
 RATES_HZ = {'/clock': 100, '/imu': 200, '/joint_states': 30, '/odom': 30, '/scan': 5, '/tf': 30}
@@ -17,9 +17,10 @@ RATES_HZ = {'/clock': 100, '/imu': 200, '/joint_states': 30, '/odom': 30, '/scan
 
 def node(real_time_factor: float, topics: Sequence[str], env: Optional[Dict[str, str]] = None
          ) -> dict:
-    """Return what sample.py measures with a new simulator, and the CPU time of a step, us.
+    """Return the medians of what sample.py measures with a new simulator.
 
-    topics: a subscriber to these runs too.
+    topics: a subscriber to these runs too. step_us: the CPU time of a step; of_bare_loop: in free
+    run, the ratio of the steps per second in the same turn.
     """
     with Master() as master:
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
@@ -32,9 +33,14 @@ def node(real_time_factor: float, topics: Sequence[str], env: Optional[Dict[str,
         if topics:
             master.start(sys.executable, os.path.join(HERE, 'watch_topics.py'), *topics)
         wait_for(lambda: '/clock' in dict(master.server.getPublishedTopics('')), 'the simulator')
-        sample = run_script('sample.py', SECONDS, process.pid, env=master.env)
-    steps_a_second = sample['real_time_factor'] * STEPS_A_SECOND
-    return {**sample, 'step_us': 1e6 * sample['cpu_share'] / steps_a_second}
+        samples = run_script('sample.py', process.pid, TURNS, SECONDS, int(not real_time_factor),
+                             env=master.env)
+    for sample in samples:
+        steps_per_s = sample['real_time_factor'] * STEPS_A_SECOND
+        sample['step_us'] = 1e6 * sample['cpu_share'] / steps_per_s
+        if 'bare_steps_per_s' in sample:
+            sample['of_bare_loop'] = steps_per_s / sample['bare_steps_per_s']
+    return {key: median(sample[key] for sample in samples) for key in samples[0]}
 
 
 def _cases() -> list:
@@ -51,7 +57,7 @@ CASES = _cases()
 
 def count() -> int:
     """Return the number of measurements that `measure` makes."""
-    return ROUNDS * (1 + len(CASES))
+    return ROUNDS * len(CASES)
 
 
 def measure(done: Callable[[], None]) -> dict:
@@ -59,10 +65,8 @@ def measure(done: Callable[[], None]) -> dict:
 
     done: called after each measurement.
     """
-    bare, cases = [], {case: [] for case in CASES}
+    cases: Dict[tuple, list] = {case: [] for case in CASES}
     for _ in range(ROUNDS):
-        bare.append(run_script('bare_loop.py', SECONDS))
-        done()
         for case in CASES:
             cases[case].append(node(*case[1:]))
             done()
@@ -73,16 +77,17 @@ def measure(done: Callable[[], None]) -> dict:
         factor = median(sample['real_time_factor'] for sample in samples)
         row = {'case': title, 'steps_per_s': factor * STEPS_A_SECOND, 'real_time_factor': factor,
                'cpu_share': median(sample['cpu_share'] for sample in samples),
-               # ratios within a round: if the machine is slow for a while, it is slow for both
-               'of_bare_loop': median(sample['real_time_factor'] * STEPS_A_SECOND / alone
-                                      for sample, alone in zip(samples, bare)),
                'step_us': median(sample['step_us'] for sample in samples)}
+        if not wanted_factor:
+            row['of_bare_loop'] = median(sample['of_bare_loop'] for sample in samples)
         if len(topics) == 1 and not wanted_factor:
             row['message_us'] = median(
                 (sample['step_us'] - without['step_us']) * STEPS_A_SECOND / RATES_HZ[topics[0]]
                 for sample, without in zip(samples, idle))
         rows.append(row)
-    return {'bare_loop_steps_per_s': median(bare), 'node': rows}
+    return {'bare_loop_steps_per_s': median(
+        sample['bare_steps_per_s'] for samples in cases.values() for sample in samples
+        if 'bare_steps_per_s' in sample), 'node': rows}
 
 
 def table(results: dict) -> str:
@@ -94,8 +99,9 @@ def table(results: dict) -> str:
     lines.append('{:34} {:8.0f} {:10.1f} {:>12} {:>8} {:9.1f}'.format(
         'bare loop of stepSimulation', bare, bare / STEPS_A_SECOND, '1', '', 1e6 / bare))
     for row in results['node']:
-        line = ('{case:34} {steps_per_s:8.0f} {real_time_factor:10.2f} {of_bare_loop:12.2f} '
-                '{cpu_share:8.1%} {step_us:9.1f}').format(**row)
+        ratio = '{:.2f}'.format(row['of_bare_loop']) if 'of_bare_loop' in row else ''
+        line = ('{case:34} {steps_per_s:8.0f} {real_time_factor:10.2f} {ratio:>12} '
+                '{cpu_share:8.1%} {step_us:9.1f}').format(ratio=ratio, **row)
         if 'message_us' in row:
             line += ' {message_us:11.0f}'.format(**row)
         lines.append(line)
