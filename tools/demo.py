@@ -113,7 +113,7 @@ class Supervisor:
         self._channels = []
 
     def run(self, command):
-        """Run `command`; return its exit code when none of its processes is left."""
+        """Run roslaunch, the command; return its exit code when none of its processes is left."""
         process_tree.adopt_orphans()
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
             if signal.getsignal(signum) != signal.SIG_IGN:      # ignored under nohup
@@ -121,7 +121,7 @@ class Supervisor:
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
         roslaunch = self._start(command)
         if os.environ.get('DISPLAY'):
-            subprocess.Popen([sys.executable, PLACE_WINDOWS])
+            subprocess.Popen([sys.executable, PLACE_WINDOWS, *command[3:]])
         with selectors.DefaultSelector() as selector:
             for channel in self._channels:
                 selector.register(channel.reader, selectors.EVENT_READ, channel)

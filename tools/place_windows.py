@@ -4,6 +4,8 @@
 Without one, X shows every window in the upper left corner, the simulator's on top of the images.
 Neither image_view (OpenCV's highgui) nor PyBullet has an option for the position of its window.
 Ends when all windows stay where they are placed, and immediately if a window manager is running.
+
+usage: place_windows.py [ARGUMENT:=VALUE ...], the arguments of demo.launch.
 """
 import ctypes
 import ctypes.util
@@ -15,11 +17,15 @@ import process_tree
 
 SIMULATOR = 'Bullet Physics'
 IMAGES = ('/usb_cam/image_raw', '/blue_image', '/red_image')
+# a part of the title of each window that an argument of demo.launch opens
+OPTIONAL = {'rviz': ' - RViz', 'rqt_graph': 'rqt_graph__', 'rqt_reconfigure': 'rqt_reconfigure__'}
 GAP_PX = 4
 _POLL_PERIOD_S = 0.3
 _PATIENCE_S = 300.0
 _STABLE_S = 3.0
 _SUBSTRUCTURE_REDIRECT = 1 << 20        # X.h; window managers select it on the root
+_IS_VIEWABLE = 2                        # X.h
+_STEP_PX = 40                           # between windows for which there is no free place
 
 _Window, _Pointer = ctypes.c_ulong, ctypes.c_void_p
 
@@ -84,10 +90,11 @@ class Display:
 
 
 def places(screen, sizes):
-    """Return the upper left corner of each window: the simulator, and the images right of it.
+    """Return the upper left corner of each window, by title.
 
-    screen: (width, height) in pixels. sizes: the same of each window, by title. If the screen is
-    too small, the windows overlap, but none is off screen.
+    The simulator, the images right of it, and the others where there is room. screen: (width,
+    height) in pixels. sizes: the same of each window, by title. If the screen is too small, the
+    windows overlap, but none is off screen.
     """
     result, left, top = {}, 0, 0
     for title in filter(lambda title: title.startswith(SIMULATOR), sizes):
@@ -98,31 +105,62 @@ def places(screen, sizes):
         result[title] = (max(0, min(left, screen[0] - width)),
                          max(0, min(top, screen[1] - height)))
         top += height + GAP_PX
+    for part in OPTIONAL.values():
+        for title in filter(lambda title: part in title, sizes):
+            taken = [(*place, *sizes[other]) for other, place in result.items()]
+            result[title] = free_place(screen, sizes[title], taken)
     return result
 
 
-def main(*wanted):
-    """Place the windows whose titles begin with one of `wanted`, when they appear."""
+def free_place(screen, size, taken):
+    """Return the leftmost place where a window covers no other, else one in the lower right.
+
+    taken: the others, as left, top, width and height.
+    """
+    room = screen[0] - size[0], screen[1] - size[1]
+    for left in sorted({0, *(x + width + GAP_PX for x, _, width, _ in taken)}):
+        for top in sorted({0, *(y + height + GAP_PX for _, y, _, height in taken)}):
+            if left <= room[0] and top <= room[1] and not any(
+                    left < x + width and x < left + size[0]
+                    and top < y + height and y < top + size[1] for x, y, width, height in taken):
+                return left, top
+    left, top = max(0, room[0]), max(0, room[1])
+    while (left, top) in {each[:2] for each in taken} and (left or top):
+        left, top = max(0, left - _STEP_PX), max(0, top - _STEP_PX)
+    return left, top
+
+
+def parts_of_titles(*words):
+    """Return a part of the title of each window that the demo opens with these arguments."""
+    wanted = [part for name, part in OPTIONAL.items()
+              if {name + ':=true', name + ':=1'} & set(words)]
+    return (SIMULATOR, *IMAGES, *wanted)
+
+
+def main(*words):
+    """Place the windows of a demo with these arguments, when they appear."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     process_tree.end_with_parent()
     try:
         display = Display()
     except OSError:
         return 0
+    wanted = parts_of_titles(*words)
     root = display.attributes(display.root)
     stable_s = end = time.monotonic() + _PATIENCE_S
     while time.monotonic() < end and not root.all_event_masks & _SUBSTRUCTURE_REDIRECT:
         windows = {title: window for title, window in display.windows().items()
-                   if title.startswith(wanted)}
+                   if any(part in title for part in wanted)}
         attributes = {title: display.attributes(window) for title, window in windows.items()}
-        sizes = {title: (found.width, found.height) for title, found in attributes.items()}
+        sizes = {title: (found.width, found.height) for title, found in attributes.items()
+                 if found.map_state == _IS_VIEWABLE}
         wrong = {title: place
                  for title, place in places((root.width, root.height), sizes).items()
                  if (attributes[title].x, attributes[title].y) != place}
         for title, place in wrong.items():
             display.move(windows[title], *place)
         # a program may move its window again while it opens it
-        if wrong or len(windows) < len(wanted):
+        if wrong or len(sizes) < len(wanted):
             stable_s = time.monotonic() + _STABLE_S
         elif time.monotonic() > stable_s:
             return 0
@@ -131,4 +169,4 @@ def main(*wanted):
 
 
 if __name__ == '__main__':
-    sys.exit(main(*(sys.argv[1:] or (SIMULATOR, *IMAGES))))
+    sys.exit(main(*sys.argv[1:]))
