@@ -23,6 +23,9 @@ except ImportError:
 
 _POSE = re.compile(r'x (-?[0-9.]+) m, y (-?[0-9.]+) m')
 _TABS = ('live', 'colors', 'graph', 'nodes', 'log')
+# its icon has a text, too
+_BUTTON = ('const button = (text) => [...document.querySelectorAll("button .block")].find('
+           '(each) => each.textContent === text);')
 
 
 def need_chromium():
@@ -67,6 +70,14 @@ class Browser:
     def js(self, script, *arguments):
         """Run a script in the page; return its result."""
         return self.driver.execute_script(script, *arguments)
+
+    def has_button(self, text):
+        """Return whether there is a button with this text."""
+        return self.js(_BUTTON + 'return Boolean(button(arguments[0]))', text)
+
+    def click(self, text):
+        """Click the button with this text."""
+        self.js(_BUTTON + 'button(arguments[0]).click()', text)
 
     def text(self, selector):
         """Return the text of the first element; empty if there is none."""

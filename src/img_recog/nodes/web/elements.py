@@ -32,9 +32,8 @@ def picture(topic: str, title: str, empty: str, classes: str = '') -> None:
 
 
 def button(icon: str, label: str, on_click: Callable) -> Any:
-    """Return a small button with an icon; label: what it does."""
-    return ui.button(icon=icon, on_click=on_click).props(
-        'dense aria-label="{0}" title="{0}"'.format(label))
+    """Return a small button with an icon and a text."""
+    return ui.button(label, icon=icon, on_click=on_click).props('dense no-caps size=sm')
 
 
 def slider(title: str, low: float, high: float, step: float, value: float,

@@ -41,9 +41,8 @@ class LiveTab:
     def update(self) -> None:
         """Show what other pages and nodes have changed."""
         is_recording = bool(self._system.recording())
-        self._record_button.props('color={0} aria-label="{1}" title="{1}"'.format(
-            'negative' if is_recording else 'primary',
-            self._t('stop_recording' if is_recording else 'record')))
+        self._record_button.props('color=' + ('negative' if is_recording else 'primary'))
+        self._record_button.text = self._t('stop_recording' if is_recording else 'record')
         simulator = self._system.simulator.values()
         if simulator.get('view') in self._view.options:
             self._view.value = simulator['view']

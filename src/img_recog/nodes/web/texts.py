@@ -43,6 +43,7 @@ _TEXTS: Dict[str, Tuple[str, str]] = {
     'seconds': ('seconds ago', '秒前'),
     'simulation': ('Simulation', 'シミュレーション'),
     'pause': ('Pause', '一時停止'),
+    'paused': ('paused', '一時停止中'),
     'resume': ('Resume', '再開'),
     'reset_world': ('Back to the start', 'スタートに戻す'),
     'reset_simulation': ('Back to the start, time to 0', 'スタートに戻し、時刻を 0 にする'),

@@ -127,7 +127,9 @@
     if (measured.path) state.path = measured.path;
     if (measured.pose) follow(measured.pose);
     if (measured.factor !== undefined) {
-      show('[data-bind=factor]', measured.factor === null ? '' : measured.factor.toFixed(2));
+      const { factor } = measured;
+      show('[data-bind=factor]', factor === null ? '' : factor ? factor.toFixed(2)
+        : text('paused'));
     }
     if (measured.pose) {
       const [x, y, yaw] = measured.pose;
