@@ -128,10 +128,11 @@ def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
 
 
 def corners(ros, *titles):
-    """Return the upper left corner of each window on the display that has one of these titles."""
+    """Return the upper left corner of each window whose title begins with one of these."""
     lines = ros.run('xwininfo', '-root', '-tree')
     found = re.findall(r'"([^"]*)": .* \+(-?\d+)\+(-?\d+)\n', lines)
-    return {title: (int(left), int(top)) for title, left, top in found if title in titles}
+    return {title: (int(left), int(top)) for name, left, top in found
+            for title in titles if name.startswith(title)}
 
 
 def test_windows_are_placed_side_by_side_without_a_window_manager(ros, display):
