@@ -3,7 +3,7 @@
 PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
 import math
-from typing import Dict, NamedTuple, Sequence, Tuple
+from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 import pybullet
@@ -161,13 +161,22 @@ def rotation_matrix(orientation: Quaternion) -> np.ndarray:
     return np.array(pybullet.getMatrixFromQuaternion(orientation)).reshape(3, 3)
 
 
+def into_frame(orientation: Quaternion, *vectors: Vector) -> List[Vector]:
+    """Return vectors of the parent frame in the child frame."""
+    # plain numbers: for three of them, arrays take several times as long
+    xx, yx, zx, xy, yy, zy, xz, yz, zz = pybullet.getMatrixFromQuaternion(orientation)
+    return [(xx * x + xy * y + xz * z, yx * x + yy * y + yz * z, zx * x + zy * y + zz * z)
+            for x, y, z in vectors]
+
+
 def velocity_at(position: Vector, point: Vector, linear: Vector, angular: Vector) -> Vector:
     """Return the velocity of a position that moves with a rigid part; all in the world.
 
     point: any point of the part, and linear: the velocity of that point; angular: the angular
     velocity of the part.
     """
-    x, y, z = (a - b for a, b in zip(position, point))
+    (px, py, pz), (x0, y0, z0) = position, point
+    x, y, z = px - x0, py - y0, pz - z0
     (vx, vy, vz), (wx, wy, wz) = linear, angular
     return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
 
@@ -180,5 +189,5 @@ def motion_of_frame(frame: Tuple[Vector, Quaternion], point: Vector, linear: Vec
     """
     position, orientation = frame
     at_frame = velocity_at(position, point, linear, angular)
-    in_frame = np.array((at_frame, angular)) @ rotation_matrix(orientation)
-    return Motion(np.array(position), orientation, in_frame[0], in_frame[1])
+    return Motion(np.array(position), orientation,
+                  *np.array(into_frame(orientation, at_frame, angular)))

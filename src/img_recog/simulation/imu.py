@@ -2,9 +2,8 @@
 from typing import Iterator, List, NamedTuple, Optional
 
 import numpy as np
-import pybullet
 
-from img_recog.simulation.body import Quaternion, Vector, velocity_at
+from img_recog.simulation.body import Quaternion, Vector, into_frame, velocity_at
 from img_recog.simulation.robot import Robot
 from img_recog.simulation.sensor import Sensor
 from img_recog.simulation.settings import ImuSettings
@@ -43,22 +42,18 @@ class Imu(Sensor):
 
     def read(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""
-        # plain numbers: arrays of three take several times as long
+        # written out: this is called 200 times a second, and loops take several times as long
         state = self._robot.frame_state(self._settings.imu_frame)
         position, orientation = state.frame
         velocity = velocity_at(position, *state[1:])
         before = self._velocity or velocity
         self._velocity = velocity
-        force = [(now - last) / self._period_s + rest
-                 for now, last, rest in zip(velocity, before, self._force_at_rest)]
-        rows = pybullet.getMatrixFromQuaternion(orientation)
-        (ax, ay, az), (fx, fy, fz) = state.angular, force
-        values = [exact + error for exact, error in zip((
-            rows[0] * ax + rows[3] * ay + rows[6] * az, rows[1] * ax + rows[4] * ay + rows[7] * az,
-            rows[2] * ax + rows[5] * ay + rows[8] * az, rows[0] * fx + rows[3] * fy + rows[6] * fz,
-            rows[1] * fx + rows[4] * fy + rows[7] * fz, rows[2] * fx + rows[5] * fy + rows[8] * fz
-        ), next(self._noise))]
-        return ImuReading(orientation, values[:3], values[3:])
+        period_s = self._period_s
+        (vx, vy, vz), (lx, ly, lz), (gx, gy, gz) = velocity, before, self._force_at_rest
+        force = ((vx - lx) / period_s + gx, (vy - ly) / period_s + gy, (vz - lz) / period_s + gz)
+        (ax, ay, az), (fx, fy, fz) = into_frame(orientation, state.angular, force)
+        e0, e1, e2, e3, e4, e5 = next(self._noise)
+        return ImuReading(orientation, (ax + e0, ay + e1, az + e2), (fx + e3, fy + e4, fz + e5))
 
 
 def _rows(noise: np.random.RandomState, deviations: np.ndarray) -> Iterator[List[float]]:

@@ -77,6 +77,7 @@ class Vehicle:
             sensors['scan'] = LaserScanner(self.robot, settings.scan, scan_noise, world.solids)
         self._sensors = {name: ScheduledSensor(name, self._period_steps(name, step_s), sensor)
                          for name, sensor in sensors.items()}
+        self._enabled = list(self._sensors.values())
 
     def _can_have(self, sensor: str, frame: str, default_frame: str) -> bool:
         """Return whether to mount a sensor: not when only the default names a missing link."""
@@ -109,12 +110,13 @@ class Vehicle:
 
         Sensors do not influence how the robot moves.
         """
-        if sensor not in self._sensors:
+        scheduled = self._sensors.get(sensor)
+        if scheduled is None or scheduled.enabled == enabled:
             return
-        scheduled = self._sensors[sensor]
-        if enabled and not scheduled.enabled:
+        if enabled:
             scheduled.sensor.restart()
         scheduled.enabled = enabled
+        self._enabled = [each for each in self._sensors.values() if each.enabled]
 
     def command(self, linear_x: float, angular_z: float) -> None:
         """Drive at linear_x m/s and angular_z rad/s until the next command."""
@@ -139,15 +141,15 @@ class Vehicle:
 
     def due_sensors(self, steps: int) -> List[ScheduledSensor]:
         """Return the sensors that are to be read after `steps` steps."""
-        return [scheduled for scheduled in self._sensors.values()
-                if scheduled.enabled and steps % scheduled.period_steps == 0]
+        return [scheduled for scheduled in self._enabled if steps % scheduled.period_steps == 0]
 
     def next_event(self, steps: int) -> int:
         """Return the first step after `steps` at which the drive or a sensor is due."""
         wait = self._drive_steps - steps % self._drive_steps
-        for scheduled in self._sensors.values():
-            if scheduled.enabled:
-                wait = min(wait, scheduled.period_steps - steps % scheduled.period_steps)
+        for scheduled in self._enabled:
+            remaining = scheduled.period_steps - steps % scheduled.period_steps
+            if remaining < wait:
+                wait = remaining
         return steps + wait
 
     def reset(self) -> None:
