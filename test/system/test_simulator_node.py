@@ -3,6 +3,7 @@ import os
 import re
 import signal
 
+import numpy as np
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
@@ -193,6 +194,9 @@ def test_a_subscriber_that_hangs_does_not_block_the_simulator(ros, simulate):
     # more was sent than socket buffers hold: some messages are missing, then new ones arrive
     wait_for(gap, lambda: stopped.rows[-3:])
     stopped.wait_more(10)
+    # several times are sent together, none is left out
+    times = [row[0] for row in clock.rows]
+    assert {time % 10e6 for time in times} == {0} and 10e6 in np.diff(times)
 
 
 def test_the_real_time_factor_is_published(ros, simulate):
