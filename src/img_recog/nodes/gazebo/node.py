@@ -64,9 +64,9 @@ from img_recog.simulation.view import above
 from img_recog.simulation.window import Window
 
 _POLL_PERIOD_S = 0.1
-# Clock periods in a round. The code for messages takes long to get into the processor's cache,
-# again in each round, while the physics takes less than a millisecond.
-_FREE_RUN_PERIODS = 2
+# Of simulated time, between two looks at commands and services; it takes about 1 ms. After the
+# physics, no code for messages is in the processor's cache: it gets there once in a round.
+_FREE_RUN_ROUND_S = 0.02
 
 
 class PybulletSim:
@@ -77,6 +77,7 @@ class PybulletSim:
         which = parameters.read(RobotsSettings)
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
+        self._free_run_periods = max(1, round(_FREE_RUN_ROUND_S / physics.clock_period_s))
         _warn_of_unknown_parameters()
         plans = RobotPlans(physics.step_s)
         single = None if which.several_robots else plans.single()
@@ -151,7 +152,7 @@ class PybulletSim:
             self._pacer.restart()
             self._publish_factor(0.0)
         else:
-            periods = 1 if self._wanted_factor else _FREE_RUN_PERIODS
+            periods = 1 if self._wanted_factor else self._free_run_periods
             self._advance(periods)
             self._publish_factor(periods * self._clock_period_s)
             self._wait(self._pacer.delay_s(periods * self._clock_period_s))
