@@ -82,7 +82,7 @@ def measure(done: Callable[[], None]) -> dict:
                 samples.setdefault(name, []).append(pair)
     for name, pairs in samples.items():
         row = {'case': name}
-        for key in ('rate_hz', 'cpu_ms_a_frame', 'jitter_ms'):
+        for key in ('rate_hz', 'cpu_ms_a_frame', 'jitter_ms', 'arrival_jitter_ms'):
             row[key] = median(ours[key] for ours, _ in pairs)
             row['their_' + key] = median(theirs[key] for _, theirs in pairs)
         row['cpu_ratio'] = median(ours['cpu_ms_a_frame'] / theirs['cpu_ms_a_frame']
@@ -95,11 +95,12 @@ def table(results: dict) -> str:
     """Return the results as a table."""
     if not results['rows']:
         return 'camera: not measured, because image_publisher is not installed'
-    lines = ['{:30} {:>16} {:>22} {:>7} {:>18}'.format(
-        'camera, and image_publisher', 'rate, Hz', 'CPU a frame, ms', 'ratio',
-        '99 % jitter, ms')]
+    lines = ['{:30} {:>16} {:>22} {:>7} {:>18} {:>18}'.format(*titles) for titles in (
+        ('camera, and image_publisher', 'rate, Hz', 'CPU a frame, ms', 'ratio',
+         '99 % jitter, ms:', 'and of its'), ('', '', '', '', 'first byte', 'last byte'))]
     for row in results['rows']:
         lines.append('{case:30} {rate_hz:7.1f} {their_rate_hz:8.1f} {cpu_ms_a_frame:13.2f} '
                      '{their_cpu_ms_a_frame:8.2f} {cpu_ratio:7.2f} {jitter_ms:9.2f} '
-                     '{their_jitter_ms:8.2f}'.format(**row))
+                     '{their_jitter_ms:8.2f} {arrival_jitter_ms:9.2f} '
+                     '{their_arrival_jitter_ms:8.2f}'.format(**row))
     return '\n'.join(lines)

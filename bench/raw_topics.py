@@ -1,7 +1,10 @@
 """Connections to topics without rospy, whose own work would be measured too."""
+import contextlib
+import selectors
 import socket
 import struct
-from typing import Iterator, Union
+import threading
+from typing import Any, Callable, Iterator, Sequence, Union
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -11,6 +14,7 @@ from rosgraph import network
 _NAME = '/raw_topics'
 _TIMEOUT_S = 60.0
 _LENGTH = struct.Struct('<I')
+_BUFFER_BYTES = 1 << 20
 
 
 def connect(topic: str, master_uri: str, poll_period_s: float = 0.1) -> socket.socket:
@@ -35,11 +39,16 @@ def connect(topic: str, master_uri: str, poll_period_s: float = 0.1) -> socket.s
     return sock
 
 
-def messages(sock: socket.socket) -> Iterator[memoryview]:
-    """Yield the serialized messages that arrive; each is overwritten by the next one."""
+def messages(sock: socket.socket, begun: Callable[[], Any] = lambda: None
+             ) -> Iterator[memoryview]:
+    """Yield the serialized messages that arrive; each is overwritten by the next one.
+
+    begun: called when the first bytes of a message have arrived.
+    """
     memory = bytearray()
     while True:
         size, = _LENGTH.unpack(_receive(sock, bytearray(_LENGTH.size)))
+        begun()
         if size > len(memory):
             memory = bytearray(size)
         yield _receive(sock, memoryview(memory)[:size])
@@ -55,3 +64,41 @@ def _receive(sock: socket.socket, memory: Union[bytearray, memoryview]
             raise RuntimeError('the publisher has closed the connection')
         view = view[count:]
     return memory
+
+
+class Readers:
+    """A context manager: subscribers to topics that drop the messages, in one thread."""
+
+    def __init__(self, topics: Sequence[str], master_uri: str):
+        """Subscribe; wait until each topic has a publisher."""
+        self._sockets = [connect(topic, master_uri) for topic in topics]
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> 'Readers':
+        return self
+
+    def __exit__(self, *_):
+        for sock in self._sockets:
+            with contextlib.suppress(OSError):      # closed by the publisher
+                sock.shutdown(socket.SHUT_RDWR)     # the thread reads the end then
+        self.wait()
+
+    def wait(self) -> None:
+        """Wait until all connections have ended."""
+        self._thread.join()
+
+    def _read(self) -> None:
+        scratch = memoryview(bytearray(_BUFFER_BYTES))
+        with selectors.DefaultSelector() as selector:
+            for sock in self._sockets:
+                selector.register(sock, selectors.EVENT_READ)
+            while selector.get_map():
+                for key, _ in selector.select():
+                    try:
+                        count = key.fileobj.recv_into(scratch)
+                    except OSError:         # reset
+                        count = 0
+                    if not count:
+                        selector.unregister(key.fileobj)
+                        key.fileobj.close()

@@ -1,7 +1,7 @@
-"""Drive the robot of a running simulator in a circle; print speed and CPU share as JSON.
+"""Drive the robot of a running simulator in a circle; print speed and CPU shares as JSON.
 
-A simulator in free run and a loop of PyBullet alone take turns, so that a slow moment of the
-machine affects both; the simulator is stopped meanwhile.
+The simulator has other subscribers in turn. In free run, a loop of PyBullet alone takes turns with
+it, while the simulator is stopped: so a slow moment of the machine affects all of them.
 """
 import json
 import os
@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 
+import raw_topics
 import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
@@ -46,9 +47,12 @@ def sample(pid: int, seconds: float) -> dict:
 
 
 def main() -> int:
-    """Measure the process PID in TURNS of SECONDS; FREE: 1 for a free run, or 0."""
-    pid, turns, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
-    is_free = bool(int(sys.argv[4]))
+    """Measure the process PID for SECONDS, TURNS times with each of some subscribers.
+
+    SUBSCRIBERS: JSON, a list of lists of topics. FREE: 1 for a free run, or 0.
+    """
+    pid, seconds, turns = int(sys.argv[1]), float(sys.argv[2]), int(sys.argv[3])
+    subscribers, is_free = json.loads(sys.argv[4]), bool(int(sys.argv[5]))
     rospy.init_node('sample', disable_rostime=True)
     commands = rospy.Publisher('/cmd_vel', Twist, latch=True, queue_size=1)
     command = Twist()
@@ -58,17 +62,21 @@ def main() -> int:
         time.sleep(0.1)
     commands.unregister()
     bare_loop = BareLoop() if is_free else None
-    samples = []
+    found = []
     for _ in range(turns):
-        alone = {}
-        if bare_loop:
-            os.kill(pid, signal.SIGSTOP)
-            try:
-                alone = {'bare_steps_per_s': bare_loop.steps_per_s(seconds)}
-            finally:
-                os.kill(pid, signal.SIGCONT)
-        samples.append({**sample(pid, seconds), **alone})
-    sys.stdout.write(json.dumps(samples) + '\n')
+        turn = []
+        for topics in subscribers:
+            alone = {}
+            if bare_loop:
+                os.kill(pid, signal.SIGSTOP)
+                try:
+                    alone = {'bare_steps_per_s': bare_loop.steps_per_s(seconds)}
+                finally:
+                    os.kill(pid, signal.SIGCONT)
+            with raw_topics.Readers(topics, os.environ['ROS_MASTER_URI']):
+                turn.append({**sample(pid, seconds), **alone})
+        found.append(turn)
+    sys.stdout.write(json.dumps(found) + '\n')
     return 0
 
 

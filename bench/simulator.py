@@ -1,26 +1,31 @@
 """Speed of the simulator node, compared with PyBullet alone."""
+import json
 import os
 import sys
 from statistics import median
-from typing import Callable, Dict, Optional, Sequence
+from typing import Callable, Dict, List, Optional, Sequence
 
 from ros_processes import Master, run_script, wait_for
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PACKAGE = os.path.dirname(HERE)
-ROUNDS = 3
-TURNS, SECONDS = 5, 1.0         # in a round; a turn is once of the simulator and once of PyBullet
+ROUNDS = 3                      # a new simulator in each
+TURNS, SECONDS = 10, 0.5        # in a round; a turn measures all cases
 STEPS_A_SECOND = 1000           # per second of simulated time: the step is 1 ms
 # messages per second of simulated time
 RATES_HZ = {'/clock': 100, '/imu': 200, '/joint_states': 30, '/odom': 30, '/scan': 5, '/tf': 30}
+ALL, NONE = tuple(RATES_HZ), ()
+# topics that are subscribed, by the title
+CASES = {'no subscriber': NONE, 'all topics subscribed': ALL}
+TOPICS = {topic: (topic,) for topic in RATES_HZ}
 
 
-def node(real_time_factor: float, topics: Sequence[str], env: Optional[Dict[str, str]] = None
-         ) -> dict:
-    """Return the medians of what sample.py measures with a new simulator.
+def node(real_time_factor: float, subscribers: Sequence[Sequence[str]],
+         env: Optional[Dict[str, str]] = None) -> List[List[dict]]:
+    """Return what sample.py measures with a new simulator, for each turn and its subscribers.
 
-    topics: a subscriber to these runs too. step_us: the CPU time of a step; of_bare_loop: in free
-    run, the ratio of the steps per second in the same turn.
+    subscribers: lists of topics. step_us: the CPU time of a step; in free run, of_bare_loop: the
+    ratio of the steps per second to those of PyBullet alone at the same time.
     """
     with Master() as master:
         with open(os.path.join(PACKAGE, 'urdf', 'turtlebot3_burger.urdf')) as file:
@@ -30,64 +35,47 @@ def node(real_time_factor: float, topics: Sequence[str], env: Optional[Dict[str,
         process = master.start(
             sys.executable, os.path.join(PACKAGE, 'scripts', 'pybullet_sim.py'), '__name:=gazebo',
             env=env)
-        if topics:
-            master.start(sys.executable, os.path.join(HERE, 'watch_topics.py'), *topics)
         wait_for(lambda: '/clock' in dict(master.server.getPublishedTopics('')), 'the simulator')
-        samples = run_script('sample.py', process.pid, TURNS, SECONDS, int(not real_time_factor),
-                             env=master.env)
-    for sample in samples:
-        steps_per_s = sample['real_time_factor'] * STEPS_A_SECOND
-        sample['step_us'] = 1e6 * sample['cpu_share'] / steps_per_s
+        turns = run_script('sample.py', process.pid, SECONDS, TURNS, json.dumps(subscribers),
+                           int(not real_time_factor), env=master.env)
+    for sample in (sample for turn in turns for sample in turn):
+        sample['steps_per_s'] = sample['real_time_factor'] * STEPS_A_SECOND
+        sample['step_us'] = 1e6 * sample['cpu_share'] / sample['steps_per_s']
         if 'bare_steps_per_s' in sample:
-            sample['of_bare_loop'] = steps_per_s / sample['bare_steps_per_s']
-    return {key: median(sample[key] for sample in samples) for key in samples[0]}
-
-
-def _cases() -> list:
-    """Return the cases: title, real time factor, topics that are subscribed."""
-    everything = tuple(RATES_HZ)
-    free, paced = 'free run, ', 'real time, '
-    return [(free + 'no subscriber', 0, ()), (free + 'all topics subscribed', 0, everything),
-            *((free + topic, 0, (topic,)) for topic in RATES_HZ),
-            (paced + 'no subscriber', 1, ()), (paced + 'all topics subscribed', 1, everything)]
-
-
-CASES = _cases()
+            sample['of_bare_loop'] = sample['steps_per_s'] / sample['bare_steps_per_s']
+    return turns
 
 
 def count() -> int:
     """Return the number of measurements that `measure` makes."""
-    return ROUNDS * len(CASES)
+    return 2 * ROUNDS
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over several rounds. Each round measures everything.
+    """Return the medians over all turns of several rounds.
 
     done: called after each measurement.
     """
-    cases: Dict[tuple, list] = {case: [] for case in CASES}
-    for _ in range(ROUNDS):
-        for case in CASES:
-            cases[case].append(node(*case[1:]))
+    rows: List[dict] = []
+    bare: List[float] = []
+    for mode, factor, cases in (('free run', 0.0, {**CASES, **TOPICS}), ('real time', 1.0, CASES)):
+        turns: List[List[dict]] = []
+        for _ in range(ROUNDS):
+            turns += node(factor, list(cases.values()))
             done()
-    rows = []
-    idle = cases[CASES[0]]
-    for case, samples in cases.items():
-        title, wanted_factor, topics = case
-        factor = median(sample['real_time_factor'] for sample in samples)
-        row = {'case': title, 'steps_per_s': factor * STEPS_A_SECOND, 'real_time_factor': factor,
-               'cpu_share': median(sample['cpu_share'] for sample in samples),
-               'step_us': median(sample['step_us'] for sample in samples)}
-        if not wanted_factor:
-            row['of_bare_loop'] = median(sample['of_bare_loop'] for sample in samples)
-        if len(topics) == 1 and not wanted_factor:
-            row['message_us'] = median(
-                (sample['step_us'] - without['step_us']) * STEPS_A_SECOND / RATES_HZ[topics[0]]
-                for sample, without in zip(samples, idle))
-        rows.append(row)
-    return {'bare_loop_steps_per_s': median(
-        sample['bare_steps_per_s'] for samples in cases.values() for sample in samples
-        if 'bare_steps_per_s' in sample), 'node': rows}
+        for number, (title, topics) in enumerate(cases.items()):
+            samples = [turn[number] for turn in turns]
+            row = {'case': '{}, {}'.format(mode, title),
+                   **{key: median(each[key] for each in samples) for key in samples[0]}}
+            if title in TOPICS:
+                # in the same turn: if the machine is slow for a while, it is slow for both
+                row['message_us'] = median(
+                    (turn[number]['step_us'] - turn[0]['step_us'])
+                    * STEPS_A_SECOND / RATES_HZ[title] for turn in turns)
+            rows.append(row)
+        bare += [each['bare_steps_per_s'] for turn in turns for each in turn
+                 if 'bare_steps_per_s' in each]
+    return {'bare_loop_steps_per_s': median(bare), 'node': rows}
 
 
 def table(results: dict) -> str:

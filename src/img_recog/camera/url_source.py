@@ -86,6 +86,7 @@ class RemoteVideoSource(VideoSource):
 
     _unreadable = '{} can no longer be read: its server is gone, or has another video now'
     _incomplete = 'truncated or damaged, or its server closed the connection'
+    _opens_ahead = False        # a server may allow one connection
 
     def __init__(self, url: str, capture: cv2.VideoCapture, loop: bool,
                  warn: Callable[[str], None], now: Callable[[], float] = time.monotonic,
@@ -106,9 +107,9 @@ class RemoteVideoSource(VideoSource):
             'cannot play {}: no video that OpenCV reads from there (a server without range '
             'requests cannot serve an .mp4 whose index is at its end)'.format(self.name))
 
-    def _read_frame(self) -> Optional[np.ndarray]:
+    def _read_frame(self, capture: cv2.VideoCapture) -> Optional[np.ndarray]:
         begin_s = self._now()
-        image = super()._read_frame()
+        image = super()._read_frame(capture)
         silent_s = self._now() - begin_s
         if silent_s >= _READ_TIMEOUT_S:
             raise SourceError('the video {} stalls: its server has sent nothing for {:.1f} s'

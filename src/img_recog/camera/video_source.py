@@ -1,5 +1,7 @@
 """Frames of a video, read by OpenCV's ffmpeg."""
-from typing import Callable, Optional
+import contextlib
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Callable, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -12,6 +14,9 @@ from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge, check_size
 # The frame count in a video's index may differ by a few from what its decoder gives.
 _MISSING_SHARE = 0.02
 _MISSING_FRAMES = 2
+_AHEAD_S = 1.0          # before its end, a video that plays in a loop is opened again
+
+_Opened = Tuple[cv2.VideoCapture, np.ndarray]       # and the first frame
 
 
 def check_capture(capture: cv2.VideoCapture, name: str, max_pixels: int) -> None:
@@ -47,6 +52,7 @@ class VideoSource(FrameSource):
     rate_hz: float
     _unreadable = '{} can no longer be read: moved or replaced while it played'
     _incomplete = 'truncated or damaged'
+    _opens_ahead = True
 
     def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None,
                  max_pixels: int = DEFAULT_MAX_PIXELS):
@@ -57,14 +63,15 @@ class VideoSource(FrameSource):
         """
         self._path, self._loop, self._warn, self._max_pixels = path, loop, warn, max_pixels
         self.name = redacted(path)
+        self._ahead: 'Optional[Future[_Opened]]' = None
         self._capture = self._open()
         try:
             check_capture(self._capture, self.name, max_pixels)
             self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
             self._stated_frames = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
             self.expected_frames = max(0, int(self._stated_frames))
-            self._count = 0
-            first = self._read_frame()
+            self._count = self._position = 0        # frames that were read; since the last start
+            first = self._read_frame(self._capture)
             if first is None:
                 raise self._not_playable()
             if not self.rate_hz > 0:
@@ -82,11 +89,18 @@ class VideoSource(FrameSource):
         if frame is None:
             raise SourceEnded('the video {} has ended after {} frames'.format(
                 self.name, self._count))
-        self._next = self._read_frame()
+        self._next = self._read_frame(self._capture)
         self._count += 1
+        self._position += 1
         if self._next is None:
             self._check_length()
             self._next = self._rewind() if self._loop else None
+        elif self._loop and self._ahead is None and self._opens_ahead and (
+                0 <= self.expected_frames - self._position <= _AHEAD_S * self.rate_hz):
+            # in a thread: it takes longer than a frame is shown
+            executor = ThreadPoolExecutor(1)
+            self._ahead = executor.submit(self._open_again)
+            executor.shutdown(wait=False)
         return convert(frame, self.encoding)
 
     def _open(self) -> cv2.VideoCapture:
@@ -95,8 +109,8 @@ class VideoSource(FrameSource):
     def _not_playable(self) -> SourceError:
         return not_playable(self.name)
 
-    def _read_frame(self) -> Optional[np.ndarray]:
-        decoded, image = self._capture.read()
+    def _read_frame(self, capture: cv2.VideoCapture) -> Optional[np.ndarray]:
+        decoded, image = capture.read()
         if not decoded:
             return None
         check_frame(self.name, image.shape[1], image.shape[0], self._max_pixels)
@@ -105,12 +119,22 @@ class VideoSource(FrameSource):
     def _rewind(self) -> np.ndarray:
         # reopened, because seeking is inexact in many containers
         self._capture.release()
-        self._capture = self._open()
-        check_capture(self._capture, self.name, self._max_pixels)
-        image = self._read_frame()
-        if image is None or image.shape[:2] != (self.height, self.width):
-            raise SourceError(self._unreadable.format(self.name))
+        ahead, self._ahead = self._ahead, None
+        self._capture, image = ahead.result() if ahead else self._open_again()
+        self._position = 0
         return image
+
+    def _open_again(self) -> _Opened:
+        capture = self._open()
+        try:
+            check_capture(capture, self.name, self._max_pixels)
+            image = self._read_frame(capture)
+            if image is None or image.shape[:2] != (self.height, self.width):
+                raise SourceError(self._unreadable.format(self.name))
+        except BaseException:
+            capture.release()
+            raise
+        return capture, image
 
     def _check_length(self) -> None:
         missing = self._stated_frames - self._count
@@ -120,4 +144,8 @@ class VideoSource(FrameSource):
         self._stated_frames = 0     # warn only once
 
     def close(self) -> None:
+        ahead, self._ahead = self._ahead, None
+        if ahead is not None:
+            with contextlib.suppress(Exception):    # what would have ended the video
+                ahead.result()[0].release()
         self._capture.release()

@@ -1,4 +1,6 @@
 """The capture on fake sources and a fake clock, run in the thread of the test."""
+from functools import partial
+
 import numpy as np
 
 from img_recog.camera.capture import Capture, Listener
@@ -132,6 +134,22 @@ def test_frames_of_a_video_are_paced(clock):
     rig.run()
     assert [call for call in rig.listener.calls if call[0] == 'frame'] == [
         ('frame', 0.0), ('frame', 0.125), ('frame', 0.25), ('frame', 0.375)]
+
+
+def test_subscribers_get_a_frame_before_the_next_one_is_decoded(clock):
+    begins = []
+
+    def decode(seconds):
+        begins.append(clock() - 100.0)
+        return seconds
+    quick, slow, free = 0.015625, 0.0625, 0.0       # of a period of 0.125 s
+    rig = Rig(clock, video(*(partial(decode, seconds) for seconds in (
+        quick, quick, slow, slow, free, free)), SourceError('end')))
+    rig.run()
+    # a quarter of the period later, unless decoding takes longer than that or no time
+    assert begins == [0.0, 0.015625 + 0.03125, 0.140625 + 0.03125, 0.265625, 0.390625, 0.515625]
+    assert [call[1] for call in rig.listener.calls if call[0] == 'frame'] == [
+        0.015625 + 0.125 * number for number in range(6)]
 
 
 def test_lost_device_is_reported_once_closed_and_retried_with_a_growing_delay(clock):
