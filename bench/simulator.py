@@ -63,7 +63,7 @@ def measure(done: Callable[[], None]) -> dict:
         for _ in range(ROUNDS):
             turns += node(factor, list(cases.values()))
             done()
-        for number, (title, topics) in enumerate(cases.items()):
+        for number, title in enumerate(cases):
             samples = [turn[number] for turn in turns]
             row = {'case': '{}, {}'.format(mode, title),
                    **{key: median(each[key] for each in samples) for key in samples[0]}}
