@@ -19,6 +19,9 @@ class Master:
     def set(self, name, value):
         assert self._master.setParam('/test', name, value)[0] == 1
 
+    def parameter(self, name):
+        return self._master.getParam('/test', name)[2]
+
     def delete(self, name):
         if self._master.hasParam('/test', name)[2]:
             self._master.deleteParam('/test', name)
@@ -177,6 +180,17 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
     services.close()
     assert demo.interrupt() == 0
     assert 'escalating' not in demo.output
+
+
+def test_the_nodes_of_real_robots_stop_them_when_the_camera_is_lost(ros):
+    demo = ros.demo('robots:=2', 'simulator:=false', 'safe:=true', 'camera:=none', 'teleop:=false')
+    demo.wait_output('2 robots are running')
+    master = Master(ros)
+    for name in ('tb3_0', 'tb3_1'):
+        wait_for(lambda: master.nodes(name) == ['/{}/color_extract'.format(name)],
+                 lambda: master.nodes(name))
+        assert master.parameter('/{}/color_extract/stop_when_lost'.format(name)) == 0.5
+    assert demo.interrupt() == 0
 
 
 def test_nodes_end_when_the_node_that_runs_them_is_killed(ros):

@@ -1,5 +1,6 @@
 """The program film: makes a film of a bag that was recorded in the running system."""
 import argparse
+import itertools
 import logging
 import math
 import os
@@ -78,7 +79,7 @@ class _Messages:
             found = sorted(name for name in kinds if kinds[name] == kind)
             usual = [name for name in found if name.endswith(_USUAL[role])]
             if usual or found and role != 'outlines':
-                self._roles[(usual or found)[0]] = role
+                self._roles[_nearest(usual or found, frames.topic)] = role
 
     def outlines(self) -> List[np.ndarray]:
         """Return the outlines of what stands in the world; none if they were not recorded."""
@@ -99,6 +100,16 @@ class _Messages:
                 yield self._roles[name], msg, time.to_sec()
         except DAMAGE_ERRORS as error:
             raise damaged(self._path, error)
+
+
+def _nearest(names: Sequence[str], topic: str) -> str:
+    """Return the name that shares most namespaces with a topic: it is of the same robot."""
+    parts = topic.split('/')
+
+    def shared(name: str) -> int:
+        pairs = zip(name.split('/'), parts)
+        return sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], pairs))
+    return max(names, key=shared)
 
 
 def _fill(film: Film, messages: _Messages, frames: BagFrames) -> float:

@@ -122,26 +122,32 @@ def message(msg_type, time_s):
     return msg
 
 
-@pytest.fixture
-def bag(tmp_path):
-    """A bag of one second, like that of a demo."""
-    path = tmp_path / 'in.bag'
+def record(path, robots):
+    """Write a bag of one second, like that of a demo. robots: place (x, y), m, by namespace."""
     with rosbag.Bag(str(path), 'w') as file:
         file.write('/gazebo/world_outlines', plane_msgs.outlines_to_msg(
             [SQUARE], 'odom', genpy.Time(1)), genpy.Time(1))
         for tick in range(30):
             now = genpy.Time.from_sec(10.0 + tick / 30)
-            odometry = message(Odometry, now.to_sec())
-            odometry.pose.pose.position.x, odometry.pose.pose.position.y = 2.0, 2.0
-            odometry.pose.pose.orientation.w = 1.0
             scan = LaserScan(angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.0,
                              ranges=[1.0, float('inf'), float('nan'), 2.0])
             image = compressed_image_msgs.to_msg(card(), 'bgr8', Header(stamp=now),
                                                  CompressionSettings())
-            for topic, msg in (('/odom', odometry), ('/scan', scan), ('/cmd_vel', Twist()),
-                               ('/usb_cam/image_raw/compressed', image)):
-                file.write(topic, msg, now)
+            for namespace, place in robots.items():
+                odometry = message(Odometry, now.to_sec())
+                position = odometry.pose.pose.position
+                position.x, position.y = place
+                odometry.pose.pose.orientation.w = 1.0
+                for topic, msg in (('odom', odometry), ('scan', scan), ('cmd_vel', Twist()),
+                                   ('usb_cam/image_raw/compressed', image)):
+                    file.write(namespace + topic, msg, now)
     return path
+
+
+@pytest.fixture
+def bag(tmp_path):
+    """A bag of one robot."""
+    return record(tmp_path / 'in.bag', {'/': (2.0, 2.0)})
 
 
 def make(capsys, *arguments):
@@ -158,6 +164,17 @@ def test_a_film_of_a_bag(bag, tmp_path, capsys):
     assert len(frames) == 30
     assert center_of(frames[-1][34:394, 740:1270], ROBOT, 40) == pytest.approx((265, 180), abs=12)
     assert center_of(frames[-1][34:394, 10:490], BLUE, 30) == pytest.approx((240, 180), abs=4)
+
+
+@pytest.mark.parametrize('name, side', [('a', -1), ('b', 1)])
+def test_of_several_robots_the_film_shows_that_of_the_images(tmp_path, capsys, name, side):
+    path = record(tmp_path / 'in.bag', {'/a/': (1.0, 2.0), '/b/': (3.0, 2.0)})
+    out = tmp_path / 'out.mp4'
+    code, output = make(capsys, path, out, '--topic', '/{}/usb_cam/image_raw/compressed'.format(
+        name))
+    assert code == 0, output.err
+    x, y = center_of(frames_of(out)[0][-1][34:394, 740:1270], ROBOT, 40)
+    assert (x - 265) * side > 40 and y == pytest.approx(180, abs=12)
 
 
 @pytest.mark.parametrize('arguments, words', [

@@ -128,7 +128,9 @@ class RobotsNode:
             if robot.name not in failed and not rospy.is_shutdown():
                 try:
                     self._running[robot.name] = _Running(robot, urdfs[robot.name], RobotNodes(
-                        robot, self._settings.camera_frame_id, self._settings.respawn))
+                        robot, {'camera_frame_id': self._settings.camera_frame_id,
+                                'respawn': self._settings.respawn,
+                                'robot_state_publisher': self._settings.simulator}))
                 except (OSError, ValueError) as error:
                     problems.append('{}: {}'.format(robot.name, one_line(error)))
                     rospy.logerr('not started: %s', problems[-1])

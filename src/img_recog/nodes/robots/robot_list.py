@@ -14,6 +14,7 @@ MAX_ROBOTS = 100
 _NAME = 'tb3_{}'            # of turtlebot3_gazebo's multi_turtlebot3.launch
 _POSE = ('x_pos', 'y_pos', 'z_pos', 'yaw')
 _PATHS = ('urdf', 'colors')
+_FILE = 'file://'
 _SIMULATION = 'simulation'
 _AUTO, _SYNTHETIC = 'auto', 'synthetic'
 _CAMERAS = (_SYNTHETIC, 'robot', 'none')
@@ -32,7 +33,8 @@ class RobotListError(UserError):
 class NodeSettings(Settings):
     """What the nodes of a robot are started with; see the arguments of demo.launch.
 
-    urdf, colors: paths, '' for those of this package.
+    All but the URDF are arguments of robot.launch, too.
+    urdf, colors: paths, '' for those of this package. camera_info_url: '' for usb_cam's default.
     """
 
     urdf: str = setting('', any_value())
@@ -41,8 +43,11 @@ class NodeSettings(Settings):
     image_width: int = setting(640, between(1, 4096))
     image_height: int = setting(480, between(1, 4096))
     framerate: float = setting(30.0, at_least(0.01))
+    pixel_format: str = setting('mjpeg', not_empty())
+    camera_info_url: str = setting('', any_value())
     recognition: bool = setting(True)
     teleop: bool = setting(True)
+    safe: bool = setting(False)
 
 
 class Robot(NamedTuple):
@@ -157,6 +162,8 @@ def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder
                 values[key] = _path(key, entry[key], folder, find)
         if 'camera' in entry:
             values['camera'] = _camera(entry['camera'], folder)
+        if 'camera_info_url' in entry:
+            values['camera_info_url'] = _beside(entry['camera_info_url'], folder)
         nodes = from_mapping(NodeSettings, values)
     except SettingError as error:
         raise RobotListError(one_line(error))
@@ -187,6 +194,13 @@ def _camera(value: Any, folder: str) -> str:
         raise SettingError('camera', value, 'a path that exists, or one of {}'.format(
             ', '.join(_CAMERAS)))
     return beside
+
+
+def _beside(url: Any, folder: str) -> Any:
+    """Return a URL; the path of file://PATH may be relative to the folder of the list."""
+    if isinstance(url, str) and url.startswith(_FILE) and url[len(_FILE):][:1] not in '/$':
+        return _FILE + os.path.join(folder, url[len(_FILE):])
+    return url
 
 
 def _path(key: str, value: Any, folder: str, find: Callable[[str], Optional[str]]) -> str:

@@ -1,9 +1,10 @@
 """Runs the nodes of a robot."""
+import dataclasses
 import os
 import signal
 import subprocess
 import time
-from typing import List, Optional
+from typing import Any, List, Mapping, Optional
 
 from img_recog.nodes.robots.robot_list import Robot
 
@@ -15,9 +16,9 @@ _EXIT_TIMEOUT_S = 12.0      # roslaunch waits up to 15 s for the node that runs 
 class RobotNodes:
     """A roslaunch of robot.launch. To be used in the main thread: it ends with that thread."""
 
-    def __init__(self, robot: Robot, camera_frame_id: str, respawn: bool):
-        """Start the nodes of a robot; camera_frame_id: of its images, without the prefix."""
-        self._command = command(robot, camera_frame_id, respawn)
+    def __init__(self, robot: Robot, arguments: Mapping[str, Any]):
+        """Start the nodes of a robot; arguments: of robot.launch that are not in `robot`."""
+        self._command = command(robot, arguments)
         self._process: Optional[subprocess.Popen] = None
         self._start()
 
@@ -62,14 +63,10 @@ class RobotNodes:
             self._process = None
 
 
-def command(robot: Robot, camera_frame_id: str, respawn: bool) -> List[str]:
+def command(robot: Robot, arguments: Mapping[str, Any]) -> List[str]:
     """Return the command that runs the nodes of a robot."""
-    nodes = robot.nodes
-    values = {
-        'name': robot.name, 'camera': nodes.camera, 'colors': nodes.colors,
-        'image_width': nodes.image_width, 'image_height': nodes.image_height,
-        'framerate': nodes.framerate, 'recognition': nodes.recognition, 'teleop': nodes.teleop,
-        'camera_frame_id': camera_frame_id, 'respawn': respawn}
+    values = {'name': robot.name, **dataclasses.asdict(robot.nodes), **arguments}
+    del values['urdf']      # it is in the parameter robot_description
     # if this process is killed, roslaunch is interrupted and ends the nodes
     return ['setpriv', '--pdeathsig', 'INT', 'roslaunch', '--no-summary', '--disable-title',
             '--skip-log-check', 'img_recog', 'robot.launch',

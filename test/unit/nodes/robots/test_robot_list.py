@@ -57,6 +57,16 @@ def test_a_list_gives_each_robot_its_own(listed, tmp_path):
                                         camera='robot', image_width=320, framerate=5.0)
 
 
+@pytest.mark.parametrize('url, expected', [
+    ('file://my.yaml', 'file://{}/my.yaml'), ('file:///my.yaml', 'file:///my.yaml'),
+    ('file://${ROS_HOME}/my.yaml', 'file://${ROS_HOME}/my.yaml'),
+    ('package://p/my.yaml', 'package://p/my.yaml'), ('', '')])
+def test_a_calibration_may_be_beside_the_list(listed, tmp_path, url, expected):
+    robot, = listed('- {name: a, safe: true, camera_info_url: "%s"}\n' % url).robots
+    assert robot.nodes == NodeSettings(**{
+        **DEFAULTS, 'safe': True, 'camera_info_url': expected.replace('{}', str(tmp_path))})
+
+
 @pytest.mark.parametrize('entry, problem', [
     ('{x_pos: 1}', 'robot 2 of the list: got no name, expected a mapping with a name'),
     ('17', 'robot 2 of the list: got 17, expected a mapping'),

@@ -1,25 +1,39 @@
 """The command that starts the nodes of a robot, and what happens when they end."""
+import os
 import sys
 import time
+from xml.etree import ElementTree
 
 import pytest
 
 from img_recog.nodes.robots import robot_nodes
 from img_recog.nodes.robots.robot_list import NodeSettings, Robot
 from img_recog.nodes.robots.robot_nodes import RobotNodes
+from img_recog_testing.pages import ROOT
 from img_recog_testing.waiting import wait_for
 
 ROBOT = Robot('tb3_1', NodeSettings(urdf='/u', colors='/c/colors.yaml', camera='/films/a b.mp4',
-                                    teleop=False), {})
+                                    teleop=False, safe=True), {})
 
 
 def test_the_command_has_all_arguments():
-    words = robot_nodes.command(ROBOT, 'head_camera', True)
+    words = robot_nodes.command(ROBOT, {'camera_frame_id': 'head_camera', 'respawn': True,
+                                        'robot_state_publisher': False})
     assert words[:4] == ['setpriv', '--pdeathsig', 'INT', 'roslaunch']
     assert words[words.index('img_recog'):] == [
         'img_recog', 'robot.launch', 'name:=tb3_1', 'camera:=/films/a b.mp4',
         'colors:=/c/colors.yaml', 'image_width:=640', 'image_height:=480', 'framerate:=30.0',
-        'recognition:=true', 'teleop:=false', 'camera_frame_id:=head_camera', 'respawn:=true']
+        'pixel_format:=mjpeg', 'camera_info_url:=', 'recognition:=true', 'teleop:=false',
+        'safe:=true', 'camera_frame_id:=head_camera', 'respawn:=true',
+        'robot_state_publisher:=false']
+
+
+def test_robot_launch_has_these_arguments():
+    launch = ElementTree.parse(os.path.join(ROOT, 'launch', 'robot.launch')).getroot()
+    names = {arg.get('name') for arg in launch.iterfind('arg[@doc]')}
+    words = robot_nodes.command(ROBOT, {'camera_frame_id': 'head_camera', 'respawn': True,
+                                        'robot_state_publisher': False})
+    assert {word.split(':=')[0] for word in words if ':=' in word} == names
 
 
 @pytest.fixture
@@ -29,7 +43,7 @@ def nodes(monkeypatch):
 
     def run(code):
         monkeypatch.setattr(robot_nodes, 'command', lambda *_: [sys.executable, '-c', code])
-        made.append(RobotNodes(ROBOT, 'head_camera', True))
+        made.append(RobotNodes(ROBOT, {}))
         return made[-1]
     yield run
     for each in made:
