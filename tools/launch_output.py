@@ -9,7 +9,8 @@ PARTS = {'master': 'the ROS master', 'gazebo': 'the simulator', 'usb_cam': 'the 
          'turtlebot3_teleop_keyboard': 'the teleop', 'robot_state_publisher': 'the tf tree',
          'image_view': 'the window of the camera images',
          'image_view_blue': 'the window of the blue image',
-         'image_view_red': 'the window of the red image'}
+         'image_view_red': 'the window of the red image', 'web': 'the page',
+         'robots': 'the node that runs the robots', 'record': 'the recording'}
 
 _COLOR = re.compile(r'\x1b\[[0-9;]*m')
 _REQUIRED = re.compile(r'REQUIRED process \[(\S+?)(?:-\d+)?\] has died!')

@@ -31,7 +31,8 @@ def descendants():
     children = {}
     for name in filter(str.isdigit, os.listdir('/proc')):
         try:
-            with open('/proc/{}/stat'.format(name)) as file:
+            # the kernel may cut a name within a character
+            with open('/proc/{}/stat'.format(name), errors='replace') as file:
                 # PID (NAME) STATE PARENT ...; the name may contain spaces and brackets
                 state, parent = file.read().rpartition(')')[2].split()[:2]
         except OSError:         # the process has ended meanwhile

@@ -21,6 +21,7 @@ CARD_SHARE = 0.25       # of the image
 STOP_S = 0.5
 VIEWERS = 20
 PAGE_DOWN = '\ue00f'    # selenium's name of the key; it moves a slider by ten steps
+ALT = '\ue00a'
 
 
 @pytest.fixture(scope='module')
@@ -116,6 +117,18 @@ def test_a_key_moves_the_robot_and_its_release_stops_it(demo, page):
     page.hold_key('x', False)
 
 
+@pytest.mark.parametrize('key', ['s', 'S', ALT])
+def test_a_key_that_is_held_does_not_matter_after_a_stop(demo, page, key):
+    start_x, _ = page.pose()
+    page.hold_key('w', True)
+    wait_for(lambda: page.pose()[0] > start_x + 0.05, 'the robot to drive')
+    page.hold_key(key, True)
+    time.sleep(STOP_S)
+    assert speeds(demo, 10) == pytest.approx(10 * [0.0], abs=0.01)
+    page.hold_key(key, False)
+    page.hold_key('w', False)
+
+
 def test_the_robot_stops_when_the_browser_goes_away(demo, browse):
     page = browse()
     start_x, _ = page.pose()
@@ -129,7 +142,7 @@ def test_the_robot_stops_when_the_browser_goes_away(demo, browse):
 def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     page.tab('colors')
     slider = ('[...document.querySelectorAll(".q-slider")].find((each) => '
-              'each.getAttribute("aria-label") === "Highest hue (0 to 180)")')
+              'each.getAttribute("aria-label") === "blue: Highest hue (0 to 180)")')
     wait_for(lambda: page.js('return Boolean({})'.format(slider)), 'the sliders')
     wait_for(lambda: page.pixels(BLUE) and page.pixels(BLUE)[2] > 40, 'blue pixels')
     element = page.js('return {}.querySelector("[tabindex]")'.format(slider))

@@ -46,7 +46,7 @@ def from_msg(msg: PointCloud) -> ColorDetection:
     """Return the colors in a message.
 
     Raises ColorDetectionError if there is not one channel for each point, with one value for each
-    point.
+    point, or an area is no number.
     """
     count = len(msg.points)
     lengths = [len(channel.values) for channel in msg.channels]
@@ -54,7 +54,11 @@ def from_msg(msg: PointCloud) -> ColorDetection:
         raise ColorDetectionError(
             'PointCloud has {} points and channels with {} values, expected a channel for each '
             'point, with a value for each point'.format(count, lengths))
+    areas_px = [channel.values[number] for number, channel in enumerate(msg.channels)]
+    if not all(map(math.isfinite, areas_px)):
+        raise ColorDetectionError('PointCloud has the areas {}, expected finite numbers'.format(
+            areas_px))
     return ColorDetection(
         [channel.name for channel in msg.channels],
-        [int(channel.values[number]) for number, channel in enumerate(msg.channels)],
+        [int(area_px) for area_px in areas_px],
         [None if math.isnan(point.x) else (point.x, point.y) for point in msg.points])

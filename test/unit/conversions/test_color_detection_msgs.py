@@ -47,3 +47,10 @@ def test_format():
 def test_another_cloud_is_refused(msg):
     with pytest.raises(ColorDetectionError, match='expected a channel for each point'):
         color_detection_msgs.from_msg(msg)
+
+
+@pytest.mark.parametrize('area', [float('nan'), float('inf')])
+def test_an_area_that_is_no_number_is_refused(area):
+    msg = PointCloud(points=[Point32()], channels=[ChannelFloat32('blue', [area])])
+    with pytest.raises(ColorDetectionError, match='expected finite numbers'):
+        color_detection_msgs.from_msg(msg)

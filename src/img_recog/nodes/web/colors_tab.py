@@ -1,17 +1,15 @@
 """The tab with the bounds, limits and commands of the colors."""
 import json
-import time
 from typing import Any, Dict, List, Sequence
 
 from nicegui import ui
 
-from img_recog.nodes.web.elements import card, paragraph, picture, slider, wait_for
+from img_recog.nodes.web.elements import Slider, card, paragraph, picture, wait_for
 from img_recog.nodes.web.system import PictureTopic, Robot
 from img_recog.nodes.web.texts import Texts
 from img_recog.nodes.web.tuning import color_names_in
 
 _PICTURES = 3
-_SETTLE_S = 1.0
 
 
 class ColorsTab:
@@ -20,8 +18,7 @@ class ColorsTab:
     def __init__(self, robot: Robot, texts: Texts, pictures: List[PictureTopic]):
         """Add its elements; the sliders follow as soon as the node answers."""
         self._robot, self._t = robot, texts
-        self._sliders: Dict[str, Any] = {}
-        self._moved_s: Dict[str, float] = {}        # when the visitor moved them
+        self._sliders: Dict[str, Slider] = {}
         self._revision = -1
         self._picked = ''
         with ui.element('div').classes('tuning'):
@@ -30,6 +27,7 @@ class ColorsTab:
                     picture(topic, texts(title, color), texts('no_image'),
                             'pick' if title == 'camera' else '')
             self._tuning = ui.element('div').classes('column-cards')
+        self._build({}, [])
         ui.on('pick', self._on_pick, throttle=0.2)
 
     def update(self) -> None:
@@ -44,14 +42,9 @@ class ColorsTab:
             self._build(values, names)
         ui.run_javascript('window.limits = {}'.format(json.dumps(
             {name: values[name + '_area_limit'] for name in names})))
-        now_s = time.monotonic()
-        for parameter, element in self._sliders.items():
-            if parameter in values and element.value != values[parameter]:
-                # one that is being moved is ahead of its parameter
-                if now_s - self._moved_s.get(parameter, 0.0) < _SETTLE_S:
-                    self._revision = -1
-                else:
-                    element.value = values[parameter]
+        for parameter, slider in self._sliders.items():
+            if parameter in values and not slider.follow(values[parameter]):
+                self._revision = -1     # later
 
     def _build(self, values: Dict[str, Any], names: Sequence[str]) -> None:
         """Make the sliders of all colors."""
@@ -64,7 +57,7 @@ class ColorsTab:
             self._picked = self._picked if self._picked in names else names[0]
             ui.toggle({name: name for name in names}, value=self._picked,
                       on_change=lambda event: setattr(self, '_picked', event.value)).props(
-                          'dense no-caps')
+                          'dense no-caps role=group aria-label="{}"'.format(self._t('colors')))
             paragraph(self._t('pick'))
             for name in names:
                 with card(name), ui.element('div').classes('sliders'):
@@ -73,22 +66,22 @@ class ColorsTab:
 
     def _color(self, name: str, values: Dict[str, Any]) -> None:
         for bound in ('hue_min', 'hue_max'):
-            self._slider(self._t(bound), name + '_' + bound, 0, 180, 1, values, 'hue')
+            self._slider(name, bound, 0, 180, 1, values, 'hue')
         for bound in ('saturation_min', 'saturation_max', 'value_min', 'value_max'):
-            self._slider(self._t(bound), name + '_' + bound, 0, 255, 1, values)
-        self._slider(self._t('area_limit'), name + '_area_limit', 0, 20000, 50, values)
-        self._slider(self._t('linear_x'), name + '_linear_x', -10, 10, 0.01, values)
-        self._slider(self._t('angular_z'), name + '_angular_z', -3, 3, 0.05, values)
+            self._slider(name, bound, 0, 255, 1, values)
+        self._slider(name, 'area_limit', 0, 20000, 50, values)
+        self._slider(name, 'linear_x', -10, 10, 0.01, values)
+        self._slider(name, 'angular_z', -3, 3, 0.05, values)
 
-    def _slider(self, title: str, parameter: str, low: float, high: float, step: float,
+    def _slider(self, color: str, part: str, low: float, high: float, step: float,
                 values: Dict[str, Any], classes: str = '') -> None:
+        parameter, title = '{}_{}'.format(color, part), self._t(part)
         is_whole = isinstance(values[parameter], int)
 
         def change(value: float) -> None:
-            self._moved_s[parameter] = time.monotonic()
             self._robot.colors.change(**{parameter: int(value) if is_whole else float(value)})
-        self._sliders[parameter] = slider(title, low, high, step, values[parameter], change,
-                                          classes)
+        self._sliders[parameter] = Slider(title, low, high, step, values[parameter], change,
+                                          classes, '{}: {}'.format(color, title))
 
     async def _on_pick(self, event: Any) -> None:
         try:

@@ -108,12 +108,19 @@ def _is_foreign(scope: Scope, headers: Dict[str, str]) -> bool:
     Sec-Fetch-Site with all others; links in other pages may open the page itself.
     """
     origin = headers.get('origin')
-    if origin is not None and urllib.parse.urlsplit(origin).netloc != headers.get('host'):
+    if origin is not None and _host(origin) != headers.get('host'):
         return True
     if headers.get('sec-fetch-site') in ('cross-site', 'same-site'):
         return (headers.get('sec-fetch-mode') != 'navigate'
                 or scope.get('method') not in _SAFE_METHODS)
     return scope['type'] == 'websocket' and origin is None
+
+
+def _host(origin: str) -> Optional[str]:
+    try:
+        return urllib.parse.urlsplit(origin).netloc
+    except ValueError:      # like http://[
+        return None
 
 
 def _cookie(text: str, name: str) -> str:

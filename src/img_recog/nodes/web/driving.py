@@ -2,15 +2,15 @@
 import math
 import threading
 import time
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, List, Optional, Set, Tuple
 
-import rosgraph
 import rospy
 from geometry_msgs.msg import Twist
 from std_srvs.srv import Trigger
 
 from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
+from img_recog.ros import lifecycle, master
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 
@@ -20,6 +20,7 @@ HOLD_S = 0.3            # a page repeats its command; after this time without on
 _YIELD_PERIOD_S = 0.2
 _SERVICE = '/yield'
 _STOPS = 3              # zeros that are sent after a release
+_FLUSH_S = 0.1
 
 
 class Speeds:
@@ -69,7 +70,10 @@ class Driving:
                        for name in ('max_linear_velocity', 'max_angular_velocity')}
         self._speeds, self._driven = Speeds(), threading.Event()
         self._warn = ThrottledWarning()
+        self._asked: Set[str] = set()       # services whose answer has not come yet
         self._velocity = rospy.Publisher(topic, Twist, queue_size=10)
+        self._publish_lock, self._has_ended = threading.Lock(), False
+        lifecycle.on_shutdown(self._end)
         for target in (self._publish, self._hold_others):
             threading.Thread(target=target, daemon=True).start()
 
@@ -100,41 +104,64 @@ class Driving:
                 continue
             shares = self._speeds.current()
             while shares is not None and not rospy.is_shutdown():
-                self._velocity.publish(twist_msgs.to_msg(
-                    shares[0] * self.limits['max_linear_velocity'],
-                    shares[1] * self.limits['max_angular_velocity']))
+                self._send(shares[0] * self.limits['max_linear_velocity'],
+                           shares[1] * self.limits['max_angular_velocity'])
                 time.sleep(_PERIOD_S)
                 shares = self._speeds.current()
             for _ in range(_STOPS):
-                self._velocity.publish(twist_msgs.to_msg(0.0))
+                self._send(0.0, 0.0)
             self._driven.clear()
             if self._speeds.current() is not None:      # held again meanwhile
                 self._driven.set()
 
+    def _send(self, linear: float, angular: float) -> None:
+        with self._publish_lock:
+            if not self._has_ended:
+                self._velocity.publish(twist_msgs.to_msg(linear, angular))
+
+    def _end(self) -> None:
+        """Stop the robot, if somebody drives it while the node is shut down."""
+        with self._publish_lock:
+            self._has_ended = True
+            if self._speeds.current() is None:
+                return
+            self._velocity.publish(twist_msgs.to_msg(0.0))
+        # the publisher sends in a separate thread; let it finish before the shutdown goes on
+        time.sleep(_FLUSH_S)
+
     def _hold_others(self) -> None:
         """Let the other nodes yield as long as somebody drives."""
-        services: Dict[str, rospy.ServiceProxy] = {}
+        services: List[str] = []
         while not rospy.is_shutdown():
             if not self._driven.is_set():
-                services = {}
+                services = []
                 self._driven.wait(_POLL_PERIOD_S)
                 continue
             try:
-                services = services or {name: rospy.ServiceProxy(name, Trigger) for name
-                                        in yield_services(self._velocity.resolved_name)}
-                for name, service in services.items():
-                    answer = service()
-                    if not answer.success:
-                        self._warn('%s: %s', name, answer.message)
-            except (rospy.ServiceException, rospy.ROSException, rosgraph.MasterException,
-                    OSError) as error:
+                services = services or yield_services(self._velocity.resolved_name)
+            except master.MasterError as error:
                 self._warn('another node may drive the robot too: %s', one_line(error))
+            # each in a thread: one that does not answer must not keep the others from yielding
+            for name in set(services) - self._asked:
+                self._asked.add(name)
+                threading.Thread(target=self._ask, args=(name,), daemon=True).start()
             time.sleep(_YIELD_PERIOD_S)
+
+    def _ask(self, service: str) -> None:
+        """Ask a node to yield."""
+        try:
+            answer = rospy.ServiceProxy(service, Trigger)()
+            if not answer.success:
+                self._warn('%s: %s', service, answer.message)
+        except Exception as error:      # rospy raises more than it documents
+            self._warn('another node may drive the robot too: %s', one_line(error))
+        finally:
+            self._asked.discard(service)
 
 
 def yield_services(topic: str) -> List[str]:
     """Return the services by which the publishers of a topic can be asked to yield."""
-    published, _, services = rosgraph.Master(rospy.get_name()).getSystemState()
+    published, _, services = master.system_state()
     offered = {name for name, _ in services}
     return sorted(node + _SERVICE for node in dict(published).get(topic, ())
                   if node + _SERVICE in offered)

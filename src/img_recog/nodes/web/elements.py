@@ -1,4 +1,6 @@
 """Elements of the page that several tabs have."""
+import itertools
+import time
 from typing import Any, Callable
 
 from nicegui import run, ui
@@ -6,12 +8,15 @@ from nicegui import run, ui
 from img_recog.errors import UserError, one_line
 
 _SLIDER_THROTTLE_S = 0.05
+_SETTLE_S = 1.0         # a slider that is moved is ahead of its value for this time
+_numbers = itertools.count()
 
 
 def card(title: str) -> Any:
     """Return the context of a card with this heading."""
-    section = ui.element('section').classes('card')
-    with section, ui.element('h2'):
+    heading = 'card-{}'.format(next(_numbers))
+    section = ui.element('section').classes('card').props('aria-labelledby=' + heading)
+    with section, ui.element('h2').props('id=' + heading):
         ui.label(title)
     return section
 
@@ -29,6 +34,7 @@ def picture(topic: str, title: str, empty: str, classes: str = '') -> None:
             'data-picture="{}" role=img aria-label="{}"'.format(topic, title))
         with ui.element('div').classes('empty'):
             ui.label(empty)
+        ui.element('div').classes('age').props('aria-live=off')
 
 
 def button(icon: str, label: str, on_click: Callable) -> Any:
@@ -36,18 +42,34 @@ def button(icon: str, label: str, on_click: Callable) -> Any:
     return ui.button(label, icon=icon, on_click=on_click).props('dense no-caps size=sm')
 
 
-def slider(title: str, low: float, high: float, step: float, value: float,
-           change: Callable[[float], None], classes: str = '') -> Any:
-    """Return a slider with its title and value; change: is called while it is moved."""
-    with ui.element('div').classes('slider-row'):
-        ui.label(title)
-        shown = ui.label()
-        element = ui.slider(min=low, max=high, step=step, value=value).classes(classes).props(
-            'aria-label="{}"'.format(title))
-        shown.bind_text_from(element, 'value', lambda value: '{:g}'.format(value))
-        element.on('update:model-value', lambda event: change(event.args),
-                   throttle=_SLIDER_THROTTLE_S)
-    return element
+class Slider:
+    """A slider with its title and value."""
+
+    def __init__(self, title: str, low: float, high: float, step: float, value: float,
+                 change: Callable[[float], None], classes: str = '', label: str = ''):
+        """Add it; change: is called while it is moved; label: for screen readers."""
+        self._change, self._moved_s = change, -_SETTLE_S
+        with ui.element('div').classes('slider-row'):
+            ui.label(title)
+            shown = ui.label()
+            self._slider = ui.slider(min=low, max=high, step=step, value=value).classes(
+                classes).props('aria-label="{}"'.format(label or title))
+            shown.bind_text_from(self._slider, 'value', lambda value: '{:g}'.format(value))
+            self._slider.on('update:model-value', lambda event: self._move(event.args),
+                            throttle=_SLIDER_THROTTLE_S)
+
+    def follow(self, value: float) -> bool:
+        """Show a value that something else has set; return False while the visitor moves it."""
+        if self._slider.value == value:
+            return True
+        if time.monotonic() - self._moved_s < _SETTLE_S:
+            return False
+        self._slider.value = value
+        return True
+
+    def _move(self, value: float) -> None:
+        self._moved_s = time.monotonic()
+        self._change(value)
 
 
 async def wait_for(function: Callable, *arguments: Any) -> Any:

@@ -12,8 +12,9 @@ from typing import (Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, O
                     Set, Tuple)
 
 RATE_HZ = 15.0
-_MAX_PICTURES, _MAX_NAME = 8, 300
+_MAX_PICTURES, _MAX_NAME = 32, 300      # live.js asks for no more
 _MAX_MALFORMED = 20             # messages, until the connection is closed
+_REFUSED, _FAILED = 1008, 1011  # close codes of RFC 6455
 _CACHE_SIZE = 8
 _TOPIC = re.compile('(/[A-Za-z][A-Za-z0-9_]*)+')        # the full name of one
 _LENGTH = struct.Struct('>I')
@@ -24,8 +25,6 @@ class Picture(NamedTuple):
 
     number: int
     jpeg: bytes
-    width: int
-    height: int
 
 
 class Pictures(Protocol):
@@ -106,8 +105,9 @@ class _Viewer:
 class Feed:
     """Serves all pages; to be used in one event loop."""
 
-    def __init__(self, pictures: Pictures):
-        self._pictures = pictures
+    def __init__(self, pictures: Pictures, failed: Callable[[Exception], None]):
+        """Serve nobody yet; failed: is called with an unexpected error, which ends a page."""
+        self._pictures, self._failed = pictures, failed
         self._measured: List[Measurements] = []         # that are watched
         self._viewers: Set[_Viewer] = set()
         self._tick = asyncio.Event()
@@ -117,7 +117,8 @@ class Feed:
     @property
     def viewers(self) -> int:
         """The number of pages that somebody looks at."""
-        return sum(viewer.is_looking for viewer in self._viewers)
+        # a copy: the event loop changes it
+        return sum(viewer.is_looking for viewer in list(self._viewers))
 
     async def serve(self, socket: Socket, robot: Robot) -> None:
         """Serve a page until its connection ends; the errors of the connection are raised."""
@@ -127,7 +128,7 @@ class Feed:
         try:
             while viewer.malformed < _MAX_MALFORMED and not sender.done():
                 self._take(viewer, await socket.receive_text())
-            await socket.close(1008)
+            await socket.close(_REFUSED)
         finally:
             self._viewers.discard(viewer)
             robot.driving.release(viewer)
@@ -202,10 +203,15 @@ class Feed:
         while True:
             await viewer.is_ready.wait()
             await self._tick.wait()
-            if viewer.is_refused:
-                viewer.is_refused, data = False, _message({'busy': True}, [], [])
-            else:
-                data = self._news(viewer) if viewer.is_looking else b''
+            try:
+                if viewer.is_refused:
+                    viewer.is_refused, data = False, _message({'busy': True}, [], [])
+                else:
+                    data = self._news(viewer) if viewer.is_looking else b''
+            except Exception as error:
+                self._failed(error)
+                await socket.close(_FAILED)
+                return
             if data:
                 viewer.is_ready.clear()
                 await socket.send_bytes(data)
@@ -235,7 +241,7 @@ class Feed:
             picture = self._pictures.latest(name)
             if picture is not None and picture.number != numbers.get(name):
                 next_numbers[name] = picture.number
-                listed.append([name, len(picture.jpeg), picture.width, picture.height])
+                listed.append([name, len(picture.jpeg)])
                 jpegs.append(picture.jpeg)
         if not listed and not measured:
             return next_cursor, next_numbers, b''

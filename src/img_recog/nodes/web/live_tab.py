@@ -1,14 +1,15 @@
 """The tab with pictures, charts, map, drive buttons and the simulation."""
+import math
 from functools import partial
-from typing import Any, List, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Sequence, Tuple
 
 from nicegui import ui
 
-from img_recog.nodes.web.elements import button, card, paragraph, picture, slider, wait_for
+from img_recog.nodes.web.elements import Slider, button, card, paragraph, picture, wait_for
 from img_recog.nodes.web.system import PictureTopic, Robot, System
 from img_recog.nodes.web.texts import Texts
 
-_FACTORS = {0.25: '0.25', 0.5: '0.5', 1.0: '1', 2.0: '2', 5.0: '5', 0.0: ''}
+_FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 0.0)
 # readable on a light and on a dark card
 _CHART_TEXT, _CHART_LINES = '#8b919c', '#8b919c44'
 _PAD: Sequence[Tuple[str, str, str]] = (      # text, icon, direction; by rows of three
@@ -46,8 +47,12 @@ class LiveTab:
         simulator = self._system.simulator.values()
         if simulator.get('view') in self._view.options:
             self._view.value = simulator['view']
-        if simulator.get('real_time_factor') in _FACTORS:
-            self._factor.value = simulator['real_time_factor']
+        factor = simulator.get('real_time_factor')
+        if factor is not None and factor != self._factor.value:
+            self._factor.set_options(self._factors({*_FACTORS, factor}), value=factor)
+        limits = self._robot.driving.limits
+        for field, slider in self._limits.items():
+            slider.follow(limits[field])
 
     def _chart(self, name: str, title: str) -> None:
         with card(title):
@@ -84,11 +89,13 @@ class LiveTab:
                             direction, self._t(key), self._t(key)))
             ui.element('p').props('data-bind=busy role=status')
             paragraph(self._t('drive_help'))
+            self._limits: Dict[str, Slider] = {}
             for name in ('max_linear', 'max_angular'):
                 field = name + '_velocity'
                 highest = getattr(driving.settings, field)
-                slider(self._t(name), highest / 20, highest, highest / 20, driving.limits[field],
-                       partial(driving.limit, field))
+                self._limits[field] = Slider(
+                    self._t(name), highest / 20, highest, highest / 20, driving.limits[field],
+                    partial(driving.limit, field))
 
     def _simulation(self) -> None:
         with card(self._t('simulation')):
@@ -102,14 +109,19 @@ class LiveTab:
             with ui.element('p'):
                 ui.label(self._t('factor') + ': ').style('display: inline')
                 ui.label('').props('data-bind=factor').style('display: inline')
+            # without a value until the simulator has told it
             self._factor = ui.select(
-                {value: text or self._t('fastest') for value, text in _FACTORS.items()},
-                value=1.0, label=self._t('factor'), on_change=self._on_factor).props(
-                    'dense options-dense').style('width: 100%')
+                self._factors(_FACTORS), label=self._t('factor'),
+                on_change=self._on_factor).props('dense options-dense').style('width: 100%')
             self._view = ui.select(
-                {'above': self._t('above'), 'follow': self._t('follow')}, value='above',
+                {'above': self._t('above'), 'follow': self._t('follow')},
                 label=self._t('viewpoint'), on_change=self._on_view).props(
                     'dense options-dense').style('width: 100%')
+
+    def _factors(self, values: Iterable[float]) -> Dict[float, str]:
+        """Return the texts of real time factors, the highest last."""
+        return {value: '{:g}'.format(value) if value else self._t('fastest')
+                for value in sorted(values, key=lambda value: value or math.inf)}
 
     # what a visitor does
 
@@ -128,9 +140,9 @@ class LiveTab:
                       multi_line=True)
 
     def _on_factor(self, event: Any) -> None:
-        if event.value != self._system.simulator.values().get('real_time_factor'):
+        if event.value not in (None, self._system.simulator.values().get('real_time_factor')):
             self._system.simulator.change(real_time_factor=float(event.value))
 
     def _on_view(self, event: Any) -> None:
-        if event.value != self._system.simulator.values().get('view'):
+        if event.value not in (None, self._system.simulator.values().get('view')):
             self._system.simulator.change(view=event.value)

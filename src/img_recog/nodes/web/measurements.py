@@ -4,7 +4,7 @@ import re
 import threading
 import time
 from functools import partial
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -27,6 +27,7 @@ _LEVELS = {Log.DEBUG: 'debug', Log.INFO: 'info', Log.WARN: 'warn', Log.ERROR: 'e
            Log.FATAL: 'fatal'}
 _NUMBERS = re.compile('[0-9]+')
 _BUFFER_BYTES = 1 << 20
+_MAX_STATUSES = 300     # of diagnostics
 
 Topic = Tuple[str, type, Callable[[Any], None]]         # resolved name, message, callback
 
@@ -63,7 +64,7 @@ class Topics:
         while True:
             with self._lock:
                 wanted = self._wanted()
-                if set(wanted) == set(self._subscribers):
+                if set(wanted) == set(self._subscribers) or rospy.is_shutdown():
                     self._is_changing = False
                     return
             for name in set(self._subscribers) - set(wanted):
@@ -85,6 +86,7 @@ class SystemTopics(Topics):
         self._places: Dict[str, List[float]] = {}
         self._places_s = 0.0
         self._lines: Dict[Tuple[str, str], float] = {}
+        self._statuses: Set[str] = set()
         self._warn = ThrottledWarning()
 
     def follow(self, robots: Dict[str, str]) -> None:
@@ -106,6 +108,7 @@ class SystemTopics(Topics):
     def _forget(self) -> None:
         super()._forget()
         self._places.clear()
+        self._statuses.clear()
 
     def _factor(self, msg: Float64) -> None:
         self.news.set('factor', _number(msg.data))
@@ -133,6 +136,12 @@ class SystemTopics(Topics):
 
     def _diagnosed(self, msg: DiagnosticArray) -> None:
         for status in msg.status:
+            self._statuses.add(status.name)
+            if len(self._statuses) > _MAX_STATUSES:
+                self._statuses.discard(status.name)
+                self._warn('more than %d names on /diagnostics: the others are not shown',
+                           _MAX_STATUSES)
+                return
             self.news.set('node ' + status.name, {
                 'name': shortened(status.name), 'level': _level(status.level),
                 'message': shortened(status.message),
@@ -173,7 +182,7 @@ class RobotTopics(Topics):
         self._colors = []
 
     def _asked(self, msg: Twist) -> None:
-        self.news.add('asked', _rounded(time.time(), msg.linear.x, msg.angular.z))
+        self.news.add('asked', _rounded(time.monotonic(), msg.linear.x, msg.angular.z))
 
     def _driven(self, msg: Odometry) -> None:
         try:
@@ -183,11 +192,15 @@ class RobotTopics(Topics):
             return
         self.frame_id = msg.header.frame_id
         twist = msg.twist.twist
-        self.news.add('driven', _rounded(time.time(), twist.linear.x, twist.angular.z))
+        self.news.add('driven', _rounded(time.monotonic(), twist.linear.x, twist.angular.z))
         self.news.set('pose', _rounded(*pose))
         self.news.extend_path(*_rounded(pose.x, pose.y))
 
     def _scanned(self, msg: LaserScan) -> None:
+        if not (math.isfinite(msg.angle_min) and math.isfinite(msg.angle_increment)):
+            self._warn('scan: angle_min %g and angle_increment %g, expected finite numbers',
+                       msg.angle_min, msg.angle_increment)
+            return
         self.news.set('scan', {
             'angle_min': msg.angle_min, 'angle_increment': msg.angle_increment,
             'ranges': [_number(each) if msg.range_min <= each <= msg.range_max else None
@@ -199,7 +212,7 @@ class RobotTopics(Topics):
         except color_detection_msgs.ColorDetectionError as error:
             self._warn('%s', error)
             return
-        self.news.add('areas', [_number(time.time()), *found.areas_px])
+        self.news.add('areas', [_number(time.monotonic()), *found.areas_px])
         if found.names != self._colors:
             self._colors = found.names
             self.news.set('colors', found.names)

@@ -22,7 +22,6 @@ import traceback
 from typing import Dict, List, Optional, Set, Tuple
 
 import cv2
-import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -34,16 +33,17 @@ from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import Choice, visible
+from img_recog.graph.system import System as SystemShown
 from img_recog.nodes.web import page, simulation
 from img_recog.nodes.web.doors import Doors
 from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.pictures import PictureTopics
-from img_recog.nodes.web.robot import Robot
+from img_recog.nodes.web.robot import Robot, resolve
 from img_recog.nodes.web.robots import Robots
 from img_recog.nodes.web.server import Server, address, listen
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.ros import bag_recording, lifecycle, parameters
+from img_recog.ros import bag_recording, lifecycle, master, parameters
 from img_recog.ros.bag_recording import BagRecording
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.throttle import ThrottledWarning
@@ -55,6 +55,7 @@ _GRAPH_PERIOD_S = 1.0           # a drawn graph is shown to all pages for this t
 _LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
 _DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
+_TRY_AGAIN = 1013               # a close code of IANA's registry of WebSocket close codes
 
 
 class Web:
@@ -65,18 +66,20 @@ class Web:
         limits = parameters.read(VelocityLimits)
         parameters.warn_of_unknown(WebSettings, VelocityLimits)
         self._warn = ThrottledWarning()
-        self._failure: Optional[BaseException] = None
+        self._failure: Optional[Exception] = None
         self._watching: Set[object] = set()
         self._lock = threading.Lock()
-        self._graphs: Dict[Tuple[bool, bool], Tuple[float, bytes]] = {}
+        self._graphs: Dict[Tuple[bool, bool], bytes] = {}       # of the system
         self._reader: Optional[SystemReader] = None
+        self._system: Optional[SystemShown] = None
+        self._read_s = 0.0
         self._recording_lock = threading.Lock()
         self._recording: Optional[BagRecording] = None
         lifecycle.on_shutdown(self._end_recording)
         self.simulator = Tuning(rospy.resolve_name('gazebo'))
-        pictures = PictureTopics(_MAX_IMAGE_BYTES)
-        self._robots = Robots(limits, pictures)
-        self._feed = Feed(pictures)
+        self._pictures = PictureTopics(_MAX_IMAGE_BYTES)
+        self._robots = Robots(limits, self._pictures)
+        self._feed = Feed(self._pictures, self._warn_of)
         sock = listen(settings.web_host, settings.web_port)
         port = sock.getsockname()[1]
         if port != settings.web_port:
@@ -96,7 +99,13 @@ class Web:
             # the end of a connection is nothing to report, in the middle of a message too
             with contextlib.suppress(WebSocketDisconnect, RuntimeError):
                 name = socket.query_params.get('robot', '')
-                await self._feed.serve(socket, await run_in_threadpool(self.robot, name))
+                robot = await run_in_threadpool(self.robot, name)
+                if robot.name != name:      # never show and drive another one instead
+                    await socket.close(_TRY_AGAIN)
+                    return
+                self._pictures.allow(topic for topic, _, _ in await run_in_threadpool(
+                    robot.picture_topics))
+                await self._feed.serve(socket, robot)
         page.build(app, self)
         return app
 
@@ -122,7 +131,7 @@ class Web:
         rospy.logdebug('%s', ''.join(traceback.format_exception(
             type(error), error, error.__traceback__)))
 
-    def _fail(self, error: BaseException) -> None:
+    def _fail(self, error: Exception) -> None:
         self._failure = error
 
     def _report(self, status: DiagnosticStatusWrapper) -> None:
@@ -163,7 +172,7 @@ class Web:
                 topics = sorted({
                     name for topic in bag_recording.TOPICS for name in (
                         rospy.resolve_name(topic),
-                        *(self.robot(robot).resolve(topic) for robot in self.robots()))})
+                        *(resolve(robot, topic) for robot in self.robots()))})
                 self._recording = BagRecording(files.free_output_path('recording', '.bag'), topics)
                 return self._recording.path
             recording.stop()
@@ -182,24 +191,25 @@ class Web:
     def graph(self, is_dark: bool, leaves: bool) -> bytes:
         """Return the graph of nodes and topics as SVG; raise UserError if that fails."""
         with self._lock:
-            drawn_s, picture = self._graphs.get((is_dark, leaves), (0.0, b''))
-            if time.monotonic() - drawn_s > _GRAPH_PERIOD_S:
+            if self._system is None or time.monotonic() - self._read_s > _GRAPH_PERIOD_S:
                 self._reader = self._reader or SystemReader()
-                shown = visible(self._reader.read().without(rospy.get_name()),
-                                Choice(leaves=leaves))
-                picture = dot.draw(dot.to_dot(shown, _DARK if is_dark else _LIGHT), 'svg')
-                self._graphs[is_dark, leaves] = time.monotonic(), picture
-            return picture
+                self._system = self._reader.read().without(rospy.get_name())
+                self._read_s = time.monotonic()
+                self._graphs = {}
+            if (is_dark, leaves) not in self._graphs:
+                shown = visible(self._system, Choice(leaves=leaves))
+                self._graphs[is_dark, leaves] = dot.draw(
+                    dot.to_dot(shown, _DARK if is_dark else _LIGHT), 'svg')
+            return self._graphs[is_dark, leaves]
 
 
 def _wait_for_other_nodes() -> None:
     """Wait until no more nodes start: what this node prints then is the end of the output."""
     nodes: Set[str] = set()
-    master = rosgraph.Master(rospy.get_name())
     end_s = time.monotonic() + _START_TIMEOUT_S
     since_s = time.monotonic()
     while time.monotonic() < end_s and not rospy.is_shutdown():
-        found = {node for topics in master.getSystemState() for _, users in topics
+        found = {node for topics in master.system_state() for _, users in topics
                  for node in users}
         if found != nodes:
             nodes, since_s = found, time.monotonic()

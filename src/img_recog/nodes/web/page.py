@@ -4,6 +4,7 @@ What moves is drawn by static/live.js in the browser, from what feed.py sends.
 """
 import json
 import os
+import time
 import urllib.parse
 from typing import List
 
@@ -19,6 +20,7 @@ from img_recog.nodes.web.texts import Texts, language_of
 
 _STATIC = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'static')
 _POLL_S = 0.4           # of values that other pages or nodes may change
+_PATIENCE_S = 5.0       # with a robot that is gone: a new master knows its nodes one by one
 _TABS = ('live', 'colors', 'graph', 'nodes', 'log')
 _LEVELS = ('debug', 'info', 'warn', 'error')
 
@@ -51,6 +53,7 @@ class _Page:
     def __init__(self, system: System, robot: Robot, texts: Texts):
         self._system, self._robot, self._t = system, robot, texts
         self._names: List[str] = []
+        self._seen_s = time.monotonic()
 
     def build(self, pictures: List[PictureTopic]) -> None:
         """Add all elements."""
@@ -70,9 +73,10 @@ class _Page:
                 with ui.tab_panel(name):
                     getattr(self, '_' + name)()
         ui.timer(_POLL_S, self._poll)
-        # also when a connection was lost for a moment
-        ui.context.client.on_connect(lambda: self._watch(True))
-        ui.context.client.on_disconnect(lambda: self._watch(False))
+        # A connection that was lost is often noticed after the next one has been made.
+        client = ui.context.client
+        client.on_connect(lambda: self._watch(True))
+        client.on_disconnect(lambda: self._watch(client.has_socket_connection))
 
     def _watch(self, is_watched: bool) -> None:
         self._robot.watch(self, is_watched)
@@ -80,10 +84,13 @@ class _Page:
 
     def _poll(self) -> None:
         """Show what other pages and nodes have changed."""
-        names = self._system.robots()
+        names, now_s = self._system.robots(), time.monotonic()
         if self._robot.name not in names:
-            ui.navigate.to('/')
-        elif names != self._names:
+            if now_s - self._seen_s > _PATIENCE_S:
+                ui.navigate.to('/')
+            return
+        self._seen_s = now_s
+        if names != self._names:
             self._names = names
             self._select.set_options(names, value=self._robot.name)
             self._select.set_visibility(len(names) > 1)
@@ -117,6 +124,7 @@ class _Page:
                     int(event.value)))).props('dense')
             with ui.element('div').classes('graph'):
                 ui.element('img').props('data-graph=1 alt="{}"'.format(self._t('graph_label')))
+                ui.element('p').props('data-bind=graph role=status')
 
     def _nodes(self) -> None:
         with ui.element('section').classes('card table-box'):

@@ -1,7 +1,7 @@
 """Images of topics as JPEG, each encoded once for all viewers."""
 import threading
 import time
-from typing import Dict, Optional, Set
+from typing import Dict, Iterable, Optional, Set
 
 import cv2
 import numpy as np
@@ -28,16 +28,27 @@ class PictureTopics:
         """Subscribe to nothing yet; max_bytes: larger messages are refused."""
         self._max_bytes = max_bytes
         self._lock = threading.Lock()
+        self._allowed: Set[str] = set()
         self._wanted: Set[str] = set()
         self._topics: Dict[str, _Topic] = {}        # of the thread
+        self._retry_s: Dict[str, float] = {}        # when a topic that has failed is tried again
         self._thread: Optional[threading.Thread] = None
         self._warn = ThrottledWarning()
 
-    def watch(self, names: Set[str]) -> None:
-        """Subscribe to these topics, and to no others, soon and in another thread."""
+    def allow(self, names: Iterable[str]) -> None:
+        """Allow that these topics are watched, too."""
         with self._lock:
-            self._wanted = names
-            if names and self._thread is None:
+            self._allowed.update(names)
+
+    def watch(self, names: Set[str]) -> None:
+        """Subscribe to these topics, and to no others, soon and in another thread.
+
+        Only to those that are allowed: the names come from browsers, and rospy would take the
+        connections of another topic of this node for images, too.
+        """
+        with self._lock:
+            self._wanted = names & self._allowed
+            if self._wanted and self._thread is None:
                 self._thread = threading.Thread(target=self._run, daemon=True)
                 self._thread.start()
 
@@ -49,26 +60,30 @@ class PictureTopics:
     def _run(self) -> None:
         """Encode the newest images at the rate of the feed, while somebody looks."""
         while not rospy.is_shutdown():
-            begin_s, period_s = time.monotonic(), 1 / RATE_HZ
-            try:
-                self._subscribe()
-                with self._lock:
-                    if not self._wanted and not self._topics:
-                        self._thread = None
-                        return
-                for topic in self._topics.values():
-                    topic.encode()
-            except Exception as error:      # one topic must not end the pictures of the others
-                self._warn('a picture failed: %s: %s', type(error).__name__, one_line(error))
-                period_s = _RETRY_PERIOD_S
-            time.sleep(max(0.0, begin_s + period_s - time.monotonic()))
+            begin_s = time.monotonic()
+            with self._lock:
+                wanted = self._wanted
+                if not wanted and not self._topics:
+                    self._thread = None
+                    return
+            for name in wanted | set(self._topics):
+                if begin_s >= self._retry_s.get(name, 0.0):
+                    self._update(name, name in wanted)
+            time.sleep(max(0.0, begin_s + 1 / RATE_HZ - time.monotonic()))
 
-    def _subscribe(self) -> None:
-        wanted = self._wanted
-        for name in set(self._topics) - wanted:
-            self._topics.pop(name).close()
-        for name in wanted - set(self._topics):
-            self._topics[name] = _Topic(name, self._max_bytes)
+    def _update(self, name: str, is_wanted: bool) -> None:
+        """Subscribe to a topic, encode its newest image, or unsubscribe."""
+        try:
+            if not is_wanted:
+                self._topics.pop(name).close()
+                return
+            if name not in self._topics:
+                self._topics[name] = _Topic(name, self._max_bytes)
+            self._topics[name].encode()
+        except Exception as error:      # one topic must not end the pictures of the others
+            self._warn('a picture of %s failed: %s: %s', name, type(error).__name__,
+                       one_line(error))
+            self._retry_s[name] = time.monotonic() + _RETRY_PERIOD_S
 
 
 class _Topic:
@@ -100,7 +115,7 @@ class _Topic:
         finally:
             self._subscriber.release(msg)
         self._number += 1
-        self.picture = Picture(self._number, jpeg, image.shape[1], image.shape[0])
+        self.picture = Picture(self._number, jpeg)
 
     def _put(self, msg: Image) -> None:
         replaced = self._latest.put(msg)

@@ -26,6 +26,12 @@ _saving = threading.Lock()      # of all robots: a name is free until its file i
 _FOLDER_ADVICE = 'start it in a folder where files can be written'
 
 
+def resolve(robot: str, name: str) -> str:
+    """Return the full name of a topic or node of a robot."""
+    is_relative = robot and not name.startswith('/')
+    return rospy.resolve_name('{}/{}'.format(robot, name) if is_relative else name)
+
+
 class Robot:
     """The parts of a robot; `page.Robot` and `feed.Robot`.
 
@@ -47,8 +53,7 @@ class Robot:
 
     def resolve(self, name: str) -> str:
         """Return the full name of a topic or node of this robot."""
-        is_relative = self.name and not name.startswith('/')
-        return rospy.resolve_name('{}/{}'.format(self.name, name) if is_relative else name)
+        return resolve(self.name, name)
 
     def picture_topics(self) -> List[Tuple[str, str, str]]:
         """Return topic, key of its title and color of each picture."""

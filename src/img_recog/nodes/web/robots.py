@@ -10,6 +10,7 @@ from img_recog.errors import one_line
 from img_recog.nodes.web.measurements import Measurements, SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.robot import Robot
+from img_recog.ros import master
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 
@@ -35,11 +36,12 @@ class Robots:
     def update(self) -> None:
         """Look for the robots; names: those that were found, '' for one without a namespace."""
         try:
-            published, subscribed, _ = rosgraph.Master(rospy.get_name()).getSystemState()
-        except (OSError, rosgraph.MasterException) as error:
+            published, subscribed, _ = master.system_state()
+        except master.MasterError as error:
             self._warn('the robots: %s', one_line(error))
             return
-        self.names = names_in(published, subscribed, rospy.get_namespace(), rospy.get_name())
+        self.names = names_in(published, subscribed, rospy.get_namespace(),
+                              rospy.get_name()) or self.names       # a new master knows none yet
         others = self.names if len(self.names) > 1 else []
         self._system.follow({name: rospy.resolve_name(name + '/odom') for name in others if name})
 
@@ -56,11 +58,11 @@ class Robots:
 
 def names_in(published: TopicUsers, subscribed: TopicUsers, namespace: str,
              node: str) -> List[str]:
-    """Return the names of the robots in a namespace that ends with a slash, at least one.
+    """Return the names of the robots in a namespace that ends with a slash.
 
     A robot subscribes to its cmd_vel and publishes its odom. If none does both, those with a
-    subscriber of cmd_vel, which may also be a tool; else those with a publisher; else one without
-    a namespace. `node` itself does not count.
+    subscriber of cmd_vel, which may also be a tool; else those with a publisher. `node` itself
+    does not count.
     """
     def using(topic: str, users: TopicUsers) -> Set[str]:
         return {name[len(namespace):-len(topic)].rstrip('/') for name, nodes in users
@@ -71,7 +73,7 @@ def names_in(published: TopicUsers, subscribed: TopicUsers, namespace: str,
         legal = [name for name in found if not name or rosgraph.names.is_legal_name(name)]
         if legal:
             return sorted(legal, key=_natural)
-    return ['']
+    return []
 
 
 def _natural(name: str) -> List[Tuple[int, str]]:

@@ -1,5 +1,6 @@
 """Serves the page: an HTTP server in a thread, and the socket that it listens on."""
 import asyncio
+import contextlib
 import socket
 import threading
 from typing import Any, Callable, Optional
@@ -34,7 +35,7 @@ def listen(host: str, port: int) -> socket.socket:
 class Server:
     """Runs an ASGI application in a thread until it is closed."""
 
-    def __init__(self, app: Any, sock: socket.socket, failed: Callable[[BaseException], None]):
+    def __init__(self, app: Any, sock: socket.socket, failed: Callable[[Exception], None]):
         """Start to serve; failed: is called with an error that ends the server."""
         # JPEG images do not get smaller
         self._server = uvicorn.Server(uvicorn.Config(
@@ -53,8 +54,11 @@ class Server:
 
     def _run(self) -> None:
         try:
-            asyncio.run(self._server.serve(sockets=[self._sock]))
-        except BaseException as error:
+            with contextlib.suppress(SystemExit):       # of some uvicorn, if `app` does not start
+                asyncio.run(self._server.serve(sockets=[self._sock]))
+            if not self._server.started:
+                raise UserError('the page cannot be served: its application does not start')
+        except Exception as error:
             self._failed(error)
 
 

@@ -4,8 +4,7 @@ import threading
 from typing import Any, Dict, List, Mapping, Optional
 
 import rospy
-from dynamic_reconfigure import (DynamicReconfigureCallbackException,
-                                 DynamicReconfigureException)
+from dynamic_reconfigure import DynamicReconfigureCallbackException
 from dynamic_reconfigure.client import Client
 
 from img_recog.errors import one_line
@@ -68,8 +67,7 @@ class Tuning:
                 with contextlib.closing(self._connect()) as client:
                     while self._is_wanted():
                         self._send(client)
-            except (DynamicReconfigureException, rospy.ROSException, rospy.ServiceException,
-                    OSError) as error:
+            except Exception as error:      # rospy raises more than it documents
                 self._warn('the parameters of %s: %s', self._node, one_line(error))
                 with self._condition:
                     self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
@@ -81,7 +79,8 @@ class Tuning:
         """Return whether the thread is still needed; if not, the next `watch` starts another."""
         with self._condition:
             if not self._is_wanted():
-                self._thread, self._values = None, {}
+                # a change that could not be sent must not come much later
+                self._thread, self._values, self._changes = None, {}, {}
             return self._thread is not None
 
     def _connect(self) -> Client:

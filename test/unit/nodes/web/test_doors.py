@@ -84,6 +84,7 @@ def test_a_robot_in_the_address_is_kept(robot, page):
     {'cookie': 'img_recog_8080=wrong'}, {'cookie': 'img_recog_9090=' + TOKEN},
     {'cookie': 'img_recog_8080="'}, {'cookie': '\x80'},
     {'cookie': COOKIE, 'origin': 'http://evil.example'}, {'cookie': COOKIE, 'origin': 'null'},
+    {'cookie': COOKIE, 'origin': 'http://['},
     {'cookie': COOKIE, 'origin': 'http://localhost:9090', 'method': 'POST'},
     {'query': 'token=' + TOKEN, 'origin': 'http://evil.example'},
     {'cookie': COOKIE, 'sec_fetch_site': 'cross-site', 'sec_fetch_mode': 'no-cors'},

@@ -1,8 +1,13 @@
 """Who drives, and until when."""
-import rosgraph
+import threading
+from types import SimpleNamespace
+
+import pytest
 
 from img_recog.nodes.web import driving
-from img_recog.nodes.web.driving import HOLD_S, Speeds, yield_services
+from img_recog.nodes.web.driving import HOLD_S, Driving, Speeds, yield_services
+from img_recog.teleoperation.settings import VelocityLimits
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
 class Clock:
@@ -49,6 +54,55 @@ def test_the_services_of_other_publishers(monkeypatch):
              [['/teleop/yield', ['/teleop']], ['/gazebo/yield', ['/gazebo']],
               ['/foreign/get_loggers', ['/foreign']]])
     monkeypatch.setattr(driving.rospy, 'get_name', lambda: '/web')
-    monkeypatch.setattr(rosgraph.Master, 'getSystemState', lambda self: state)
+    monkeypatch.setattr(driving.master, 'system_state', lambda: state)
     assert yield_services('/cmd_vel') == ['/teleop/yield']
     assert yield_services('/nobody') == []
+
+
+@pytest.fixture
+def node(monkeypatch):
+    """A stand-in for the node: sent speeds, its shutdown hook, and the services that yield."""
+    found = SimpleNamespace(sent=[], hooks=[], services={}, has_ended=False)
+    monkeypatch.setattr(driving.rospy, 'Publisher', lambda *_, **__: SimpleNamespace(
+        publish=lambda msg: found.sent.append(msg.linear.x), resolved_name='/cmd_vel'))
+    monkeypatch.setattr(driving.lifecycle, 'on_shutdown', found.hooks.append)
+    monkeypatch.setattr(driving.rospy, 'is_shutdown', lambda: found.has_ended)
+    monkeypatch.setattr(driving, 'yield_services', lambda _: sorted(found.services))
+    monkeypatch.setattr(driving.rospy, 'ServiceProxy', lambda name, _: found.services[name])
+    monkeypatch.setattr(driving, '_YIELD_PERIOD_S', 0.01)
+    yield found
+    found.has_ended = True
+
+
+def test_the_robot_is_stopped_when_the_node_ends_meanwhile(node):
+    driven = Driving(VelocityLimits(), '/cmd_vel')
+    driven.hold('page', 0.5, 0.0)
+    wait_for(lambda: node.sent and node.sent[-1] == 0.11, 'a command')
+    node.hooks[0]()
+    assert node.sent[-1] == 0.0
+    count = len(node.sent)
+    driven.hold('page', 1.0, 0.0)
+    wait_for(lambda: driven._speeds.current() is None, 'the end of the hold')
+    assert len(node.sent) == count
+
+
+def test_nothing_is_sent_when_the_node_ends_and_nobody_drives(node):
+    Driving(VelocityLimits(), '/cmd_vel')
+    node.hooks[0]()
+    assert node.sent == []
+
+
+def test_nodes_yield_although_another_one_does_not_answer(node):
+    hangs, asked = threading.Event(), []
+
+    def fail():
+        raise RuntimeError('closed')
+    node.services = {'/a/yield': lambda: hangs.wait(DEADLINE_S), '/b/yield': fail,
+                     '/c/yield': lambda: asked.append(1) or SimpleNamespace(success=True)}
+    driven = Driving(VelocityLimits(), '/cmd_vel')
+
+    def hold():
+        driven.hold('page', 1.0, 0.0)
+        return len(asked) > 3
+    wait_for(hold, 'the answers')
+    hangs.set()

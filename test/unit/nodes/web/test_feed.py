@@ -17,7 +17,7 @@ def decoded(data):
     length = int.from_bytes(data[:4], 'big')
     start = 4 + length
     news, jpegs = json.loads(data[4:start]), []
-    for _, size, _, _ in news['pictures']:
+    for _, size in news['pictures']:
         jpegs.append(data[start:start + size])
         start += size
     return news, jpegs
@@ -94,15 +94,16 @@ async def ticks(count=3):
 
 
 def run(scenario, monkeypatch):
-    """Run scenario(parts, connect) with a feed.
+    """Run scenario(parts, connect) with a feed; return the errors that it has reported.
 
     connect(robot) connects a page and returns its Socket; robot: default: that of the parts.
     """
     monkeypatch.setattr(feed, 'RATE_HZ', 200.0)
+    errors = []
 
     async def serve():
         parts = Pictures(), Measurements(), Driver()
-        served, sockets, tasks = Feed(parts[0]), [], []
+        served, sockets, tasks = Feed(parts[0], errors.append), [], []
 
         def connect(robot=Robot(*parts[1:])):
             sockets.append(Socket())
@@ -115,14 +116,15 @@ def run(scenario, monkeypatch):
         assert all(result is None or isinstance(result, Gone) for result in results)
         assert parts[0].watched == set() and not parts[1].is_watched
     asyncio.run(serve())
+    return errors
 
 
 def test_a_page_gets_new_pictures_and_measurements_when_it_is_ready(monkeypatch):
     async def scenario(parts, connect):
         _, pictures, measurements, _ = parts
         socket = connect()
-        pictures.pictures = {CAMERA: Picture(1, b'jpeg 1', 640, 480),
-                             BLUE: Picture(7, b'blue', 320, 240)}
+        pictures.pictures = {CAMERA: Picture(1, b'jpeg 1'),
+                             BLUE: Picture(7, b'blue')}
         measurements.add('asked', [1.0, 0.2, 0.0])
         measurements.set('factor', 1.0)
         socket.send(look=[CAMERA, BLUE])
@@ -132,13 +134,13 @@ def test_a_page_gets_new_pictures_and_measurements_when_it_is_ready(monkeypatch)
         socket.send(ready=1)
         await ticks()
         (news, jpegs), = socket.received
-        assert news['pictures'] == [[CAMERA, 6, 640, 480], [BLUE, 4, 320, 240]]
+        assert news['pictures'] == [[CAMERA, 6], [BLUE, 4]]
         assert jpegs == [b'jpeg 1', b'blue']
         assert news['measured'] == {'asked': [[1.0, 0.2, 0.0]], 'factor': 1.0}
         socket.send(ready=1)
         await ticks()
         assert len(socket.received) == 1            # nothing is new
-        pictures.pictures[CAMERA] = Picture(2, b'jpeg 2', 640, 480)
+        pictures.pictures[CAMERA] = Picture(2, b'jpeg 2')
         measurements.add('asked', [1.1, 0.3, 0.0])
         await ticks()
         news, jpegs = socket.received[1]
@@ -156,7 +158,7 @@ def test_a_page_that_does_not_read_misses_frames_and_slows_nobody(monkeypatch):
         for number in range(5):
             for socket in (slow, fast):
                 socket.send(ready=1)
-            pictures.pictures[CAMERA] = Picture(number, b'%d' % number, 1, 1)
+            pictures.pictures[CAMERA] = Picture(number, b'%d' % number)
             await ticks()
         assert [jpegs for _, jpegs in fast.received] == [[b'%d' % number] for number in range(5)]
         slow.reads.set()
@@ -179,7 +181,7 @@ def test_pages_at_the_same_place_share_one_message(monkeypatch):
             socket.send(ready=1)
         await ticks()
         composed.clear()
-        pictures.pictures[CAMERA] = Picture(1, b'1', 1, 1)
+        pictures.pictures[CAMERA] = Picture(1, b'1')
         await ticks(6)
         assert all(len(socket.received) == 1 for socket in sockets)
         assert sum(b'1' != b'' for _ in composed) <= 6      # one a tick, not one a page
@@ -281,3 +283,17 @@ def test_who_sends_only_malformed_messages_is_disconnected(monkeypatch):
         await ticks()
         assert socket.code == 1008
     run(scenario, monkeypatch)
+
+
+def test_what_cannot_be_sent_ends_the_page_and_is_reported(monkeypatch):
+    sockets = []
+
+    async def scenario(parts, connect):
+        parts[2].set('scan', {'angle_min': float('nan')})
+        sockets.append(connect())
+        sockets[0].send(look=[])
+        sockets[0].send(ready=1)
+        await ticks()
+    errors = run(scenario, monkeypatch)
+    assert sockets[0].code == 1011
+    assert len(errors) == 1 and 'not JSON compliant' in str(errors[0])

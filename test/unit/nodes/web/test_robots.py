@@ -1,11 +1,15 @@
 """Which robots the page finds, and what their pages share."""
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
 
-from img_recog.nodes.web import measurements
-from img_recog.nodes.web.measurements import Measurements, SystemTopics
+from img_recog.nodes.web import measurements, robots
+from img_recog.nodes.web.measurements import Measurements, RobotTopics, SystemTopics
 from img_recog.nodes.web.news import News
-from img_recog.nodes.web.robots import names_in
+from img_recog.nodes.web.pictures import PictureTopics
+from img_recog.nodes.web.robots import Robots, names_in
+from img_recog.teleoperation.settings import VelocityLimits
 
 WEB = '/web'
 
@@ -20,7 +24,7 @@ def users(*rows):
 
 
 @pytest.mark.parametrize('published, subscribed, names', [
-    ([], [], ['']),
+    ([], [], []),
     (['/cmd_vel /color_extract', '/odom /gazebo'], ['/cmd_vel /gazebo'], ['']),
     # in the order of their numbers
     (['/tb3_10/odom /gazebo', '/tb3_9/odom /gazebo'],
@@ -31,10 +35,10 @@ def users(*rows):
     (['/cmd_vel /teleop'], ['/a/cmd_vel /gazebo'], ['a']),
     (['/a/cmd_vel /teleop'], [], ['a']),
     # what the page itself has advertised or subscribes to is no robot
-    (['/a/cmd_vel /web'], ['/a/cmd_vel /web'], ['']),
+    (['/a/cmd_vel /web'], ['/a/cmd_vel /web'], []),
     (['/a/cmd_vel /web'], ['/b/cmd_vel /web', '/b/cmd_vel /base'], ['b']),
     ([], ['/lab/a/cmd_vel /x', '/my_cmd_vel /x', '/odom /x'], ['lab/a']),
-    ([], ['/<script>/cmd_vel /x'], [''])])
+    ([], ['/<script>/cmd_vel /x'], [])])
 def test_robots_are_found_by_who_takes_commands(published, subscribed, names):
     assert names_in(users(*published), users(*subscribed), '/', WEB) == names
 
@@ -42,6 +46,25 @@ def test_robots_are_found_by_who_takes_commands(published, subscribed, names):
 def test_only_the_robots_in_the_namespace_of_the_node_are_found():
     subscribed = users('/lab/a/cmd_vel /x', '/b/cmd_vel /x')
     assert names_in([], subscribed, '/lab/', '/lab/web') == ['a']
+
+
+def test_the_robots_stay_while_a_new_master_knows_none(monkeypatch):
+    monkeypatch.setattr(robots.rospy, 'get_namespace', lambda: '/')
+    monkeypatch.setattr(robots.rospy, 'get_name', lambda: WEB)
+    found = Robots(VelocityLimits(), PictureTopics(100))
+    assert found.names == ['']
+    for subscribed, names in ((['/a/cmd_vel /x', '/b/cmd_vel /x'], ['a', 'b']), ([], ['a', 'b']),
+                              (['/b/cmd_vel /x'], ['b'])):
+        monkeypatch.setattr(robots.master, 'system_state', lambda: (
+            [], users(*subscribed), []))
+        found.update()
+        assert found.names == names
+
+    def fail():
+        raise robots.master.MasterError('no master answers')
+    monkeypatch.setattr(robots.master, 'system_state', fail)
+    found.update()
+    assert found.names == ['b']
 
 
 class Topics:
@@ -95,3 +118,22 @@ def test_places_of_the_robots_that_are_there(monkeypatch):
     system.follow({'b': '/b/odom'})
     assert system.news.since(None)[1]['robots'] == {'b': [3.0, 4.0, 0.0]}
     assert '/a/odom' not in [topic for topic, _, _ in system._topics()]
+
+
+@pytest.mark.parametrize('field', ['angle_min', 'angle_increment'])
+@pytest.mark.parametrize('value', [float('nan'), float('inf')])
+def test_a_scan_without_angles_is_dropped(field, value):
+    robot = RobotTopics('/{}'.format)
+    robot._scanned(LaserScan(ranges=[1.0], range_max=2.0, **{field: value}))
+    assert robot.news.since(None)[1] == {}
+    robot._scanned(LaserScan(ranges=[1.0, float('nan')], range_max=2.0, angle_increment=0.5))
+    assert robot.news.since(None)[1]['scan'] == {
+        'angle_min': 0.0, 'angle_increment': 0.5, 'ranges': [1.0, None]}
+
+
+def test_the_number_of_states_is_limited(monkeypatch):
+    monkeypatch.setattr(measurements, '_MAX_STATUSES', 2)
+    system = SystemTopics()
+    for name in ('a', 'b', 'c', 'a'):
+        system._diagnosed(DiagnosticArray(status=[DiagnosticStatus(name=name, level=b'\0')]))
+    assert sorted(system.news.since(None)[1]) == ['node a', 'node b']

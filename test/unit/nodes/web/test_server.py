@@ -7,6 +7,7 @@ import pytest
 from img_recog.errors import UserError
 from img_recog.nodes.web import server
 from img_recog.nodes.web.server import Server, address, listen
+from img_recog_testing.waiting import wait_for
 
 
 def free_port():
@@ -72,3 +73,16 @@ def test_a_server_answers_until_it_is_closed():
     assert failures == []
     with pytest.raises(OSError):
         urllib.request.urlopen(url, timeout=5)
+
+
+def test_an_application_that_does_not_start_is_an_error():
+    async def fails(scope, receive, send):
+        assert scope['type'] == 'lifespan'
+        await receive()
+        await send({'type': 'lifespan.startup.failed', 'message': 'no'})
+    failures = []
+    running = Server(fails, listen('127.0.0.1', free_port()), failures.append)
+    wait_for(lambda: failures, 'the error')
+    running.close()
+    assert [str(error) for error in failures] == [
+        'the page cannot be served: its application does not start']

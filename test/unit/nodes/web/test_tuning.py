@@ -72,6 +72,21 @@ def test_values_are_there_while_somebody_looks(node):
     assert Client.open_now == 0
 
 
+def test_a_change_that_could_not_be_sent_is_forgotten_when_nobody_looks_any_more(node):
+    Client.fails = 1000
+    node.watch(True)
+    wait_for(lambda: Client.fails < 1000, 'a try to connect')
+    node.change(a=10)
+    node.watch(False)
+    wait_for(lambda: node._thread is None, 'the end of the thread')
+    Client.fails = 0
+    node.watch(True)
+    wait_for(lambda: node.values() == {'a': 1}, 'the values')
+    node.change(b=3)
+    wait_for(lambda: Client.updates, 'a change')
+    assert Client.updates == [{'b': 3}]
+
+
 def test_of_several_changes_that_wait_the_last_is_sent(node):
     Client.block = threading.Event()
     node.watch(True)

@@ -6,10 +6,13 @@
   const DRIVE_PERIOD_MS = 100;
   const RETRY_MS = 1000;
   const MAX_LOG = 500;
+  const MAX_PICTURES = 32;        // that the server sends
+  const STALE_MS = 5000;          // of the state of a node, which comes once a second
+  const OLD_MS = 2000;            // of a picture
   const LEVELS = ['debug', 'info', 'warn', 'error', 'fatal'];
   const KEYS = {
     w: [1, 0], arrowup: [1, 0], x: [-1, 0], arrowdown: [-1, 0],
-    a: [0, 1], arrowleft: [0, 1], d: [0, -1], arrowright: [0, -1],
+    a: [0, 1], arrowleft: [0, 1], d: [0, -1], arrowright: [0, -1], s: [0, 0],
   };
   // of colors with these names; readable on a light and on a dark card
   const LINES = { blue: '#4f7df3', red: '#e5484d', green: '#30a46c', yellow: '#d9a800',
@@ -75,7 +78,8 @@
 
   function look() {
     const names = document.hidden ? null
-      : [...new Set([...visible].map((each) => each.dataset.picture).filter(Boolean))].sort();
+      : [...new Set([...visible].map((each) => each.dataset.picture).filter(Boolean))].sort()
+        .slice(0, MAX_PICTURES);
     const wanted = JSON.stringify(names);
     if (wanted !== looked) { looked = wanted; send({ look: names }); }
   }
@@ -105,9 +109,16 @@
         canvas.parentElement.style.aspectRatio = bitmap.width + ' / ' + bitmap.height;
       }
       canvas.getContext('2d').drawImage(bitmap, 0, 0);
+      canvas.drawn = performance.now();
       canvas.parentElement.classList.add('there');
     }
     bitmap.close();
+  }
+
+  function showAge(canvas) {
+    const age = performance.now() - canvas.drawn;       // NaN before the first image
+    canvas.parentElement.querySelector('.age').textContent = age > OLD_MS
+      ? text('age').replace('{}', Math.round(age / 1000)) : '';
   }
 
   // ---- measurements
@@ -137,7 +148,9 @@
         + `${text('heading')}: ${Math.round(yaw * 180 / Math.PI) + 0}°`);
     }
     for (const [kind, value] of Object.entries(measured)) {
-      if (kind.startsWith('node ')) { state.nodes[kind.slice(5)] = value; state.changed = true; }
+      if (kind.startsWith('node ')) {
+        state.nodes[kind.slice(5)] = { ...value, heard: performance.now() };
+      }
     }
     if (measured.log) log(measured.log);
   }
@@ -192,8 +205,7 @@
   function limitLine(name) {
     const limit = (window.limits || {})[name];
     return limit === undefined ? { data: [] } : { silent: true, symbol: 'none', animation: false,
-      label: { show: false }, lineStyle: { type: 'dashed' },
-      data: [{ yAxis: limit, name: text('limit').replace('{}', name) }] };
+      label: { show: false }, lineStyle: { type: 'dashed' }, data: [{ yAxis: limit }] };
   }
 
   // ---- the map
@@ -315,7 +327,7 @@
 
   document.addEventListener('pointerdown', (event) => {
     const canvas = event.target.closest && event.target.closest('canvas.map');
-    if (!canvas) return;
+    if (!canvas || !event.isPrimary || event.button) return;
     event.preventDefault();
     canvas.setPointerCapture(event.pointerId);
     canvas.target = [...toMap(canvas, event), state.pose ? state.pose[2] : 0];
@@ -336,6 +348,7 @@
     emitEvent('pose', { x: canvas.target[0], y: canvas.target[1], yaw: canvas.target[2] });
     canvas.target = null;
   });
+  document.addEventListener('pointercancel', (event) => { event.target.target = null; });
   document.addEventListener('click', (event) => {
     const canvas = event.target.closest && event.target.closest('canvas.pick');
     if (!canvas) return;
@@ -360,6 +373,7 @@
   }
 
   function hold(source, direction) {
+    if (!direction[0] && !direction[1]) held.clear();       // stop, whatever else is held
     held.set(source, direction);
     send({ drive: driven() });
     mark();
@@ -378,15 +392,19 @@
   setInterval(() => { if (held.size) send({ drive: driven() }); }, DRIVE_PERIOD_MS);
   const isTyping = (target) => target.closest
     && target.closest('input, textarea, select, [role=slider], [contenteditable]');
+  // The place of a key: its letter changes when a modifier is pressed before it is let go.
+  const place = (event) => event.code || event.key.toLowerCase();
   document.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) {
+      release();      // some systems do not tell any more when another key is let go
+      return;
+    }
     const direction = KEYS[event.key.toLowerCase()];
-    if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event.target)) return;
-    if (event.key === 's') release();
-    if (!direction || !document.querySelector('[data-drive]')) return;
+    if (!direction || isTyping(event.target) || !document.querySelector('[data-drive]')) return;
     event.preventDefault();
-    if (!event.repeat) hold(event.key.toLowerCase(), direction);
+    if (!event.repeat) hold(place(event), direction);
   });
-  document.addEventListener('keyup', (event) => letGo(event.key.toLowerCase()));
+  document.addEventListener('keyup', (event) => letGo(place(event)));
   window.addEventListener('blur', release);
   document.addEventListener('pointerdown', (event) => {
     const button = event.target.closest && event.target.closest('[data-drive]');
@@ -403,7 +421,7 @@
   document.addEventListener('keydown', (event) => {
     const button = event.target.closest && event.target.closest('[data-drive]');
     if (button && (event.key === 'Enter' || event.key === ' ') && !event.repeat) {
-      hold(event.key.toLowerCase(), button.dataset.drive.split(',').map(Number));
+      hold(place(event), button.dataset.drive.split(',').map(Number));
     }
   });
 
@@ -458,8 +476,10 @@
         const rates = node.values.filter(([key]) => key.endsWith('(Hz)'))
           .map(([key, value]) => `${key.slice(0, -5)} ${value} Hz`).join(', ');
         const row = document.createElement('tr');
-        const level = levels[node.level] || 'error';
-        for (const value of [node.name, [level.toUpperCase(), node.message].filter(Boolean).join(': '), rates]) {
+        const isStale = performance.now() - node.heard > STALE_MS;
+        const level = isStale ? 'stale' : levels[node.level] || 'error';
+        const told = [level.toUpperCase(), node.message].filter(Boolean).join(': ');
+        for (const value of [node.name, told, isStale ? '' : rates]) {
           const cell = document.createElement('td');
           cell.textContent = value;
           row.append(cell);
@@ -473,7 +493,13 @@
   // ---- the graph
   function loadGraph(image) {
     const next = new Image();
-    next.onload = () => { image.src = next.src; };
+    next.onload = () => { image.src = next.src; show('[data-bind=graph]', ''); };
+    next.onerror = async () => {
+      try {
+        const answer = await fetch(next.src);
+        if (!answer.ok) show('[data-bind=graph]', await answer.text());
+      } catch (error) { /* not connected, which the page says elsewhere */ }
+    };
     next.src = `/graph.svg?dark=${document.body.classList.contains('body--dark') ? 1 : 0}`
       + `&leaves=${image.dataset.graph}&t=${Date.now()}`;
   }
@@ -489,7 +515,8 @@
   }, 100);
   setInterval(() => {
     if (document.hidden) return;
-    if (state.changed) { state.changed = false; listNodes(); }
+    listNodes();
+    for (const element of visible) if (element.matches('canvas[data-picture]')) showAge(element);
     for (const element of visible) if (element.matches('[data-graph]')) loadGraph(element);
   }, 2000);
   document.addEventListener('DOMContentLoaded', adopt);
