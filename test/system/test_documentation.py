@@ -166,15 +166,20 @@ def test_a_difference_of_topics_is_found(old, new, words):
     assert words in '\n'.join(topic_differences(page, docstring('gazebo')))
 
 
-def launch_arguments():
-    root = ElementTree.parse(os.path.join(ROOT, 'launch', 'demo.launch')).getroot()
-    return [[shown(argument.get(key)) for key in ('name', 'default')]
+def launch_arguments(file):
+    root = ElementTree.parse(os.path.join(ROOT, 'launch', file)).getroot()
+    return [[shown(argument.get('name')),
+             'required' if argument.get('default') is None else shown(argument.get('default'))]
             for argument in root.findall('arg') if argument.get('value') is None]
 
 
-def test_launch_arguments_agree_with_the_launch_file():
-    page = rows(REFERENCE, 'Launch arguments', 'argument')
-    lines = differences(page, launch_arguments())
+CHAPTERS = {'demo.launch': 'Launch arguments'}      # of the others: their names
+
+
+@pytest.mark.parametrize('file', sorted(os.listdir(os.path.join(ROOT, 'launch'))))
+def test_launch_arguments_agree_with_the_launch_file(file):
+    page = rows(REFERENCE, CHAPTERS.get(file, file), 'argument')
+    lines = differences(page, launch_arguments(file))
     assert not lines, '\n'.join(lines)
 
 
@@ -231,7 +236,8 @@ def test_link_targets_exist(path):
 def test_commands_exist(path):
     usage = subprocess.run([os.path.join(ROOT, 'run'), 'help'], stdout=subprocess.PIPE,
                            check=True).stdout.decode()
-    known = {row[0].strip('`') for row in launch_arguments()}
+    known = {file: {row[0].strip('`') for row in launch_arguments(file)}
+             for file in os.listdir(os.path.join(ROOT, 'launch'))}
     names = {row[0].strip('`') for _, classes, _ in NODES.values() for row in parameters(classes)}
     for line in code(read(path)):
         for word in re.findall(r'(?:^|/)run ([a-z]+)', line):
@@ -241,9 +247,9 @@ def test_commands_exist(path):
             options = {row[0].strip('`') for row in rows(REFERENCE, script, 'option')}
             assert set(re.findall(r' (--[a-z-]+)', line)) <= options, line
         for launch in re.findall(r'roslaunch (?:--ros-args )?img_recog (\S+)', line):
-            assert os.path.isfile(os.path.join(ROOT, 'launch', launch)), line
+            assert set(re.findall(r' ([a-z_]+):=', line)) <= known[launch], line
         if re.search(r'run demo|demo\.launch', line):
-            assert set(re.findall(r' ([a-z_]+):=', line)) <= known, line
+            assert set(re.findall(r' ([a-z_]+):=', line)) <= known['demo.launch'], line
         assert set(re.findall(r' _(?!_)([a-z_]+):=', line)) <= names, line
         for values in re.findall(r'dynparam set \S+ (.*)', line):
             assert set(re.findall(r'[a-z]\w+', values)) <= names, line
