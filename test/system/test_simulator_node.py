@@ -29,6 +29,8 @@ def wheel_mass(mass):
 REFUSED = {
     'scan period': ('_scan_period_s:=0.0335', burger, 'scan_period_s: got 0.0335 s',
                     'set 0.033 or 0.034'),
+    'two sensors': ('_imu_topic:=scan', burger, 'two sensors are on the topic /scan',
+                    'give each another topic'),
     'odometry source': ('_odometry_source:=gps', burger, "/gazebo/odometry_source: got 'gps'",
                         'one of encoder, world'),
     'view': ('_view:=below', burger, "/gazebo/view: got 'below'", 'one of above, follow'),
@@ -237,7 +239,9 @@ def test_the_robot_is_moved_by_set_pose(ros, simulate):
     for bad, words in (('{pose: {position: {x: .nan}, orientation: {w: 1.0}}}', 'finite'),
                        ('{header: {frame_id: base_link}, pose: {orientation: {w: 1.0}}}',
                         "frame is 'base_link'"),
-                       ('{pose: {position: {x: 3.0}}}', 'quaternion of zeros')):
+                       ('{pose: {position: {x: 3.0}}}', 'quaternion of zeros'),
+                       ('{pose: {position: {x: 1.0e+12}, orientation: {w: 1.0}}}',
+                        'numbers up to')):
         ros.run(*publish, bad)
         wait_for(lambda words=words: words in node.output, words)
     assert place.wait_more(3)[-1][:2] == pytest.approx([1.0, -2.0], abs=0.01)

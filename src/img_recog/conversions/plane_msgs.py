@@ -10,12 +10,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from img_recog.errors import UserError
 
+MAX_NUMBER = 1e6        # in m; physics engines compute NaN far beyond
 _LINE_WIDTH_M = 0.02
 _GRAY = 0.5
 
 
 class PoseError(UserError):
-    """A pose has a number that is not finite, or no rotation about z."""
+    """A pose has a number that is not finite or too large, or no rotation about z."""
 
 
 class PlanePose(NamedTuple):
@@ -24,6 +25,17 @@ class PlanePose(NamedTuple):
     x: float
     y: float
     yaw: float
+
+    def compose(self, pose: 'PlanePose') -> 'PlanePose':
+        """Return a pose, given in the frame of this one, in the frame that this one is given in."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return PlanePose(self.x + cos * pose.x - sin * pose.y, self.y + sin * pose.x + cos * pose.y,
+                         self.yaw + pose.yaw)
+
+    def inverse(self) -> 'PlanePose':
+        """Return the pose of the parent in the frame of this pose."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        return PlanePose(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
 
 
 def pose_to_msg(pose: PlanePose, header: Header) -> PoseStamped:
@@ -37,13 +49,16 @@ def pose_to_msg(pose: PlanePose, header: Header) -> PoseStamped:
 def pose_from_msg(msg: Union[PoseStamped, PoseWithCovariance]) -> PlanePose:
     """Return the pose in a message; its height, roll and pitch are ignored.
 
-    Raises PoseError when a number is not finite, or the quaternion is zero.
+    Raises PoseError when a number is not finite or above MAX_NUMBER, or the quaternion is zero.
     """
     position, turn = msg.pose.position, msg.pose.orientation
     numbers = (position.x, position.y, turn.x, turn.y, turn.z, turn.w)
     if not all(map(math.isfinite, numbers)):
         raise PoseError('got a pose with x {}, y {} and the quaternion ({}, {}, {}, {}), expected '
                         'finite numbers'.format(*numbers))
+    if max(abs(number) for number in numbers) > MAX_NUMBER:
+        raise PoseError('got a pose with x {:g}, y {:g} and the quaternion ({:g}, {:g}, {:g}, '
+                        '{:g}), expected numbers up to {:g}'.format(*numbers, MAX_NUMBER))
     if not any(numbers[2:]):
         raise PoseError('got a pose with a quaternion of zeros, expected a rotation')
     yaw = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y),
@@ -51,12 +66,18 @@ def pose_from_msg(msg: Union[PoseStamped, PoseWithCovariance]) -> PlanePose:
     return PlanePose(position.x, position.y, yaw)
 
 
-def outlines_to_msg(outlines: Sequence[np.ndarray], frame_id: str, stamp: genpy.Time
-                    ) -> MarkerArray:
-    """Return outlines (corners, 2) in m as closed lines, which replace all earlier ones."""
+def outlines_to_msg(outlines: Sequence[np.ndarray], origin: PlanePose, frame_id: str,
+                    stamp: genpy.Time) -> MarkerArray:
+    """Return outlines (corners, 2) in m as closed lines, which replace all earlier ones.
+
+    origin: the pose of the frame `frame_id` in the frame of the outlines.
+    """
+    x, y, yaw = origin.inverse()
+    turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     header = Header(stamp=stamp, frame_id=frame_id)
     markers = [Marker(header=header, ns='outlines', action=Marker.DELETEALL)]
-    for number, outline in enumerate(outlines):
+    for number, corners in enumerate(outlines):
+        outline = corners @ turn.T + (x, y)
         marker = Marker(header=header, ns='outlines', id=number, type=Marker.LINE_STRIP,
                         action=Marker.ADD)
         marker.pose.orientation.w = 1.0

@@ -64,6 +64,12 @@ class Commander:
         self._is_stopped, self._last_commands = True, None
         return [STOP]
 
+    def notify_dropped(self, commands: Sequence[Command]) -> None:
+        """Call when commands were not published: they are due again."""
+        self._last_commands = None
+        if STOP in commands:
+            self._is_stopped = False
+
     def end(self) -> List[Command]:
         """Return what to publish when the node shuts down."""
         return [STOP] if self._settings.stop_when_lost else []

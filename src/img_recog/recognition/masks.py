@@ -55,7 +55,7 @@ class Masks:
         self._mask_groups = [mask.view(GROUP) for mask in flat]
         self._is_written = [False] * len(colors)
         strip_px = min(rows, height) * width
-        self._tester = _Tester(max(_STRIP_PX, strip_px), tested)
+        self._tester = _Tester(padded(max(_STRIP_PX, strip_px)), tested)
         self._groups = _Groups(height * width, self._tester, len(tested))
         self._search = Search(strip_px, tested)
         self._is_searching, self._frames_without_search = False, 0

@@ -39,7 +39,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     options = _options(without_special_keys(words))
     try:
         sys.stdout.write(_make(options) + '\n')
-    except UserError as error:
+    except (UserError, OSError) as error:
         _log.error('%s', one_line(error))
         return 1
     except KeyboardInterrupt:
@@ -151,12 +151,15 @@ def _take_odometry(film: Film, msg: Any) -> None:
 
 
 def _points(msg: Any, pose: Tuple[float, float, float]) -> np.ndarray:
-    """Return the points (n, 2) of a scan in m, in the frame of the pose."""
+    """Return the points (n, 2) of a scan in m, in the frame of the pose.
+
+    As if the scanner were at the pose: for the map of a film, its place on the robot is too small.
+    """
     ranges = np.array(msg.ranges, float)
     angles = pose[2] + msg.angle_min + np.arange(len(ranges)) * msg.angle_increment
-    is_hit = (ranges >= msg.range_min) & (ranges <= msg.range_max)
-    points = ranges[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1) + pose[:2]
-    return points[is_hit]
+    is_hit = (ranges >= msg.range_min) & (ranges <= msg.range_max) & np.isfinite(angles)
+    ranges, angles = ranges[is_hit], angles[is_hit]
+    return ranges[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1) + pose[:2]
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:

@@ -45,10 +45,7 @@ class Counter:
 
 
 class Refusals:
-    """Counts inputs that were refused, and keeps the newest reason.
-
-    recent: refused since the last call of `take_recent`.
-    """
+    """Counts inputs that were refused, and keeps the newest reason."""
 
     def __init__(self):
         self._lock = threading.Lock()

@@ -7,10 +7,11 @@ import contextlib
 import dataclasses
 from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple
 
+from img_recog.errors import UserError
 from img_recog.files import FindFile
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import (camera_tags, description, gazebo_tags, loading, meshes, places,
-                                  wheels)
+                                  visual_scene, wheels)
 from img_recog.simulation.description import Description
 from img_recog.simulation.scene import Scene, scene_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, PhysicsSettings,
@@ -56,6 +57,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str) -> Ro
     """
     try:
         robot = description.parse(urdf, find_mesh)
+        visual_scene.check(robot.urdf)
         values = gazebo_tags.settings(urdf, step_s)
         cameras = tuple(camera_tags.cameras(urdf))
         unsupported = gazebo_tags.not_simulated(urdf)
@@ -158,7 +160,7 @@ def add_robot_apart(simulator: Simulator, robot: RobotSource, settings: RobotSet
                                       'give it another x_pos, y_pos or z_pos')
         else:
             vehicle.set_start(places.find(simulator, vehicle))
-    except SimulationError as error:
+    except UserError as error:
         simulator.remove(vehicle)
         raise _refused(robot.source, error.problem, error.advice)
     return warnings

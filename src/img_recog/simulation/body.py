@@ -3,7 +3,7 @@
 PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
 import math
-from typing import Dict, List, NamedTuple, Sequence, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 import pybullet
@@ -76,6 +76,13 @@ class Body:
             body_id, -1, physicsClientId=physics_client_id)[3:5]
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)
         self.start = self.pose()
+
+    def release(self, joints: Iterable[int]) -> None:
+        """Switch off the motors of joints, given by their indices; PyBullet holds all by one."""
+        released = list(joints)
+        pybullet.setJointMotorControlArray(
+            self.body_id, released, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(released),
+            physicsClientId=self.physics_client_id)
 
     def _movable_joints(self) -> Dict[str, int]:
         joints = {}

@@ -3,7 +3,8 @@
 PyBullet gives a link without <inertial> a mass of 1 kg, and every fixed joint costs time in each
 step. Therefore fixed links are lumped into the link that they are fixed to, like Gazebo's
 SDFormat does: shapes are moved, masses and inertias added up, and `frames` keeps where each link
-went. A fixed link with a friction coefficient stays, since PyBullet has one coefficient per link.
+went. A fixed link with a mass and a friction coefficient stays, since PyBullet has one coefficient
+per link.
 """
 import os
 import xml.etree.ElementTree as ElementTree
@@ -21,6 +22,9 @@ from img_recog.simulation.meshes import resolve
 from img_recog.simulation.numbers import read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
 
+# Of the floor, and of links without a coefficient (Gazebo's default). PyBullet multiplies the
+# coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
+FLOOR_FRICTION = 1.0
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
 _INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')
 
@@ -79,10 +83,10 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     links = {link.get('name', ''): link for link in robot.findall('link')}
     parents = _joints_by_child(robot, links)
     root = _root(links, parents)
+    of_links = {name: _inertia(name, link) for name, link in links.items()}
     friction = {name: value for name, value in
                 ((name, friction_of(robot, name, link)) for name, link in links.items())
-                if value is not None}
-    of_links = {name: _inertia(name, link) for name, link in links.items()}
+                if value is not None and (of_links[name].mass or not _is_fixed(name, parents))}
     frames = {name: _frame(name, parents, friction) for name in links}
 
     for name, frame in frames.items():
@@ -177,12 +181,14 @@ def _root(links: Dict[str, ElementTree.Element],
     return roots[0]
 
 
+def _is_fixed(name: str, parents: Dict[str, _Joint]) -> bool:
+    return name in parents and parents[name].element.get('type') == 'fixed'
+
+
 def _frame(name: str, parents: Dict[str, _Joint], friction: Dict[str, float]) -> Frame:
     pose, carrier = IDENTITY, name
-    while carrier in parents and carrier not in friction:
+    while _is_fixed(carrier, parents) and carrier not in friction:
         joint = parents[carrier]
-        if joint.element.get('type') != 'fixed':
-            break
         pose = origin_of(joint.element) @ pose
         carrier = joint.parent_link
     return Frame(carrier, pose)
@@ -194,11 +200,18 @@ def friction_of(robot: ElementTree.Element, name: str,
     for tag in robot.findall('gazebo'):
         element = tag.find('mu1')
         if tag.get('reference') == name and element is not None:
-            return float(read_numbers('mu1 of link ' + name, element.text, 1)[0])
+            return _coefficient('mu1 of link ' + name, element.get('value') or element.text)
     element = link.find('contact/lateral_friction')
     if element is None:
         return None
-    return float(read_numbers('lateral_friction of link ' + name, element.get('value'), 1)[0])
+    return _coefficient('lateral_friction of link ' + name, element.get('value'))
+
+
+def _coefficient(name: str, text: Optional[str]) -> float:
+    value = float(read_numbers(name, text, 1)[0])
+    if value < 0:
+        raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
+    return value
 
 
 def _inertia(name: str, link: ElementTree.Element) -> Inertia:

@@ -19,9 +19,15 @@ class DifferentialDrive:
         self._radius = settings.wheel_diameter / 2
         self._max_change = settings.wheel_acceleration * settings.drive_period_s
         self._limits = settings.max_linear_velocity, settings.max_angular_velocity
+        self._period_s = settings.drive_period_s
         # in periods: counting is exact, adding up seconds is not
         self._timeout = self._given_timeout = settings.cmd_vel_timeout / settings.drive_period_s
         self.reset()
+
+    @property
+    def timeout_s(self) -> float:
+        """After which time without a command it stops; 0 for never."""
+        return self._timeout * self._period_s
 
     def scale_timeout(self, factor: float) -> None:
         """Make `cmd_vel_timeout` this many times as long as it is in the settings."""

@@ -11,6 +11,7 @@ from img_recog.visuals import GREY, Color, Material
 _AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene>
 _MAX_SCRIPT_BYTES = 1 << 20
 _GAZEBO = 'Gazebo/'
+_NUMBER = r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?'
 # diffuse colors of gazebo.material of Gazebo 11
 _NAMED: Dict[str, Sequence[float]] = {
     'Black': (0, 0, 0), 'Blue': (0, 0, 1), 'BlueGlow': (0, 0, 1), 'BlueLaser': (0, 0, 1, 0.4),
@@ -136,7 +137,7 @@ def _from_script(text: str, name: str, folders: Sequence[str]
     block = text[begin.end():begin.end() + end.start() if end else len(text)]
     texture = re.search(r'\btexture\s+(\S+)', block)
     color: Sequence[float] = (1.0, 1.0, 1.0) if texture else GREY
-    diffuse = re.search(r'\bdiffuse((?:\s+[-+.\de]+){3,4})', block)
+    diffuse = re.search(r'\bdiffuse((?:\s+{0}){{3}}(?:\s+{0})?)(?=[\s}}])'.format(_NUMBER), block)
     if diffuse:
         color = [float(word) for word in diffuse.group(1).split()]
     if texture is None:

@@ -5,6 +5,7 @@ import math
 
 import pybullet
 
+from img_recog.settings import SettingError
 from img_recog.simulation.body import Pose
 from img_recog.simulation.settings import SimulationError, SpawnSettings
 from img_recog.simulation.simulator import Simulator
@@ -23,16 +24,24 @@ def find(simulator: Simulator, vehicle: Vehicle) -> SpawnSettings:
     Raises SimulationError when there is no such place.
     """
     start = vehicle.settings.spawn
-    robots = [each.robot.body_id for each in simulator.vehicles if each is not vehicle]
     walls = [body.body_id for body in simulator.world.bodies]
+    _move(vehicle, start)
+    if _is_near(vehicle, walls, _CLEARANCE_M):
+        raise SimulationError('x {:g} m, y {:g} m, where the search for a free place begins, is '
+                              'too near to a wall'.format(start.x_pos, start.y_pos),
+                              'give it another x_pos and y_pos')
+    robots = [each.robot.body_id for each in simulator.vehicles if each is not vehicle]
     # (distance to the start, column, row): the nearest first
     waiting, known = [(0.0, 0, 0)], {(0, 0)}
     for _ in range(_MAX_TRIED):
         if not waiting:
             break
         _, column, row = heapq.heappop(waiting)
-        place = dataclasses.replace(start, x_pos=start.x_pos + column * _GRID_M,
-                                    y_pos=start.y_pos + row * _GRID_M)
+        try:
+            place = dataclasses.replace(start, x_pos=start.x_pos + column * _GRID_M,
+                                        y_pos=start.y_pos + row * _GRID_M)
+        except SettingError:        # too far away
+            continue
         _move(vehicle, place)
         if _is_near(vehicle, walls, _CLEARANCE_M):
             continue

@@ -5,12 +5,11 @@ import pybullet
 
 from img_recog.simulation.body import (Body, FrameState, Motion, Pose, Quaternion, Vector,
                                        motion_of_frame)
-from img_recog.simulation.description import Description
+from img_recog.simulation.description import FLOOR_FRICTION, Description
 from img_recog.simulation.geometry import to_rpy
 from img_recog.simulation.loading import link_indices, load_urdf
 from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
 
-_DEFAULT_FRICTION = 1.0         # of links without a coefficient (Gazebo's default)
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
 _MAX_JOINT_VELOCITY = 1e5
@@ -145,7 +144,8 @@ class Robot(Body):
         for name, link in self._link_indices.items():
             pybullet.changeDynamics(
                 self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
-                lateralFriction=description.friction.get(name, _DEFAULT_FRICTION),
+                lateralFriction=min(description.friction.get(name, FLOOR_FRICTION),
+                                    FLOOR_FRICTION),
                 physicsClientId=self.physics_client_id)
         # of all joints, and not in the call above: PyBullet would set those of the root link by it
         pybullet.changeDynamics(self.body_id, -1, maxJointVelocity=_MAX_JOINT_VELOCITY,
@@ -154,11 +154,7 @@ class Robot(Body):
             pybullet.changeDynamics(
                 self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
                 physicsClientId=self.physics_client_id)
-        # PyBullet gives every joint a motor that holds it; only the wheels need one
-        passive = [joint for joint in self.joints.values() if joint not in self._wheels]
-        pybullet.setJointMotorControlArray(
-            self.body_id, passive, pybullet.VELOCITY_CONTROL, forces=[0.0] * len(passive),
-            physicsClientId=self.physics_client_id)
+        self.release(joint for joint in self.joints.values() if joint not in self._wheels)
 
     def _torsional_friction(self, wheel: int) -> float:
         """Return the spinning friction of a wheel in m (torque per load, N m / N).

@@ -1,6 +1,7 @@
 """Reads an SDF file with all that it includes."""
 import copy
 import os
+import re
 import xml.etree.ElementTree as ElementTree
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
@@ -11,7 +12,7 @@ from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation import sdf_frames, sdf_models
 from img_recog.simulation.geometry import Transform, to_rpy
 from img_recog.simulation.numbers import read_numbers
-from img_recog.simulation.sdf_models import Tree
+from img_recog.simulation.sdf_models import Tree, Version
 from img_recog.simulation.sdf_shapes import find_relative
 from img_recog.simulation.settings import SimulationError
 
@@ -21,6 +22,7 @@ _GROUND_PLANE = 'ground_plane'
 _BUILT_IN = (_MODEL_URI + _GROUND_PLANE, 'model://sun')
 _MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
 NOT_DOWNLOADED = 'a URL, which is not downloaded'
+_VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
 _URLS = ('http://', 'https://', 'ftp://')
 
 
@@ -77,7 +79,7 @@ class _Reader:
         self.has_ground_plane = False
         self._included_count = self._depth = 0
 
-    def read(self, parent: ElementTree.Element, version: float, path: str,
+    def read(self, parent: ElementTree.Element, version: Version, path: str,
              stack: Sequence[str]) -> None:
         """Add the models in a <world> or an <sdf>."""
         state = parent.find('state')
@@ -94,7 +96,7 @@ class _Reader:
             elif element.tag in ('actor', 'population', 'road'):
                 self._miss('{} {}'.format(element.tag, element.get('name', '')).strip())
 
-    def _add(self, model: ElementTree.Element, version: float, path: str,
+    def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:
         _apply_state(model, state)
         self._ignore([each for each in model.iter() if each.tag in ('plugin', 'sensor')],
@@ -103,7 +105,7 @@ class _Reader:
         self.trees += sdf_models.trees(model, version, self._finder(path), self.missing)
 
     def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
-                  ) -> Optional[Tuple[ElementTree.Element, float, str]]:
+                  ) -> Optional[Tuple[ElementTree.Element, Version, str]]:
         """Return the model of an <include>, its version of SDF and its file; None for none."""
         uri = include.findtext('uri', '').strip()
         if uri.rstrip('/') in _BUILT_IN:
@@ -205,7 +207,7 @@ def _model_file(path: str) -> Optional[str]:
     names = ['model.sdf']
     config = os.path.join(path, 'model.config')
     if os.path.isfile(config):
-        found = [(_number(sdf.get('version', '')), (sdf.text or '').strip())
+        found = [(_version(sdf), (sdf.text or '').strip())
                  for sdf in _parsed(config, 'model').findall('sdf')]
         names = [name for _, name in sorted(found, reverse=True) if name] + names
     paths = (os.path.join(path, name) for name in names)
@@ -238,12 +240,7 @@ def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:
     return root
 
 
-def _version(root: ElementTree.Element) -> float:
-    return _number(root.get('version', ''))
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return 0.0
+def _version(element: ElementTree.Element) -> Version:
+    """Return the version of SDF that an element states, (0,) if it states none."""
+    text = element.get('version', '').strip()
+    return tuple(map(int, text.split('.'))) if _VERSION.fullmatch(text) else (0,)

@@ -1,6 +1,6 @@
 """The models of an SDF as trees of links, each the text of a URDF."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, NamedTuple, Optional, Set
+from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from img_recog.simulation.settings import SimulationError
 
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
 _MAX_JOINT_LIMIT = 1e16         # an SDF's number for no limit
+
+
+Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
 
 
 class Tree(NamedTuple):
@@ -53,7 +56,7 @@ class _Joint(NamedTuple):
     axis: np.ndarray
 
 
-def trees(model: ElementTree.Element, version: float, find: FindFile,
+def trees(model: ElementTree.Element, version: Version, find: FindFile,
           missing: List[str]) -> List[Tree]:
     """Return the trees of a model.
 
@@ -78,7 +81,7 @@ def is_true(text: Optional[str]) -> bool:
 class _Builder:
     """Collects the links and joints of a model and of those in it, and builds the trees."""
 
-    def __init__(self, version: float, find: FindFile, missing: List[str]):
+    def __init__(self, version: Version, find: FindFile, missing: List[str]):
         self._version, self._find, self._missing = version, find, missing
         self.links: Dict[str, _Link] = {}
         self._joints: List[_Joint] = []
@@ -130,8 +133,10 @@ class _Builder:
             raise SimulationError('<xyz> of joint {}: got 0 0 0, expected a direction'.format(
                 joint.get('name', '')))
         in_model = axis.findtext('use_parent_model_frame')
+        expressed = axis.find('xyz[@expressed_in="__model__"]')     # since SDF 1.7
         # until SDF 1.4 axes were given in the model's frame
-        if is_true(in_model) or (in_model is None and self._version < 1.5):
+        if expressed is not None or is_true(in_model) or (
+                in_model is None and self._version < (1, 5)):
             direction = pose.rotation.T @ model.rotation @ direction
         return direction
 

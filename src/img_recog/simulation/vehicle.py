@@ -10,7 +10,7 @@ from img_recog.simulation.description import Description
 from img_recog.simulation.differential_drive import DifferentialDrive
 from img_recog.simulation.imu import Imu
 from img_recog.simulation.laser_scanner import LaserScanner
-from img_recog.simulation.odometry import make_odometry
+from img_recog.simulation.odometry import WORLD, make_odometry
 from img_recog.simulation.robot import JointStates, Robot
 from img_recog.simulation.robot_camera import RobotCamera
 from img_recog.simulation.sensor import ScheduledSensor, Sensor
@@ -127,6 +127,19 @@ class Vehicle:
         self._drive.scale_timeout(factor)
 
     @property
+    def command_timeout_s(self) -> float:
+        """The `cmd_vel_timeout` as it is scaled."""
+        return self._drive.timeout_s
+
+    @property
+    def odometry_origin(self) -> Tuple[float, float, float]:
+        """Where the odometry is zero: x, y in m and yaw in rad, in the world."""
+        if self.settings.odometry.odometry_source == WORLD:
+            return 0.0, 0.0, 0.0
+        spawn = self.settings.spawn
+        return spawn.x_pos, spawn.y_pos, spawn.yaw
+
+    @property
     def command_timed_out(self) -> bool:
         """Whether the robot stops because no command came for `cmd_vel_timeout`."""
         return self._drive.timed_out
@@ -175,6 +188,7 @@ class Vehicle:
         self.robot.place(Pose((x, y, self.settings.spawn.z_pos),
                               (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
                               self.robot.pose().joints))
+        self.robot.set_wheel_velocities((0.0, 0.0))
         self.notify_teleported()
 
     def notify_teleported(self) -> None:

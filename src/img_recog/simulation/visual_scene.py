@@ -38,7 +38,8 @@ class Parts:
         self._bodies: List[Body] = [*(vehicle.robot for vehicle in simulator.vehicles),
                                     *simulator.world.bodies]
         self.moving = tuple(moving for body in self._bodies for moving in _moving(body))
-        self._poses = np.array([pose for body in self._bodies for pose in _poses(body)])
+        self._poses = np.array([pose for body in self._bodies for pose in _poses(body)],
+                               float).reshape(-1, 7)
         starts = np.cumsum([0] + [len(body.links) for body in self._bodies])
         self._rows = [slice(start, start + len(body.links))
                       for body, start in zip(self._bodies, starts)]

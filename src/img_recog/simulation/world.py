@@ -6,7 +6,7 @@ import pybullet
 
 from img_recog.errors import shortened
 from img_recog.simulation.body import Body
-from img_recog.simulation.description import friction_of
+from img_recog.simulation.description import FLOOR_FRICTION, friction_of
 from img_recog.simulation.loading import link_indices, load_urdf
 from img_recog.simulation.sdf_models import Tree
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
@@ -16,7 +16,6 @@ from img_recog.simulation.world_file import WorldFile
 _FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
 _FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
 _MAX_DEPTH_M = 0.005            # in the floor at the start
-_FRICTION = 1.0                 # of links without a coefficient (Gazebo's default)
 
 
 class World:
@@ -44,7 +43,7 @@ class World:
                                            physicsClientId=physics_client_id)
         self.floor = Body(add_floor(physics_client_id), physics_client_id, fixed=True)
         self.floor.name = 'ground_plane'        # Gazebo's name for it
-        self._set_friction(self.floor, {})
+        self._set_dynamics(self.floor, {})
         try:
             self.add(file.trees)
         except SimulationError as error:
@@ -52,9 +51,10 @@ class World:
 
     def add(self, trees: Sequence[Tree]) -> None:
         """Add trees to the world; SimulationError when PyBullet cannot load all of them."""
+        coefficients = list(map(_friction, trees))
         added = load_bodies(trees, self.physics_client_id)
-        for body, tree in zip(added, trees):
-            self._set_friction(body, _friction(tree))
+        for body, of_links in zip(added, coefficients):
+            self._set_dynamics(body, of_links)
             if not body.fixed:
                 self._lift(body)
         self.bodies += added
@@ -89,14 +89,14 @@ class World:
         self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
         self.notify_changed()
 
-    def _set_friction(self, body: Body, coefficients: Dict[str, float]) -> None:
-        """Set the coefficients of the links of a body, which are given by their names."""
-        client = {'physicsClientId': self.physics_client_id}
+    def _set_dynamics(self, body: Body, coefficients: Dict[str, float]) -> None:
+        """Set how the links of a body move; coefficients: of friction, by their names."""
         for name, link in link_indices(body.body_id, self.physics_client_id).items():
-            # PyBullet multiplies those of two bodies. Gazebo takes the lower one: a higher one
-            # than that of the floor makes no difference.
-            pybullet.changeDynamics(body.body_id, link, lateralFriction=min(
-                coefficients.get(name, _FRICTION), _FRICTION), **client)
+            pybullet.changeDynamics(
+                body.body_id, link, linearDamping=0, angularDamping=0,
+                lateralFriction=min(coefficients.get(name, FLOOR_FRICTION), FLOOR_FRICTION),
+                physicsClientId=self.physics_client_id)
+        body.release(body.joints.values())
 
     def step(self, count: int = 1) -> None:
         """Advance the physics by a number of steps."""

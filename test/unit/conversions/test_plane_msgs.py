@@ -34,6 +34,8 @@ def test_a_quaternion_needs_no_unit_length():
     (lambda pose: setattr(pose.position, 'x', math.nan), 'x nan'),
     (lambda pose: setattr(pose.position, 'y', -math.inf), 'y -inf'),
     (lambda pose: setattr(pose.orientation, 'w', math.inf), 'finite'),
+    (lambda pose: setattr(pose.position, 'x', -1.1e6), 'x -1.1e\\+06.*up to 1e\\+06'),
+    (lambda pose: setattr(pose.orientation, 'z', 1e200), 'up to 1e\\+06'),
     (lambda pose: setattr(pose.orientation, 'w', 0.0), 'quaternion of zeros')])
 def test_a_pose_that_is_refused(change, words):
     msg = PoseStamped()
@@ -43,9 +45,25 @@ def test_a_pose_that_is_refused(change, words):
         plane_msgs.pose_from_msg(msg)
 
 
+@pytest.mark.parametrize('origin', [PlanePose(0.0, 0.0, 0.0), PlanePose(-2.0, -0.5, 0.0),
+                                    PlanePose(1.0, 2.0, math.pi / 2)])
+def test_outlines_in_a_frame_that_is_elsewhere(origin):
+    corners = np.array([(1.0, 2.0), (1.0, 3.0), (4.0, 2.0)])
+    msg = plane_msgs.outlines_to_msg([corners], origin, 'odom', HEADER.stamp)
+    seen, = plane_msgs.outlines_from_msg(msg)
+    back = [origin.compose(PlanePose(*corner, 0.0))[:2] for corner in seen]
+    assert np.allclose(back, corners)
+    assert origin.compose(origin.inverse()) == pytest.approx((0, 0, 0))
+    assert origin.inverse().compose(origin) == pytest.approx((0, 0, 0))
+    if origin.yaw == 0:
+        assert np.allclose(seen, corners - origin[:2])
+    else:
+        assert np.allclose(seen[1], (1.0, 0.0))
+
+
 def test_outlines_and_back():
     outlines = [np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)]), np.array([(5.0, 5.0), (6.0, 7.0)])]
-    msg = plane_msgs.outlines_to_msg(outlines, 'odom', HEADER.stamp)
+    msg = plane_msgs.outlines_to_msg(outlines, PlanePose(0.0, 0.0, 0.0), 'odom', HEADER.stamp)
     # earlier ones go away: there may be fewer now
     assert msg.markers[0].action == Marker.DELETEALL
     for marker in msg.markers[1:]:

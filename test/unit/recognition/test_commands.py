@@ -56,6 +56,18 @@ def test_publish_on_change():
         [], [FORWARD], [], [FORWARD, BACKWARD], [], [BACKWARD], [], [], [BACKWARD]]
 
 
+def test_commands_that_were_dropped_are_due_again():
+    commander = Commander(settings(publish_on_change=True, stop_when_lost=0.5), 10.0)
+    for _ in range(2):
+        assert commander.decide(BLUE, 10.1) == [FORWARD]
+        commander.notify_dropped([FORWARD])
+    assert commander.decide(BLUE, 10.2) == [FORWARD] and commander.decide(BLUE, 10.3) == []
+    for now_s in (10.9, 11.0):
+        assert commander.decide(NONE, now_s) == [STOP]
+        commander.notify_dropped([STOP])
+    assert commander.wait(11.1) == [STOP] and commander.wait(11.2) == []
+
+
 def test_stop_once_when_no_color_is_seen():
     commander = Commander(settings(stop_when_lost=0.5), 10.0)
     assert commander.decide(BLUE, 10.1) == [FORWARD]

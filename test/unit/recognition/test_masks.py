@@ -77,7 +77,7 @@ def test_a_range_without_any_pixel():
     assert_equal_to_plain_opencv(Masks((48, 64), given), image, given)
 
 
-@pytest.mark.parametrize('shape', [(480, 640), (1080, 1920), (47, 31), (3, 200000)])
+@pytest.mark.parametrize('shape', [(480, 640), (1080, 1920), (47, 31), (3, 200000), (1, 131073)])
 def test_colors_that_move_through_a_grey_room(shape):
     masks = Masks(shape, ARTICLE)
     height, width = shape

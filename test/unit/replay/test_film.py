@@ -11,6 +11,7 @@ from std_msgs.msg import Header, String
 
 from img_recog.conversions import compressed_image_msgs, image_msgs, plane_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.errors import UserError
 from img_recog.recognition.settings import with_colors
 from img_recog.replay import film_job, film_writer
@@ -126,7 +127,7 @@ def record(path, robots):
     """Write a bag of one second, like that of a demo. robots: place (x, y), m, by namespace."""
     with rosbag.Bag(str(path), 'w') as file:
         file.write('/gazebo/world_outlines', plane_msgs.outlines_to_msg(
-            [SQUARE], 'odom', genpy.Time(1)), genpy.Time(1))
+            [SQUARE], PlanePose(0.0, 0.0, 0.0), 'odom', genpy.Time(1)), genpy.Time(1))
         for tick in range(30):
             now = genpy.Time.from_sec(10.0 + tick / 30)
             scan = LaserScan(angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.0,

@@ -1,9 +1,12 @@
 """Simulators as node, replay and tests build them: what they are made of, warnings, refusals."""
+import re
+
+import pybullet
 import pytest
 
 from img_recog.simulation import assembly, world_file
-from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
-                                           SimulationError, SpawnSettings)
+from img_recog.simulation.settings import (DriveSettings, OdometrySettings, PhysicsSettings,
+                                           RobotSettings, SimulationError, SpawnSettings)
 from img_recog_testing.robots import WORLDS, assemble, burger
 from img_recog_testing.sdf import CRATE, sdf
 
@@ -35,6 +38,38 @@ def test_robot_with_its_tags_and_warnings():
     assert mesh.startswith('robot.urdf: mesh not found') and 'package://lost/x.stl' in mesh
     assert tag.startswith('robot.urdf: ') and tag.endswith('plugin liblamp.so')
     assert read(burger()).warnings == ()
+
+
+@pytest.mark.parametrize('visual, words', [
+    ('<visual/>', 'visual'),
+    ('<visual><geometry><box size="1 1 1"/></geometry><material><color rgba="1 0 0"/></material>'
+     '</visual>', 'rgba')])
+def test_a_visual_that_cannot_be_drawn_is_refused(visual, words):
+    root = '<link name="base_footprint"/>'
+    text = refusal(lambda: read(burger().replace(
+        root, '<link name="base_footprint">{}</link>'.format(visual))))
+    assert text.startswith('cannot use the robot in robot.urdf: ') and words in text
+
+
+@pytest.mark.parametrize('given, used', [('100000', 1.0), ('0.5', 0.5)])
+def test_the_friction_of_a_wheel_is_at_most_that_of_the_floor(given, used):
+    urdf = re.sub('<mu1>0.1</mu1>', '<mu1>{}</mu1>'.format(given), burger())
+    robot = assemble(urdf=urdf).simulator.vehicles[0].robot
+    for joint in ('wheel_left_joint', 'wheel_right_joint'):
+        found = pybullet.getDynamicsInfo(robot.body_id, robot.joints[joint],
+                                         physicsClientId=robot.physics_client_id)
+        assert found[1] == used and found[7] < 0.01         # lateral and spinning friction
+
+
+@pytest.mark.parametrize('odometry, origin', [('world', (0.0, 0.0, 0.0)),
+                                              ('encoder', (1.0, 2.0, 0.5))])
+def test_where_the_odometry_is_zero(odometry, origin):
+    settings = RobotSettings(spawn=SpawnSettings(x_pos=1.0, y_pos=2.0, yaw=0.5),
+                             odometry=OdometrySettings(odometry_source=odometry))
+    sim = assembly.build(PhysicsSettings(), world_file.read('empty', WORLDS),
+                         [(read(burger()), settings)]).simulator
+    sim.vehicles[0].move_to(3.0, 3.0, 0.0)
+    assert sim.vehicles[0].odometry_origin == origin
 
 
 def test_default_settings_are_those_of_tags_and_else_the_defaults():

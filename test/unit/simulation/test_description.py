@@ -52,6 +52,14 @@ def test_friction_is_that_of_gazebos_tag_or_pybullets():
     tag = '<gazebo reference="a"><mu1>0.7</mu1></gazebo>'
     assert parse(ROBOT.format(link('a', inside=contact))).friction == {'a': 0.3}
     assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.7}
+    tag = '<gazebo reference="a"><mu1 value="0.6"/></gazebo>'
+    assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.6}
+
+
+def test_the_friction_of_a_fixed_link_without_mass_is_not_used():
+    contact = '<contact><lateral_friction value="0.3"/></contact>'
+    urdf = parse(ROBOT.format(link('a') + link('b', 0, inside=contact) + joint('ab', 'a', 'b')))
+    assert urdf.friction == {} and urdf.frames['b'].link == 'a'
 
 
 def test_chain_of_fixed_links_becomes_one_and_what_moves_stays():
@@ -101,6 +109,9 @@ REFUSED = {
                    'link a, with the links fixed to'),
     'negative inertia': (ROBOT.format(link('a').replace('ixx="1"', 'ixx="-1"')),
                          'expected positive moments'),
+    'negative friction': (ROBOT.format(
+        link('a') + '<gazebo reference="a"><mu1>-0.5</mu1></gazebo>'),
+                          'mu1 of link a: got -0.5, expected at least 0'),
     'infinite origin': (ROBOT.format(link('a') + link('b') + joint(
         'j', 'a', 'b', origin='<origin xyz="inf 0 0"/>')), "<origin> in <joint j>: got 'inf 0 0'"),
     'short origin': (ROBOT.format(link('a') + link('b') + joint(

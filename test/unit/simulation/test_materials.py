@@ -17,6 +17,9 @@ material course : first
 {
   technique { pass { texture_unit { texture course.png } } }
 }
+material shiny { technique { pass { diffuse 0.5 0.25 0.5
+  emissive 0 0 0 } } }
+material broken { technique { pass { diffuse 1.2.3 0 0 } } }
 material lost { technique { pass { texture_unit { texture lost.png } diffuse .5 .5 .5 } } }
 '''
 
@@ -88,6 +91,8 @@ def test_a_script_and_its_texture(folder, uris):
         path = folder / uri[len('model://m/'):]
         return str(path) if path.exists() else None
     assert read(script('first', *uris), find) == (Material((0.1, 0.2, 0.3, 0.5)), '')
+    assert read(script('shiny', *uris), find) == (Material((0.5, 0.25, 0.5, 1)), '')
+    assert read(script('broken', *uris), find) == (Material(GREY), '')
     texture = str(folder / 'textures' / 'course.png')
     assert read(script('course', *uris), find) == (Material((1, 1, 1, 1), texture), '')
     assert read(script('lost', *uris), find) == (Material((0.5, 0.5, 0.5, 1)), 'texture lost.png')

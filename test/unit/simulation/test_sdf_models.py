@@ -20,7 +20,7 @@ JOINT = ('<joint name="{0}_{1}" type="{2}"><parent>{0}</parent><child>{1}</child
 TIE = JOINT.format('{0}', '{1}', 'fixed', '')
 
 
-def convert(*inside, version=1.6, missing=None):
+def convert(*inside, version=(1, 6), missing=None):
     """Return the trees of a model of these elements."""
     model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
     return sdf_models.trees(model, version, lambda uri: None, [] if missing is None else missing)
@@ -124,16 +124,19 @@ def turned_about(world, angle):
 # the box of a link is at x 0.1 in it
 @pytest.mark.parametrize('version, link, joint, place', [
     # about z of the child link, at its origin
-    (1.6, '1 0 3 0 0 0', '', (1, 0.1, 3)),
+    ((1, 6), '1 0 3 0 0 0', '', (1, 0.1, 3)),
     # about z at a place in the child link
-    (1.6, '1 0 3 0 0 0', '<pose>0.1 0 0 0 0 0</pose>', (1.1, 0, 3)),
-    (1.6, '1 0 3 0 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0, 2.9)),
+    ((1, 6), '1 0 3 0 0 0', '<pose>0.1 0 0 0 0 0</pose>', (1.1, 0, 3)),
+    ((1, 6), '1 0 3 0 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0, 2.9)),
     # the link lies on its side: its y is the model's z
-    (1.6, '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
-    (1.6, '1 0 3 1.5707963267948966 0 0',
+    ((1, 6), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 6), '1 0 3 1.5707963267948966 0 0',
      '<axis><xyz>0 0 1</xyz><use_parent_model_frame>1</use_parent_model_frame></axis>',
      (1, 0.1, 3)),
-    (1.4, '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 0 1</xyz></axis>', (1, 0.1, 3))])
+    ((1, 10), '1 0 3 1.5707963267948966 0 0',
+     '<axis><xyz expressed_in="__model__">0 0 1</xyz></axis>', (1, 0.1, 3)),
+    ((1, 10), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 4), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 0 1</xyz></axis>', (1, 0.1, 3))])
 def test_a_joint_turns_about_its_axis(version, link, joint, place):
     world = load(LINK.format('a', '0 0 3 0 0 0'), LINK.format('b', link),
                  JOINT.format('a', 'b', 'revolute', joint), version=version)
@@ -150,6 +153,18 @@ def test_a_door_that_is_joined_to_the_world():
                              physicsClientId=world.physics_client_id)
     pybullet.performCollisionDetection(physicsClientId=world.physics_client_id)
     assert centers(world)[-1] == pytest.approx((6, 0.1, 3), abs=2e-3)
+
+
+def test_a_pendulum_swings():
+    world = load(LINK.format('b', '0 0 3 0 0 0'), JOINT.format(
+        'world', 'b', 'revolute', '<pose>-1 0 0 0 0 0</pose><axis><xyz>0 1 0</xyz></axis>'))
+    angles = []
+    for _ in range(200):
+        world.step(10)
+        angles.append(pybullet.getJointState(
+            world.bodies[0].body_id, 0, physicsClientId=world.physics_client_id)[0])
+    # from horizontal to horizontal on the other side, without friction and damping
+    assert max(angles) == pytest.approx(math.pi, abs=0.05) and min(angles) > -0.05
 
 
 @pytest.mark.parametrize('kind, axis, expected', [

@@ -160,6 +160,22 @@ def test_no_place_is_refused_and_leaves_nothing(tmp_path):
     assert pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id) == count
 
 
+def test_a_search_that_begins_in_a_wall_is_refused():
+    sim = empty_world('turtlebot3_world')
+    with pytest.raises(SimulationError, match='x 0 m, y 0.1 m, where the search for a free place '
+                                              'begins, is too near to a wall'):
+        assembly.add_robot_apart(sim, source('a'), settings(0.0, 0.1), has_place=False)
+    assert sim.vehicles == []
+
+
+def test_places_that_are_too_far_away_are_not_free():
+    sim = empty_world()
+    for name in ('a', 'b', 'c', 'd'):
+        assembly.add_robot_apart(sim, source(name), settings(1000.0, 1000.0), has_place=False)
+    places = [(each.settings.spawn.x_pos, each.settings.spawn.y_pos) for each in sim.vehicles]
+    assert len(set(places)) == 4 and max(map(max, places)) == 1000.0
+
+
 @pytest.mark.parametrize('place, other', [((-2.0, -0.45), 'a'), ((0.0, 0.1), 'turtlebot3_world')])
 def test_a_given_place_inside_of_something_is_refused(place, other):
     sim = several([], 'turtlebot3_world')

@@ -25,6 +25,8 @@ def test_a_robot_that_is_moved_stands_where_it_was_put():
     sim.advance(1000)
     vehicle.move_to(1.0, -0.5, 2.0)
     assert vehicle.robot.motion().position == pytest.approx([1.0, -0.5, 0.0], abs=1e-6)
+    sim.advance(1)          # before the drive is due
+    assert vehicle.robot.wheel_velocities() == pytest.approx((0.0, 0.0), abs=0.5)
     sim.advance(1000)
     motion = vehicle.robot.motion()
     assert motion.position == pytest.approx([1.0, -0.5, 0.0], abs=0.005)

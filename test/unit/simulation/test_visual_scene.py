@@ -70,6 +70,12 @@ def test_poses_are_those_of_now(hall):
     assert np.array_equal(after[-2], before[-2])
 
 
+def test_a_simulation_without_bodies_has_no_poses():
+    sim = assemble().simulator
+    sim.remove(sim.vehicles[0])
+    assert Parts(sim).poses().shape == (0, 7)
+
+
 def test_visuals_of_the_world(hall):
     scene, parts = read(assemble(hall))
     shelf = parts.numbers()[1]['l']

@@ -218,6 +218,7 @@ class ColorExtract:
 
     def _publish_commands(self, commands: List[Command]) -> None:
         if self._yielding.is_active():
+            self._commander.notify_dropped(commands)
             return
         for command in commands:
             self._velocity.publish(twist_msgs.to_msg(*command))

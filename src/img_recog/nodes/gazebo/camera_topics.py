@@ -1,5 +1,6 @@
 """The topics of the cameras on a simulated robot."""
 import itertools
+import threading
 from typing import Dict, Iterable, List, Tuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.gazebo.drawing import Drawing, Job
+from img_recog.nodes.gazebo.names import CAMERA_TOPICS
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.process import Drawn, Shot
@@ -23,8 +25,6 @@ from img_recog.simulation.robot_camera import Exposure, optical_frame
 from img_recog.simulation.settings import CameraSettings
 from img_recog.simulation.vehicle import Reading, Vehicle
 
-_TOPICS = ('camera_image_topic', 'camera_info_topic', 'camera_depth_topic',
-           'camera_depth_info_topic')
 _INFO_QUEUE_SIZE = 10       # so that each image has its camera info, also if a sender has to wait
 
 
@@ -32,7 +32,7 @@ def check(cameras: Iterable[CameraSettings]) -> None:
     """Raise a UserError if a topic of the cameras has no valid name, or is that of two."""
     owners: Dict[str, str] = {}
     for camera in cameras:
-        for setting in _TOPICS:
+        for setting in CAMERA_TOPICS:
             topic = getattr(camera, setting)
             if not topic:
                 continue
@@ -59,12 +59,14 @@ class CameraTopics:
     def __init__(self, settings: CameraSettings, number: int):
         """Advertise the topics."""
         self._settings, self.number = settings, number
+        self._lock, self._is_closed = threading.Lock(), False
         self.camera = Camera(settings.camera_width, settings.camera_height,
                              settings.camera_horizontal_fov, settings.camera_near,
                              settings.camera_far)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
-        self._images = ImagePublisher(settings.camera_image_topic)
+        # first: it fails if its parameters are wrong
         self._compressed = CompressedImages(settings.camera_image_topic)
+        self._images = ImagePublisher(settings.camera_image_topic)
         self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo,
                                        queue_size=_INFO_QUEUE_SIZE)]
         self._depths = None
@@ -88,6 +90,11 @@ class CameraTopics:
         return Job(shot, lambda drawn: self._publish(drawn, time_s))
 
     def _publish(self, drawn: Drawn, time_s: float) -> None:
+        with self._lock:        # the robot may be removed while its image is drawn
+            if not self._is_closed:
+                self._publish_open(drawn, time_s)
+
+    def _publish_open(self, drawn: Drawn, time_s: float) -> None:
         header = Header(stamp=robot_msgs.stamp_of(time_s),
                         frame_id=self._settings.camera_optical_frame)
         if self._noise is not None:
@@ -115,6 +122,8 @@ class CameraTopics:
 
     def close(self) -> None:
         """End the topics."""
+        with self._lock:
+            self._is_closed = True
         self._images.unregister()
         self._compressed.close()
         if self._depths is not None:

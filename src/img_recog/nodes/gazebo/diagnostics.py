@@ -38,7 +38,7 @@ class CommandCounts:
     def report(self, status: DiagnosticStatusWrapper, timeout_s: float, timed_out: bool) -> None:
         """Add the values to the status; to be called once in each period.
 
-        timeout_s: the setting cmd_vel_timeout; timed_out: whether it has stopped the robot.
+        timeout_s: cmd_vel_timeout, scaled; timed_out: whether it has stopped the robot.
         """
         age_s = self.age_s()
         add_counter(status, 'commands', self.received)

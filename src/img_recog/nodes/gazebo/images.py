@@ -6,6 +6,7 @@ import numpy as np
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from img_recog.errors import UserError
 from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, RobotCameras, optical_transform
 from img_recog.nodes.gazebo.drawing import Drawing
@@ -47,8 +48,12 @@ class Images:
         seen = [names.camera(each) for each in cameras]
         camera_topics.check(itertools.chain(*self._seen.values(), seen))
         sensors = [vehicle.mount_camera(each, self._poses) for each in cameras]
-        for sensor, each in zip(sensors, seen):
-            self._cameras.add(vehicle, sensor, CameraTopics(each, 0))
+        try:
+            for sensor, each in zip(sensors, seen):
+                self._cameras.add(vehicle, sensor, CameraTopics(each, 0))
+        except UserError:
+            self._cameras.remove(vehicle)
+            raise
         self._seen[vehicle.robot.name] = seen
         self._number_cameras()
         for each in cameras:

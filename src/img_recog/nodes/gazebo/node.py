@@ -38,6 +38,7 @@ from visualization_msgs.msg import MarkerArray
 
 from img_recog import resources
 from img_recog.conversions import plane_msgs, robot_msgs
+from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics, State
 from img_recog.nodes.gazebo.images import Images
@@ -99,12 +100,13 @@ class PybulletSim:
         self._images = Images(self._simulator, view, statics)
         self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
                               which.world_tf)
-        self._outline_frame = WORLD_FRAME
+        self._outline_frame, self._outline_origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         if single is None:
             RobotUpdates(self._robots, plans, self._calls)
         else:
             self._robots.connect(self._simulator.vehicles[0], single)
             self._outline_frame = single.settings.odometry.odom_frame
+            self._outline_origin = PlanePose(*self._simulator.vehicles[0].odometry_origin)
         self._models = self._model_services(physics, models, plans)
         self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
         self._publish_outlines()
@@ -130,8 +132,8 @@ class PybulletSim:
             rospy.loginfo('gazebo_msgs is not installed: model_states and the services of models '
                           'are not offered')
             return None
-        PropertyServices(models, self._simulator.world, physics, self._calls,
-                         lambda: Now(self._simulator.time_s, self._paused))
+        PropertyServices(models, self._simulator.world, physics.step_s, self._calls, lambda: Now(
+            self._simulator.time_s, self._wanted_factor, self._paused))
         return model_services.ModelServices(models, self._robots, plans, self._calls,
                                             lambda: self._simulator.time_s)
 
@@ -159,9 +161,11 @@ class PybulletSim:
 
     def _wait(self, delay_s: float) -> None:
         """Process service calls for `delay_s`, or until shutdown, checked each _POLL_PERIOD_S."""
-        due = time.monotonic() + delay_s
+        due, pacer = time.monotonic() + delay_s, self._pacer
         self._calls.process(min(delay_s, _POLL_PERIOD_S))
-        while time.monotonic() < due and not rospy.is_shutdown():
+        # ended by another real_time_factor
+        while time.monotonic() < due and self._pacer is pacer and not rospy.is_shutdown():
+            self._show()
             self._calls.process(min(due - time.monotonic(), _POLL_PERIOD_S))
 
     def _advance(self, periods: int) -> None:
@@ -232,7 +236,7 @@ class PybulletSim:
 
     def _publish_outlines(self) -> None:
         self._outlines.publish(plane_msgs.outlines_to_msg(
-            footprints(self._simulator.world), self._outline_frame,
+            footprints(self._simulator.world), self._outline_origin, self._outline_frame,
             robot_msgs.stamp_of(self._simulator.time_s)))
 
     def _configure(self, settings: RuntimeSettings) -> None:

@@ -21,22 +21,29 @@ class PoseTopic:
     """
 
     def __init__(self, names: Names, odom_frame: str, calls: ServiceCalls,
-                 move: Callable[[PlanePose], None]):
-        """Subscribe; move: moves the robot, in the thread that simulates."""
+                 origin: Callable[[], PlanePose], move: Callable[[PlanePose], None]):
+        """Subscribe.
+
+        origin: returns where the odometry is zero in the world. move: moves the robot; in the
+        thread that simulates, both.
+        """
         self._topic = rospy.resolve_name('~' + names.topic('set_pose'))
-        self._frames = _WORLD_FRAMES + (names.frame(odom_frame),)
-        self._calls, self._move = calls, move
+        self._odom_frame = names.frame(odom_frame)
+        self._frames = _WORLD_FRAMES + (self._odom_frame,)
+        self._calls, self._origin, self._move = calls, origin, move
         self._warn = ThrottledWarning()
         self._subscriber = rospy.Subscriber(self._topic, PoseStamped, self._set, queue_size=1,
                                             tcp_nodelay=True)
 
     def _set(self, msg: PoseStamped) -> None:
         try:
-            if msg.header.frame_id.lstrip('/') not in self._frames:
+            frame = msg.header.frame_id.lstrip('/')
+            if frame not in self._frames:
                 raise PoseError('its frame is {!r}, expected {}'.format(
                     msg.header.frame_id[:100], ' or '.join(filter(None, self._frames))))
             pose = plane_msgs.pose_from_msg(msg)
-            self._calls.call(lambda: self._move(pose))
+            self._calls.call(lambda: self._move(
+                self._origin().compose(pose) if frame == self._odom_frame else pose))
         except (PoseError, SimulationError) as error:
             self._warn('ignored a message on %s: %s', self._topic, error)
 

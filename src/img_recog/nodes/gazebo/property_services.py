@@ -6,7 +6,7 @@ from geometry_msgs.msg import Vector3
 
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.simulation.models import Models
-from img_recog.simulation.settings import PhysicsSettings, SimulationError
+from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.world import World
 
 try:
@@ -17,9 +17,10 @@ except ImportError:
 
 
 class Now(NamedTuple):
-    """The state of the simulation: time in s, and whether it is paused."""
+    """The state of the simulation: time in s, wanted factor, and whether it is paused."""
 
     time_s: float
+    real_time_factor: float
     is_paused: bool
 
 
@@ -29,10 +30,10 @@ class PropertyServices:
     Must be created only when model_services.AVAILABLE.
     """
 
-    def __init__(self, models: Models, world: World, physics: PhysicsSettings,
-                 calls: ServiceCalls, now: Callable[[], Now]):
+    def __init__(self, models: Models, world: World, step_s: float, calls: ServiceCalls,
+                 now: Callable[[], Now]):
         """Advertise; now: returns the state."""
-        self._models, self._physics, self._calls, self._now = models, physics, calls, now
+        self._models, self._step_s, self._calls, self._now = models, step_s, calls, now
         self._gravity = Vector3(*world.file.gravity)
         rospy.Service('~get_world_properties', GetWorldProperties, self._describe_world)
         rospy.Service('~get_physics_properties', GetPhysicsProperties, self._describe_physics)
@@ -51,7 +52,7 @@ class PropertyServices:
         except SimulationError as error:
             return GetPhysicsPropertiesResponse(success=False, status_message=str(error))
         return GetPhysicsPropertiesResponse(
-            time_step=self._physics.step_s, pause=now.is_paused,
-            max_update_rate=self._physics.real_time_factor / self._physics.step_s,
+            time_step=self._step_s, pause=now.is_paused,
+            max_update_rate=now.real_time_factor / self._step_s,
             gravity=self._gravity, success=True,
             status_message='simulated by PyBullet: ode_config is not used')

@@ -161,7 +161,7 @@ class RobotTopics:
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
-        self._counts.report(status, self.vehicle.settings.drive.cmd_vel_timeout,
+        self._counts.report(status, self.vehicle.command_timeout_s,
                             self.vehicle.command_timed_out)
 
     def discard_command(self) -> None:
@@ -172,7 +172,7 @@ class RobotTopics:
         timed_out = self.vehicle.command_timed_out
         if timed_out and not self._timed_out:
             rospy.logwarn('no command on %s for %g s of simulated time: %s is stopped',
-                          self._command_topic, self.vehicle.settings.drive.cmd_vel_timeout,
+                          self._command_topic, self.vehicle.command_timeout_s,
                           self._names.words)
         self._timed_out = timed_out
 

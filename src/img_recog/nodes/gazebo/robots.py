@@ -3,8 +3,10 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Transform, TransformStamped, Vector3
+from std_msgs.msg import Header
 
+from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo.images import Images
@@ -89,7 +91,6 @@ class Robots:
         if any(each.names.namespace == plan.names.namespace for each in self._robots.values()):
             raise SimulationError('there is a robot with the namespace {!r} already'.format(
                 plan.names.namespace), 'give it another robot_namespace')
-        self._check_topics(plan)
         warnings = assembly.add_robot_apart(self._simulator, plan.source, plan.settings,
                                             plan.has_place)
         vehicle = self._simulator.vehicles[-1]
@@ -124,19 +125,23 @@ class Robots:
     def connect(self, vehicle: Vehicle, plan: RobotPlan) -> None:
         """Give a robot of the simulator its topics.
 
-        Raises a UserError when those of its cameras cannot be used.
+        Raises a UserError when two sensors have the same topic, or those of its cameras cannot be
+        used.
         """
+        self._check_topics(plan)
         names, odometry, name = plan.names, vehicle.settings.odometry, vehicle.robot.name
         vehicle.scale_command_timeout(self._timeout_scale)
         self._images.add_cameras(vehicle, plan.cameras, names)
         self._robots[name] = _Connected(
             vehicle, names, RobotTopics(vehicle, plan.topics, names, self._transforms),
             PoseTopic(names, odometry.odom_frame, self._calls,
+                      lambda: PlanePose(*vehicle.odometry_origin),
                       lambda pose: self._move(name, pose)),
             plan.published())
         if self._world_tf and names.namespace and odometry.publish_odom_tf:
-            self._statics.set('world of ' + name, [_identity(
-                WORLD_FRAME, names.frame(odometry.odom_frame))])
+            self._statics.set('world of ' + name, [_transform(
+                PlanePose(*vehicle.odometry_origin), WORLD_FRAME,
+                names.frame(odometry.odom_frame))])
         self._add_diagnostics(name)
 
     def remove(self, name: str) -> None:
@@ -208,8 +213,7 @@ class Robots:
                 robot.topics.report(status)
 
 
-def _identity(parent: str, child: str) -> TransformStamped:
-    transform = TransformStamped(child_frame_id=child)
-    transform.header.frame_id = parent
-    transform.transform.rotation.w = 1.0
-    return transform
+def _transform(pose: PlanePose, parent: str, child: str) -> TransformStamped:
+    given = plane_msgs.pose_to_msg(pose, Header(frame_id=parent))
+    return TransformStamped(given.header, child, Transform(
+        Vector3(*pose[:2], 0.0), given.pose.orientation))

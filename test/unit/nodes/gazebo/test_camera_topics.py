@@ -90,6 +90,14 @@ def test_an_image_and_its_info_have_one_header(publishers):
     assert info.header is header
 
 
+def test_an_image_that_is_drawn_when_the_camera_is_removed_is_dropped(publishers):
+    topics = CameraTopics(SETTINGS, 0)
+    job = topics.job(exposure(), 1.0)
+    topics.close()
+    job.publish(drawn())
+    assert all(each.is_ended and not each.sent for each in publishers.values())
+
+
 def test_the_info_is_that_of_a_pinhole_camera(publishers):
     info = CameraTopics(SETTINGS, 0).info(None)
     assert isinstance(info, CameraInfo) and (info.width, info.height) == (32, 24)
