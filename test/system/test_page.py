@@ -184,8 +184,8 @@ def test_a_click_into_the_picture_proposes_bounds(demo, page):
 def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(page):
     page.js('''const canvas = document.querySelector("canvas.map");
                const box = canvas.getBoundingClientRect();
-               const at = { bubbles: true, pointerId: 1, clientX: box.left + box.width * 0.8,
-                 clientY: box.top + box.height * 0.3 };
+               const at = { bubbles: true, pointerId: 1, isPrimary: true,
+                 clientX: box.left + box.width * 0.8, clientY: box.top + box.height * 0.3 };
                canvas.setPointerCapture = () => {};
                canvas.dispatchEvent(new PointerEvent("pointerdown", at));
                canvas.dispatchEvent(new PointerEvent("pointerup", at));''')

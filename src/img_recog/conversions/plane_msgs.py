@@ -27,10 +27,10 @@ class PlanePose(NamedTuple):
     yaw: float
 
     def compose(self, pose: 'PlanePose') -> 'PlanePose':
-        """Return a pose, given in the frame of this one, in the frame that this one is given in."""
+        """Return, in the parent's frame, a pose that is given in the frame of this one."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
-        return PlanePose(self.x + cos * pose.x - sin * pose.y, self.y + sin * pose.x + cos * pose.y,
-                         self.yaw + pose.yaw)
+        return PlanePose(self.x + cos * pose.x - sin * pose.y,
+                         self.y + sin * pose.x + cos * pose.y, self.yaw + pose.yaw)
 
     def inverse(self) -> 'PlanePose':
         """Return the pose of the parent in the frame of this pose."""
