@@ -184,4 +184,6 @@ def _finish(axes: Axes, lines: Sequence = ()) -> None:
 
 def _line_color(color: Color) -> Tuple[float, float, float]:
     """Return the middle of a range of hues as RGB from 0 to 1."""
-    return colorsys.hsv_to_rgb(color.middle_hue / 180, 0.85, 0.8)
+    low, high = color.hue
+    middle = (low + (high if high >= low else high + 180)) / 2 % 180
+    return colorsys.hsv_to_rgb(middle / 180, 0.85, 0.8)

@@ -36,17 +36,21 @@ class Images:
         self._seen: Dict[str, List[CameraSettings]] = {}    # by robot, with the names others see
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
 
+    def check_cameras(self, cameras: Sequence[CameraSettings], names: Names) -> None:
+        """Raise a UserError if the topics of more cameras cannot be used."""
+        camera_topics.check(itertools.chain(
+            *self._seen.values(), (names.camera(each) for each in cameras)))
+
     def add_cameras(self, vehicle: Vehicle, cameras: Sequence[CameraSettings],
                     names: Names) -> None:
         """Mount cameras on a robot; publish where those are that its URDF does not have.
 
-        Raises a UserError when the robot has no link for one, or their topics cannot be used;
+        Raises a UserError when the robot has no link for one, or their parameters cannot be used;
         nothing has changed then.
         """
         if not cameras:
             return
         seen = [names.camera(each) for each in cameras]
-        camera_topics.check(itertools.chain(*self._seen.values(), seen))
         sensors = [vehicle.mount_camera(each, self._poses) for each in cameras]
         try:
             for sensor, each in zip(sensors, seen):

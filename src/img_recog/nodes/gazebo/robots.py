@@ -128,6 +128,7 @@ class Robots:
         Raises a UserError when two sensors have the same topic, or those of its cameras cannot be
         used.
         """
+        self._images.check_cameras(plan.cameras, plan.names)
         self._check_topics(plan)
         names, odometry, name = plan.names, vehicle.settings.odometry, vehicle.robot.name
         vehicle.scale_command_timeout(self._timeout_scale)
