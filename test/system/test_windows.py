@@ -16,8 +16,9 @@ SIMULATOR = 'Bullet Physics'
 def display(ros):
     """A virtual display; ros.env has its name."""
     reader, writer = os.pipe()
-    server = ros.start('Xvfb', '-displayfd', writer, '-screen', '0', '1100x800x24', '-nolisten',
-                       'tcp', pass_fds=[writer])
+    # without -noreset it ends the connections of new clients when the last one has gone
+    server = ros.start('Xvfb', '-displayfd', writer, '-noreset', '-screen', '0', '1100x800x24',
+                       '-nolisten', 'tcp', pass_fds=[writer])
     os.close(writer)
     with os.fdopen(reader) as file:
         number = file.readline().strip()
