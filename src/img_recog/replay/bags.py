@@ -83,7 +83,7 @@ class BagFrames:
             if number == 0:
                 first_ns = stamp_ns
             else:
-                self._check_stamp(number, last_ns, stamp_ns)
+                self.check_gap(number, last_ns, stamp_ns)
             last_ns = stamp_ns
             try:
                 decoded = self.decode(msg)
@@ -106,11 +106,12 @@ class BagFrames:
         finally:
             self.bag.close()
 
-    def _check_stamp(self, number: int, last_ns: int, stamp_ns: int) -> None:
+    def check_gap(self, number: int, last_ns: int, stamp_ns: int) -> None:
+        """Raise UserError if the times of message `number` and the one before it jump."""
         gap_s = (stamp_ns - last_ns) / SECOND_NS
         if not 0 <= gap_s <= _MAX_GAP_S:
             raise UserError(
-                'the stamps of {} in {} jump {} by {:g} s at message {}'.format(
+                'the times of {} in {} jump {} by {:g} s at message {}'.format(
                     self.topic, self._path, 'back' if gap_s < 0 else 'ahead', abs(gap_s), number),
                 'extract a part without jumps by rosbag filter')
 

@@ -20,6 +20,7 @@ from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import with_colors
 from img_recog.replay.arguments import without_special_keys
 from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
+from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
 from img_recog.replay.inputs import is_bag
 
@@ -114,7 +115,7 @@ def _nearest(names: Sequence[str], topic: str) -> str:
 
 def _fill(film: Film, messages: _Messages, frames: BagFrames) -> float:
     """Add all messages to a film; return its length in s."""
-    start_s, time_s, last_problem = None, 0.0, ''
+    start_s, time_s, last_problem, number = None, 0.0, '', 0
     with tqdm(total=frames.expected, unit=' images', disable=None) as progress:
         for role, msg, recorded_s in messages.in_order():
             if role == 'cmd_vel':
@@ -126,7 +127,9 @@ def _fill(film: Film, messages: _Messages, frames: BagFrames) -> float:
             elif role == 'image':
                 progress.update()
                 start_s = recorded_s if start_s is None else start_s
-                time_s = recorded_s - start_s
+                last_s, time_s, number = time_s, recorded_s - start_s, number + 1
+                # the film would be as long as the gap
+                frames.check_gap(number, round(last_s * SECOND_NS), round(time_s * SECOND_NS))
                 try:
                     film.add(time_s, *frames.decode(msg))
                     messages.images += 1

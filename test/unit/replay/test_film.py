@@ -215,3 +215,14 @@ def test_an_output_that_is_no_mp4(bag, capsys, output):
 def test_a_path_that_cannot_be_written(bag, capsys, caplog):
     assert make(capsys, bag, '/nowhere/out.mp4')[0] == 1
     assert 'cannot write /nowhere/out.mp4' in caplog.text
+
+
+def test_a_bag_whose_clock_was_set_while_it_was_recorded(tmp_path, capsys, caplog):
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        for time_s in (10.0, 10.1, 3.0e7):
+            now = genpy.Time.from_sec(time_s)
+            file.write('/usb_cam/image_raw/compressed', compressed_image_msgs.to_msg(
+                card(), 'bgr8', Header(stamp=now), CompressionSettings()), now)
+    code, _ = make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')
+    assert code == 1 and not (tmp_path / 'out.mp4').exists()
+    assert 'jump ahead by 3e+07 s at message 3; extract a part without jumps' in caplog.text
