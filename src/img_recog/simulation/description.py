@@ -19,7 +19,7 @@ from img_recog.simulation import inertias, link_materials, urdf_shapes
 from img_recog.simulation.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform, from_rpy,
                                            to_rpy)
 from img_recog.simulation.meshes import resolve
-from img_recog.simulation.numbers import read_lengths, read_numbers
+from img_recog.simulation.numbers import read_coefficient, read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
 
 # Of the floor, and of links without a coefficient (Gazebo's default). PyBullet multiplies the
@@ -200,18 +200,11 @@ def friction_of(robot: ElementTree.Element, name: str,
     for tag in robot.findall('gazebo'):
         element = tag.find('mu1')
         if tag.get('reference') == name and element is not None:
-            return _coefficient('mu1 of link ' + name, element.get('value') or element.text)
+            return read_coefficient('mu1 of link ' + name, element.get('value') or element.text)
     element = link.find('contact/lateral_friction')
     if element is None:
         return None
-    return _coefficient('lateral_friction of link ' + name, element.get('value'))
-
-
-def _coefficient(name: str, text: Optional[str]) -> float:
-    value = float(read_numbers(name, text, 1)[0])
-    if value < 0:
-        raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
-    return value
+    return read_coefficient('lateral_friction of link ' + name, element.get('value'))
 
 
 def _inertia(name: str, link: ElementTree.Element) -> Inertia:

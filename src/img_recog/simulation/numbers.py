@@ -28,3 +28,11 @@ def read_lengths(name: str, text: Optional[str], count: int) -> np.ndarray:
         raise SimulationError('{}: got {!r}, expected numbers from {:g} to {:g}'.format(
             name, text, -_MAX_LENGTH, _MAX_LENGTH))
     return values
+
+
+def read_coefficient(name: str, text: Optional[str]) -> float:
+    """Return a coefficient of friction; SimulationError naming it when it is negative."""
+    value = float(read_numbers(name, text, 1)[0])
+    if value < 0:
+        raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
+    return value

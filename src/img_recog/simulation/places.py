@@ -25,11 +25,6 @@ def find(simulator: Simulator, vehicle: Vehicle) -> SpawnSettings:
     """
     start = vehicle.settings.spawn
     walls = [body.body_id for body in simulator.world.bodies]
-    _move(vehicle, start)
-    if _is_near(vehicle, walls, _CLEARANCE_M):
-        raise SimulationError('x {:g} m, y {:g} m, where the search for a free place begins, is '
-                              'too near to a wall'.format(start.x_pos, start.y_pos),
-                              'give it another x_pos and y_pos')
     robots = [each.robot.body_id for each in simulator.vehicles if each is not vehicle]
     # (distance to the start, column, row): the nearest first
     waiting, known = [(0.0, 0, 0)], {(0, 0)}
@@ -51,6 +46,10 @@ def find(simulator: Simulator, vehicle: Vehicle) -> SpawnSettings:
             if cell not in known:
                 known.add(cell)
                 heapq.heappush(waiting, (math.hypot(*cell), *cell))
+    if len(known) == 1:
+        raise SimulationError('x {:g} m, y {:g} m, where the search for a free place begins, is '
+                              'too near to a wall'.format(start.x_pos, start.y_pos),
+                              'give it another x_pos and y_pos')
     raise SimulationError('there is no free place for it near x {:g} m, y {:g} m'.format(
         start.x_pos, start.y_pos), 'start fewer robots, or give it x_pos and y_pos')
 

@@ -5,9 +5,8 @@ import numpy as np
 
 from img_recog.simulation import inertias, sdf_shapes
 from img_recog.simulation.geometry import Transform
-from img_recog.simulation.numbers import read_numbers
+from img_recog.simulation.numbers import read_coefficient, read_numbers
 from img_recog.simulation.sdf_frames import pose_of
-from img_recog.simulation.settings import SimulationError
 
 _INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz')
 
@@ -47,8 +46,6 @@ def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None
     if text is None:
         return
     name = '<mu> of link ' + source.get('name', '')
-    value = float(read_numbers(name, text, 1)[0])
-    if value < 0:
-        raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
+    value = read_coefficient(name, text)
     contact = ElementTree.SubElement(link, 'contact')
     ElementTree.SubElement(contact, 'lateral_friction', value=repr(value))

@@ -15,7 +15,6 @@ from img_recog.simulation.settings import SimulationError
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
 _MAX_JOINT_LIMIT = 1e16         # an SDF's number for no limit
 
-
 Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
 
 

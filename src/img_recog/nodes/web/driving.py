@@ -123,7 +123,7 @@ class Driving:
         """Stop the robot, if somebody drives it while the node is shut down."""
         with self._publish_lock:
             self._has_ended = True
-            if self._speeds.current() is None:
+            if not self._driven.is_set():       # until the zeros of a release were sent, too
                 return
             self._velocity.publish(twist_msgs.to_msg(0.0))
         # the publisher sends in a separate thread; let it finish before the shutdown goes on
