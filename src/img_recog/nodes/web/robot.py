@@ -1,6 +1,7 @@
 """A robot that the page shows and drives."""
 import threading
-from typing import Dict, List, Set, Tuple
+import time
+from typing import Any, Callable, Dict, List, Set, Tuple
 
 import cv2
 import numpy as np
@@ -24,6 +25,7 @@ from img_recog.teleoperation.settings import VelocityLimits
 
 _saving = threading.Lock()      # of all robots: a name is free until its file is there
 _FOLDER_ADVICE = 'start it in a folder where files can be written'
+_ANSWER_TIMEOUT_S, _POLL_S = 3.0, 0.05
 
 
 def resolve(robot: str, name: str) -> str:
@@ -84,11 +86,17 @@ class Robot:
         self._pose.publish(x, y, yaw)
 
     def propose(self, topic: str, x: float, y: float, color: str) -> Dict[str, int]:
-        """Set bounds of a color around that in a picture; return them."""
-        picture = self._pictures.latest(topic)
-        values = self.colors.values()
-        if picture is None or color + '_hue_min' not in values:
-            raise UserError('there is no picture of {} yet'.format(topic[:100]))
+        """Set bounds of a color around that in a picture; return them.
+
+        Waits for both for a moment: a page that has just opened a tab shows the last picture, but
+        its topic and the parameters may not be followed again yet.
+        """
+        picture = _wait(lambda: self._pictures.latest(topic))
+        if picture is None:
+            raise UserError('there is no picture of {}'.format(topic[:100]),
+                            'click again when there is one')
+        if not _wait(lambda: color in color_names_in(self.colors.values())):
+            raise UserError('{} does not answer'.format(self.resolve('color_extract')), 'start it')
         image = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR)
         bounds = propose_bounds(image, x, y)
         self.colors.change(**{'{}_{}'.format(color, part): value
@@ -100,10 +108,20 @@ class Robot:
         values = self.colors.values()
         names = color_names_in(values)
         if not names:
-            raise UserError('color_extract does not answer', 'start it')
+            raise UserError('{} does not answer'.format(self.resolve('color_extract')), 'start it')
         text = yaml.safe_dump({COLORS: names, **values}, sort_keys=False)
         with _saving:
             path = files.free_output_path('colors', '.yaml')
             with files.atomic_write([path], _FOLDER_ADVICE) as (file,):
                 file.write(text.encode())
         return path
+
+
+def _wait(condition: Callable[[], Any]) -> Any:
+    """Return the first true value of a condition, or its last value after a time limit."""
+    end_s = time.monotonic() + _ANSWER_TIMEOUT_S
+    value = condition()
+    while not value and time.monotonic() < end_s:
+        time.sleep(_POLL_S)
+        value = condition()
+    return value

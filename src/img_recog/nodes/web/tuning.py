@@ -84,9 +84,12 @@ class Tuning:
             return self._thread is not None
 
     def _connect(self) -> Client:
-        client = Client(self._node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received)
-        # without it, update_configuration would wait for ever
-        if client.get_parameter_descriptions(_CONNECT_TIMEOUT_S) is None:
+        # update_configuration would wait for ever without descriptions, and would not know the
+        # parameters of those that are being read: the callback comes at their end
+        described = threading.Event()
+        client = Client(self._node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received,
+                        description_callback=lambda _: described.set())
+        if not described.wait(_CONNECT_TIMEOUT_S):
             client.close()
             raise rospy.ROSException('no descriptions came')
         return client

@@ -16,7 +16,7 @@ class Client:
     opened, open_now, most_open = 0, 0, 0
     updates, descriptions, block, fails, fails_to_update = [], [{'name': 'a'}], None, 0, None
 
-    def __init__(self, node, timeout, config_callback):
+    def __init__(self, node, timeout, config_callback, description_callback):
         cls = Client
         if cls.fails:
             cls.fails -= 1
@@ -25,9 +25,8 @@ class Client:
         cls.most_open = max(cls.most_open, cls.open_now)
         config_callback({'a': 1, 'groups': {}})
         self._callback = config_callback
-
-    def get_parameter_descriptions(self, _timeout):
-        return Client.descriptions
+        if Client.descriptions:
+            description_callback(Client.descriptions)
 
     def update_configuration(self, changes):
         if Client.block is not None:
@@ -51,6 +50,7 @@ def node(monkeypatch):
         monkeypatch.setattr(Client, name, value)
     monkeypatch.setattr(tuning, 'Client', Client)
     monkeypatch.setattr(tuning, '_RETRY_PERIOD_S', 0.05)
+    monkeypatch.setattr(tuning, '_CONNECT_TIMEOUT_S', 0.05)
     monkeypatch.setattr(rospy, 'is_shutdown', lambda: False)
     parameters = Tuning('/color_extract')
     yield parameters
