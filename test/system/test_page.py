@@ -273,7 +273,7 @@ def test_what_is_malformed_or_too_much_is_dropped_and_the_page_lives(demo, page)
     assert wait_for(lambda: page.pixels(CAMERA), 'a picture')
 
 
-def test_two_browsers_of_which_one_drives(browse):
+def test_two_browsers_of_which_one_drives_and_both_stop(demo, browse):
     first, second = browse(), browse(width=390, height=844, language='ja', dark=True)
     start_x, _ = first.pose()
     first.hold_key('w', True)
@@ -282,8 +282,13 @@ def test_two_browsers_of_which_one_drives(browse):
     wait_for(lambda: '別のページ' in second.text('[data-bind=busy]'), 'the refusal')
     x, _ = first.pose()
     wait_for(lambda: first.pose()[0] > x + 0.05, 'the robot to drive on')
-    first.hold_key('w', False)
     second.hold_key('x', False)
+    second.hold_key('s', True)
+    wait_for(lambda: 'Another page' in first.text('[data-bind=busy]'), 'the stop')
+    second.hold_key('s', False)
+    wait_for(lambda: speeds(demo, 10) == pytest.approx(10 * [0.0], abs=0.01),
+             'the robot to stand, although the first one still holds its key')
+    first.hold_key('w', False)
     assert second.js('return document.body.classList.contains("body--dark")')
     assert second.js('return document.documentElement.scrollWidth <= innerWidth')
 

@@ -29,14 +29,24 @@ class Speeds:
     def __init__(self, now: Callable[[], float] = time.monotonic):
         self._now, self._lock = now, threading.Lock()
         self._owner: Optional[object] = None
+        self._refused: Set[object] = set()
         self._shares, self._until_s = (0.0, 0.0), 0.0
 
     def hold(self, owner: object, linear: float, angular: float) -> bool:
-        """Set the shares of the highest speeds for HOLD_S; return False if another owner drives.
+        """Set the shares of the highest speeds for HOLD_S; return False if that is refused.
+
+        While another owner drives, all but a stop is refused; a stop takes over from it. Who was
+        refused or lost the robot is refused until it has released: the robot must not obey it when
+        the other one pauses, long after its key was pressed.
         """
         with self._lock:
-            if self._owner not in (None, owner) and self._now() < self._until_s:
+            if owner in self._refused:
                 return False
+            if self._owner not in (None, owner) and self._now() < self._until_s:
+                if linear or angular:
+                    self._refused.add(owner)
+                    return False
+                self._refused.add(self._owner)
             self._owner, self._shares = owner, (linear, angular)
             self._until_s = self._now() + HOLD_S
             return True
@@ -44,6 +54,7 @@ class Speeds:
     def release(self, owner: object) -> None:
         """End what this owner holds."""
         with self._lock:
+            self._refused.discard(owner)
             if self._owner is owner:
                 self._owner = None
 
@@ -88,7 +99,7 @@ class Driving:
     def hold(self, owner: object, linear: float, angular: float) -> bool:
         """Drive with these shares of the highest speeds, -1 to 1, until HOLD_S have passed.
 
-        Return False if another owner drives.
+        Return False if another owner drives, or drove when this one began.
         """
         is_held = self._speeds.hold(owner, linear, angular)
         self._driven.set()

@@ -79,7 +79,8 @@ _TEXTS: Dict[str, Tuple[str, str]] = {
     'rates': ('Rates', '周波数'),
     'connected': ('connected', '接続中'),
     'disconnected': ('not connected', '未接続'),
-    'busy': ('Another page drives the robot.', '別のページがロボットを操縦しています。'),
+    'busy': ('Another page drives or has stopped the robot: let go, and press again.',
+             '別のページがロボットを操縦しているか停止させました。一度離してから、もう一度押してください。'),
 }
 
 LANGUAGES = ('en', 'ja')

@@ -44,9 +44,35 @@ def test_the_first_who_holds_drives_until_the_end():
     assert not speeds.hold('other', -1.0, 0.0)
     assert speeds.current() == (1.0, 0.0)
     clock.time_s = HOLD_S
-    assert speeds.hold('other', -1.0, 0.0)          # the first one has stopped sending
+    assert speeds.hold('third', -1.0, 0.0)          # the first one has stopped sending
     speeds.release('page')
     assert speeds.current() == (-1.0, 0.0)
+
+
+def test_who_was_refused_does_not_drive_until_it_has_let_go():
+    clock = Clock()
+    speeds = Speeds(clock)
+    assert speeds.hold('page', 1.0, 0.0)
+    assert not speeds.hold('other', -1.0, 0.0)
+    clock.time_s = 2 * HOLD_S                       # the browser of the first one was busy
+    assert speeds.current() is None
+    assert not speeds.hold('other', -1.0, 0.0) and speeds.current() is None
+    assert speeds.hold('page', 1.0, 0.0)
+    speeds.release('page')
+    assert not speeds.hold('other', -1.0, 0.0)
+    speeds.release('other')
+    assert speeds.hold('other', -1.0, 0.0)
+
+
+def test_anybody_can_stop_the_robot():
+    speeds = Speeds(Clock())
+    assert speeds.hold('page', 1.0, 0.0)
+    assert speeds.hold('other', 0.0, 0.0)
+    assert speeds.current() == (0.0, 0.0)
+    speeds.release('other')
+    assert not speeds.hold('page', 1.0, 0.0) and speeds.current() is None
+    speeds.release('page')
+    assert speeds.hold('page', 1.0, 0.0)
 
 
 def test_the_services_of_other_publishers(monkeypatch):
