@@ -310,9 +310,10 @@ def test_twenty_viewers(demo):
 
 
 def test_a_second_page_gets_another_port(demo):
-    web = demo.start('rosrun', 'img_recog', 'web.py', '__name:=second_web')
     first = int(demo.origin.rpartition(':')[2])
-    web.wait_output('port {} is taken: the page is at port {}'.format(8080, '([0-9]+)'))
+    web = demo.start('rosrun', 'img_recog', 'web.py', '__name:=second_web',
+                     '_web_port:={}'.format(first))
+    web.wait_output('port {} is taken: the page is at port {}'.format(first, '([0-9]+)'))
     port = int(web.wait_output(r'the page: http://localhost:(\d+)/').group(1))
     assert port != first
     assert web.interrupt() == 0
