@@ -7,6 +7,7 @@ import pytest
 
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.source import FrameSource
+from img_recog_testing.descriptors import times_open
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 IMAGE = np.zeros((2, 2, 3), np.uint8)
@@ -19,8 +20,8 @@ class RealFile(FrameSource):
     name = description = 'real'
     reconnects, stall_timeout_s = True, 0.05
 
-    def __init__(self, blocking):
-        self._blocking, self._descriptor = blocking, os.open('/dev/null', os.O_RDONLY)
+    def __init__(self, blocking, path):
+        self._blocking, self._descriptor = blocking, os.open(path, os.O_RDONLY)
 
     def read(self):
         while self._blocking.is_set():
@@ -51,29 +52,36 @@ class Counter(Listener):
 
 
 @pytest.fixture
-def running(monkeypatch):
+def device(tmp_path):
+    """The path of the file that the source holds open."""
+    path = tmp_path / 'device'
+    path.touch()
+    return str(path)
+
+
+@pytest.fixture
+def running(monkeypatch, device):
     """A capture in its thread, its listener, and the event that blocks its source."""
     for name in ('_STOP_TIMEOUT_S', '_JOIN_TIMEOUT_S'):     # a busy machine may need longer
         monkeypatch.setattr('img_recog.camera.capture.' + name, DEADLINE_S)
     blocking, listener = threading.Event(), Counter()
-    capture = Capture(lambda: RealFile(blocking), listener)
+    capture = Capture(lambda: RealFile(blocking, device), listener)
     capture.start_thread()
     yield capture, listener, blocking
     blocking.clear()
     capture.shut_down()
 
 
-def test_twenty_rounds_of_start_and_stop_leave_no_descriptor(running):
+def test_twenty_rounds_of_start_and_stop_leave_no_descriptor(running, device):
     capture, listener, _ = running
-    before = len(os.listdir('/proc/self/fd'))
     for _ in range(20):
         count = listener.frames
         capture.start()
         capture.start()
         wait_for(lambda: listener.frames > count, 'a frame')
-        assert len(os.listdir('/proc/self/fd')) == before + 1
+        assert times_open(device) == 1
         assert capture.stop() and capture.stop()
-        assert len(os.listdir('/proc/self/fd')) == before
+        assert times_open(device) == 0
     assert capture.shut_down()
 
 

@@ -7,6 +7,7 @@ import pytest
 from img_recog.camera import controls
 from img_recog.camera.controls import Control, ControlDevice, apply, variable_name
 from img_recog.camera.settings import ControlSettings
+from img_recog_testing.descriptors import times_open
 
 
 class FakeDevice:
@@ -245,11 +246,13 @@ def test_device_uses_the_ioctls_of_the_kernel(monkeypatch):
         device.get(0x00980900)
 
 
-def test_device_that_is_not_a_camera_has_no_controls():
-    device, before = ControlDevice('/dev/null'), len(os.listdir('/proc/self/fd'))
-    assert device.controls() == []
+def test_device_that_is_not_a_camera_has_no_controls(tmp_path):
+    path = tmp_path / 'device'
+    path.touch()
+    device = ControlDevice(str(path))
+    assert device.controls() == [] and times_open(path) == 1
     device.close()
-    assert len(os.listdir('/proc/self/fd')) == before - 1
+    assert times_open(path) == 0
 
 
 def test_missing_device_is_an_error():

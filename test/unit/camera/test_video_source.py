@@ -7,6 +7,7 @@ import pytest
 
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceError
+from img_recog_testing.descriptors import times_open
 from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
 
 
@@ -70,18 +71,13 @@ def test_frames_of_a_video_belong_to_the_caller(make_video):
 
 def test_looping_and_closing_leave_no_file_open(make_video):
     path = make_video()
-
-    def times_open():
-        links = ('/proc/self/fd/' + number for number in os.listdir('/proc/self/fd'))
-        return sum(os.path.realpath(link) == os.path.realpath(path) for link in links)
-
     source = open_file(path, 30.0)
     for _ in range(30):
         source.read()
-        assert 1 <= times_open() <= 2       # near its end, it is opened ahead
+        assert 1 <= times_open(path) <= 2       # near its end, it is opened ahead
     source.close()
     source.close()
-    assert times_open() == 0
+    assert times_open(path) == 0
 
 
 def test_video_that_is_removed_while_it_plays_ends_with_one_line(make_video):
