@@ -96,7 +96,8 @@ class SeveralRobotsTest(unittest.TestCase):
                 pair = name + '/odom', '{}/{}'.format(name, frame)
                 wait_for(lambda: buffer.can_transform(*pair, rospy.Time()), '{} to {}'.format(
                     *pair))
-        self.assertTrue(buffer.can_transform('tb3_3/odom', 'tb3_3/head_camera', rospy.Time()))
+        wait_for(lambda: buffer.can_transform('tb3_3/odom', 'tb3_3/head_camera', rospy.Time()),
+                 'the camera, whose transform comes from another publisher')
         self.assertFalse(buffer.can_transform('tb3_0/odom', 'tb3_1/odom', rospy.Time()))
 
 
