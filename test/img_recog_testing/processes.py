@@ -14,6 +14,11 @@ from img_recog_testing.waiting import stretch, wait_for
 _PROGRAMS = os.environ['CMAKE_PREFIX_PATH'].split(os.pathsep)[0] + '/lib/img_recog/'
 
 
+def numbers(output):
+    """Return the numbers that `rostopic echo` has printed; its warnings may be between them."""
+    return [float(line) for line in re.findall(r'(?m)^-?\d[-+.\de]*$', output)]
+
+
 class Process:
     """A program whose output is collected while it runs."""
 

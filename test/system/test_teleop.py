@@ -74,6 +74,9 @@ def test_started_by_hand_it_takes_over_drives_and_stops(ros):
         demo.wait_output(r'\[respawn\] turtlebot3_teleop_keyboard: ended and is not started '
                          'again: another node has taken its name')
         wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
+        # the first one may not be connected to this publisher yet
+        echo = ros.start('rostopic', 'echo', '-p', '/cmd_vel')
+        wait_for(lambda: values(echo.output, 'linear.x')[:1] == [0.0], lambda: echo.output)
         terminal.type(b'w')
         wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.01, lambda: echo.output)
         moving = [value for value in values(echo.output, 'linear.x') if value]
@@ -127,9 +130,14 @@ def test_in_the_namespace_of_a_robot_it_drives_only_that_robot(ros):
     terminal = Terminal(ros, '__ns:=tb3_1')
     try:
         wait_for(lambda: not terminal.echoes(), 'the teleop')
+        wait_for(lambda: all(values(each.output, 'linear.x') for each in speeds.values()),
+                 'the speeds of both')
         terminal.type(b'w' * 10)
         wait_for(lambda: max(values(speeds['tb3_1'].output, 'linear.x'), default=0) > 0.09,
                  lambda: speeds['tb3_1'].output[-300:])
+        count = len(values(speeds['tb3_0'].output, 'linear.x'))
+        wait_for(lambda: len(values(speeds['tb3_0'].output, 'linear.x')) > count + 10,
+                 'newer speeds of the first robot')
         assert max(map(abs, values(speeds['tb3_0'].output, 'linear.x'))) < 0.01
     finally:
         terminal.close()

@@ -25,7 +25,7 @@ from img_recog.teleoperation.settings import VelocityLimits
 
 _saving = threading.Lock()      # of all robots: a name is free until its file is there
 _FOLDER_ADVICE = 'start it in a folder where files can be written'
-_ANSWER_TIMEOUT_S, _POLL_S = 3.0, 0.05
+_ANSWER_TIMEOUT_S, _POLL_S = 10.0, 0.05
 
 
 def resolve(robot: str, name: str) -> str:
