@@ -18,10 +18,10 @@ def receive(helper):
 
 def report(connection, *args):
     """Send what the process is; then wait until the other end is closed."""
-    connection.send((args, os.nice(0), os.getpid()))
     try:
+        connection.send((args, os.nice(0), os.getpid()))
         connection.recv()
-    except EOFError:
+    except (EOFError, OSError):
         pass
 
 
@@ -42,6 +42,12 @@ def hang(connection):
     """Neither read the connection nor end."""
     connection.send('here')
     time.sleep(DEADLINE_S * 10)
+
+
+@pytest.fixture(autouse=True)
+def _patience(monkeypatch):
+    """A busy machine may need longer for an exit."""
+    monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', DEADLINE_S)
 
 
 @pytest.fixture
@@ -67,7 +73,7 @@ def test_it_runs_its_target_and_exits_when_it_is_to_end(start):
 def test_what_only_a_new_process_can_get(start):
     memory = multiprocessing.get_context('spawn').RawArray('B', 1)
     helper = start(write, (7,), 0, (memory,))
-    wait_for(lambda: not helper.is_sending, 'the arguments')
+    helper._process.join(DEADLINE_S * stretch())
     assert helper.end() == 0
     assert memory[0] == 7
 
@@ -97,7 +103,7 @@ def test_to_send_never_waits(start):
 
 def test_one_that_is_ended_before_it_has_started(start):
     helper = start(report, (bytes(10 ** 7),), 0)
-    assert helper.end() in (0, -signal.SIGKILL)     # the latter if it starts slowly
+    assert helper.end() == 0
 
 
 def test_ctrl_c_does_not_end_it(start):
