@@ -1,6 +1,7 @@
 """What pages get and send over their WebSocket, with plain objects in place of ROS."""
 import asyncio
 import json
+import time
 from typing import NamedTuple
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from img_recog.nodes.web import feed
 from img_recog.nodes.web.feed import Feed, Picture
 from img_recog.nodes.web.news import News
+from img_recog_testing.waiting import DEADLINE_S, stretch
 
 CAMERA, BLUE = '/usb_cam/image_raw', '/blue_image'
 
@@ -89,8 +91,18 @@ class Socket:
         self.code = code
 
 
-async def ticks(count=3):
-    await asyncio.sleep(count / feed.RATE_HZ + 0.02)
+async def until(condition):
+    """Wait for a condition while the feed runs."""
+    begin_s = time.monotonic()
+    while not condition():
+        assert time.monotonic() < begin_s + DEADLINE_S * stretch()
+        await asyncio.sleep(1 / feed.RATE_HZ)
+
+
+async def ticks(served, count=3):
+    """Wait until the feed has sent what there is; somebody has to look at a page."""
+    for _ in range(count):
+        await asyncio.wait_for(served._tick.wait(), DEADLINE_S * stretch())
 
 
 def run(scenario, monkeypatch):
@@ -121,28 +133,28 @@ def run(scenario, monkeypatch):
 
 def test_a_page_gets_new_pictures_and_measurements_when_it_is_ready(monkeypatch):
     async def scenario(parts, connect):
-        _, pictures, measurements, _ = parts
+        served, pictures, measurements, _ = parts
         socket = connect()
         pictures.pictures = {CAMERA: Picture(1, b'jpeg 1'),
                              BLUE: Picture(7, b'blue')}
         measurements.add('asked', [1.0, 0.2, 0.0])
         measurements.set('factor', 1.0)
         socket.send(look=[CAMERA, BLUE])
-        await ticks()
+        await ticks(served)
         assert socket.received == []                # not asked for yet
         assert pictures.watched == {CAMERA, BLUE} and measurements.is_watched
         socket.send(ready=1)
-        await ticks()
+        await until(lambda: socket.received)
         (news, jpegs), = socket.received
         assert news['pictures'] == [[CAMERA, 6], [BLUE, 4]]
         assert jpegs == [b'jpeg 1', b'blue']
         assert news['measured'] == {'asked': [[1.0, 0.2, 0.0]], 'factor': 1.0}
         socket.send(ready=1)
-        await ticks()
+        await ticks(served)
         assert len(socket.received) == 1            # nothing is new
         pictures.pictures[CAMERA] = Picture(2, b'jpeg 2')
         measurements.add('asked', [1.1, 0.3, 0.0])
-        await ticks()
+        await until(lambda: len(socket.received) == 2)
         news, jpegs = socket.received[1]
         assert jpegs == [b'jpeg 2'] and news['measured'] == {'asked': [[1.1, 0.3, 0.0]]}
     run(scenario, monkeypatch)
@@ -159,10 +171,10 @@ def test_a_page_that_does_not_read_misses_frames_and_slows_nobody(monkeypatch):
             for socket in (slow, fast):
                 socket.send(ready=1)
             pictures.pictures[CAMERA] = Picture(number, b'%d' % number)
-            await ticks()
+            await until(lambda number=number: len(fast.received) > number)
         assert [jpegs for _, jpegs in fast.received] == [[b'%d' % number] for number in range(5)]
         slow.reads.set()
-        await ticks()
+        await until(lambda: len(slow.received) == 2)
         assert [jpegs for _, jpegs in slow.received] == [[b'0'], [b'4']]
     run(scenario, monkeypatch)
 
@@ -179,10 +191,10 @@ def test_pages_at_the_same_place_share_one_message(monkeypatch):
         for socket in sockets:
             socket.send(look=[CAMERA])
             socket.send(ready=1)
-        await ticks()
+        await ticks(served)
         composed.clear()
         pictures.pictures[CAMERA] = Picture(1, b'1')
-        await ticks(6)
+        await ticks(served, 6)
         assert all(len(socket.received) == 1 for socket in sockets)
         assert sum(b'1' != b'' for _ in composed) <= 6      # one a tick, not one a page
         assert served.viewers == 20
@@ -198,13 +210,13 @@ def test_each_page_gets_the_measurements_of_its_robot_and_drives_it(monkeypatch)
         for socket in (first, second):
             socket.send(look=[], ready=1)
         second.send(drive=[1, 0])
-        await ticks()
+        await until(lambda: first.received and second.received and other.driving.calls)
         assert first.received == [({'pictures': [], 'measured': {'pose': [1, 0, 0]}}, [])]
         assert second.received == [({'pictures': [], 'measured': {'pose': [2, 0, 0]}}, [])]
         assert other.driving.calls == [(1.0, 0.0)] and parts[3].calls == []
         second.send(look=None)
-        await ticks()
-        assert parts[2].is_watched and not other.measurements.is_watched
+        await until(lambda: not other.measurements.is_watched)
+        assert parts[2].is_watched
     run(scenario, monkeypatch)
 
 
@@ -213,15 +225,15 @@ def test_nothing_is_measured_while_nobody_looks(monkeypatch):
         served, pictures, measurements, _ = parts
         socket = connect()
         socket.send(look=[CAMERA])
-        await ticks()
-        assert served.viewers == 1 and measurements.is_watched
+        await until(lambda: served.viewers == 1)
+        assert measurements.is_watched
         socket.send(look=None)                      # a tab in the background
-        await ticks()
-        assert served.viewers == 0 and pictures.watched == set() and not measurements.is_watched
+        await until(lambda: served.viewers == 0)
+        assert pictures.watched == set() and not measurements.is_watched
         assert served._ticking is None
         socket.send(look=[])                        # no picture in sight
-        await ticks()
-        assert measurements.is_watched and pictures.watched == set()
+        await until(lambda: measurements.is_watched)
+        assert pictures.watched == set()
     run(scenario, monkeypatch)
 
 
@@ -232,10 +244,10 @@ def test_driving_ends_with_the_connection(monkeypatch):
         socket.send(drive=[7, -7])
         socket.send(drive=None)
         socket.send(drive=[0.5, 0])
-        await ticks()
+        await until(lambda: len(driver.calls) == 4)
         assert driver.calls == [(1.0, -0.5), (1.0, -1.0), None, (0.5, 0.0)]
         socket.texts.put_nowait(None)
-        await ticks()
+        await until(lambda: len(driver.calls) == 5)
         assert driver.calls[-1] is None
     run(scenario, monkeypatch)
 
@@ -245,10 +257,10 @@ def test_who_may_not_drive_gets_to_know_it(monkeypatch):
         parts[3].is_free = False
         socket = connect()
         socket.send(ready=1, drive=[1, 0])
-        await ticks()
-        assert socket.received == []            # it does not look
+        await until(lambda: parts[3].calls)
+        assert socket.received == [] and parts[0]._ticking is None      # it does not look
         socket.send(look=[])
-        await ticks()
+        await until(lambda: socket.received)
         assert socket.received == [({'pictures': [], 'measured': {'busy': True}}, [])]
     run(scenario, monkeypatch)
 
@@ -270,7 +282,7 @@ def test_a_malformed_message_is_dropped(monkeypatch, text):
         driver, socket = parts[3], connect()
         socket.texts.put_nowait(text)
         socket.send(drive=[1, 1])
-        await ticks()
+        await until(lambda: driver.calls)
         assert driver.calls == [(1.0, 1.0)] and socket.code is None
     run(scenario, monkeypatch)
 
@@ -280,7 +292,7 @@ def test_who_sends_only_malformed_messages_is_disconnected(monkeypatch):
         socket = connect()
         for _ in range(feed._MAX_MALFORMED):
             socket.texts.put_nowait('nonsense')
-        await ticks()
+        await until(lambda: socket.code is not None)
         assert socket.code == 1008
     run(scenario, monkeypatch)
 
@@ -293,7 +305,7 @@ def test_what_cannot_be_sent_ends_the_page_and_is_reported(monkeypatch):
         sockets.append(connect())
         sockets[0].send(look=[])
         sockets[0].send(ready=1)
-        await ticks()
+        await until(lambda: sockets[0].code is not None)
     errors = run(scenario, monkeypatch)
     assert sockets[0].code == 1011
     assert len(errors) == 1 and 'not JSON compliant' in str(errors[0])
