@@ -102,8 +102,11 @@ def node(monkeypatch):
 
 def test_the_robot_is_stopped_when_the_node_ends_meanwhile(node):
     driven = Driving(VelocityLimits(), '/cmd_vel')
-    driven.hold('page', 0.5, 0.0)
-    wait_for(lambda: node.sent and node.sent[-1] == 0.11, 'a command')
+
+    def drives():
+        driven.hold('page', 0.5, 0.0)
+        return node.sent and node.sent[-1] == 0.11
+    wait_for(drives, 'a command')
     node.hooks[0]()
     assert node.sent[-1] == 0.0
     count = len(node.sent)
