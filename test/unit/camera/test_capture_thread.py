@@ -13,6 +13,14 @@ from img_recog_testing.waiting import DEADLINE_S, wait_for
 IMAGE = np.zeros((2, 2, 3), np.uint8)
 
 
+class Blocking(threading.Event):
+    """Set while the source has to block; `reached` is set when it does."""
+
+    def __init__(self):
+        super().__init__()
+        self.reached = threading.Event()
+
+
 class RealFile(FrameSource):
     """Holds a file descriptor and gives a frame each millisecond, unless the event is set."""
 
@@ -25,6 +33,7 @@ class RealFile(FrameSource):
 
     def read(self):
         while self._blocking.is_set():
+            self._blocking.reached.set()
             threading.Event().wait(0.001)
         threading.Event().wait(0.001)
         return IMAGE
@@ -64,7 +73,7 @@ def running(monkeypatch, device):
     """A capture in its thread, its listener, and the event that blocks its source."""
     for name in ('_STOP_TIMEOUT_S', '_JOIN_TIMEOUT_S'):     # a busy machine may need longer
         monkeypatch.setattr('img_recog.camera.capture.' + name, DEADLINE_S)
-    blocking, listener = threading.Event(), Counter()
+    blocking, listener = Blocking(), Counter()
     capture = Capture(lambda: RealFile(blocking, device), listener)
     capture.start_thread()
     yield capture, listener, blocking
@@ -96,6 +105,7 @@ def test_blocked_source_is_reported_and_continues(running):
     capture.start()
     wait_for(lambda: listener.frames > 0, 'a frame')
     blocking.set()
+    assert blocking.reached.wait(DEADLINE_S)
     wait_for(lambda: capture.check() or listener.losses, 'the loss')
     assert capture.is_lost
     blocking.clear()
@@ -110,6 +120,7 @@ def test_owner_does_not_wait_for_a_source_that_blocks(running, monkeypatch):
     capture.start()
     wait_for(lambda: listener.frames > 0, 'a frame')
     blocking.set()
+    assert blocking.reached.wait(DEADLINE_S)
     wait_for(lambda: capture.check() or listener.losses, 'the loss')
     assert not capture.stop()
     assert not capture.shut_down()

@@ -252,6 +252,7 @@ def test_another_subscriber_that_is_added_between_two_images(way, name, receiver
     exchange(publisher, receiver, range(3))
     other = rospy.Subscriber(name, Image, kept.put)
     exchange(publisher, receiver, range(3, 6))
+    wait_for(lambda: kept.qsize() == 3, 'the images of the other one')
     other.unregister()
     exchange(publisher, receiver, range(6, 9))
     assert kept.qsize() == 3
