@@ -42,17 +42,26 @@ def button(icon: str, label: str, on_click: Callable) -> Any:
     return ui.button(label, icon=icon, on_click=on_click).props('dense no-caps size=sm')
 
 
+class _LocalSlider(ui.slider):
+    """A slider that only the browser moves when the visitor does.
+
+    NiceGUI's own is moved by the answer of the node, too: back, between two presses of a key.
+    """
+
+    LOOPBACK = None
+
+
 class Slider:
     """A slider with its title and value."""
 
     def __init__(self, title: str, low: float, high: float, step: float, value: float,
                  change: Callable[[float], None], classes: str = '', label: str = ''):
         """Add it; change: is called while it is moved; label: for screen readers."""
-        self._change, self._moved_s = change, -_SETTLE_S
+        self._change, self._moved_s, self._is_ahead = change, -_SETTLE_S, False
         with ui.element('div').classes('slider-row'):
             ui.label(title)
             shown = ui.label()
-            self._slider = ui.slider(min=low, max=high, step=step, value=value).classes(
+            self._slider = _LocalSlider(min=low, max=high, step=step, value=value).classes(
                 classes).props('aria-label="{}"'.format(label or title))
             shown.bind_text_from(self._slider, 'value', lambda value: '{:g}'.format(value))
             self._slider.on('update:model-value', lambda event: self._move(event.args),
@@ -60,15 +69,17 @@ class Slider:
 
     def follow(self, value: float) -> bool:
         """Show a value that something else has set; return False while the visitor moves it."""
-        if self._slider.value == value:
-            return True
         if time.monotonic() - self._moved_s < _SETTLE_S:
             return False
+        if self._is_ahead:      # the browser must know its own value to notice another one
+            self._is_ahead = False
+            self._slider.update()
+            return self._slider.value == value
         self._slider.value = value
         return True
 
     def _move(self, value: float) -> None:
-        self._moved_s = time.monotonic()
+        self._moved_s, self._is_ahead = time.monotonic(), True
         self._change(value)
 
 
