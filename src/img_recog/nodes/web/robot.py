@@ -104,10 +104,11 @@ class Robot:
         return bounds
 
     def save_colors(self) -> str:
-        """Save the parameters of the colors; return the path."""
+        """Save the parameters of the colors with the last changes; return the path."""
+        is_settled = _wait(self.colors.is_settled)
         values = self.colors.values()
         names = color_names_in(values)
-        if not names:
+        if not names or not is_settled:
             raise UserError('{} does not answer'.format(self.resolve('color_extract')), 'start it')
         text = yaml.safe_dump({COLORS: names, **values}, sort_keys=False)
         with _saving:

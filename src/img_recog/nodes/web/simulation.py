@@ -12,7 +12,7 @@ from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.errors import UserError, one_line
 
 ACTIONS = ('pause_physics', 'unpause_physics', 'reset_world')
-_TIMEOUT_S = 2.0
+_TIMEOUT_S = 10.0
 _MAX_M = 1000.0
 
 

@@ -34,6 +34,7 @@ class Tuning:
         self._is_watched = False
         self._thread: Optional[threading.Thread] = None
         self._changes: Dict[str, Any] = {}
+        self._is_sending = False
         self._values: Dict[str, Any] = {}
         self.revision = 0
 
@@ -58,6 +59,11 @@ class Tuning:
         with self._condition:
             self._changes.update(values)
             self._condition.notify()
+
+    def is_settled(self) -> bool:
+        """Return whether `values` has all that was changed."""
+        with self._condition:
+            return not self._changes and not self._is_sending
 
     def _run(self) -> None:
         while self._goes_on():
@@ -100,14 +106,17 @@ class Tuning:
             self._condition.wait_for(lambda: self._changes or not self._is_watched,
                                      _RETRY_PERIOD_S)
             changes, self._changes = self._changes, {}
+            self._is_sending = bool(changes)
         if not changes:
             return
         try:
-            client.update_configuration(changes)
+            self._received(client.update_configuration(changes))
         except (DynamicReconfigureCallbackException, rospy.ROSException, OSError):
             with self._condition:       # again with the next connection
                 self._changes = {**changes, **self._changes}
             raise
+        finally:
+            self._is_sending = False
 
     def _received(self, values: Dict[str, Any]) -> None:
         self._values = {name: value for name, value in values.items() if name != 'groups'}

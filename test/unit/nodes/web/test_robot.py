@@ -20,7 +20,8 @@ def test_two_robots_save_their_colors_at_once(tmp_path, monkeypatch):
 
     def save(number):
         robot = Robot.__new__(Robot)
-        robot.colors = SimpleNamespace(values=lambda: {'blue_hue_min': number})
+        robot.colors = SimpleNamespace(
+            values=lambda: {'blue_hue_min': number}, is_settled=lambda: True)
         saved[number] = robot.save_colors()
     threads = [threading.Thread(target=save, args=(number,)) for number in range(20)]
     for thread in threads:
@@ -31,6 +32,26 @@ def test_two_robots_save_their_colors_at_once(tmp_path, monkeypatch):
     for number, path in saved.items():
         with open(path) as file:
             assert yaml.safe_load(file) == {'colors': ['blue'], 'blue_hue_min': number}
+
+
+def test_changes_that_are_not_sent_yet_are_waited_for_and_saved(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, 'user_folders', lambda: (str(tmp_path),))
+    values, settled = {'blue_hue_min': 1}, iter([False, False, True])
+
+    def is_settled():
+        values['blue_hue_min'] += 1
+        return next(settled)
+    robot = robot_with(None, SimpleNamespace(values=lambda: dict(values), is_settled=is_settled))
+    with open(robot.save_colors()) as file:
+        assert yaml.safe_load(file) == {'colors': ['blue'], 'blue_hue_min': 4}
+
+
+def test_changes_that_cannot_be_sent_are_not_left_out_in_silence(monkeypatch):
+    monkeypatch.setattr(robots, '_ANSWER_TIMEOUT_S', 0.2)
+    robot = robot_with(None, SimpleNamespace(values=lambda: {'blue_hue_min': 1},
+                                             is_settled=lambda: False))
+    with pytest.raises(UserError, match='/one/color_extract does not answer; start it'):
+        robot.save_colors()
 
 
 class Colors:

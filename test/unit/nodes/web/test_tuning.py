@@ -24,7 +24,6 @@ class Client:
         cls.opened, cls.open_now = cls.opened + 1, cls.open_now + 1
         cls.most_open = max(cls.most_open, cls.open_now)
         config_callback({'a': 1, 'groups': {}})
-        self._callback = config_callback
         if Client.descriptions:
             description_callback(Client.descriptions)
 
@@ -35,7 +34,7 @@ class Client:
             error, Client.fails_to_update = Client.fails_to_update, None
             raise error
         Client.updates.append(changes)
-        self._callback(dict({'a': 1}, **changes))
+        return {'a': 1, **changes, 'groups': {}}
 
     def close(self):
         Client.open_now -= 1
@@ -93,11 +92,13 @@ def test_of_several_changes_that_wait_the_last_is_sent(node):
     wait_for(node.values, 'the values')
     node.change(a=2)
     wait_for(lambda: not node._changes, 'the first change to be taken')
+    assert not node.is_settled()
     for value in (3, 4, 5):
         node.change(a=value, b=value)
     Client.block.set()
-    wait_for(lambda: len(Client.updates) == 2, 'the changes')
+    wait_for(node.is_settled, 'the changes')
     assert Client.updates == [{'a': 2}, {'a': 5, 'b': 5}]
+    assert node.values() == {'a': 5, 'b': 5}
 
 
 def test_there_is_never_a_second_client(node):
