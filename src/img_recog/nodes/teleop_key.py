@@ -16,13 +16,13 @@ from geometry_msgs.msg import Twist
 from img_recog.conversions import twist_msgs
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import Counter, NodeDiagnostics, add_counter
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.yielding import Yielding
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile
 from img_recog.teleoperation.settings import TeleopSettings
 
 _PERIOD_S = 0.1
-_FLUSH_S = 0.1
 _HELP = ('w/x: faster forward/backward, a/d: faster to the left/right, s or space: stop, '
          'Ctrl-C: quit')
 _NO_TERMINAL = ('no terminal to read keys from: publishing zeros; to drive the robot, run '
@@ -36,7 +36,7 @@ class TeleopKey:
         settings = parameters.read(TeleopSettings)
         parameters.warn_of_unknown(TeleopSettings)
         self._profile = VelocityProfile(settings)
-        self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+        self._velocity = DirectPublisher('cmd_vel', Twist)
         self._publish_lock = threading.Lock()
         self._is_stopped = False
         self._sent, self._keys, self._has_terminal = Counter(), Counter(), False
@@ -85,7 +85,7 @@ class TeleopKey:
                            else 'no terminal: publishing zeros')
         else:
             status.summary(DiagnosticStatus.WARN, 'nobody subscribes to {}: start the simulator '
-                           'or the robot'.format(self._velocity.resolved_name))
+                           'or the robot'.format(rospy.resolve_name('cmd_vel')))
         add_counter(status, 'commands', self._sent)
         status.add('subscribers', str(subscribers))
         status.add('keys', str(self._keys.total))
@@ -96,8 +96,6 @@ class TeleopKey:
         with self._publish_lock:
             self._is_stopped = True      # spin continues until all shutdown hooks have run
             self._velocity.publish(twist_msgs.to_msg(0.0))
-        # the publisher sends in a separate thread; let it finish before the shutdown goes on
-        time.sleep(_FLUSH_S)
 
 
 def main() -> int:

@@ -12,6 +12,7 @@ from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
 from img_recog.ros import lifecycle, master
 from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.teleoperation.settings import VelocityLimits
 
 _PERIOD_S = 0.05
@@ -20,7 +21,6 @@ HOLD_S = 0.3            # a page repeats its command; after this time without on
 _YIELD_PERIOD_S = 0.2
 _SERVICE = '/yield'
 _STOPS = 3              # zeros that are sent after a release
-_FLUSH_S = 0.1
 
 
 class Speeds:
@@ -82,7 +82,7 @@ class Driving:
         self._speeds, self._driven = Speeds(), threading.Event()
         self._warn = ThrottledWarning()
         self._asked: Set[str] = set()       # services whose answer has not come yet
-        self._velocity = rospy.Publisher(topic, Twist, queue_size=10)
+        self._topic, self._velocity = topic, DirectPublisher(topic, Twist)
         self._publish_lock, self._has_ended = threading.Lock(), False
         lifecycle.on_shutdown(self._end)
         for target in (self._publish, self._hold_others):
@@ -137,8 +137,6 @@ class Driving:
             if not self._driven.is_set():       # until the zeros of a release were sent, too
                 return
             self._velocity.publish(twist_msgs.to_msg(0.0))
-        # the publisher sends in a separate thread; let it finish before the shutdown goes on
-        time.sleep(_FLUSH_S)
 
     def _hold_others(self) -> None:
         """Let the other nodes yield as long as somebody drives."""
@@ -149,7 +147,7 @@ class Driving:
                 self._driven.wait(_POLL_PERIOD_S)
                 continue
             try:
-                services = services or yield_services(self._velocity.resolved_name)
+                services = services or yield_services(self._topic)
             except master.MasterError as error:
                 self._warn('another node may drive the robot too: %s', one_line(error))
             # each in a thread: one that does not answer must not keep the others from yielding

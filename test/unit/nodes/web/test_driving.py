@@ -89,8 +89,8 @@ def test_the_services_of_other_publishers(monkeypatch):
 def node(monkeypatch):
     """A stand-in for the node: sent speeds, its shutdown hook, and the services that yield."""
     found = SimpleNamespace(sent=[], hooks=[], services={}, has_ended=False)
-    monkeypatch.setattr(driving.rospy, 'Publisher', lambda *_, **__: SimpleNamespace(
-        publish=lambda msg: found.sent.append(msg.linear.x), resolved_name='/cmd_vel'))
+    monkeypatch.setattr(driving, 'DirectPublisher', lambda *_: SimpleNamespace(
+        publish=lambda msg: found.sent.append(msg.linear.x)))
     monkeypatch.setattr(driving.lifecycle, 'on_shutdown', found.hooks.append)
     monkeypatch.setattr(driving.rospy, 'is_shutdown', lambda: found.has_ended)
     monkeypatch.setattr(driving, 'yield_services', lambda _: sorted(found.services))
