@@ -14,7 +14,7 @@ from img_recog.errors import one_line, shortened
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.switch import is_plain
 
-_TIME_LIMIT_S = 1.0
+_TIME_LIMIT_S = 5.0     # the other end may be on a busy machine, and may not try again
 _MAX_HEADER_BYTES = 1 << 20     # it contains the definition of the message
 _MAX_WAITING = 128              # connections without a complete header
 _LENGTH = struct.Struct('<I')
