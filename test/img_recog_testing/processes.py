@@ -11,6 +11,7 @@ import xmlrpc.client
 from img_recog_testing.waiting import stretch, wait_for
 
 
+_LAST_OUTPUT_S = 30.0       # of a program that has ended; a child may keep the pipe open
 _PROGRAMS = os.environ['CMAKE_PREFIX_PATH'].split(os.pathsep)[0] + '/lib/img_recog/'
 
 
@@ -44,7 +45,7 @@ class Process:
         """Wait until the program ends by itself; return its exit code."""
         wait_for(lambda: self._popen.poll() is not None,
                  lambda: 'the end of:\n' + self.output)
-        self._reader.join(5 * stretch())
+        self._reader.join(_LAST_OUTPUT_S * stretch())
         return self._popen.returncode
 
     def is_running(self):

@@ -1,5 +1,6 @@
 """Service calls as of rosservice, by one process: each rosservice takes half a second to start."""
 import json
+import re
 import subprocess
 import sys
 
@@ -18,6 +19,8 @@ for line in sys.stdin:
         text = 'ERROR: ' + str(error)
     print(json.dumps(text), flush=True)
 '''
+# rosservice, before it calls a service: the node has not advertised it yet
+_MISSING = r'ERROR: (Service \[.*\] is not available|Unable to (communicate|determine type))'
 
 
 class ServiceCalls:
@@ -28,7 +31,17 @@ class ServiceCalls:
         self._answers = 0
 
     def call(self, service, request):
-        """Return the response as plain values; request: its fields, or the first ones."""
+        """Return the response as plain values; request: its fields, or the first ones.
+
+        Waits until the service is there.
+        """
+        def response():
+            text = self._call(service, request)
+            return None if re.match(_MISSING, text) else [text]
+        return yaml.safe_load(wait_for(response, 'the service ' + service)[0])
+
+    def _call(self, service, request):
+        """Return the response as text; that of an error begins with ERROR."""
         stdin = self._process._popen.stdin
         stdin.write((json.dumps([service, request]) + '\n').encode())
         stdin.flush()
@@ -38,7 +51,7 @@ class ServiceCalls:
             return [line for line in self._process.output.split('\n')[:-1]
                     if line.startswith('"')]
         wait_for(lambda: len(answers()) >= self._answers, lambda: self._process.output)
-        return yaml.safe_load(json.loads(answers()[self._answers - 1]))
+        return json.loads(answers()[self._answers - 1])
 
     def close(self):
         """End the process."""

@@ -59,7 +59,7 @@ def test_a_visitor_chooses_a_robot_and_drives_only_that_one(ros, page, tmp_path)
     # a robot that is removed is not shown any more
     with open(str(tmp_path / 'robots.yaml'), 'w') as file:
         file.write(LIST.splitlines()[1] + '\n')
-    ros.run('rosservice', 'call', '/robots/reload')
+    ros.wait_run('success: True', 'rosservice', 'call', '/robots/reload')
     wait_for(lambda: page.js('return window.robot') == 'tb3_0', 'the page of the other robot')
     wait_for(lambda: re.search('y -?0.0', page.text('[data-bind=pose]')), 'its position')
     assert page.errors() == []

@@ -162,7 +162,7 @@ class Chain:
                 continue
             try:
                 self._open[stream] = wire.Subscription(
-                    self._master, stream.node, stream.topic, stream.data_class, 0.5)
+                    self._master, stream.node, stream.topic, stream.data_class, 1.0)
             except wire.ERRORS as error:
                 self._reasons[stream] = str(error)
 

@@ -17,7 +17,6 @@ from img_recog_testing.waiting import DEADLINE_S, wait_for
 _BUSY = 'while True: pass'
 _GARBAGE_BYTES = 4096
 _LONG_LIFE_S = 5.0         # scripts/respawn.py has 4 s
-_END_LIMIT_S = 30.0         # a node that gets a signal while it starves
 # what can be subscribed to at each node; the image is the largest
 _TOPICS = {'usb_cam': chain.CAMERA, 'color_extract': chain.COMMAND, 'gazebo': chain.ODOMETRY,
            'turtlebot3_teleop_keyboard': chain.TELEOP, 'robot_state_publisher': chain.JOINTS}
@@ -57,7 +56,7 @@ def kill(demo: Demo, fault: Fault) -> Undo:
             wire.call(uri, 'shutdown', 'by chaos')
     else:
         os.kill(pid, getattr(signal, how))
-    wait_for(lambda: not usage.is_alive(pid), 'the end of ' + fault.node, _END_LIMIT_S)
+    wait_for(lambda: not usage.is_alive(pid), 'the end of ' + fault.node)
     yield begin
 
 
@@ -131,7 +130,8 @@ def readers(demo: Demo, fault: Fault) -> Undo:
     try:
         for _ in range(count):
             connections.append(wire.Subscription(demo.master, stream.node, stream.topic,
-                                                 stream.data_class, 5.0, buffer_bytes=4096))
+                                                 stream.data_class, DEADLINE_S,
+                                                 buffer_bytes=4096))
         yield time.monotonic()
     finally:
         for each in connections:

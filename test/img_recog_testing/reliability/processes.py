@@ -6,7 +6,7 @@ from typing import Dict, List, Optional
 
 from img_recog_testing.processes import Process, Ros
 from img_recog_testing.reliability import usage, wire
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), *3 * ['..']))
 _URDF = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
@@ -76,7 +76,7 @@ class Nodes:
         """Subscribe to a topic once the node publishes it."""
         def subscription():
             try:
-                return wire.Subscription(self.master, node, topic, data_class)
+                return wire.Subscription(self.master, node, topic, data_class, DEADLINE_S)
             except wire.ERRORS:
                 return None
         return wait_for(subscription, lambda: '{} of {}\n{}'.format(

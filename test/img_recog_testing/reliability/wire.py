@@ -12,6 +12,8 @@ from socketserver import ThreadingMixIn
 from typing import Dict, List, Optional, Tuple
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
+from img_recog_testing.waiting import DEADLINE_S
+
 CALLER = '/reliability'
 _LENGTH = struct.Struct('<I')
 _MAX_HEADER_BYTES = 1 << 16
@@ -30,7 +32,7 @@ class _Transport(xmlrpc.client.Transport):
         return connection
 
 
-def call(uri: str, method: str, *arguments, timeout_s: float = 1.0):
+def call(uri: str, method: str, *arguments, timeout_s: float = DEADLINE_S):
     """Call a method of a master or node; return its value. Raises one of ERRORS."""
     with xmlrpc.client.ServerProxy(uri, _Transport(timeout_s), allow_none=True) as server:
         code, text, value = getattr(server, method)(CALLER, *arguments)
@@ -48,14 +50,16 @@ def answers(uri: str) -> bool:
     return True
 
 
-def node_uri(master: str, node: str) -> str:
+def node_uri(master: str, node: str, timeout_s: float = DEADLINE_S) -> str:
     """Return the address of the XML-RPC server of a node."""
-    return call(master, 'lookupNode', node)
+    return call(master, 'lookupNode', node, timeout_s=timeout_s)
 
 
-def data_address(master: str, node: str, topic: str) -> Tuple[str, int]:
+def data_address(master: str, node: str, topic: str,
+                 timeout_s: float = DEADLINE_S) -> Tuple[str, int]:
     """Return host and port where a node sends a topic."""
-    protocol = call(node_uri(master, node), 'requestTopic', topic, [['TCPROS']])
+    protocol = call(node_uri(master, node, timeout_s), 'requestTopic', topic, [['TCPROS']],
+                    timeout_s=timeout_s)
     if not protocol:
         raise ValueError('{} does not publish {}'.format(node, topic))
     return protocol[1], protocol[2]
@@ -109,6 +113,7 @@ class Subscription:
                  timeout_s: float = 1.0, buffer_bytes: Optional[int] = None):
         """Connect; raises one of ERRORS.
 
+        timeout_s: for each answer of the master and of the node.
         buffer_bytes: size of the receive buffer, to fill it sooner.
         """
         self.topic, self.node, self._class = topic, node, data_class
@@ -118,7 +123,7 @@ class Subscription:
             if buffer_bytes is not None:
                 self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer_bytes)
             self.sock.settimeout(timeout_s)
-            self.sock.connect(data_address(master, node, topic))
+            self.sock.connect(data_address(master, node, topic, timeout_s))
             self.sock.sendall(pack_header({
                 'callerid': CALLER, 'topic': topic, 'type': data_class._type,
                 'md5sum': data_class._md5sum, 'tcp_nodelay': '1'}))
@@ -196,7 +201,7 @@ class RawPublisher:
             except OSError:         # closed
                 return
             try:
-                sock.settimeout(10.0)
+                sock.settimeout(DEADLINE_S)
                 sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
                 _read_header(sock)
                 sock.sendall(self._header)
