@@ -15,6 +15,7 @@ from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceEnded, SourceError
 from img_recog.camera.url_source import RemoteVideoSource, StreamSource
 from img_recog_testing.videos import smooth_image
+from img_recog_testing.waiting import DEADLINE_S
 
 
 class Handler(http.server.SimpleHTTPRequestHandler):
@@ -42,6 +43,13 @@ class Handler(http.server.SimpleHTTPRequestHandler):
                 image = image[:200]
             self.wfile.write(b'--next\r\nContent-Type: image/jpeg\r\nContent-Length: '
                              + str(len(image)).encode() + b'\r\n\r\n' + image + b'\r\n')
+
+
+@pytest.fixture(autouse=True)
+def _patience(monkeypatch):
+    """A busy machine may need longer for an answer."""
+    for name in ('_OPEN_TIMEOUT_S', '_READ_TIMEOUT_S', '_STALL_TIMEOUT_S'):
+        monkeypatch.setattr('img_recog.camera.url_source.' + name, DEADLINE_S)
 
 
 @pytest.fixture

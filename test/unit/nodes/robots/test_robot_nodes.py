@@ -10,7 +10,7 @@ from img_recog.nodes.robots import robot_nodes
 from img_recog.nodes.robots.robot_list import NodeSettings, Robot
 from img_recog.nodes.robots.robot_nodes import RobotNodes
 from img_recog_testing.pages import ROOT
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 ROBOT = Robot('tb3_1', NodeSettings(urdf='/u', colors='/c/colors.yaml', camera='/films/a b.mp4',
                                     teleop=False, safe=True), {})
@@ -59,7 +59,8 @@ def test_they_are_interrupted_and_waited_for(nodes):
     assert running.check() is None
 
 
-def test_nodes_that_end_at_once_are_not_started_again(nodes):
+def test_nodes_that_end_at_once_are_not_started_again(nodes, monkeypatch):
+    monkeypatch.setattr(robot_nodes, '_LONG_LIFE_S', 10 * DEADLINE_S)   # a start may take long
     running = nodes('import sys; sys.exit(3)')
     wait_for(running._process.poll, 'the end')
     assert running.check() == 'its nodes have ended with exit code 3, and are not started again'
