@@ -9,6 +9,7 @@ from img_recog.errors import UserError
 from img_recog.graph import reader
 from img_recog.graph.reader import SystemReader, completed, counts_in, new_messages
 from img_recog.graph.system import Edge
+from img_recog_testing.waiting import DEADLINE_S
 
 SENT, GOT = Edge('/cam', '/image', True), Edge('/eye', '/image', False)
 MORE = Edge('/other', '/image', True)
@@ -51,6 +52,7 @@ class Clock:
 def read(serve, monkeypatch):
     """A function that reads the system of nodes with the given answers of getBusStats."""
     clock, uris = Clock(), {}
+    monkeypatch.setattr(reader, '_ANSWER_TIMEOUT_S', DEADLINE_S)    # a busy machine needs longer
 
     def lookup(_, node):
         return [1, '', uris[node]] if node in uris else [-1, 'unknown node', '']

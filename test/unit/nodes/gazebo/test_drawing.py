@@ -204,16 +204,16 @@ def test_a_process_that_was_killed_is_replaced(made, warnings):
 
 
 def test_a_process_that_hangs_is_killed(made, warnings, monkeypatch):
-    monkeypatch.setattr(drawing, '_WARN_AFTER_S', 0.2)
-    monkeypatch.setattr(drawing, '_MAX_WAIT_S', 0.6)
     process, published = start(made), []
     made.submit([job(published)], POSES, 0.0)
     process.answers.put([image()])
     wait_for(lambda: published, 'the image')
+    monkeypatch.setattr(drawing, '_WARN_AFTER_S', 0.2)
+    monkeypatch.setattr(drawing, '_MAX_WAIT_S', 0.6)
     made.submit([job(published)], POSES, 0.0)
     made.submit([job(published)], POSES, 0.0)       # waits, and is dropped
     assert re.match('the simulation waits for images: the process that draws has not answered for '
-                    '. s; it is replaced after 1 s$', warnings[0])
+                    r'\d+ s; it is replaced after 1 s$', warnings[0])
     assert warnings[1:] == ['killed; it is started again']
     assert len(process.requests) == 2
 

@@ -61,11 +61,10 @@ def node(monkeypatch):
 def test_values_are_there_while_somebody_looks(node):
     assert node.values() == {}
     node.watch(True)
-    wait_for(lambda: node.values() == {'a': 1}, 'the values')
-    revision = node.revision
+    revision = wait_for(lambda: node.values() == {'a': 1} and node.revision, 'the values')
     node.change(a=2)
-    wait_for(lambda: node.values() == {'a': 2}, 'the change')
-    assert node.revision > revision and Client.updates == [{'a': 2}]
+    wait_for(lambda: node.values() == {'a': 2} and node.revision > revision, 'the change')
+    assert Client.updates == [{'a': 2}]
     node.watch(False)
     wait_for(lambda: node.values() == {}, 'the end')
     assert Client.open_now == 0
