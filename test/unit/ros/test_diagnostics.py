@@ -10,7 +10,7 @@ from img_recog.ros import diagnostics
 from img_recog.ros.diagnostics import (Counter, Durations, NodeDiagnostics, Refusals, add_counter,
                                        add_durations, add_refusals, add_subscribers)
 from img_recog_testing.statuses import values
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
 
@@ -103,6 +103,7 @@ class FakeUpdater:
         self.name, self.task = name, task
 
     def force_update(self):
+        self.thread = threading.current_thread()
         self.filled.append(self.task(DiagnosticStatusWrapper()))
 
 
@@ -116,6 +117,8 @@ def updater(monkeypatch):
     yield made
     for hook in hooks:
         hook()
+    made.thread.join(DEADLINE_S * stretch())        # it uses what is restored now
+    assert not made.thread.is_alive()
 
 
 def test_the_status_is_published_again_and_again(updater, monkeypatch):

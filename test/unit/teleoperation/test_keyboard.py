@@ -9,9 +9,9 @@ import termios
 import pytest
 
 from img_recog.teleoperation.keyboard import Keyboard
+from img_recog_testing.waiting import DEADLINE_S, stretch
 
-# s: after the first a hanging child is ended, after the second it stops waiting for a key
-DEADLINE_S, KEY_S = 30, 20
+KEY_S = 60      # a child waits for a key; it is ended if it hangs for DEADLINE_S
 
 
 @contextlib.contextmanager
@@ -38,7 +38,7 @@ def child_in_terminal(body):
 def _run_child(body, sending):
     try:
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        signal.alarm(DEADLINE_S)
+        signal.alarm(int(DEADLINE_S * stretch()))
 
         def report(value):
             os.write(sending, '{!r}\n'.format(value).encode())
@@ -66,7 +66,7 @@ def test_keys_are_read_one_by_one_without_enter():
             report(keyboard.present)
             key = None
             while key != '.':
-                key = keyboard.key(KEY_S)
+                key = keyboard.key(KEY_S * stretch())
                 report(key)
 
     with child_in_terminal(body) as (master, next_report):
@@ -126,7 +126,7 @@ def test_closed_terminal_has_no_keys_and_raises_no_error():
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
         with Keyboard(stream) as keyboard:
             report(keyboard.present)
-            report((keyboard.key(KEY_S), keyboard.present, keyboard.key(0)))
+            report((keyboard.key(KEY_S * stretch()), keyboard.present, keyboard.key(0)))
         report('left')
 
     with child_in_terminal(body) as (master, next_report):

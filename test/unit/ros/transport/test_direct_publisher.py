@@ -10,6 +10,7 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.ros.transport.outbox import Outbox
 from img_recog_testing.tcpros import packet
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -112,15 +113,18 @@ def test_a_latched_message_larger_than_the_buffer_does_not_block(fast, name, sub
 
 
 def test_a_connection_that_is_closed_while_a_message_waits_is_removed(fast, name, publisher,
-                                                                      subscribe):
-    before = threading.active_count()
+                                                                      subscribe, monkeypatch):
+    threads, send = [], Outbox._run
+    monkeypatch.setattr(Outbox, '_run', lambda outbox, sock: (
+        threads.append(threading.current_thread()), send(outbox, sock)))
     gone, closed = subscribe(name, String), subscribe(name, String)
     ends(publisher.publish, large('a'))
     ends(publisher.publish, large('b'))
     gone.sock.close()               # by the subscriber
     closed.transport.close()        # by rospy
     wait_for(lambda: publisher.get_num_connections() == 0, 'the end of both connections')
-    wait_for(lambda: threading.active_count() <= before, 'the end of the threads')
+    wait_for(lambda: len(threads) == 2 and not any(thread.is_alive() for thread in threads),
+             'the end of the threads')
 
 
 def test_a_slow_subscriber_gets_whole_messages_in_order_and_the_last_one(fast, name, publisher,

@@ -84,7 +84,8 @@ def test_a_header_that_arrived_while_the_node_was_busy_is_accepted(server, monke
     assert server.lines == []
 
 
-def test_a_header_in_parts_is_accepted(server, connect):
+def test_a_header_in_parts_is_accepted(server, connect, monkeypatch):
+    monkeypatch.setattr(handshakes, '_TIME_LIMIT_S', DEADLINE_S)
     sock = connect(HEADER[:2])
     sock.sendall(HEADER[2:9])
     sock.sendall(HEADER[9:])
