@@ -142,7 +142,9 @@ class ColorsTest(unittest.TestCase):
         self.assertEqual('blue={}, red={}'.format(want['blue'][0], want['red'][0]),
                          self.areas.messages[-1].msg, msg.encoding)
         for name, recorder in self.images.items():
-            wait_for(lambda: len(recorder.messages) > before[name], name + '_image')
+            # an image of a frame before may arrive late
+            wait_for(lambda: len(recorder.messages) > before[name] and
+                     recorder.messages[-1].header.stamp == msg.header.stamp, name + '_image')
             got = recorder.messages[-1]
             self.assertEqual(('bgr8', 320, 240, 960, 'test_camera'),
                              (got.encoding, got.width, got.height, got.step,

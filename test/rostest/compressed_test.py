@@ -142,7 +142,7 @@ class CompressedTest(unittest.TestCase):
             self.assertEqual('png', rospy.get_param(name + '/format'))
         self.assertIn("'format': 'png'", dynparam('get', name))
         self.assertIn(name, dynparam('list'))
-        client = Client(name, timeout=30)
+        client = Client(name, timeout=DEADLINE_S * stretch())
         self.assertEqual(50, client.update_configuration({'jpeg_quality': 50})['jpeg_quality'])
         client.close()
 

@@ -27,6 +27,7 @@ class FollowTest(unittest.TestCase):
         rospy.wait_for_service('/gazebo/set_model_state')
         cls.get = rospy.ServiceProxy('/gazebo/get_model_state', GetModelState)
         cls.set = rospy.ServiceProxy('/gazebo/set_model_state', SetModelState)
+        rospy.wait_for_service('/gazebo/reset_world')
         cls.robot = Robot()
 
     @classmethod

@@ -71,7 +71,8 @@ class LiveTest(unittest.TestCase):
         self.send_message(before)
         wait_for(lambda: any(twist.linear.x == mark for twist in self.twists.messages),
                  'the command of this test')
-        self.result_of(before, self.overlays)       # which the node publishes last
+        for recorder in (self.detections, self.overlays, self.yellow):
+            self.result_of(before, recorder)
         self.client.update_configuration(DEFAULTS)
 
     @classmethod
@@ -84,7 +85,7 @@ class LiveTest(unittest.TestCase):
     def configuration_with_defaults(self):
         """Wait until the update of `setUp` has arrived on the topic; return all parameters."""
         def with_defaults():
-            configuration = self.client.get_configuration(timeout=30)
+            configuration = self.client.get_configuration(timeout=DEADLINE_S * stretch())
             return configuration if DEFAULTS.items() <= configuration.items() else None
         return wait_for(with_defaults, 'the default values')
 
@@ -145,7 +146,8 @@ class LiveTest(unittest.TestCase):
             self.client.update_configuration(values)
             wait_for(lambda: [msg for msg in self.logs.messages
                               if text in msg.msg and msg.level == Log.ERROR], text)
-            self.assertEqual(before, self.client.get_configuration(timeout=30))
+            self.assertEqual(before, self.client.get_configuration(
+                timeout=DEADLINE_S * stretch()))
             self.assertEqual('blue=1600, red=0, yellow=0', self.send(picture(BLUE)))
 
     def test_a_third_color_has_a_command_and_an_image(self):

@@ -81,7 +81,7 @@ class MotionTest(unittest.TestCase):
         self.assertLess(abs(across), 0.02)
         self.assertAlmostEqual(0.22, last.twist.twist.linear.x, delta=0.02 * 0.22)
         self.assertAlmostEqual(0.0, last.twist.twist.linear.y, delta=0.01)
-        rim = np.array(self.joints.messages[-1].velocity) * 0.033
+        rim = np.array(self.joints.wait()[-1].velocity) * 0.033
         self.assertLess(np.abs(rim - 0.22).max(), 0.005)
 
     def test_ten_turns_in_place(self):

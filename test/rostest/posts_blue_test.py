@@ -20,6 +20,7 @@ class PostsBlueTest(unittest.TestCase):
 
     def test_towards_blue_until_it_is_out_of_the_picture(self):
         robot = Robot()
+        rospy.wait_for_service('/gazebo/reset_world')
         robot.wait_start(rospy.ServiceProxy('/gazebo/reset_world', Empty))
         wait_for(lambda: place(robot.odometry.messages[-1])[0] > START[0] + 0.5 and robot.rests(1),
                  lambda: 'the robot at rest: {}'.format(place(robot.odometry.messages[-1])))

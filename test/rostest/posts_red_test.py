@@ -15,6 +15,7 @@ class PostsRedTest(unittest.TestCase):
 
     def test_away_from_red_until_it_is_small(self):
         robot = Robot()
+        rospy.wait_for_service('/gazebo/reset_world')
         robot.wait_start(rospy.ServiceProxy('/gazebo/reset_world', Empty))
 
         def small():

@@ -10,12 +10,16 @@ import tf2_ros
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, Imu, JointState, LaserScan
+from std_srvs.srv import Empty
 
 from img_recog_testing.recording import Recorder, wait_for
 
 NAMES = ['tb3_{}'.format(number) for number in range(4)]
 # what the robot of that number does: the velocities that its node commands
 COMMANDS = {'tb3_0': {0.2}, 'tb3_1': set(), 'tb3_2': {0.1}, 'tb3_3': {0.2}}
+# of robots_list.py
+STARTS = {'tb3_0': (-1.0, -2.0), 'tb3_1': (0.0, -2.0), 'tb3_2': (-1.0, 1.5),
+          'tb3_3': (-0.75, -0.15)}
 
 
 def position(msg):
@@ -23,14 +27,35 @@ def position(msg):
 
 
 class SeveralRobotsTest(unittest.TestCase):
-    """The robots drive from the start on; what they do is recorded once, for all tests."""
+    """The robots drive from their starts; what they do is recorded once, for all tests."""
 
     @classmethod
     def setUpClass(cls):
         cls.odometry = {name: Recorder('/{}/odom'.format(name), Odometry) for name in NAMES}
         cls.scans = {name: Recorder('/{}/scan'.format(name), LaserScan) for name in NAMES[:2]}
         cls.commands = {name: Recorder('/{}/cmd_vel'.format(name), Twist) for name in NAMES}
-        for name, recorder in cls.odometry.items():
+        for recorder in (*cls.odometry.values(), *cls.scans.values()):
+            recorder.wait()
+        for name in NAMES:
+            cls.commands[name].wait_connected('/{}/color_extract'.format(name))
+        cls._begin_again()
+
+    @classmethod
+    def _begin_again(cls):
+        """Move the robots to their starts, and forget what was before: some may have arrived."""
+        rospy.wait_for_service('/gazebo/reset_world')
+        before = {name: len(recorder.messages) for name, recorder in cls.odometry.items()}
+        rospy.ServiceProxy('/gazebo/reset_world', Empty)()
+
+        def started():
+            """Return the stamp of the first odometry of each robot at its start."""
+            stamps = [next((msg.header.stamp for msg in recorder.messages[before[name]:]
+                            if np.linalg.norm(position(msg) - STARTS[name]) < 0.05), None)
+                      for name, recorder in cls.odometry.items()]
+            return stamps if None not in stamps else None
+        since = max(wait_for(started, 'the robots at their starts'))
+        for recorder in (*cls.odometry.values(), *cls.scans.values()):
+            recorder.messages = [msg for msg in recorder.messages if msg.header.stamp >= since]
             recorder.wait()
 
     def start(self, name):

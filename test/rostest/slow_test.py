@@ -7,7 +7,7 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CameraInfo, Image
 from std_srvs.srv import Empty
 
 from img_recog_testing import statuses
@@ -15,7 +15,7 @@ from img_recog_testing.recording import Recorder, wait_for
 from img_recog_testing.waiting import stretch
 
 MAX_AGE_S = 0.4         # of most; on a busy machine one may wait for a processor
-MAX_ONE_AGE_S = 2.0
+MAX_ONE_AGE_S = 5.0
 FRAMES = 60
 
 
@@ -23,7 +23,8 @@ class SlowTest(unittest.TestCase):
     """The synthetic camera at 30 Hz."""
 
     def test_frames_are_not_older_than_400_ms_when_their_results_arrive(self):
-        ages, frames = [], Recorder('/usb_cam/image_raw', Image)
+        ages, frames = [], Recorder('/usb_cam/camera_info', CameraInfo)
+        frames.wait()
 
         def store_age(msg):
             ages.append((rospy.Time.now() - msg.header.stamp).to_sec())
@@ -31,9 +32,10 @@ class SlowTest(unittest.TestCase):
         wait_for(lambda: len(ages) > FRAMES, 'images of blue')
         # with a queue they would be older and older, at the end 10 s
         self.assertLess(statistics.median(ages), MAX_AGE_S * stretch())
-        self.assertLess(max(ages), MAX_ONE_AGE_S * stretch())
+        self.assertLess(max(ages), MAX_ONE_AGE_S)
         self.assertGreater(min(ages), 0.2)
-        self.assertGreater(len(frames.messages), 4 * len(ages))     # most frames were dropped
+        # most frames were dropped; the camera of a busy machine has fewer
+        self.assertGreater(len(frames.messages), max(2, 4 / stretch()) * len(ages))
 
     def test_it_says_that_it_is_too_slow(self):
         def status_of(msg):
@@ -56,10 +58,13 @@ class SlowTest(unittest.TestCase):
 
     def test_at_most_three_more_commands_after_the_input_ends(self):
         # of the frame that is processed, of the newest one, and one that was on its way
-        twists, frames = Recorder('/cmd_vel', Twist), Recorder('/usb_cam/image_raw', Image)
+        twists = Recorder('/cmd_vel', Twist)
+        # with each frame; so that this process is not late, it does not get the images
+        frames = Recorder('/usb_cam/camera_info', CameraInfo)
         rospy.wait_for_service('/usb_cam/stop_capture')
         stop = rospy.ServiceProxy('/usb_cam/stop_capture', Empty)
         twists.wait(2)
+        frames.wait(2)
         self.addCleanup(rospy.ServiceProxy('/usb_cam/start_capture', Empty))
         stop()
         before, last = len(twists.messages), len(frames.messages)

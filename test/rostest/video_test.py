@@ -169,9 +169,10 @@ class VideoTest(unittest.TestCase):
         self.assertEqual(wanted, [twist.linear.x for twist in twists])
 
     def test_the_robot_moved_forward_and_backward(self):
-        speeds = [msg.twist.twist.linear.x for msg in list(self.odometry.messages)]
-        self.assertGreater(max(speeds), 0.02)
-        self.assertLess(min(speeds), -0.02)
+        def moved():
+            speeds = [msg.twist.twist.linear.x for msg in list(self.odometry.messages)]
+            return speeds if speeds and max(speeds) > 0.02 and min(speeds) < -0.02 else None
+        speeds = wait_for(moved, 'the robot to drive forward and backward')
         self.assertGreater(sum(abs(speed) < 0.005 for speed in speeds), 0.5 * len(speeds))
 
 
