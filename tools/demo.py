@@ -27,7 +27,9 @@ PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_
 
 # Seconds after Ctrl-C, and the signal that is sent to all processes then. roslaunch has the time
 # before the first one to stop its nodes itself.
-_ESCALATION = ((4.5, signal.SIGINT), (7.0, signal.SIGTERM), (8.5, signal.SIGKILL))
+_ESCALATION = tuple(
+    (after_s * float(os.environ.get('IMG_RECOG_END_SCALE', '1')), signum)   # for tests
+    for after_s, signum in ((4.5, signal.SIGINT), (7.0, signal.SIGTERM), (8.5, signal.SIGKILL)))
 _POLL_PERIOD_S = 0.1
 _CHUNK_BYTES = 4096         # what a pipe that poll reports as writable takes without blocking
 _MAX_UNSENT_BYTES = 1 << 16

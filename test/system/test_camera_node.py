@@ -1,4 +1,5 @@
 """The camera node as a process: how it starts and stops with all kinds of sources."""
+import contextlib
 import re
 import socket
 import time
@@ -24,13 +25,20 @@ def test_interrupt_ends_it_while_its_source_blocks(roscore, interrupt):
         server.bind(('127.0.0.1', 0))
         server.listen(1)
         server.settimeout(DEADLINE_S * stretch())
-        camera = start(roscore, '_video_device:=http://me:secret@127.0.0.1:{}/live'.format(
-            server.getsockname()[1]))
-        call, _ = server.accept()           # now OpenCV waits for an answer
-        begin = time.monotonic()
-        assert interrupt(camera) == 0, camera.output
-        assert time.monotonic() - begin < 20.0      # OpenCV waits for 30 s
-        call.close()
+        for _ in range(10):
+            camera = start(roscore, '_video_device:=http://me:secret@127.0.0.1:{}/live'.format(
+                server.getsockname()[1]))
+            call, _ = server.accept()       # now OpenCV waits for an answer
+            begin = time.monotonic()
+            with contextlib.suppress(ValueError):       # it has ended, and has no thread
+                interrupt(camera)
+            code = camera.wait()
+            took_s = time.monotonic() - begin
+            call.close()
+            if 'or not within' not in camera.output:
+                break       # else the machine was so busy that OpenCV has given up before
+    assert code == 0, camera.output
+    assert took_s < 20.0 * stretch()
     assert 'secret' not in camera.output and 'terminate' not in camera.output
 
 
@@ -60,7 +68,7 @@ def test_start_of_a_source_that_is_gone_leaves_the_camera_stopped(roscore, tmp_p
     path = tmp_path / 'still.png'
     assert cv2.imwrite(str(path), np.zeros((8, 8, 3), np.uint8))
     camera = start(roscore, '_video_device:={}'.format(path))
-    roscore.wait_run('start_capture', 'rosservice', 'list')
+    roscore.wait_run('stop_capture', 'rosservice', 'list')      # the last one
     roscore.run('rosservice', 'call', '/usb_cam/stop_capture')
     path.unlink()
     roscore.run('rosservice', 'call', '/usb_cam/start_capture')
@@ -98,16 +106,19 @@ def test_a_recorded_bag_gives_the_same_areas_as_the_camera(roscore, tmp_path):
     roscore.set_parameters('/usb_cam')
     live = Recognition(roscore, tmp_path / 'live')
     record = roscore.start('rosbag', 'record', '-O', bag, '/usb_cam/image_raw')
-    roscore.wait_run(r'(?s)Subscribers:(?=.*/color_extract)(?=.*/record_)',
-                     'rostopic', 'info', '/usb_cam/image_raw')
     # so slow that a busy machine drops no frame: those in which a card enters have other areas
     camera = start(roscore, '_video_device:=synthetic', '_image_width:=160', '_image_height:=120',
-                   '_framerate:=8')
+                   '_framerate:=8', '_create_suspended:=true')
+    # the first frame is for both
+    roscore.wait_run(r'(?s)\nConnections:(?=.*image_raw\n    \* to: /color_extract)'
+                     r'(?=.*image_raw\n    \* to: /record_)', 'rosnode', 'info', '/usb_cam')
+    roscore.wait_run('start_capture', 'rosservice', 'list')
+    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
     wait_for(lambda: len(set(live.areas())) > 3 and live.areas()[-1] == 0, live.areas)
     for process in (camera, record, live.process):
         assert process.interrupt() == 0, process.output
     replayed = Recognition(roscore, tmp_path / 'replayed')
-    play = roscore.start('rosbag', 'play', '--delay', '1', bag)
+    play = roscore.start('rosbag', 'play', '--wait-for-subscribers', bag)
     assert play.wait() == 0, play.output
     seen = live.areas()
     wait_for(lambda: 0 in replayed.areas()[-3:], replayed.areas)
