@@ -105,16 +105,16 @@ def network(ros, tmp_path):
 
 def test_a_cut_cable_stops_the_robot_and_it_follows_again(network):
     three = network('raw')
-    cut_s = three.now()['wall_s']
     three.hosts.plug('recognition', False)
-    limit_s = (TIMEOUT_S + BRAKING_S) * max(1.0, stretch() / 2)
-    wait_for(lambda: three.now()['wall_s'] > cut_s + CUT_S, 'the end of the cut')
+    cut_s, busy = three.now()['wall_s'], stretch()
+    limit_s = (TIMEOUT_S + BRAKING_S) * busy
+    wait_for(lambda: three.now()['wall_s'] > cut_s + CUT_S * busy, 'the end of the cut')
     three.hosts.plug('recognition', True)
     healed_s = three.now()['wall_s']
     during = [state for state in three.states() if cut_s + limit_s < state['wall_s'] < healed_s]
     assert len(during) > 20
     assert max(abs(state['speed']) for state in during) < STANDS, (limit_s, during[:5])
-    assert three.wait_follows(healed_s) - healed_s < BACK_S
+    assert three.wait_follows(healed_s) - healed_s < BACK_S * max(busy, stretch())
 
 
 def test_late_and_lossy_it_follows_with_the_newest_frame(network):
@@ -124,7 +124,7 @@ def test_late_and_lossy_it_follows_with_the_newest_frame(network):
     wait_for(lambda: three.now()['frames'] > begin['frames'] + 60, lambda: three.states()[-1])
     ages = [state['age_s'] for state in three.states() if state['frames'] > begin['frames']]
     # one way of the image and one of the result, and what is sent again after a loss
-    assert 0.1 < np.median(ages) < 0.6, ages
+    assert 0.1 < np.median(ages) < 0.6 * stretch(), ages
     # frames do not wait in a queue: the last ones are not older than the first ones
     third = len(ages) // 3
-    assert np.median(ages[-third:]) < np.median(ages[:third]) + 0.3, ages
+    assert np.median(ages[-third:]) < np.median(ages[:third]) + 0.3 * stretch(), ages

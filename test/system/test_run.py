@@ -22,7 +22,8 @@ def copied(folder):
     """Copy this package with the tests of the colored areas, and none that would run it again."""
     path = str(folder / 'img_recog')
     shutil.copytree(ROOT, path, symlinks=True, ignore=shutil.ignore_patterns(
-        'build', 'devel', '.git', '.venv', 'data', '__pycache__', 'unit', 'test_*.py'))
+        'build', 'devel', '.git', '.venv', '.hypothesis', 'data', '__pycache__', 'unit',
+        'test_*.py'))
     areas = os.path.join('test', 'unit', 'recognition', 'test_areas.py')
     os.makedirs(os.path.dirname(os.path.join(path, areas)))
     shutil.copy(os.path.join(ROOT, areas), os.path.join(path, areas))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from img_recog.nodes.tune_colors import cli
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 BLUE, RED, WALL = (215, 70, 25), (60, 25, 215), (190, 200, 206)      # BGR
 WIDTH, HEIGHT = 1200, 1015          # of the picture with two colors
@@ -36,6 +36,8 @@ def folder(tmp_path):
 
 
 def start(ros, folder, *arguments, **env):
+    if '--timeout' not in arguments:        # its default is for a machine that is not busy
+        arguments = (*arguments, '--timeout', DEADLINE_S * stretch())
     return ros.start('rosrun', 'img_recog', 'tune_colors.py', *arguments, cwd=str(folder),
                      env=dict(ros.env, PWD=str(folder), **env))
 

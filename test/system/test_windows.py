@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 pytestmark = pytest.mark.display
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
@@ -30,7 +30,9 @@ def display(ros):
 def shares(ros, tmp_path, **colors):
     """Return the share of pixels of the display within each range of RGB values (0 to 255)."""
     path = str(tmp_path / 'display.ppm')
-    subprocess.run(['import', '-window', 'root', '-depth', '8', path], env=ros.env, check=True)
+    command = ['import', '-window', 'root', '-depth', '8', path]
+    wait_for(lambda: subprocess.run(command, env=ros.env, check=False).returncode == 0,
+             'a screenshot')
     cv2 = pytest.importorskip('cv2')
     image = cv2.imread(path)[..., ::-1]
     return {name: float(((image >= low) & (image <= high)).all(axis=2).mean())
@@ -82,8 +84,8 @@ def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, display, tmp_pa
 def test_the_tuning_window_follows_the_camera(ros, display, tmp_path):
     demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false')
     demo.wait_output('camera: synthetic')
-    tool = ros.start('rosrun', 'img_recog', 'tune_colors.py', '/usb_cam/image_raw', '--output',
-                     str(tmp_path / 'picture.png'))
+    tool = ros.start('rosrun', 'img_recog', 'tune_colors.py', '/usb_cam/image_raw', '--timeout',
+                     DEADLINE_S * stretch(), '--output', str(tmp_path / 'picture.png'))
     colors = {'blue': ((25, 70, 215), (25, 70, 215)), 'red': ((215, 25, 60), (215, 25, 60)),
               'white': ((255, 255, 255), (255, 255, 255))}
     for seen, unseen in (('blue', 'red'), ('red', 'blue')):
