@@ -18,7 +18,7 @@ from rospy.impl import registration
 from img_recog.ros.transport.switch import is_plain
 
 _CONNECT_TIMEOUT_S = 1.0            # of one attempt; a busy master gets more of them
-_SHUTDOWN_TIMEOUT_S = 0.7           # for all that a node tells the master when it ends
+_SHUTDOWN_TIMEOUT_S = 1.5           # for all that a node tells the master when it ends
 
 
 class Registered(NamedTuple):
