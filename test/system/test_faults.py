@@ -112,6 +112,8 @@ def test_node_that_was_shut_down_from_outside_comes_back(demo):
 
 @WATCHED
 def test_new_master_knows_nodes_and_parameters(demo):
+    # the nodes read their parameters once a second, to keep them
+    demo.wait_chain(len(demo.output))
     before = demo.ros.run('rosparam', 'get', '/usb_cam')
     after = len(demo.output)
     demo.kill_master()
