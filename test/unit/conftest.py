@@ -7,6 +7,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
+from img_recog_testing.waiting import DEADLINE_S
 
 
 _MAX_PHYSICS_CLIENTS = 1024
@@ -38,6 +39,12 @@ def _end_physics_clients():
 def _physics_clients():
     return {client for client in range(_MAX_PHYSICS_CLIENTS)
             if pybullet.isConnected(physicsClientId=client)}
+
+
+@pytest.fixture
+def patient_helper(monkeypatch):
+    """A busy machine may need longer for the exit of a helper process."""
+    monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', DEADLINE_S)
 
 
 @pytest.fixture

@@ -10,6 +10,8 @@ import pytest
 from img_recog.helper_process import HelperProcess
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
+pytestmark = pytest.mark.usefixtures('patient_helper')
+
 
 def receive(helper):
     assert helper.connection.poll(DEADLINE_S * stretch())
@@ -42,12 +44,6 @@ def hang(connection):
     """Neither read the connection nor end."""
     connection.send('here')
     time.sleep(DEADLINE_S * 10)
-
-
-@pytest.fixture(autouse=True)
-def _patience(monkeypatch):
-    """A busy machine may need longer for an exit."""
-    monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', DEADLINE_S)
 
 
 @pytest.fixture

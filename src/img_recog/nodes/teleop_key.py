@@ -5,18 +5,16 @@ on shutdown; /diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time
 nothing. Serves ~yield (std_srvs/Trigger): publishes nothing for 0.5 s. Reads ~linear_step,
 ~angular_step, ~max_linear_velocity, ~max_angular_velocity (TeleopSettings).
 """
-import threading
 import time
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
-from geometry_msgs.msg import Twist
 
 from img_recog.conversions import twist_msgs
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import Counter, NodeDiagnostics, add_counter
-from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.yielding import Yielding
 from img_recog.teleoperation.keyboard import Keyboard
 from img_recog.teleoperation.profile import VelocityProfile
@@ -36,12 +34,9 @@ class TeleopKey:
         settings = parameters.read(TeleopSettings)
         parameters.warn_of_unknown(TeleopSettings)
         self._profile = VelocityProfile(settings)
-        self._velocity = DirectPublisher('cmd_vel', Twist)
-        self._publish_lock = threading.Lock()
-        self._is_stopped = False
+        self._velocity = StoppingPublisher('cmd_vel')
         self._sent, self._keys, self._has_terminal = Counter(), Counter(), False
         self._yielding = Yielding(self._reason_to_drive)
-        lifecycle.on_shutdown(self._stop_robot)
         NodeDiagnostics('teleop', 'none', self._report)
 
     def spin(self) -> None:
@@ -67,10 +62,9 @@ class TeleopKey:
             remaining = deadline - time.monotonic()
 
     def _publish(self, linear: float, angular: float) -> None:
-        with self._publish_lock:
-            if not self._is_stopped and not self._yielding.is_active():
-                self._velocity.publish(twist_msgs.to_msg(linear, angular))
-                self._sent.add()
+        if not self._yielding.is_active():
+            self._velocity.publish(twist_msgs.to_msg(linear, angular))
+            self._sent.add()
 
     def _reason_to_drive(self) -> str:
         profile = self._profile
@@ -91,11 +85,6 @@ class TeleopKey:
         status.add('keys', str(self._keys.total))
         status.add('target linear (m/s)', '{:.2f}'.format(self._profile.target_linear))
         status.add('target angular (rad/s)', '{:.2f}'.format(self._profile.target_angular))
-
-    def _stop_robot(self) -> None:
-        with self._publish_lock:
-            self._is_stopped = True      # spin continues until all shutdown hooks have run
-            self._velocity.publish(twist_msgs.to_msg(0.0))
 
 
 def main() -> int:

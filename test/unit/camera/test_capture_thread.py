@@ -20,6 +20,11 @@ class Blocking(threading.Event):
         super().__init__()
         self.reached = threading.Event()
 
+    def begin(self):
+        """Block the source; return when it is blocked."""
+        self.set()
+        assert self.reached.wait(DEADLINE_S)
+
 
 class RealFile(FrameSource):
     """Holds a file descriptor and gives a frame each millisecond, unless the event is set."""
@@ -104,8 +109,7 @@ def test_blocked_source_is_reported_and_continues(running):
     capture, listener, blocking = running
     capture.start()
     wait_for(lambda: listener.frames > 0, 'a frame')
-    blocking.set()
-    assert blocking.reached.wait(DEADLINE_S)
+    blocking.begin()
     wait_for(lambda: capture.check() or listener.losses, 'the loss')
     assert capture.is_lost
     blocking.clear()
@@ -119,8 +123,7 @@ def test_owner_does_not_wait_for_a_source_that_blocks(running, monkeypatch):
     capture, listener, blocking = running
     capture.start()
     wait_for(lambda: listener.frames > 0, 'a frame')
-    blocking.set()
-    assert blocking.reached.wait(DEADLINE_S)
+    blocking.begin()
     wait_for(lambda: capture.check() or listener.losses, 'the loss')
     assert not capture.stop()
     assert not capture.shut_down()

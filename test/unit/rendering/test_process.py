@@ -11,6 +11,8 @@ from img_recog.rendering.process import DrawingError, DrawingProcess, Shot
 from img_recog.visuals import Light, VisualScene
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
+pytestmark = pytest.mark.usefixtures('patient_helper')
+
 SCENE = VisualScene((), (False,), Light((0, 0, 1), (0.5, 0.5, 0.5)))
 POSES = np.array([[1.0, 2, 3, 0, 0, 0, 1]])
 CAMERAS = [Camera(5, 3, 1.0), Camera(8, 6, 1.0)]
@@ -63,12 +65,6 @@ def refuse_too():
 
 def fail():
     raise RuntimeError('a defect')
-
-
-@pytest.fixture(autouse=True)
-def _patience(monkeypatch):
-    """A busy machine may need longer for an exit."""
-    monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', DEADLINE_S)
 
 
 @pytest.fixture

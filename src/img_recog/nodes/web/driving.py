@@ -5,14 +5,13 @@ import time
 from typing import Callable, List, Optional, Set, Tuple
 
 import rospy
-from geometry_msgs.msg import Twist
 from std_srvs.srv import Trigger
 
 from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
-from img_recog.ros import lifecycle, master
+from img_recog.ros import master
+from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.throttle import ThrottledWarning
-from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.teleoperation.settings import VelocityLimits
 
 _PERIOD_S = 0.05
@@ -82,9 +81,8 @@ class Driving:
         self._speeds, self._driven = Speeds(), threading.Event()
         self._warn = ThrottledWarning()
         self._asked: Set[str] = set()       # services whose answer has not come yet
-        self._topic, self._velocity = topic, DirectPublisher(topic, Twist)
-        self._publish_lock, self._has_ended = threading.Lock(), False
-        lifecycle.on_shutdown(self._end)
+        # driven until the zeros of a release were sent, too
+        self._topic, self._velocity = topic, StoppingPublisher(topic, self._driven.is_set)
         for target in (self._publish, self._hold_others):
             threading.Thread(target=target, daemon=True).start()
 
@@ -115,28 +113,16 @@ class Driving:
                 continue
             shares = self._speeds.current()
             while shares is not None and not rospy.is_shutdown():
-                self._send(shares[0] * self.limits['max_linear_velocity'],
-                           shares[1] * self.limits['max_angular_velocity'])
+                self._velocity.publish(twist_msgs.to_msg(
+                    shares[0] * self.limits['max_linear_velocity'],
+                    shares[1] * self.limits['max_angular_velocity']))
                 time.sleep(_PERIOD_S)
                 shares = self._speeds.current()
             for _ in range(_STOPS):
-                self._send(0.0, 0.0)
+                self._velocity.publish(twist_msgs.to_msg(0.0))
             self._driven.clear()
             if self._speeds.current() is not None:      # held again meanwhile
                 self._driven.set()
-
-    def _send(self, linear: float, angular: float) -> None:
-        with self._publish_lock:
-            if not self._has_ended:
-                self._velocity.publish(twist_msgs.to_msg(linear, angular))
-
-    def _end(self) -> None:
-        """Stop the robot, if somebody drives it while the node is shut down."""
-        with self._publish_lock:
-            self._has_ended = True
-            if not self._driven.is_set():       # until the zeros of a release were sent, too
-                return
-            self._velocity.publish(twist_msgs.to_msg(0.0))
 
     def _hold_others(self) -> None:
         """Let the other nodes yield as long as somebody drives."""

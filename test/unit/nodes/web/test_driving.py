@@ -6,6 +6,7 @@ import pytest
 
 from img_recog.nodes.web import driving
 from img_recog.nodes.web.driving import HOLD_S, Driving, Speeds, yield_services
+from img_recog.ros import stopping_publisher
 from img_recog.teleoperation.settings import VelocityLimits
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -89,9 +90,9 @@ def test_the_services_of_other_publishers(monkeypatch):
 def node(monkeypatch):
     """A stand-in for the node: sent speeds, its shutdown hook, and the services that yield."""
     found = SimpleNamespace(sent=[], hooks=[], services={}, has_ended=False)
-    monkeypatch.setattr(driving, 'DirectPublisher', lambda *_: SimpleNamespace(
+    monkeypatch.setattr(stopping_publisher, 'DirectPublisher', lambda *_: SimpleNamespace(
         publish=lambda msg: found.sent.append(msg.linear.x)))
-    monkeypatch.setattr(driving.lifecycle, 'on_shutdown', found.hooks.append)
+    monkeypatch.setattr(stopping_publisher.lifecycle, 'on_shutdown', found.hooks.append)
     monkeypatch.setattr(driving.rospy, 'is_shutdown', lambda: found.has_ended)
     monkeypatch.setattr(driving, 'yield_services', lambda _: sorted(found.services))
     monkeypatch.setattr(driving.rospy, 'ServiceProxy', lambda name, _: found.services[name])
