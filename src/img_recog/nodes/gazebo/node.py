@@ -88,7 +88,7 @@ class PybulletSim:
         self._factor, self._wanted_factor = RealTimeFactor(), physics.real_time_factor
         self._pacer = RealTimePacer(physics.real_time_factor)
         self._slow_reports = SlowReports()
-        self._clock, self._time = DirectPublisher('/clock', Clock, latch=True), Clock()
+        self._clock = DirectPublisher('/clock', Clock, latch=True)
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
         self._paused = False
         self._calls = ServiceCalls()
@@ -196,9 +196,9 @@ class PybulletSim:
 
     def _add_clock(self) -> None:
         """Set the time of this node, and let the next flush publish it."""
-        self._time.clock = now = robot_msgs.stamp_of(self._simulator.time_s)
+        now = robot_msgs.stamp_of(self._simulator.time_s)
         lifecycle.set_time(now)
-        self._clock.add(self._time)
+        self._clock.add(Clock(now))
 
     def _publish_factor(self, simulated_s: float) -> None:
         """Count simulated time; once a second publish the real time factor."""

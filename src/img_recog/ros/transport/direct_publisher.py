@@ -33,7 +33,7 @@ class DirectPublisher:
                                               queue_size=_QUEUE_SIZE)
         else:
             self._publisher = synchronous_publisher(name, data_class, latch)
-            _use_outboxes(self._publisher.impl)
+            self._adopt_connections(self._publisher.impl)
 
     def get_num_connections(self) -> int:
         """Return the number of subscribers."""
@@ -49,9 +49,10 @@ class DirectPublisher:
         self.flush()
 
     def add(self, msg) -> None:
-        """Serialize a message, which may be changed then, and send it with the next `flush`.
+        """Serialize a message, and send it with the next `flush`.
 
-        To send several messages together takes much less time than one by one.
+        To send several messages together takes much less time than one by one. The message may be
+        changed then, unless the topic is latched.
         """
         topic = self._publisher.impl
         lock = None if topic is None or self._is_plain else topic.publock
@@ -79,6 +80,8 @@ class DirectPublisher:
             return
         with lock:
             data = buffer.getvalue()
+            if not data:        # sent meanwhile, for a new subscriber
+                return
             buffer.seek(0)
             buffer.truncate()
             for connection in topic.connections:
@@ -87,24 +90,29 @@ class DirectPublisher:
                 except (OSError, TransportTerminated):
                     close(connection)
 
+    def _adopt_connections(self, topic) -> None:
+        """Give an Outbox to each connection before rospy sends the latched message."""
+        with topic.c_lock:
+            if 'add_connection' in vars(topic):     # another DirectPublisher of this topic
+                return
+            add_connection = topic.add_connection
+
+            def connect(connection):
+                connection.write_data = Outbox(connection).write_data
+                lock = topic.publock
+                if lock is None:        # rospy has closed the topic
+                    return add_connection(connection)
+                # a new subscriber gets the latched message first, and once
+                with lock:
+                    self.flush()
+                    return add_connection(connection)
+            topic.add_connection = connect
+            for connection in topic.connections:
+                connection.write_data = Outbox(connection).write_data
+
 
 def synchronous_publisher(name: str, data_class: type, latch: bool = False) -> rospy.Publisher:
     """Return a publisher whose connections have no queue."""
     with warnings.catch_warnings():
         warnings.simplefilter('ignore', SyntaxWarning)      # about the missing queue
         return rospy.Publisher(name, data_class, latch=latch, queue_size=None)
-
-
-def _use_outboxes(topic) -> None:
-    """Give an Outbox to each connection of a topic before rospy sends the latched message."""
-    with topic.c_lock:
-        if 'add_connection' in vars(topic):     # another DirectPublisher of this topic
-            return
-        add_connection = topic.add_connection
-
-        def connect(connection):
-            connection.write_data = Outbox(connection).write_data
-            return add_connection(connection)
-        topic.add_connection = connect
-        for connection in topic.connections:
-            connection.write_data = Outbox(connection).write_data

@@ -267,6 +267,39 @@ def test_the_last_of_several_messages_is_latched(way, name, subscribe):
     assert subscribe(name, String).receive() == packet(text(1))
 
 
+def test_a_message_that_is_published_while_a_subscriber_connects_comes_once(fast, name,
+                                                                            subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    publisher.publish(text(0))
+    topic = publisher._publisher.impl
+    other = threading.Thread(target=publisher.publish, args=(text(1),), daemon=True)
+
+    class Listener(rospy.SubscribeListener):
+        """rospy calls it after it has added a connection and before the latched message."""
+
+        def peer_subscribe(self, *_):
+            if not other.ident:
+                other.start()
+                other.join(0.2)
+    topic.add_subscriber_listener(Listener())
+    end = subscribe(name, String)
+    other.join(DEADLINE_S)
+    assert [end.receive() for _ in range(2)] == [packet(text(0)), packet(text(1))]
+    assert end.is_idle()
+
+
+def test_what_was_added_before_a_subscriber_connects_comes_once(fast, name, subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    before = subscribe(name, String)
+    publisher.add(text(0))
+    publisher.add(text(1))
+    new = subscribe(name, String)
+    publisher.flush()
+    publisher.publish(text(2))
+    assert [before.receive() for _ in range(3)] == [packet(text(number)) for number in range(3)]
+    assert [new.receive() for _ in range(2)] == [packet(text(1)), packet(text(2))]
+
+
 def test_headers_are_counted(way, name, subscribe):
     publisher = DirectPublisher(name, Imu)
     end = subscribe(name, Imu)
