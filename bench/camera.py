@@ -1,4 +1,7 @@
-"""CPU time, rate and jitter of the camera node and of the distribution's C++ image_publisher."""
+"""CPU time, rate and jitter of the camera node and of the distribution's C++ image_publisher.
+
+The jitter of a process that only sends a prepared image is the floor for both.
+"""
 import os
 import sys
 import tempfile
@@ -11,6 +14,7 @@ from ros_processes import Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 THEIRS = ('rosrun', 'image_publisher', 'image_publisher')
+BARE = (sys.executable, os.path.join(PACKAGE, 'bench', 'bare_camera.py'))
 OURS = (sys.executable, os.path.join(PACKAGE, 'scripts', 'usb_cam_node.py'))
 ROUNDS, SECONDS = 3, 8.0
 SIZES = ((640, 480), (1920, 1080))
@@ -60,11 +64,11 @@ def cases() -> list:
 
 def count() -> int:
     """Return the number of measurements that `measure` makes."""
-    return 2 * ROUNDS * len(cases()) if installed('image_publisher') else 0
+    return 3 * ROUNDS * len(cases()) if installed('image_publisher') else 0
 
 
 def measure(done: Callable[[], None]) -> dict:
-    """Return the medians over several rounds. Each round measures both nodes.
+    """Return the medians over several rounds. Each round measures all three.
 
     done: called after each measurement.
     """
@@ -73,20 +77,21 @@ def measure(done: Callable[[], None]) -> dict:
         for _ in range(ROUNDS if installed('image_publisher') else 0):
             for name, write, size, rate_hz in cases():
                 path = write(folder, *size)
-                pair = []
+                found = []
                 for command in ((*OURS, '_video_device:=' + path,
                                  '_framerate:={}'.format(rate_hz)),
-                                (*THEIRS, path, '_publish_rate:={}'.format(rate_hz))):
-                    pair.append(sample(*command))
+                                (*THEIRS, path, '_publish_rate:={}'.format(rate_hz)),
+                                (*BARE, *map(str, size), str(rate_hz))):
+                    found.append(sample(*command))
                     done()
-                samples.setdefault(name, []).append(pair)
-    for name, pairs in samples.items():
+                samples.setdefault(name, []).append(found)
+    for name, rounds in samples.items():
         row = {'case': name}
-        for key in ('rate_hz', 'cpu_ms_a_frame', 'jitter_ms', 'arrival_jitter_ms'):
-            row[key] = median(ours[key] for ours, _ in pairs)
-            row['their_' + key] = median(theirs[key] for _, theirs in pairs)
+        for prefix, values in zip(('', 'their_', 'bare_'), zip(*rounds)):
+            for key in ('rate_hz', 'cpu_ms_a_frame', 'jitter_ms', 'arrival_jitter_ms'):
+                row[prefix + key] = median(each[key] for each in values)
         row['cpu_ratio'] = median(ours['cpu_ms_a_frame'] / theirs['cpu_ms_a_frame']
-                                  for ours, theirs in pairs)
+                                  for ours, theirs, _ in rounds)
         rows.append(row)
     return {'rows': rows}
 
@@ -95,12 +100,13 @@ def table(results: dict) -> str:
     """Return the results as a table."""
     if not results['rows']:
         return 'camera: not measured, because image_publisher is not installed'
-    lines = ['{:30} {:>16} {:>22} {:>7} {:>18} {:>18}'.format(*titles) for titles in (
-        ('camera, and image_publisher', 'rate, Hz', 'CPU a frame, ms', 'ratio',
-         '99 % jitter, ms:', 'and of its'), ('', '', '', '', 'first byte', 'last byte'))]
+    lines = ['{:30} {:>16} {:>22} {:>7} {:>27} {:>27}'.format(*titles) for titles in (
+        ('camera, image_publisher;', 'rate, Hz', 'CPU a frame, ms', 'ratio',
+         '99 % jitter, ms: first byte', 'and of the last byte'),
+        ('jitter: of a bare sender too', '', '', '', '', ''))]
     for row in results['rows']:
         lines.append('{case:30} {rate_hz:7.1f} {their_rate_hz:8.1f} {cpu_ms_a_frame:13.2f} '
-                     '{their_cpu_ms_a_frame:8.2f} {cpu_ratio:7.2f} {jitter_ms:9.2f} '
-                     '{their_jitter_ms:8.2f} {arrival_jitter_ms:9.2f} '
-                     '{their_arrival_jitter_ms:8.2f}'.format(**row))
+                     '{their_cpu_ms_a_frame:8.2f} {cpu_ratio:7.2f} {jitter_ms:11.2f} '
+                     '{their_jitter_ms:7.2f} {bare_jitter_ms:7.2f} {arrival_jitter_ms:13.2f} '
+                     '{their_arrival_jitter_ms:6.2f} {bare_arrival_jitter_ms:6.2f}'.format(**row))
     return '\n'.join(lines)

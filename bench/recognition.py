@@ -6,6 +6,7 @@ from statistics import median
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
+from pictures import COMMANDS
 from ros_processes import HERE, Master, installed, run_script, wait_for
 
 PACKAGE = os.path.dirname(HERE)
@@ -13,7 +14,7 @@ TURNS, SECONDS = 3, 1.0         # turns of each node per round, seconds per turn
 ROUNDS = {'film': 3, 'noise': 1, 'card': 1}         # by the kind of the images
 SIZES = ((640, 480), (1280, 720), (1920, 1080))
 IMAGES = ('blue_image', 'red_image')
-COMMANDS = ['cmd_vel']          # the results of a node that publishes Twists
+COMMAND_TOPICS = ['cmd_vel']      # the results of a node that publishes Twists
 # parameters of hsv_color_filter for the bounds, and the article's values
 LIMITS = ('h_limit_min', 'h_limit_max', 's_limit_min', 's_limit_max', 'v_limit_min', 'v_limit_max')
 FILTERS = {'blue': (50, 150, 100, 255, 100, 255), 'red': (150, 180, 100, 255, 150, 255)}
@@ -32,7 +33,7 @@ def script(*path: str, arguments: Sequence[str] = (), env: Optional[Dict[str, st
                          '__ns:=/' + name)
             wait_for(lambda: {topic for topic, _ in master.server.getSystemState()[1]}
                      >= set(images), 'the viewers')
-        return COMMANDS, [process.pid]
+        return COMMAND_TOPICS, [process.pid]
     return start
 
 
@@ -49,7 +50,8 @@ def filters(master: Master, name: str, _viewed: bool) -> tuple:
 
 
 NODES = {'img_recog': script('scripts', 'color_img_recog.py'),
-         'plain': script('bench', 'plain_color_node.py'), 'opencv_apps': filters}
+         'plain': script('bench', 'plain_color_node.py'), 'opencv_apps': filters,
+         'relay': script('bench', 'relay_node.py', arguments=[str(COMMANDS['film'])])}
 
 
 class Case(NamedTuple):
@@ -64,8 +66,8 @@ class Case(NamedTuple):
 def cases() -> List[Case]:
     """Return the cases."""
     found = installed('opencv_apps')
-    return [Case(kind, size, viewed,
-                 ['img_recog', 'plain'] + ['opencv_apps'] * (viewed and found))
+    return [Case(kind, size, viewed, ['img_recog', 'plain'] + ['opencv_apps'] * (viewed and found)
+                 + ['relay'] * (viewed and kind == 'film'))
             for kind in ROUNDS for size in SIZES for viewed in (False, True)]
 
 
@@ -88,7 +90,7 @@ def samples(nodes: dict, kind: str, size: tuple, viewed: bool, turns: int = TURN
             topics, pids = start(master, name, viewed)
             ends.append({'name': name, 'images': '/{}/usb_cam/image_raw'.format(name),
                          'results': ['/{}/{}'.format(name, topic) for topic in topics],
-                         'has_image_results': topics != COMMANDS, 'pids': pids})
+                         'has_image_results': topics != COMMAND_TOPICS, 'pids': pids})
         return run_script('recognition_sample.py', kind, *size, turns, SECONDS, int(rates),
                           json.dumps(ends), env=master.env)
 
