@@ -19,7 +19,7 @@ import sys
 import threading
 import time
 import traceback
-from typing import Dict, List, Optional, Set, Tuple
+from typing import List, Optional, Set
 
 import cv2
 import rospy
@@ -30,13 +30,10 @@ from fastapi.concurrency import run_in_threadpool
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
-from img_recog.graph import dot
-from img_recog.graph.reader import SystemReader
-from img_recog.graph.system import Choice, visible
-from img_recog.graph.system import System as SystemShown
 from img_recog.nodes.web import page, simulation
 from img_recog.nodes.web.doors import Doors
 from img_recog.nodes.web.feed import Feed
+from img_recog.nodes.web.graph_pictures import GraphPictures
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.robot import Robot, resolve
 from img_recog.nodes.web.robots import Robots
@@ -51,9 +48,6 @@ from img_recog.teleoperation.settings import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
 _MAX_IMAGE_BYTES = 200_000_000
-_GRAPH_PERIOD_S = 1.0           # a drawn graph is shown to all pages for this time
-_LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
-_DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
 _TRY_AGAIN = 1013               # a close code of IANA's registry of WebSocket close codes
 
@@ -68,11 +62,7 @@ class Web:
         self._warn = ThrottledWarning()
         self._failure: Optional[Exception] = None
         self._watching: Set[object] = set()
-        self._lock = threading.Lock()
-        self._graphs: Dict[Tuple[bool, bool], bytes] = {}       # of the system
-        self._reader: Optional[SystemReader] = None
-        self._system: Optional[SystemShown] = None
-        self._read_s = 0.0
+        self._graphs = GraphPictures()
         self._recording_lock = threading.Lock()
         self._recording: Optional[BagRecording] = None
         lifecycle.on_shutdown(self._end_recording)
@@ -190,17 +180,7 @@ class Web:
 
     def graph(self, is_dark: bool, leaves: bool) -> bytes:
         """Return the graph of nodes and topics as SVG; raise UserError if that fails."""
-        with self._lock:
-            if self._system is None or time.monotonic() - self._read_s > _GRAPH_PERIOD_S:
-                self._reader = self._reader or SystemReader()
-                self._system = self._reader.read().without(rospy.get_name())
-                self._read_s = time.monotonic()
-                self._graphs = {}
-            if (is_dark, leaves) not in self._graphs:
-                shown = visible(self._system, Choice(leaves=leaves))
-                self._graphs[is_dark, leaves] = dot.draw(
-                    dot.to_dot(shown, _DARK if is_dark else _LIGHT), 'svg')
-            return self._graphs[is_dark, leaves]
+        return self._graphs.draw(is_dark, leaves)
 
 
 def _wait_for_other_nodes() -> None:
