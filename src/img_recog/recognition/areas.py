@@ -128,8 +128,7 @@ class ColorExtractor:
             result[:] = 0
         else:
             cells[drawn] = _BLACK
-        pixels = groups.bgr & groups.mask
-        cells[groups.indices] = pixels.reshape(-1).view(CELL)
+        cells[groups.indices] = groups.bgr
         return groups.indices
 
     def _groups_inside(self, number: int) -> Optional[GroupsInside]:

@@ -8,25 +8,25 @@ from img_recog.recognition.candidates import CELL, GROUP, GROUP_PX, MIN_SAVED, S
 from img_recog.recognition.mask_plan import MaskPlan, tests
 from img_recog.recognition.settings import Color
 
-# pixels that are processed at a time, so that the intermediate arrays stay in the CPU cache
-_STRIP_PX = 1 << 17
+# Pixels that are processed at a time, so that the intermediate arrays stay in the CPU cache. In a
+# large image more of them, because each strip costs as much Python.
+_MIN_STRIP_PX, _MAX_STRIP_PX, _STRIPS = 1 << 17, 1 << 18, 8
 _FRAMES_WITHOUT_SEARCH = 15     # after a search that saved too little
+# of the groups of an image: to copy more of them takes longer than to copy the whole image
+_MAX_SHARE_INSIDE = 0.1
 
 
 class GroupsInside(NamedTuple):
     """The groups of an image in which pixels of a color are.
 
-    indices: of the groups; bgr: all pixels of these groups in bgr8, and mask: their mask, 255 or
-    0; both uint8 of shape (pixels, 3).
+    indices: of the groups; bgr: the groups in bgr8, of type CELL, with all other pixels black.
     """
 
     indices: np.ndarray
     bgr: np.ndarray
-    mask: np.ndarray
 
 
-_NOTHING_INSIDE = GroupsInside(np.empty(0, np.intp), np.empty((0, 3), np.uint8),
-                               np.empty((0, 3), np.uint8))
+_NOTHING_INSIDE = GroupsInside(np.empty(0, np.intp), np.empty(0, CELL))
 
 
 class Masks:
@@ -45,7 +45,8 @@ class Masks:
         self.areas_px = [0] * len(colors)
         self._tested = [number for number, color in enumerate(colors) if list(tests(color))]
         tested = [colors[number] for number in self._tested]
-        rows = max(GROUP_PX, _STRIP_PX // max(1, width) // GROUP_PX * GROUP_PX)     # whole groups
+        size_px = max(_MIN_STRIP_PX, min(height * width // _STRIPS, _MAX_STRIP_PX))
+        rows = max(GROUP_PX, size_px // max(1, width) // GROUP_PX * GROUP_PX)   # whole groups
         tops = range(0, height if width and tested else 0, rows)
         self.ends = [min(height, top + rows) for top in tops]
         self._strips = [slice(top, end) for top, end in zip(tops, self.ends)]
@@ -55,7 +56,7 @@ class Masks:
         self._mask_groups = [mask.view(GROUP) for mask in flat]
         self._is_written = [False] * len(colors)
         strip_px = min(rows, height) * width
-        self._tester = _Tester(padded(max(_STRIP_PX, strip_px)), tested)
+        self._tester = _Tester(padded(max(size_px, strip_px)), tested)
         self._groups = _Groups(height * width, self._tester, len(tested))
         self._search = Search(strip_px, tested)
         self._is_searching, self._frames_without_search = False, 0
@@ -116,7 +117,7 @@ class Masks:
         return self._masks[number]
 
     def groups_inside(self, number: int) -> Optional[GroupsInside]:
-        """Return the groups with pixels of a color; None if they are not known."""
+        """Return the groups with pixels of a color; None if they are many, or not known."""
         if not self._is_searching or number not in self._tested:
             return None
         return self._groups.inside(self._tested.index(number))
@@ -161,16 +162,14 @@ class _Groups:
         size_px = padded(image_px)
         self.count, self.areas_px = 0, [0] * colors
         self._tested = 0                # of the groups
-        self._tests = 0
         self._indices = np.empty(size_px // GROUP_PX, np.intp)
         self._results = [np.empty(size_px, np.uint8) for _ in range(colors)]
         self._channels = [np.empty(tester.max_px, np.uint8) for _ in range(3)]
-        self._image = np.empty(3 * tester.max_px, np.uint8)
+        self._image = np.empty(3 * size_px, np.uint8)       # all pixels of the groups, bgr8
 
     def clear(self) -> None:
         """Forget all groups."""
         self.count, self._tested, self.areas_px = 0, 0, [0] * len(self.areas_px)
-        self._tests = 0
 
     def add(self, search: Search, groups: np.ndarray, first: int, conversion: int) -> None:
         """Add groups of the strip that was searched last.
@@ -194,14 +193,13 @@ class _Groups:
         if first == last:
             return
         row = 1, last - first
-        image = self._image[:3 * row[1]].reshape(row + (3,))
+        image = self._image[3 * first:3 * last].reshape(row + (3,))
         channels = [channel[:row[1]].reshape(row) for channel in self._channels]
         if conversion == cv2.COLOR_RGB2HSV:
             channels.reverse()
         cv2.merge(channels, image)
         results = [result[first:last].reshape(row) for result in self._results]
         self._tester.test(image, cv2.COLOR_BGR2HSV, results)
-        self._tests += 1
         beyond = (self._indices[self.count - 1] + 1) * GROUP_PX - self._image_px
         for number, result in enumerate(results):
             if beyond > 0:
@@ -210,17 +208,17 @@ class _Groups:
         self._tested = self.count
 
     def inside(self, color: int) -> Optional[GroupsInside]:
-        """Return the groups with pixels of a color; None if they were not tested together."""
-        if self._tests > 1:
-            return None         # the pixels of earlier tests are overwritten
-        results = self._results[color].view(GROUP)[:self.count]
-        nonzero = np.flatnonzero(results != 0)
-        if not len(nonzero):
+        """Return the groups with pixels of a color; None if they are many."""
+        if not self.areas_px[color]:
             return _NOTHING_INSIDE
+        results = self._results[color].view(GROUP)[:self.count]
+        nonzero, = results.nonzero()
+        if len(nonzero) > _MAX_SHARE_INSIDE * len(self._indices):
+            return None
+        pixels = self._image.view(CELL)[nonzero].view(np.uint8).reshape(1, -1, 3)
         mask = results[nonzero].view(np.uint8).reshape(1, -1)
-        pixels = self._image[:3 * GROUP_PX * self.count].view(CELL)[nonzero]
-        return GroupsInside(self._indices[nonzero], pixels.view(np.uint8).reshape(-1, 3),
-                            cv2.merge([mask, mask, mask])[0])
+        return GroupsInside(self._indices[nonzero],
+                            cv2.copyTo(pixels, mask).reshape(-1).view(CELL))
 
     def put(self, color: int, mask: np.ndarray) -> None:
         """Write the mask of a color: of type GROUP, one for each group of the image."""

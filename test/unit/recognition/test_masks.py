@@ -46,6 +46,12 @@ def test_every_bgr_color():
         assert_equal_to_plain_opencv(masks, image, ARTICLE)
 
 
+def set_strip_px(monkeypatch, size_px):
+    """Let masks be computed in strips of this size."""
+    for name in ('_MIN_STRIP_PX', '_MAX_STRIP_PX'):
+        monkeypatch.setattr(masks_module, name, size_px)
+
+
 @pytest.mark.parametrize('given', [
     ARTICLE, ARTICLE[:1], ARTICLE[1:], colors(saturation_min=1), colors(saturation_min=255),
     colors(saturation_min=0), colors(value_min=250), colors(saturation_min=60, value_min=3),
@@ -65,7 +71,7 @@ def test_each_pixel_is_found_alone(monkeypatch, given):
             _, last = np.unique(pairs[inside][::-1, 0], return_index=True)
             nearest.append(pixels[inside][::-1][last])
     image = np.concatenate(nearest)[:, np.newaxis]
-    monkeypatch.setattr(masks_module, '_STRIP_PX', 1)
+    set_strip_px(monkeypatch, 1)
     masks = Masks(image.shape[:2], given)
     assert_equal_to_plain_opencv(masks, image, given)
     assert masks.areas_px[0] > 0
@@ -165,7 +171,7 @@ def test_a_color_of_all_pixels_needs_no_conversion(monkeypatch):
 @pytest.mark.parametrize('given', [ARTICLE, colors(saturation_min=0, value_min=3)])
 def test_an_image_that_arrives_in_parts(monkeypatch, shape, given):
     """What is below the rows that are there is the image before."""
-    monkeypatch.setattr(masks_module, '_STRIP_PX', 1 << 12)
+    set_strip_px(monkeypatch, 1 << 12)
     masks, random = Masks(shape, given), np.random.RandomState(0)
     memory = np.empty(shape + (3,), np.uint8)
     for number in range(4):
@@ -200,22 +206,27 @@ def test_the_groups_of_a_color(conversion, channels):
     image = bgr if conversion == cv2.COLOR_BGR2HSV else bgr[..., ::-1]
     compute(masks, np.dstack([image, bgr[..., :channels - 3]]), conversion)
     for number, wanted in enumerate(([10 * 8 + 2, 11 * 8, 11 * 8 + 1], [40 * 8 + 7])):
-        indices, pixels, inside = masks.groups_inside(number)
+        indices, pixels = masks.groups_inside(number)
         assert indices.tolist() == wanted
-        mask = np.zeros((48 * 8, 8, 3), np.uint8)
-        mask[indices] = inside.reshape(-1, 8, 3)
-        assert np.array_equal(mask.reshape(48, 64, 3), np.dstack([masks.mask(number)] * 3))
-        assert np.array_equal(pixels.reshape(-1, 8, 3), bgr.reshape(-1, 8, 3)[indices])
+        masked = np.zeros((48 * 8, 8, 3), np.uint8)
+        masked[indices] = pixels.view(np.uint8).reshape(-1, 8, 3)
+        assert np.array_equal(masked.reshape(48, 64, 3),
+                              bgr & np.dstack([masks.mask(number)] * 3))
 
 
-def test_no_pixels_are_kept_of_groups_that_do_not_fit(monkeypatch):
+@pytest.mark.parametrize('rows, are_few', [(51, True), (52, False)])
+def test_the_groups_of_a_color_are_known_if_they_are_few(rows, are_few):
     masks, image = Masks((512, 640), ARTICLE), np.full((512, 640, 3), 128, np.uint8)
-    image[:210] = BLUE
+    image[:300] = 0, 255, 255       # as saturated as a color, and more than are tested at once
+    image[280:280 + rows] = BLUE
     compute(masks, image, cv2.COLOR_BGR2HSV)
-    assert masks.groups_inside(0) is None and masks.areas_px == [210 * 640, 0]
-    image[200:] = 128
-    compute(masks, image, cv2.COLOR_BGR2HSV)
-    assert len(masks.groups_inside(0).indices) == 200 * 640 // 8
+    assert masks.areas_px == [rows * 640, 0]
+    groups = masks.groups_inside(0)
+    if are_few:
+        assert list(groups.indices) == list(range(280 * 80, (280 + rows) * 80))
+        assert (groups.bgr.view(np.uint8).reshape(-1, 3) == BLUE).all()
+    else:
+        assert groups is None
     assert len(masks.groups_inside(1).indices) == 0
 
 

@@ -73,8 +73,8 @@ class RawInput(_NewestInput):
 
         max_pixels: larger images are refused.
         begin: as for ImageSubscriber.
-        process: is called with a complete image, in any thread; returns whether it was processed,
-        which it is not if another image is being processed.
+        process: is called with a complete image, in any thread; returns whether it was processed.
+        If it was not, the image is left to the loop.
         """
         super().__init__(counts, max_pixels)
         self._begin, self._process, self._now = begin, process, now

@@ -88,9 +88,9 @@ class ColorExtract:
         self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
             '' if transport == 'raw' else '/' + transport))
         self._velocity, self._yielding = DirectPublisher('cmd_vel', Twist), Yielding()
-        self._masked = [ImagePublisher(topic) for topic in topics]
+        self._masked = [ImagePublisher(topic, leave_large=True) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
-        self._overlay = ImagePublisher('color_overlay')
+        self._overlay = ImagePublisher('color_overlay', leave_large=True)
         self._is_shutdown = threading.Event()
         self._frame_lock = threading.Lock()
         self._begun: Optional[Image] = None     # the message that the extractor has begun with
@@ -119,11 +119,11 @@ class ColorExtract:
                     self._process(msg)
 
     def process(self, msg: Image) -> bool:
-        """Process a frame in another thread than the loop, if no frame is processed now.
+        """Process a frame in another thread than the loop; wait while that one is at work.
 
-        Returns whether it was processed.
+        Returns whether it was processed, which it is not after the shutdown.
         """
-        return self._try(self._process, msg) is not None
+        return self._try(self._process, msg, blocking=True) is not None
 
     def work_ahead(self, msg: Image) -> Iterator[int]:
         """Compute masks of a frame that is not complete; see `begin` of ImageSubscriber."""
@@ -133,9 +133,12 @@ class ColorExtract:
             yield rows * msg.step
             rows = self._try(self._next_rows, msg, steps)
 
-    def _try(self, work: Callable[..., Any], *arguments: Any) -> Any:
-        """Return what `work` returns; None if another thread processes a frame, or at the end."""
-        if not self._frame_lock.acquire(blocking=False):
+    def _try(self, work: Callable[..., Any], *arguments: Any, blocking: bool = False) -> Any:
+        """Return what `work` returns; None after the shutdown.
+
+        blocking: whether to wait while another thread is at work; None is returned if not.
+        """
+        if not self._frame_lock.acquire(blocking=blocking):
             return None
         try:
             return None if self._is_shutdown.is_set() else work(*arguments)

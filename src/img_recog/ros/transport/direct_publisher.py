@@ -10,6 +10,18 @@ from img_recog.ros.transport.outbox import Outbox, close
 from img_recog.ros.transport.switch import is_plain
 
 _QUEUE_SIZE = 10        # with plain rospy
+_LENGTH_BYTES = 4       # before each message on the wire
+
+
+class _Serialized:
+    """The bytes of a message, with the part of the interface of one that rospy needs."""
+
+    def __init__(self, data: bytes):
+        self._data = data
+
+    def serialize(self, buff: io.BytesIO) -> None:
+        """Write the message to a buffer."""
+        buff.write(self._data)
 
 
 class DirectPublisher:
@@ -52,7 +64,7 @@ class DirectPublisher:
         """Serialize a message, and send it with the next `flush`.
 
         To send several messages together takes much less time than one by one. The message may be
-        changed then, unless the topic is latched.
+        changed then.
         """
         topic = self._publisher.impl
         lock = None if topic is None or self._is_plain else topic.publock
@@ -60,27 +72,31 @@ class DirectPublisher:
             self._publisher.publish(msg)        # raises an error unless it is plain
             return
         with lock:
-            if topic.is_latch:
-                topic.latch = msg
-            if topic.connections:
-                topic.seq += 1
-                begin = self._buffer.tell()
-                try:
-                    serialize_message(self._buffer, topic.seq, msg)
-                except Exception:       # a part of a message would spoil all that follow
-                    self._buffer.seek(begin)
-                    self._buffer.truncate()
-                    raise
+            if not (topic.connections or topic.is_latch):
+                return
+            topic.seq += 1
+            buffer, begin = self._buffer, self._buffer.tell()
+            is_whole = False
+            try:
+                serialize_message(buffer, topic.seq, msg)
+                is_whole = True
+                if topic.is_latch:
+                    topic.latch = _Serialized(buffer.getvalue()[begin + _LENGTH_BYTES:])
+            finally:
+                # a part of a message would spoil all that follow
+                if not (is_whole and topic.connections):
+                    buffer.seek(begin)
+                    buffer.truncate()
 
     def flush(self) -> None:
         """Send what was added since the last call."""
         buffer, topic = self._buffer, self._publisher.impl
         lock = None if topic is None else topic.publock     # None: rospy has closed the topic
-        if lock is None or not buffer.tell():
+        if lock is None:
             return
         with lock:
             data = buffer.getvalue()
-            if not data:        # sent meanwhile, for a new subscriber
+            if not data:
                 return
             buffer.seek(0)
             buffer.truncate()

@@ -13,6 +13,7 @@ from img_recog.ros.transport.outbox import Outboxes
 from img_recog.ros.transport.packets import PacketPool
 from img_recog.ros.transport.switch import is_plain
 
+_MIN_BYTES_LEFT = 1 << 21       # for a thread, see `leave_large`
 _LENGTH = struct.Struct('<I')
 _NUMBERS = struct.Struct('<III')        # after the length: seq and stamp
 
@@ -24,8 +25,13 @@ class ImagePublisher:
     blocks the publisher. Use it from one thread at a time.
     """
 
-    def __init__(self, name: str):
-        """Advertise the topic `name`."""
+    def __init__(self, name: str, leave_large: bool = False):
+        """Advertise the topic `name`.
+
+        leave_large: whether to send large images in threads, so that the caller goes on meanwhile:
+        more images a second, which arrive later and less regularly. Not with plain rospy.
+        """
+        self._leave_large = leave_large
         self._is_plain = is_plain('image_publisher')
         self._publisher = (rospy.Publisher(name, Image, queue_size=1) if self._is_plain
                            else synchronous_publisher(name, Image))
@@ -87,7 +93,7 @@ class ImagePublisher:
             packet.note = None, None        # if it raises an error, the content is arbitrary
             packet.note = (len(head), shape), draw(
                 image, drawn if layout == (len(head), shape) else None)
-            self._outboxes.put(packet)
+            self._outboxes.put(packet, self._leave_large and size >= _MIN_BYTES_LEFT)
         finally:
             packet.release()
 

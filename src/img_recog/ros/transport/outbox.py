@@ -58,9 +58,10 @@ class Outbox:
         self.put(_Message(data))
         return True
 
-    def put(self, message: Union[_Message, Packet]) -> None:
+    def put(self, message: Union[_Message, Packet], leave: bool = False) -> None:
         """Send a message; as long as it is not sent, the outbox is an owner of it.
 
+        leave: whether to leave all of it to the thread.
         Raises an exception if the connection is closed.
         """
         connection = self._connection
@@ -76,7 +77,7 @@ class Outbox:
                         replaced.release()
                     return
         try:
-            count = sock.send(message.data, socket.MSG_DONTWAIT)
+            count = 0 if leave else sock.send(message.data, socket.MSG_DONTWAIT)
         except BlockingIOError:
             count = 0
         connection.stat_bytes += len(message.data)
@@ -135,10 +136,10 @@ class Outboxes:
             self._outboxes = {connection: self._outboxes.get(connection) or Outbox(connection)
                               for connection in connections}
 
-    def put(self, packet: Packet) -> None:
-        """Send a packet to all connections."""
+    def put(self, packet: Packet, leave: bool) -> None:
+        """Send a packet to all connections; `leave` is that of `Outbox.put`."""
         for connection, outbox in self._outboxes.items():
             try:
-                outbox.put(packet)
+                outbox.put(packet, leave)
             except (OSError, TransportTerminated):      # like rospy
                 close(connection)

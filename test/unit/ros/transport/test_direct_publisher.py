@@ -267,6 +267,24 @@ def test_the_last_of_several_messages_is_latched(way, name, subscribe):
     assert subscribe(name, String).receive() == packet(text(1))
 
 
+def test_a_latched_message_that_is_changed_later_is_latched_as_it_was(fast, name, subscribe):
+    publisher, msg = DirectPublisher(name, Imu, latch=True), Imu()
+    for number in range(2):
+        msg.header.frame_id = 'frame {}'.format(number)
+        publisher.publish(msg)
+        msg.header.frame_id = 'not published'
+        latched = Imu().deserialize(subscribe(name, Imu).receive()[4:])
+        assert latched.header.frame_id == 'frame {}'.format(number)
+
+
+def test_a_message_that_cannot_be_serialized_is_not_latched(fast, name, subscribe):
+    publisher = DirectPublisher(name, String, latch=True)
+    publisher.publish(text(1))
+    with pytest.raises(Exception):
+        publisher.publish(String(7))
+    assert subscribe(name, String).receive() == packet(text(1))
+
+
 def test_a_message_that_is_published_while_a_subscriber_connects_comes_once(fast, name,
                                                                             subscribe):
     publisher = DirectPublisher(name, String, latch=True)

@@ -9,6 +9,7 @@ from rospy.msg import serialize_message
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
+from img_recog.ros.transport import outbox
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog_testing.extraction import random_image
 from img_recog_testing.waiting import wait_for
@@ -96,6 +97,25 @@ def test_a_subscriber_that_does_not_read_blocks_no_other_and_gets_whole_images_l
     assert stuck.receive() == wire(random_image(20, LARGE), 20)
     publish(publisher, random_image(21, LARGE))
     assert stuck.receive() == wire(random_image(21, LARGE), 21)
+
+
+@pytest.mark.parametrize('leave_large, shape, sent', [
+    (True, (1080, 1920, 3), {0}), (True, (480, 640, 3), None), (False, (1080, 1920, 3), None)])
+def test_large_images_can_be_left_to_a_thread(fast, name, subscribe, monkeypatch, leave_large,
+                                              shape, sent):
+    counts, catch_up = [], outbox.Outbox._catch_up
+
+    def note(self, sock, message, count):
+        counts.append(count)
+        catch_up(self, sock, message, count)
+    monkeypatch.setattr(outbox.Outbox, '_catch_up', note)
+    publisher = ImagePublisher(name, leave_large)
+    subscriber, image = subscribe(name, Image), random_image(1, shape)
+    for seq in range(1, 4):
+        publish(publisher, image)
+        assert subscriber.receive() == wire(image, seq)
+    # how much of each message the caller had sent
+    assert set(counts) == sent if sent else all(counts)
 
 
 @pytest.fixture
