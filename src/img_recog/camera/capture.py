@@ -11,8 +11,9 @@ from img_recog.camera.source import FrameSkipped, FrameSource, SourceEnded, Sour
 FIRST_RETRY_S, LAST_RETRY_S = 0.5, 5.0
 _STOP_TIMEOUT_S, _JOIN_TIMEOUT_S = 1.5, 1.0     # a read may block for longer
 # Subscribers receive a frame in this share of its period, before the next one is decoded: they may
-# wait for the processor otherwise. Not if decoding takes longer than that, or hardly any time.
-_RECEIVING_SHARE, _NOTHING_S = 0.25, 2e-4
+# wait for the processor otherwise. Not if decoding takes a larger share than the other one, or
+# hardly any time.
+_RECEIVING_SHARE, _MAX_READING_SHARE, _NOTHING_S = 0.25, 0.5, 2e-4
 
 
 class Listener:
@@ -173,10 +174,11 @@ class Capture:
                 self._listener.opened(source)
             pacer = Pacer(source.rate_hz, self._now) if source.rate_hz else None
             throttle = Throttle(source.max_hz) if source.max_hz else None
-            receiving_s = _RECEIVING_SHARE / source.rate_hz if source.rate_hz else 0.0
+            period_s = 1.0 / source.rate_hz if source.rate_hz else 0.0
             read_s = 0.0
             while not self._stopping.is_set():
-                if _NOTHING_S < read_s < receiving_s and self._pause(receiving_s):
+                if (_NOTHING_S < read_s < _MAX_READING_SHARE * period_s
+                        and self._pause(_RECEIVING_SHARE * period_s)):
                     break
                 begin_s = self._now()
                 image = self._read(source)

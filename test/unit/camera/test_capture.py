@@ -142,11 +142,11 @@ def test_subscribers_get_a_frame_before_the_next_one_is_decoded(clock):
     def decode(seconds):
         begins.append(clock() - 100.0)
         return seconds
-    quick, slow, free = 0.015625, 0.0625, 0.0       # of a period of 0.125 s
+    quick, medium, slow, free = 0.015625, 0.046875, 0.0625, 0.0     # of a period of 0.125 s
     rig = Rig(clock, video(*(partial(decode, seconds) for seconds in (
-        quick, quick, slow, slow, free, free)), SourceError('end')))
+        quick, medium, slow, slow, free, free)), SourceError('end')))
     rig.run()
-    # a quarter of the period later, unless decoding takes longer than that or no time
+    # a quarter of the period later, unless decoding takes half of it or longer, or no time
     assert begins == [0.0, 0.015625 + 0.03125, 0.140625 + 0.03125, 0.265625, 0.390625, 0.515625]
     assert [call[1] for call in rig.listener.calls if call[0] == 'frame'] == [
         0.015625 + 0.125 * number for number in range(6)]

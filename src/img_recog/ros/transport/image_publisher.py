@@ -1,7 +1,7 @@
 """A publisher for large images."""
 import io
 import struct
-from typing import Any, Callable
+from typing import Any, Callable, Optional
 
 import numpy as np
 import rospy
@@ -13,7 +13,6 @@ from img_recog.ros.transport.outbox import Outboxes
 from img_recog.ros.transport.packets import PacketPool
 from img_recog.ros.transport.switch import is_plain
 
-_MIN_BYTES_LEFT = 1 << 21       # for a thread, see `leave_large`
 _LENGTH = struct.Struct('<I')
 _NUMBERS = struct.Struct('<III')        # after the length: seq and stamp
 
@@ -50,12 +49,17 @@ class ImagePublisher:
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Publish an image if there are subscribers.
 
-        image: uint8 of shape (height, width[, channels]).
+        image: uint8 of shape (height, width[, channels]). If it is read-only, it must not change
+        later either: to publish it again then takes no copy.
         encoding: of 8-bit channels, as in sensor_msgs/image_encodings.h.
         """
         shape = image.shape if image.ndim == 3 else image.shape + (1,)
-        self.publish_drawn(lambda result, _: np.copyto(result, image.reshape(shape)), shape,
-                           encoding, header)
+
+        def copy(result: np.ndarray, copied: Optional[np.ndarray]) -> Optional[np.ndarray]:
+            if copied is not image:
+                np.copyto(result, image.reshape(shape))
+            return None if image.flags.writeable else image
+        self.publish_drawn(copy, shape, encoding, header)
 
     def publish_drawn(self, draw: Callable[[np.ndarray, Any], Any], shape: tuple, encoding: str,
                       header: Header) -> None:
@@ -93,7 +97,7 @@ class ImagePublisher:
             packet.note = None, None        # if it raises an error, the content is arbitrary
             packet.note = (len(head), shape), draw(
                 image, drawn if layout == (len(head), shape) else None)
-            self._outboxes.put(packet, self._leave_large and size >= _MIN_BYTES_LEFT)
+            self._outboxes.put(packet, self._leave_large)
         finally:
             packet.release()
 

@@ -1,5 +1,6 @@
 """Sending to one subscriber without ever blocking the publisher."""
 import contextlib
+import os
 import socket
 import threading
 from queue import Empty, SimpleQueue
@@ -11,6 +12,9 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from img_recog.ros.transport.packets import Packet
 
 _IDLE_S = 1.0       # after this time without work, the thread of an outbox ends
+# A subscriber that the first bytes of a message wake up often has to wait for this processor, and
+# to copy a larger message takes milliseconds. So it may read the first bytes first.
+_LARGE_BYTES, _FIRST_BYTES = 1 << 21, 1 << 12
 
 
 def close(connection: TCPROSTransport) -> None:
@@ -30,6 +34,17 @@ class _Message:
 
     def release(self) -> None:
         pass
+
+
+def _send(sock: socket.socket, data: Union[bytes, bytearray]) -> int:
+    """Send what the socket accepts at once; return the number of bytes."""
+    count = 0
+    with contextlib.suppress(BlockingIOError):
+        if len(data) >= _LARGE_BYTES:
+            count = sock.send(memoryview(data)[:_FIRST_BYTES], socket.MSG_DONTWAIT)
+            os.sched_yield()
+        count += sock.send(memoryview(data)[count:], socket.MSG_DONTWAIT)
+    return count
 
 
 class Outbox:
@@ -58,10 +73,10 @@ class Outbox:
         self.put(_Message(data))
         return True
 
-    def put(self, message: Union[_Message, Packet], leave: bool = False) -> None:
+    def put(self, message: Union[_Message, Packet], leave_large: bool = False) -> None:
         """Send a message; as long as it is not sent, the outbox is an owner of it.
 
-        leave: whether to leave all of it to the thread.
+        leave_large: whether to leave all of a large message to the thread.
         Raises an exception if the connection is closed.
         """
         connection = self._connection
@@ -76,10 +91,8 @@ class Outbox:
                     if replaced is not None:
                         replaced.release()
                     return
-        try:
-            count = 0 if leave else sock.send(message.data, socket.MSG_DONTWAIT)
-        except BlockingIOError:
-            count = 0
+        is_left = leave_large and len(message.data) >= _LARGE_BYTES
+        count = 0 if is_left else _send(sock, message.data)
         connection.stat_bytes += len(message.data)
         connection.stat_num_msg += 1
         if count < len(message.data):
@@ -136,10 +149,10 @@ class Outboxes:
             self._outboxes = {connection: self._outboxes.get(connection) or Outbox(connection)
                               for connection in connections}
 
-    def put(self, packet: Packet, leave: bool) -> None:
-        """Send a packet to all connections; `leave` is that of `Outbox.put`."""
+    def put(self, packet: Packet, leave_large: bool) -> None:
+        """Send a packet to all connections; `leave_large` is that of `Outbox.put`."""
         for connection, outbox in self._outboxes.items():
             try:
-                outbox.put(packet, leave)
+                outbox.put(packet, leave_large)
             except (OSError, TransportTerminated):      # like rospy
                 close(connection)

@@ -1,5 +1,6 @@
 """Images to real connections of rospy: the same bytes that rospy sends, from reused buffers."""
 import io
+import os
 import warnings
 
 import numpy as np
@@ -116,6 +117,36 @@ def test_large_images_can_be_left_to_a_thread(fast, name, subscribe, monkeypatch
         assert subscriber.receive() == wire(image, seq)
     # how much of each message the caller had sent
     assert set(counts) == sent if sent else all(counts)
+
+
+@pytest.mark.parametrize('shape, sent', [((1080, 1920, 3), [4096, 4096]), ((480, 640, 3), [])])
+def test_a_subscriber_may_read_the_first_bytes_of_a_large_image_first(
+        fast, name, publisher, subscribe, monkeypatch, shape, sent):
+    """When the sender gives up its processor for once, only they are sent."""
+    subscriber, image, waiting = subscribe(name, Image), random_image(1, shape), []
+    monkeypatch.setattr(os, 'sched_yield', lambda: waiting.append(subscriber.waiting_bytes()))
+    for seq in (1, 2):
+        publish(publisher, image)
+        assert subscriber.receive() == wire(image, seq)
+    assert waiting == sent
+
+
+def test_a_read_only_image_is_not_copied_again(fast, name, publisher, subscribe):
+    subscriber, copied = subscribe(name, Image), []
+
+    class Noted(np.ndarray):
+        def reshape(self, *shape):
+            copied.append(self)
+            return super().reshape(*shape)
+    first, second, writeable = (random_image(number).view(Noted) for number in range(3))
+    for image in (first, second):
+        image.setflags(write=False)
+    for seq, image in enumerate((first, first, second, first, first, writeable, writeable,
+                                 second, second), 1):
+        publish(publisher, image)
+        assert subscriber.receive() == wire(image, seq)
+    assert [id(image) for image in copied] == [
+        id(image) for image in (first, second, first, writeable, writeable, second)]
 
 
 @pytest.fixture
