@@ -12,6 +12,9 @@ from img_recog.nodes.web.texts import Texts
 _FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 0.0)
 # readable on a light and on a dark card
 _CHART_TEXT, _CHART_LINES = '#8b919c', '#8b919c44'
+# visible on white and on dark grey
+_CHART_COLORS = ['#4e79d7', '#f28e2b', '#59a14f', '#b07aa1', '#3ba9b5', '#d4a72c', '#e8738a',
+                 '#a17a5f']
 _PAD: Sequence[Tuple[str, str, str]] = (      # text, icon, direction; by rows of three
     ('', '', ''), ('forward', 'arrow_upward', '1,0'), ('', '', ''),
     ('left', 'rotate_left', '0,1'), ('stop', 'stop', '0,0'), ('right', 'rotate_right', '0,-1'),
@@ -62,7 +65,11 @@ class LiveTab:
             ui.echart({
                 'animation': False,         # else the labels of an axis come later than its lines
                 'grid': {'left': 48, 'right': 12, 'top': 26, 'bottom': 34},
-                'legend': {'top': 0, 'textStyle': {'color': _CHART_TEXT}},
+                'color': _CHART_COLORS,
+                # of one line: the chart begins below it
+                'legend': {'type': 'scroll', 'top': 0, 'textStyle': {'color': _CHART_TEXT},
+                           'pageTextStyle': {'color': _CHART_TEXT},
+                           'pageIconColor': _CHART_TEXT, 'pageIconInactiveColor': _CHART_LINES},
                 'xAxis': dict(axis, min=-20, max=0, name=self._t('seconds'),
                               nameLocation='middle', nameGap=18),
                 'yAxis': axis, 'series': []}).classes('chart').props(

@@ -167,6 +167,7 @@ class RobotTopics(Topics):
         """Subscribe to nothing yet; resolve: returns the full name of a topic of the robot."""
         super().__init__()
         self.frame_id = ''
+        self._pose: Optional[List[Any]] = None
         self._colors: List[str] = []
         self._warn = ThrottledWarning()
         self._list: List[Topic] = [
@@ -179,7 +180,7 @@ class RobotTopics(Topics):
 
     def _forget(self) -> None:
         super()._forget()
-        self._colors = []
+        self._pose, self._colors = None, []
 
     def _asked(self, msg: Twist) -> None:
         self.news.add('asked', _rounded(time.monotonic(), msg.linear.x, msg.angular.z))
@@ -193,7 +194,8 @@ class RobotTopics(Topics):
         self.frame_id = msg.header.frame_id
         twist = msg.twist.twist
         self.news.add('driven', _rounded(time.monotonic(), twist.linear.x, twist.angular.z))
-        self.news.set('pose', _rounded(*pose))
+        self._pose = _rounded(*pose)
+        self.news.set('pose', self._pose)
         self.news.extend_path(*_rounded(pose.x, pose.y))
 
     def _scanned(self, msg: LaserScan) -> None:
@@ -201,8 +203,10 @@ class RobotTopics(Topics):
             self._warn('scan: angle_min %g and angle_increment %g, expected finite numbers',
                        msg.angle_min, msg.angle_increment)
             return
+        # with the pose of this moment: a scan stays where it was measured until the next one comes
         self.news.set('scan', {
-            'angle_min': msg.angle_min, 'angle_increment': msg.angle_increment,
+            'pose': self._pose, 'angle_min': msg.angle_min,
+            'angle_increment': msg.angle_increment,
             'ranges': [_number(each) if msg.range_min <= each <= msg.range_max else None
                        for each in msg.ranges]})
 

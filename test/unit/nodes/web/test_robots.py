@@ -128,7 +128,17 @@ def test_a_scan_without_angles_is_dropped(field, value):
     assert robot.news.since(None)[1] == {}
     robot._scanned(LaserScan(ranges=[1.0, float('nan')], range_max=2.0, angle_increment=0.5))
     assert robot.news.since(None)[1]['scan'] == {
-        'angle_min': 0.0, 'angle_increment': 0.5, 'ranges': [1.0, None]}
+        'pose': None, 'angle_min': 0.0, 'angle_increment': 0.5, 'ranges': [1.0, None]}
+
+
+def test_a_scan_has_the_pose_of_its_moment():
+    robot = RobotTopics('/{}'.format)
+    for x in (1.0, 2.0):
+        robot._driven(odometry(x, 3.0))
+        robot._scanned(LaserScan(ranges=[1.0], range_max=2.0))
+    robot._driven(odometry(4.0, 3.0))
+    assert robot.news.since(None)[1]['scan']['pose'] == [2.0, 3.0, 0.0]
+    assert robot.news.since(None)[1]['pose'] == [4.0, 3.0, 0.0]
 
 
 def test_the_number_of_states_is_limited(monkeypatch):

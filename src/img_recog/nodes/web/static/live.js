@@ -288,12 +288,13 @@
     if (!state.pose) return;
     const [x, y, yaw] = state.pose;
     if (state.scan) {
+      const [scanX, scanY, scanYaw] = state.scan.pose || state.pose;
       context.fillStyle = '#dc2626';
       const dot = 2 * devicePixelRatio;
       state.scan.ranges.forEach((range, index) => {
         if (range === null) return;
-        const angle = yaw + state.scan.angle_min + index * state.scan.angle_increment;
-        const [px, py] = at([x + range * Math.cos(angle), y + range * Math.sin(angle)]);
+        const angle = scanYaw + state.scan.angle_min + index * state.scan.angle_increment;
+        const [px, py] = at([scanX + range * Math.cos(angle), scanY + range * Math.sin(angle)]);
         context.fillRect(px - dot / 2, py - dot / 2, dot, dot);
       });
     }
