@@ -113,21 +113,29 @@ def places(screen, sizes):
 
 
 def free_place(screen, size, taken):
-    """Return the leftmost place where a window covers no other, else one in the lower right.
+    """Return the leftmost place where a window covers no other.
 
+    Where there is none, the place where it covers the smallest share of any other window.
     taken: the others, as left, top, width and height.
     """
-    room = screen[0] - size[0], screen[1] - size[1]
-    for left in sorted({0, *(x + width + GAP_PX for x, _, width, _ in taken)}):
-        for top in sorted({0, *(y + height + GAP_PX for _, y, _, height in taken)}):
-            if left <= room[0] and top <= room[1] and not any(
-                    left < x + width and x < left + size[0]
-                    and top < y + height and y < top + size[1] for x, y, width, height in taken):
-                return left, top
-    left, top = max(0, room[0]), max(0, room[1])
+    room = [max(0, screen[axis] - size[axis]) for axis in (0, 1)]
+    lefts, tops = ({min(room[axis], edge) for edge in (
+        0, room[axis], *(each[axis] + each[axis + 2] + GAP_PX for each in taken))}
+        for axis in (0, 1))
+    best = min(((left, top) for left in lefts for top in tops), key=lambda place: (
+        max((covered_share(place, size, each) for each in taken), default=0), place))
+    left, top = best
     while (left, top) in {each[:2] for each in taken} and (left or top):
         left, top = max(0, left - _STEP_PX), max(0, top - _STEP_PX)
     return left, top
+
+
+def covered_share(place, size, other):
+    """Return the share of another window, (left, top, width, height), that a window covers."""
+    width, height = (
+        max(0, min(place[axis] + size[axis], other[axis] + other[axis + 2])
+            - max(place[axis], other[axis])) for axis in (0, 1))
+    return width * height / max(1, other[2] * other[3])
 
 
 def parts_of_titles(*words):
