@@ -33,7 +33,7 @@ class Arguments:
                           if arg.get('value') is None}      # else a constant
         self._switches = {name for name in self._defaults if _is_switch(root, name)}
         self._checks = {'camera': _camera, 'camera_info_url': _calibration, 'colors': _file,
-                        'urdf': _urdf, 'world': _world}
+                        'record': _record, 'urdf': _urdf, 'world': _world}
 
     def checked(self, words):
         """Return the words with absolute paths, for roslaunch; raise ArgumentError."""
@@ -127,6 +127,24 @@ def _urdf(name, value):
     if path.endswith('.xacro') and "'" in path:
         raise ArgumentError('{}: roslaunch cannot pass on the apostrophe in {}; rename the file '
                             'or its folder'.format(name, path))
+    return path
+
+
+def _record(name, value):
+    if value == 'none':
+        return value
+    path = _absolute(value)
+    if value == '' or "'" in path:
+        raise ArgumentError('{}: got {}, allowed is a path without an apostrophe; write for '
+                            'example {}:=demo.bag'.format(name, _shown(value), name))
+    # rosbag adds the suffix, and replaces a file without a word
+    bag = path if path.endswith('.bag') else path + '.bag'
+    if os.path.exists(bag):
+        raise ArgumentError('{}: {} exists; give another name, or remove it'.format(name, bag))
+    folder = os.path.dirname(bag)
+    if not (os.path.isdir(folder) and os.access(folder, os.W_OK)):
+        raise ArgumentError('{}: {} is no folder where files can be written; make it, or give '
+                            'another path'.format(name, folder))
     return path
 
 

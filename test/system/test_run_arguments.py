@@ -36,6 +36,9 @@ REFUSED = {
                             'color_posts, empty, turtlebot3_world ',
     ('colors:=no.yaml',): 'colors: there is no file no.yaml; ',
     ('urdf:=no.urdf',): 'urdf: there is no file no.urdf; ',
+    ('record:=/no/such/x.bag',): 'record: /no/such is no folder where files can be written; ',
+    ("record:=it's.bag",): "record: got it's.bag, allowed is a path without an apostrophe; ",
+    ('record:=',): "record: got '', allowed is a path",
     ('x_pos:=here',): 'x_pos: got here, allowed is a number; write for example x_pos:=-2.0',
     ('yaw:=nan',): 'yaw: got nan, allowed is a number; ',
     ('image_width:=6e2',): 'image_width: got 6e2, allowed is a whole number; ',
@@ -53,6 +56,14 @@ def test_refused(words):
     assert code == 1
     assert output.startswith('[run] ' + REFUSED[words]), output
     assert output.count('\n') == 1, output
+
+
+@pytest.mark.parametrize('name', ['old', 'old.bag'])
+def test_a_recording_replaces_no_file(tmp_path, name):
+    (tmp_path / 'old.bag').write_text('')
+    assert checked('record:={}/{}'.format(tmp_path, name)) == (
+        1, '[run] record: {}/old.bag exists; give another name, or remove it\n'.format(tmp_path))
+    assert checked('--ros-args', 'record:={}/new'.format(tmp_path))[0] == 0
 
 
 SWITCHES = ('gui', 'image_view', 'recognition', 'simulator', 'teleop', 'use_sim_time',

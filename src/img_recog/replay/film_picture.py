@@ -21,6 +21,7 @@ _MASKS = 230            # width of the column with the masked images
 _ROW = 360              # height of the upper row
 _MAP_MARGIN_M, _MIN_MAP_M = 0.3, 2.0
 _ROBOT_M = 0.15
+_HUE_STEP = 15          # between the colors of two lines, of 180
 
 Box = Tuple[int, int, int, int]         # left, top, width, height in pixels
 
@@ -50,6 +51,7 @@ class FilmPicture:
     def __init__(self, colors: Sequence[Color], outlines: Sequence[np.ndarray]):
         """colors: that are recognized. outlines: (corners, 2) in m of what stands in the world."""
         self._colors, self._outlines = colors, list(outlines)
+        self._shown = _shown(colors)
         self._areas: Deque[tuple] = deque()
         self._speeds: Deque[tuple] = deque()
         self._path: List[Tuple[float, float]] = []
@@ -70,9 +72,10 @@ class FilmPicture:
         height = HEIGHT - lower - _MARGIN
         width = left - 2 * _MARGIN
         _chart(picture, (_MARGIN, lower, width, height), 'areas of the colors (pixels)',
-               [(color.name, _shown(color), [(row[0], row[1 + number]) for row in self._areas])
-                for number, color in enumerate(self._colors)], state.time_s,
-               [(float(color.area_limit_px), _shown(color)) for color in self._colors])
+               [(color.name, shown, [(row[0], row[1 + number]) for row in self._areas])
+                for number, (color, shown) in enumerate(zip(self._colors, self._shown))],
+               state.time_s, [(float(color.area_limit_px), shown)
+                              for color, shown in zip(self._colors, self._shown)])
         _chart(picture, (left, lower, WIDTH - left - _MARGIN, height), 'speed (m/s)',
                [('asked', _ASKED, [(row[0], row[1]) for row in self._speeds]),
                 ('driven', _DRIVEN, [(row[0], row[2]) for row in self._speeds])],
@@ -91,12 +94,18 @@ class FilmPicture:
             self._high = np.maximum(self._high, state.pose[:2])
 
     def _draw_masked(self, picture: np.ndarray, state: FilmState, left: int, top: int) -> None:
-        """Draw the masked images below one another."""
-        count = max(1, len(self._colors))
-        height = (_ROW + _TITLE - _MARGIN * (count - 1)) // count - _TITLE
-        for number, (color, image) in enumerate(zip(self._colors, state.masked)):
-            _image(picture, (left, top + number * (height + _TITLE + _MARGIN), _MASKS, height),
-                   '{}: {} px'.format(color.name, state.areas_px[number]), image)
+        """Draw the masked images in as many columns as make them largest."""
+        rows_px, columns_px = state.image.shape[:2]
+        columns, (width, height) = _grid(len(self._colors), columns_px / rows_px)
+        titles = ['{}: {} px'.format(color.name, area_px) for color, area_px in zip(
+            self._colors, state.areas_px)]
+        # of the longest title that there can be: it does not change from picture to picture
+        scale = min((_fit('{}: {} px'.format(color.name, rows_px * columns_px), width)
+                     for color in self._colors), default=_NORMAL)
+        for number, image in enumerate(state.masked[:len(titles)]):
+            row, column = divmod(number, columns)
+            place = left + column * (width + _MARGIN), top + row * (height + _TITLE + _MARGIN)
+            _image(picture, (*place, width, height), titles[number], image, scale)
 
     def _draw_map(self, picture: np.ndarray, box: Box, state: FilmState) -> None:
         left, top, width, height = box
@@ -130,27 +139,69 @@ class FilmPicture:
         _text(area, '1 m', (12 + meter, foot + 4), _SMALL)
 
 
-def _shown(color: Color) -> Tuple[int, int, int]:
-    """Return the color of the middle hue, in BGR, dark enough for a white page."""
-    pixel = cv2.cvtColor(np.array([[(color.middle_hue, 220, 200)]], np.uint8),
-                         cv2.COLOR_HSV2BGR)[0, 0]
-    return int(pixel[0]), int(pixel[1]), int(pixel[2])
+def _shown(colors: Sequence[Color]) -> List[Tuple[int, int, int]]:
+    """Return the color of each line, in BGR, dark enough for a white page.
+
+    It has the middle hue of the color, or the nearest one that no other line has.
+    """
+    hues: List[int] = []
+    for color in colors:
+        free = [hue for hue in range(0, 180, _HUE_STEP) if all(
+            _hue_distance(hue, used) >= _HUE_STEP for used in hues)]
+        wanted = color.middle_hue
+        if any(_hue_distance(wanted, used) < _HUE_STEP for used in hues) and free:
+            wanted = min(free, key=lambda hue: _hue_distance(hue, color.middle_hue))
+        hues.append(wanted)
+    pixels = cv2.cvtColor(np.array([[(hue, 220, 200) for hue in hues]], np.uint8).reshape(
+        1, -1, 3), cv2.COLOR_HSV2BGR) if hues else np.empty((1, 0, 3))
+    return [(int(blue), int(green), int(red)) for blue, green, red in pixels[0]]
 
 
-def _card(picture: np.ndarray, box: Box, title: str) -> None:
+def _hue_distance(first: int, second: int) -> int:
+    """Return the distance of two hues on the circle of 180."""
+    return min((first - second) % 180, (second - first) % 180)
+
+
+def _grid(count: int, ratio: float) -> Tuple[int, Tuple[int, int]]:
+    """Return the number of columns for masked images, and width and height of each.
+
+    count: of the images; ratio: of their width to their height.
+    """
+    found = []
+    for columns in range(1, max(1, count) + 1):
+        rows = -(-max(1, count) // columns)
+        width = (_MASKS - _MARGIN * (columns - 1)) // columns
+        height = (_ROW + _TITLE - _MARGIN * (rows - 1)) // rows - _TITLE
+        if min(width, height) > 0:
+            found.append((min(width, height * ratio), -columns, (width, height)))
+    _, columns, size = max(found, default=(0.0, -1, (_MASKS, 1)))
+    return -columns, size
+
+
+def _card(picture: np.ndarray, box: Box, title: str, scale: float = _NORMAL) -> None:
     left, top, width, height = box
     picture[top:top + height, left:left + width] = _CARD
-    _text(picture, title, (left + 6, top + 17), _NORMAL)
+    _text(picture, title, (left + 6, top + 17), scale)
+
+
+def _fit(title: str, width: int) -> float:
+    """Return the scale of a title that a card of this width has room for."""
+    return min(_NORMAL, _NORMAL * (width - 12) / max(1, _text_width(title, _NORMAL)))
 
 
 def _text(picture: np.ndarray, text: str, place: Tuple[int, int], scale: float) -> None:
     cv2.putText(picture, text, place, _FONT, scale, _INK, 1, cv2.LINE_AA)
 
 
-def _image(picture: np.ndarray, box: Box, title: str, image: np.ndarray) -> None:
+def _text_width(text: str, scale: float) -> int:
+    return cv2.getTextSize(text, _FONT, scale, 1)[0][0]
+
+
+def _image(picture: np.ndarray, box: Box, title: str, image: np.ndarray,
+           scale_of_title: float = _NORMAL) -> None:
     """Draw an image as large as the box allows, below its title."""
     left, top, width, height = box
-    _card(picture, (left, top, width, height + _TITLE), title)
+    _card(picture, (left, top, width, height + _TITLE), title, scale_of_title)
     scale = min(width / image.shape[1], height / image.shape[0])
     size = max(1, int(image.shape[1] * scale)), max(1, int(image.shape[0] * scale))
     x, y = left + (width - size[0]) // 2, top + _TITLE + (height - size[1]) // 2
@@ -163,7 +214,8 @@ def _chart(picture: np.ndarray, box: Box, title: str, lines: Sequence[tuple], no
     """Draw lines of (name, color, [(time, value), ...]) over the last seconds."""
     left, top, width, height = box
     _card(picture, box, title)
-    x0, x1, y0, y1 = left + 60, left + width - 12, top + height - 24, top + 46
+    x0, x1, y0 = left + 60, left + width - 12, top + height - 24
+    y1 = _legend(picture, [line[:2] for line in lines], (x0, x1), top + 32) + 14
     values = [value for _, _, points in lines for _, value in points]
     values += [limit for limit, _ in limits]
     low, high = _range(values)
@@ -186,13 +238,24 @@ def _chart(picture: np.ndarray, box: Box, title: str, lines: Sequence[tuple], no
         y = at(now_s, limit)[1]
         for x in range(x0, x1, 12):
             cv2.line(picture, (x, y), (x + 5, y), color, 1)
-    for number, (name, color, points) in enumerate(lines):
+    for _, color, points in lines:
         if points:
             cv2.polylines(picture, [np.array([at(*point) for point in points], np.int32)], False,
                           color, 2, cv2.LINE_AA)
-        x = x0 + 130 * number
-        cv2.line(picture, (x, top + 32), (x + 18, top + 32), color, 3)
-        _text(picture, name, (x + 24, top + 36), _SMALL)
+
+
+def _legend(picture: np.ndarray, entries: Sequence[tuple], columns: Tuple[int, int], y: int
+            ) -> int:
+    """Draw names and colors between two columns, in rows from y on; return y of the last row."""
+    x = columns[0]
+    for name, color in entries:
+        end = x + 24 + _text_width(name, _SMALL)
+        if end > columns[1] and x > columns[0]:
+            x, y, end = columns[0], y + 16, end - x + columns[0]
+        cv2.line(picture, (x, y), (x + 18, y), color, 3)
+        _text(picture, name, (x + 24, y + 4), _SMALL)
+        x = max(end + 20, x + 110)
+    return y
 
 
 def _range(values: Sequence[float]) -> Tuple[float, float]:

@@ -1,17 +1,23 @@
 """Records topics to a bag by the distribution's `rosbag record`."""
 import os
+import re
 import signal
 import subprocess
+import tempfile
+import time
 from typing import Sequence
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError, one_line, shortened
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
 TOPICS = ('clock', 'cmd_vel', 'color_detection', 'diagnostics', 'gazebo/world_outlines', 'imu',
           'joint_states', 'odom', 'rosout_agg', 'scan', 'tf', 'tf_static', 'usb_cam/camera_info',
           'usb_cam/image_raw/compressed')
 MAX_MEGABYTES = 2000
-_END_TIMEOUT_S = 10.0
+_START_TIMEOUT_S, _END_TIMEOUT_S, _POLL_PERIOD_S = 5.0, 10.0, 0.05
+# of a line of roscpp: color, level and time
+_PREFIX = re.compile(r'^(\x1b\[\d*m)*\[ *[A-Z]+\] \[[0-9.]+(, [0-9.]+)?\]: |\x1b\[\d*m')
+_ADVICE = 'start the demo in a folder where files can be written; is the disk full?'
 
 
 class BagRecording:
@@ -21,28 +27,63 @@ class BagRecording:
         """Start to record.
 
         topics: resolved names; those that nobody publishes yet too. max_megabytes: it ends at
-        this size. Raises UserError if it cannot be started.
+        this size. Raises UserError if it cannot be started, or cannot write the file.
         """
         self.path = path
+        self._is_over = False           # its end is known
+        self._errors = tempfile.TemporaryFile()
         try:
+            # not `rosbag record`, which is a parent of this program and ends before it
             self._process = subprocess.Popen(
-                ['rosbag', 'record', '--quiet', '--lz4', '--size={}'.format(max_megabytes),
-                 '-O', path, *topics], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL)
+                ['rosrun', 'rosbag', 'record', '--quiet', '--lz4',
+                 '--size={}'.format(max_megabytes), '-O', path, *topics],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._errors)
         except OSError as error:
-            raise UserError('cannot record: rosbag: {}'.format(one_line(error)),
-                            'install the package rosbag')
+            raise UserError('cannot record: rosrun: {}'.format(one_line(error)),
+                            'install the packages rosbash and rosbag')
+        end_s = time.monotonic() + _START_TIMEOUT_S
+        while self.is_running and not os.path.exists(self._active) and time.monotonic() < end_s:
+            time.sleep(_POLL_PERIOD_S)
+        self.check()
 
     @property
     def is_running(self) -> bool:
         """Whether it still records."""
         return self._process.poll() is None
 
+    @property
+    def _active(self) -> str:
+        """The name of the file while it is written."""
+        return self.path + '.active'
+
+    def check(self) -> bool:
+        """Return whether it has ended by itself, at its largest size; True only once.
+
+        Raises UserError if it has ended for another reason, also only once.
+        """
+        if self.is_running or self._is_over:
+            return False
+        self._is_over = True
+        if self._process.returncode == 0:
+            return True
+        if os.path.exists(self._active) and not os.path.getsize(self._active):
+            os.unlink(self._active)
+        raise UserError('cannot record {}: {}'.format(self.path, self._reason()), _ADVICE)
+
+    def _reason(self) -> str:
+        """Return the last line that it has printed."""
+        self._errors.seek(0)
+        lines = [_PREFIX.sub('', line).strip()
+                 for line in self._errors.read().decode(errors='replace').splitlines()]
+        return shortened(next(filter(None, reversed(lines)), 'exit code {}'.format(
+            self._process.returncode)))
+
     def stop(self) -> None:
         """End the recording, and wait until its file is complete.
 
         Raises UserError if there is no file then.
         """
+        self._is_over = True
         if self.is_running:
             self._process.send_signal(signal.SIGINT)
             try:

@@ -4,7 +4,7 @@ from typing import Any, Dict, List, Sequence
 
 from nicegui import ui
 
-from img_recog.nodes.web.elements import Slider, card, paragraph, picture, wait_for
+from img_recog.nodes.web.elements import OneCall, Slider, card, paragraph, picture
 from img_recog.nodes.web.system import PictureTopic, Robot
 from img_recog.nodes.web.texts import Texts
 from img_recog.nodes.web.tuning import color_names_in
@@ -17,7 +17,7 @@ class ColorsTab:
 
     def __init__(self, robot: Robot, texts: Texts, pictures: List[PictureTopic]):
         """Add its elements; the sliders follow as soon as the node answers."""
-        self._robot, self._t = robot, texts
+        self._robot, self._t, self._calls = robot, texts, OneCall()
         self._sliders: Dict[str, Slider] = {}
         self._revision = -1
         self._picked = ''
@@ -89,11 +89,11 @@ class ColorsTab:
         except (TypeError, ValueError, KeyError):
             return
         color = self._picked
-        bounds = await wait_for(self._robot.propose, topic, x, y, color)
+        bounds = await self._calls.wait_for(self._robot.propose, topic, x, y, color)
         if bounds:
             ui.notify(self._t('proposed', color, bounds['hue_min'], bounds['hue_max']))
 
     async def _save(self) -> None:
-        path = await wait_for(self._robot.save_colors)
+        path = await self._calls.wait_for(self._robot.save_colors)
         if path:
             ui.notify(self._t('saved', path), multi_line=True, timeout=10000)

@@ -3,7 +3,6 @@
 Works as ASGI middleware in front of everything that the node serves.
 """
 import hmac
-import http.cookies
 import re
 import time
 import urllib.parse
@@ -14,6 +13,8 @@ MAX_CONNECTIONS = 200
 _MESSAGES_HZ, _MESSAGES_BURST = 200.0, 400.0    # of one WebSocket
 _TOO_BIG, _TOO_MANY = 1009, 1008                # close codes of RFC 6455
 _SAFE_METHODS = ('GET', 'HEAD')
+# of NiceGUI's socket.io, which could also poll by requests, where messages are not limited
+_SOCKETS = '/_nicegui_ws/'
 
 Scope = Dict[str, Any]
 Message = Dict[str, Any]
@@ -79,8 +80,10 @@ class Doors:
         query = _query(scope)
         if scope['type'] == 'http' and scope['path'] == '/' and 'token' in query:
             return 0 if self._is_token(query['token'][0]) else 403
-        if not self._is_token(_cookie(headers.get('cookie', ''), self._cookie)):
+        if not any(map(self._is_token, _cookies(headers.get('cookie', ''), self._cookie))):
             return 403
+        if scope['type'] == 'http' and scope['path'].startswith(_SOCKETS):
+            return 400
         length = headers.get('content-length', '0')
         if not length.isdecimal() or int(length) > MAX_BODY_BYTES:
             return 413
@@ -123,12 +126,14 @@ def _host(origin: str) -> Optional[str]:
         return None
 
 
-def _cookie(text: str, name: str) -> str:
-    try:
-        cookies: http.cookies.SimpleCookie = http.cookies.SimpleCookie(text)
-    except http.cookies.CookieError:
-        return ''
-    return cookies[name].value if name in cookies else ''
+def _cookies(text: str, name: str) -> List[str]:
+    """Return the values of the cookies of this name.
+
+    Other programs on this computer may have set cookies of any form: http.cookies drops all after
+    the first one that it does not understand.
+    """
+    pairs = (part.strip().partition('=') for part in text.split(';'))
+    return [value for key, _, value in pairs if key == name]
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send, status: int) -> None:
@@ -136,7 +141,8 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, status: int) -> No
         await receive()                 # the request; closing before it is accepted answers 403
         await send({'type': 'websocket.close', 'code': _TOO_MANY})
         return
-    texts = {403: _REFUSED, 413: 'The request is too large.\n',
+    texts = {400: 'Only WebSockets are served here.\n', 403: _REFUSED,
+             413: 'The request is too large.\n',
              503: 'Too many connections: close other pages.\n'}
     await _answer(send, status, texts[status].encode(), b'text/plain; charset=utf-8')
 

@@ -58,12 +58,13 @@ class Slider:
                  change: Callable[[float], None], classes: str = '', label: str = ''):
         """Add it; change: is called while it is moved; label: for screen readers."""
         self._change, self._moved_s, self._is_ahead = change, -_SETTLE_S, False
+        self._low, self._high = low, high
         with ui.element('div').classes('slider-row'):
             ui.label(title)
             shown = ui.label()
             self._slider = _LocalSlider(min=low, max=high, step=step, value=value).classes(
                 classes).props('aria-label="{}"'.format(label or title))
-            shown.bind_text_from(self._slider, 'value', lambda value: '{:g}'.format(value))
+            shown.bind_text_from(self._slider, 'value', _number_text)
             self._slider.on('update:model-value', lambda event: self._move(event.args),
                             throttle=_SLIDER_THROTTLE_S)
 
@@ -79,8 +80,36 @@ class Slider:
         return True
 
     def _move(self, value: float) -> None:
+        # a browser may send anything
+        if not (_is_number(value) and self._low <= value <= self._high):
+            return
         self._moved_s, self._is_ahead = time.monotonic(), True
         self._change(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float))
+
+
+def _number_text(value: Any) -> str:
+    return '{:g}'.format(value) if _is_number(value) else ''
+
+
+class OneCall:
+    """Makes one call at a time: each may hold one of few threads for some seconds."""
+
+    def __init__(self) -> None:
+        self._is_waiting = False
+
+    async def wait_for(self, function: Callable, *arguments: Any) -> Any:
+        """Do what `wait_for` does; nothing while the last call goes on."""
+        if self._is_waiting:
+            return None
+        self._is_waiting = True
+        try:
+            return await wait_for(function, *arguments)
+        finally:
+            self._is_waiting = False
 
 
 async def wait_for(function: Callable, *arguments: Any) -> Any:

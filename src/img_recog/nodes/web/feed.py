@@ -102,6 +102,14 @@ class _Viewer:
         self.is_refused = False         # another page drives
 
 
+async def _received(socket: Socket) -> str:
+    """Return the next message; '', which makes no sense, for one that is not a text."""
+    try:
+        return await socket.receive_text()
+    except KeyError:        # Starlette, for bytes
+        return ''
+
+
 class Feed:
     """Serves all pages; to be used in one event loop."""
 
@@ -127,7 +135,7 @@ class Feed:
         sender = asyncio.ensure_future(self._send(viewer, socket))
         try:
             while viewer.malformed < _MAX_MALFORMED and not sender.done():
-                self._take(viewer, await socket.receive_text())
+                self._take(viewer, await _received(socket))
             await socket.close(_REFUSED)
         finally:
             self._viewers.discard(viewer)

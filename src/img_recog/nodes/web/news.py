@@ -1,4 +1,5 @@
 """What is new since a page got the last news. Independent of ROS."""
+import math
 import threading
 from collections import deque
 from typing import Any, Deque, Dict, List, Optional, Tuple
@@ -6,6 +7,7 @@ from typing import Any, Deque, Dict, List, Optional, Tuple
 _MAX_EVENTS = 900       # about 10 s of a demo
 _MAX_PATH = 4000        # points
 _PATH_STEP_M = 0.02
+_JUMP_M = 0.5           # between two positions that follow one another: the robot was moved
 
 
 class News:
@@ -20,7 +22,9 @@ class News:
         self._number = 0
         self._events: Deque[Tuple[int, str, Any]] = deque(maxlen=_MAX_EVENTS)
         self._states: Dict[str, Tuple[int, Any]] = {}
-        self._path: Deque[Tuple[float, float]] = deque(maxlen=_MAX_PATH)
+        # with their numbers; None between two positions of which the second one follows a jump
+        self._path: Deque[Tuple[int, Optional[Tuple[float, float]]]] = deque(maxlen=_MAX_PATH)
+        self._position: Optional[Tuple[float, float]] = None
 
     def add(self, kind: str, value: Any) -> None:
         """Add an event."""
@@ -35,13 +39,20 @@ class News:
             self._states[kind] = self._number, value
 
     def extend_path(self, x: float, y: float) -> None:
-        """Add a position to the path, in m, if it is far enough from the last one."""
+        """Add a position to the path, in m, if it is far enough from the last one.
+
+        To be called with each position that is measured.
+        """
         with self._lock:
-            if self._path:
-                last_x, last_y = self._path[-1]
-                if abs(x - last_x) + abs(y - last_y) < _PATH_STEP_M:
-                    return
-            self._path.append((x, y))
+            last, self._position = self._position, (x, y)
+            is_jump = last is not None and math.dist(last, self._position) > _JUMP_M
+            end = self._path[-1][1] if self._path else None
+            if not is_jump and end is not None and (
+                    abs(x - end[0]) + abs(y - end[1]) < _PATH_STEP_M):
+                return
+            for point in (None, self._position) if is_jump else (self._position,):
+                self._number += 1
+                self._path.append((self._number, point))
 
     def clear(self) -> None:
         """Forget everything: what was measured before is not the beginning of what follows."""
@@ -49,13 +60,15 @@ class News:
             self._events.clear()
             self._states.clear()
             self._path.clear()
+            self._position = None
 
     def since(self, cursor: Optional[int]) -> Tuple[int, Dict[str, Any]]:
         """Return the cursor of the last change, and what came after `cursor`; None for all.
 
-        Events as lists by their kind, states by their kind, and for None the path.
+        Events as lists by their kind, states by their kind, and the path: positions, and None
+        before one to which the robot was moved.
         """
-        is_first, cursor = cursor is None, cursor or 0
+        cursor = cursor or 0
         with self._lock:
             news: Dict[str, Any] = {kind: value for kind, (number, value) in self._states.items()
                                     if number > cursor}
@@ -65,6 +78,11 @@ class News:
                     break
                 events.setdefault(kind, []).append(value)
             news.update({kind: values[::-1] for kind, values in events.items()})
-            if is_first and self._path:
-                news['path'] = list(self._path)
+            path: Deque[Any] = deque()
+            for number, point in reversed(self._path):
+                if number <= cursor:
+                    break
+                path.appendleft(point)
+            if path:
+                news['path'] = list(path)
             return self._number, news

@@ -37,7 +37,7 @@ from img_recog.nodes.web.graph_pictures import GraphPictures
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.robot import Robot, resolve
 from img_recog.nodes.web.robots import Robots
-from img_recog.nodes.web.server import Server, address, listen
+from img_recog.nodes.web.server import Server, address, listen, report_errors
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.ros import bag_recording, lifecycle, master, parameters
@@ -74,6 +74,7 @@ class Web:
         port = sock.getsockname()[1]
         if port != settings.web_port:
             rospy.logwarn('port %d is taken: the page is at port %d', settings.web_port, port)
+        report_errors(self._warn_of)
         token = secrets.token_urlsafe(16)
         self._address = address(sock, token)
         self._server = Server(
@@ -112,6 +113,7 @@ class Web:
                     raise self._failure
                 if self._feed.viewers:
                     self._robots.update()
+                self._check_recording()
                 time.sleep(_POLL_PERIOD_S)
         finally:
             self._server.close()
@@ -172,6 +174,16 @@ class Web:
         """Return the path of the recording that runs, '' if there is none."""
         recording = self._recording
         return recording.path if recording is not None and recording.is_running else ''
+
+    def _check_recording(self) -> None:
+        """Say it when a recording has ended by itself."""
+        recording = self._recording
+        try:
+            if recording is not None and recording.check():
+                rospy.loginfo('the recording %s has ended: it has its largest size',
+                              recording.path)
+        except UserError as error:
+            rospy.logerr('%s', one_line(error))
 
     def _end_recording(self) -> None:
         if self.recording():

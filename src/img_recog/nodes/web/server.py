@@ -1,6 +1,7 @@
 """Serves the page: an HTTP server in a thread, and the socket that it listens on."""
 import asyncio
 import contextlib
+import logging
 import socket
 import threading
 from typing import Any, Callable, Optional
@@ -13,6 +14,8 @@ from img_recog.nodes.web.doors import MAX_BODY_BYTES
 _PORTS = 11             # tried, from the first one on
 _MAX_PORT = 65535
 _END_TIMEOUT_S = 2.0
+# they log a traceback for each message of a browser that makes no sense
+_LOGGERS = ('asyncio', 'engineio.server', 'nicegui', 'socketio.server')
 
 
 def listen(host: str, port: int) -> socket.socket:
@@ -30,6 +33,26 @@ def listen(host: str, port: int) -> socket.socket:
     raise UserError('cannot serve the page at {}, ports {} to {}: {}'.format(
         host, port, min(port + _PORTS - 1, _MAX_PORT), one_line(last)),
         'set web_host to an address of this computer, and web_port to a free port')
+
+
+class _Reports(logging.Handler):
+    """Passes the errors of libraries on."""
+
+    def __init__(self, report: Callable[[Exception], None]):
+        super().__init__(logging.ERROR)
+        self._report = report
+
+    def emit(self, record: logging.LogRecord) -> None:
+        error = record.exc_info[1] if record.exc_info else None
+        self._report(error if isinstance(error, Exception) else RuntimeError(
+            '{}: {}'.format(record.name, record.getMessage())))
+
+
+def report_errors(report: Callable[[Exception], None]) -> None:
+    """Call `report` with what the libraries of the page log as errors, in place of a traceback."""
+    for name in _LOGGERS:
+        logger = logging.getLogger(name)
+        logger.handlers, logger.propagate = [_Reports(report)], False
 
 
 class Server:

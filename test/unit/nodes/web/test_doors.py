@@ -56,6 +56,24 @@ def status(sent):
     return sent[0].get('status', sent[0]['type'])
 
 
+@pytest.mark.parametrize('others', [
+    'prefs={"a":1}', 'version=1', 'path=/x', 'flag', 'x=hello world', 'name=\u65e5', 'a[b]=1',
+    'img_recog_8080=of-before', '=', ''])
+def test_cookies_of_other_programs_keep_nobody_out(others):
+    others = others.encode().decode('latin-1')
+    for cookie in (others + '; ' + COOKIE, COOKIE + ';' + others):
+        assert visit(cookie=cookie)[0].visits == 1
+    assert visit(cookie=others)[0].visits == 0
+
+
+def test_socket_io_is_served_by_web_sockets_only():
+    """Messages of requests would not be limited."""
+    app, sent, _ = visit('/_nicegui_ws/socket.io/', cookie=COOKIE, method='POST', origin=OWN)
+    assert status(sent) == 400 and app.visits == 0
+    app, _, _ = visit('/_nicegui_ws/socket.io/', kind='websocket', cookie=COOKIE, origin=OWN)
+    assert app.visits == 1
+
+
 def test_the_cookie_opens():
     app, sent, _ = visit(cookie=COOKIE)
     assert app.visits == 1 and status(sent) == 200

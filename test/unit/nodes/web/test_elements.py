@@ -1,10 +1,12 @@
 """Sliders of the page, with NiceGUI's element and a stand-in for the browser."""
+import asyncio
+
 import pytest
 from nicegui import Client, ui
 from nicegui.events import GenericEventArguments
 
 from img_recog.nodes.web import elements
-from img_recog.nodes.web.elements import Slider
+from img_recog.nodes.web.elements import OneCall, Slider
 
 
 class Visitor:
@@ -57,3 +59,28 @@ def test_afterwards_it_follows_what_something_else_sets(visitor):
 def test_it_is_settled_at_once_if_the_node_has_its_value(visitor):
     visitor.move(11)
     assert visitor.slider.follow(11) and visitor.told == [11]
+
+
+@pytest.mark.parametrize('value', [-1, 181, 1e300, float('nan'), float('inf'), None, '11', [11]])
+def test_a_value_that_the_slider_cannot_have_is_dropped(visitor, value):
+    visitor.move(value)
+    assert visitor.changes == []
+    visitor.move(11)
+    assert visitor.changes == [11]
+
+
+def test_one_call_at_a_time(monkeypatch):
+    async def visit():
+        is_free = asyncio.Event()       # made here: it belongs to the loop that runs
+
+        async def wait_for(function, *arguments):
+            await is_free.wait()
+            return function(*arguments)
+        monkeypatch.setattr(elements, 'wait_for', wait_for)
+        calls = OneCall()
+        first = asyncio.ensure_future(calls.wait_for(abs, -1))
+        await asyncio.sleep(0)
+        dropped = await calls.wait_for(abs, -2)
+        is_free.set()
+        return dropped, await first, await calls.wait_for(abs, -3)
+    assert asyncio.run(visit()) == (None, 1, 3)

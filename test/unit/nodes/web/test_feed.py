@@ -81,6 +81,8 @@ class Socket:
         text = await self.texts.get()
         if text is None:
             raise Gone
+        if isinstance(text, bytes):
+            raise KeyError('text')      # like Starlette
         return text
 
     async def send_bytes(self, data):
@@ -287,14 +289,15 @@ def test_a_malformed_message_is_dropped(monkeypatch, text):
     run(scenario, monkeypatch)
 
 
-def test_who_sends_only_malformed_messages_is_disconnected(monkeypatch):
+@pytest.mark.parametrize('nonsense', ['nonsense', b'bytes'])
+def test_who_sends_only_malformed_messages_is_disconnected(monkeypatch, nonsense):
     async def scenario(parts, connect):
         socket = connect()
         for _ in range(feed._MAX_MALFORMED):
-            socket.texts.put_nowait('nonsense')
+            socket.texts.put_nowait(nonsense)
         await until(lambda: socket.code is not None)
         assert socket.code == 1008
-    run(scenario, monkeypatch)
+    assert run(scenario, monkeypatch) == []
 
 
 def test_what_cannot_be_sent_ends_the_page_and_is_reported(monkeypatch):

@@ -1,4 +1,5 @@
 """The address of the page, and the server."""
+import logging
 import socket
 import urllib.request
 
@@ -50,6 +51,20 @@ def test_the_address_for_a_browser(host, port, shown):
         def getsockname(self):
             return host, port
     assert address(Sock(), 't') == shown
+
+
+def test_what_libraries_log_as_errors_is_reported(capfd):
+    reported = []
+    server.report_errors(reported.append)
+    logger = logging.getLogger('engineio.server')
+    try:
+        raise ValueError('bad packet')
+    except ValueError:
+        logger.exception('post request handler error')
+    logger.error('no %s', 'session')
+    logger.info('connected')
+    assert [str(error) for error in reported] == ['bad packet', 'engineio.server: no session']
+    assert capfd.readouterr().err == ''
 
 
 async def hello(scope, receive, send):

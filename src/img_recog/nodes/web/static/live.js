@@ -6,6 +6,7 @@
   const DRIVE_PERIOD_MS = 100;
   const RETRY_MS = 1000;
   const MAX_LOG = 500;
+  const PATH_POINTS = 4000;
   const MAX_PICTURES = 32;        // that the server sends
   const STALE_MS = 5000;          // of the state of a node, which comes once a second
   const OLD_MS = 2000;            // of a picture
@@ -135,8 +136,7 @@
       if (measured[kind] !== undefined) state[kind] = measured[kind];
     }
     if (measured.busy) state.busyUntil = Date.now() + 2000;
-    if (measured.path) state.path = measured.path;
-    if (measured.pose) follow(measured.pose);
+    if (measured.path) state.path = [...state.path, ...measured.path].slice(-PATH_POINTS);
     if (measured.factor !== undefined) {
       const { factor } = measured;
       show('[data-bind=factor]', factor === null ? '' : factor ? factor.toFixed(2)
@@ -153,14 +153,6 @@
       }
     }
     if (measured.log) log(measured.log);
-  }
-
-  function follow(pose) {
-    const last = state.path[state.path.length - 1];
-    if (!last || Math.abs(pose[0] - last[0]) + Math.abs(pose[1] - last[1]) >= 0.02) {
-      state.path.push([pose[0], pose[1]]);
-      if (state.path.length > 4000) state.path.shift();
-    }
   }
 
   function show(selector, value) {
@@ -210,7 +202,7 @@
 
   // ---- the map
   function bounds() {
-    const points = [...(state.outlines || []).flat(), ...state.path,
+    const points = [...(state.outlines || []).flat(), ...state.path.filter((each) => each),
       ...Object.values(state.robots || {})];
     if (state.pose) points.push(state.pose);
     if (!points.length) return [-2.5, -2.5, 5];
@@ -267,16 +259,14 @@
     context.strokeStyle = '#2563eb';
     context.lineWidth = 2 * devicePixelRatio;
     let part = [];
-    for (const point of state.path) {
-      const last = part[part.length - 1];
-      // after a reset, the path goes on elsewhere
-      if (last && Math.hypot(point[0] - last[0], point[1] - last[1]) > 0.5) {
+    for (const point of [...state.path, null]) {
+      if (point) {
+        part.push(point);
+      } else {        // the robot was moved
         line(context, part.map(at));
         part = [];
       }
-      part.push(point);
     }
-    line(context, part.map(at));
     for (const [name, place] of Object.entries(state.robots || {})) {
       if (name === window.robot) continue;
       arrow(context, at(place), place[2], Math.max(8 * devicePixelRatio, 0.12 * scale), '#9ca3af');

@@ -1,0 +1,83 @@
+"""A recording, with a stand-in for the program that records."""
+import os
+import stat
+
+import pytest
+
+from img_recog.errors import UserError, one_line
+from img_recog.ros.bag_recording import BagRecording
+from img_recog_testing.waiting import DEADLINE_S, wait_for
+
+# rosrun with the arguments `rosbag record --quiet --lz4 --size=N -O PATH TOPICS`
+PROGRAM = '''#!/bin/sh
+file=$7
+printf '%s ' "$@" >"$file.arguments"
+{}
+'''
+WRITE = ': >"$file.active"\n'
+LOOP = 'trap \'mv "$file.active" "$file"; exit 0\' INT\nwhile :; do sleep 0.05; done\n'
+
+
+@pytest.fixture
+def recording(tmp_path, monkeypatch):
+    """A function that starts a recording with a script as the program."""
+    started = []
+
+    def start(script):
+        program = tmp_path / 'rosrun'
+        program.write_text(PROGRAM.format(script))
+        program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setenv('PATH', '{}:{}'.format(tmp_path, os.environ['PATH']))
+        started.append(BagRecording(str(tmp_path / 'new.bag'), ['/odom', '/scan'], 7))
+        return started[-1]
+    yield start
+    for each in started:
+        each._process.kill()
+        each._process.wait(DEADLINE_S)
+
+
+def test_a_recording_is_complete_when_it_has_stopped(recording, tmp_path):
+    running = recording(WRITE + LOOP)
+    assert running.is_running and not running.check()
+    running.stop()
+    assert not running.is_running and (tmp_path / 'new.bag').exists() and not running.check()
+    assert (tmp_path / 'new.bag.arguments').read_text() == (
+        'rosbag record --quiet --lz4 --size=7 -O {} /odom /scan '.format(tmp_path / 'new.bag'))
+
+
+def test_a_file_that_cannot_be_written(recording, tmp_path):
+    with pytest.raises(UserError) as error:
+        recording(WRITE + 'printf "\\033[31m[ERROR] [12.5]: Error writing: disk full\\033[0m\\n" '
+                          '>&2; exit 1')
+    assert one_line(error.value).startswith(
+        'cannot record {}: Error writing: disk full; '.format(tmp_path / 'new.bag'))
+    assert not (tmp_path / 'new.bag.active').exists()
+
+
+def test_a_program_that_says_nothing(recording):
+    with pytest.raises(UserError, match='exit code 3'):
+        recording('exit 3')
+
+
+def test_a_recording_that_fails_later_is_reported_once_and_keeps_what_it_has(recording, tmp_path):
+    running = recording('echo some >"$file.active"; while [ ! -e "$file.full" ]; do sleep 0.05; '
+                        'done; echo "the disk is full" >&2; exit 1')
+    (tmp_path / 'new.bag.full').write_text('')
+    wait_for(lambda: not running.is_running, 'the end')
+    with pytest.raises(UserError, match='the disk is full'):
+        running.check()
+    assert not running.check() and (tmp_path / 'new.bag.active').read_text() == 'some\n'
+
+
+def test_the_largest_size_is_reported_once(recording, tmp_path):
+    running = recording(WRITE + 'while [ ! -e "$file.full" ]; do sleep 0.05; done; '
+                                'mv "$file.active" "$file"')
+    (tmp_path / 'new.bag.full').write_text('')
+    wait_for(lambda: not running.is_running, 'the end')
+    assert [running.check(), running.check()] == [True, False]
+
+
+def test_a_stop_without_a_file(recording):
+    running = recording(WRITE + 'trap "exit 0" INT; while :; do sleep 0.05; done')
+    with pytest.raises(UserError, match='not complete'):
+        running.stop()
