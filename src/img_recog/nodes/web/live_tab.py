@@ -114,7 +114,7 @@ class LiveTab:
                 self._record_button = button('fiber_manual_record', self._t('record'),
                                              self._record)
             with ui.element('p'):
-                ui.label(self._t('factor') + ': ').style('display: inline')
+                ui.label(self._t('measured_factor') + ': ').style('display: inline')
                 ui.label('').props('data-bind=factor').style('display: inline')
             # without a value until the simulator has told it
             self._factor = ui.select(

@@ -50,6 +50,7 @@ _TEXTS: Dict[str, Tuple[str, str]] = {
     'above': ('from above', '上から'),
     'follow': ('behind the robot', 'ロボットの後ろから'),
     'factor': ('Real time factor', '実時間比'),
+    'measured_factor': ('Measured real time factor', '実時間比の実測値'),
     'fastest': ('as fast as possible', '最速'),
     'record': ('Record', '記録'),
     'stop_recording': ('Stop recording', '記録を終了'),
