@@ -71,11 +71,11 @@ class BagRecording:
         raise UserError('cannot record {}: {}'.format(self.path, self._reason()), _ADVICE)
 
     def _reason(self) -> str:
-        """Return the last line that it has printed."""
+        """Return the first line that it has printed; it may crash after that."""
         self._errors.seek(0)
         lines = [_PREFIX.sub('', line).strip()
                  for line in self._errors.read().decode(errors='replace').splitlines()]
-        return shortened(next(filter(None, reversed(lines)), 'exit code {}'.format(
+        return shortened(next(filter(None, lines), 'exit code {}'.format(
             self._process.returncode)))
 
     def stop(self) -> None:

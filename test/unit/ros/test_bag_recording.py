@@ -48,7 +48,7 @@ def test_a_recording_is_complete_when_it_has_stopped(recording, tmp_path):
 def test_a_file_that_cannot_be_written(recording, tmp_path):
     with pytest.raises(UserError) as error:
         recording(WRITE + 'printf "\\033[31m[ERROR] [12.5]: Error writing: disk full\\033[0m\\n" '
-                          '>&2; exit 1')
+                          '>&2; echo "terminate called" >&2; exit 1')
     assert one_line(error.value).startswith(
         'cannot record {}: Error writing: disk full; '.format(tmp_path / 'new.bag'))
     assert not (tmp_path / 'new.bag.active').exists()
