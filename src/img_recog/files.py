@@ -1,5 +1,6 @@
 """Files: how a path that a user types is resolved, and files that are written atomically."""
 import contextlib
+import errno
 import fcntl
 import io
 import itertools
@@ -15,6 +16,8 @@ from img_recog.errors import UserError, one_line
 _log = logging.getLogger(__name__)
 # a hidden file, until it replaces the file NAME: .NAME.12 hexadecimal digits.img_recog
 _PART, _DIGITS, _SUFFIX = '.{}.{}{}', 12, '.img_recog'
+# of a disk that is full or fails, and of the limits of a user
+DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 # Maps the URI of a file to its path, or to None when there is no such file.
 FindFile = Callable[[str], Optional[str]]
 
@@ -95,7 +98,8 @@ def atomic_write(paths: Sequence[str],
     devices and pipes are never replaced. The yielded files are hidden; those that a killed program
     has left are removed first, with a warning in the log.
     Raises UserError naming the path that cannot be written, with `advice`; its cause is the
-    OSError of the system, if there was one. An error that is raised in the block is passed on.
+    OSError of the system, if there was one. So is an OSError of DISK_ERRORS that is raised in the
+    block; it names a path if its file name is that of a yielded file. Others are passed on.
     """
     for path in paths:
         if os.path.exists(path) and not os.path.isfile(path):
@@ -114,7 +118,15 @@ def atomic_write(paths: Sequence[str],
         for path, part in zip(paths, parts):
             with _refusal(path, advice):
                 files.append(_create(part, locks))
-        yield files
+        try:
+            yield files
+        except OSError as error:
+            if error.errno not in DISK_ERRORS or error.filename not in (None, *parts):
+                raise
+            # without a file name it may be about each of them
+            with _refusal(', '.join(path for path, part in zip(paths, parts)
+                                    if error.filename in (None, part)), advice):
+                raise
         for path, part, target, file in zip(paths, parts, targets, files):
             with _refusal(path, advice):
                 file.close()

@@ -1,4 +1,5 @@
 """Paths that users type, and output files that are written whole or not at all."""
+import errno
 import logging
 import os
 import signal
@@ -62,6 +63,53 @@ def test_failure_leaves_the_old_files(folder, error):
             outputs[1].close()
             raise error
     assert os.listdir('.') == ['a'] and (folder / 'a').read_text() == 'old'
+
+
+@pytest.mark.parametrize('number', files.DISK_ERRORS)
+def test_a_full_disk_names_the_files(folder, number):
+    (folder / 'a').write_text('old')
+    with pytest.raises(UserError) as refused:
+        with files.atomic_write(('a', 'b'), advice='try c'):
+            raise OSError(number, 'No Space')
+    assert (refused.value.problem, refused.value.advice) == ('cannot write a, b: no space', 'try c')
+    assert refused.value.__cause__.errno == number
+    assert os.listdir('.') == ['a'] and (folder / 'a').read_text() == 'old'
+
+
+def test_a_full_disk_names_the_one_file_that_is_known(folder):
+    with pytest.raises(UserError, match='^cannot write b: no space; try c$'):
+        with files.atomic_write(('a', 'b'), advice='try c') as outputs:
+            raise OSError(errno.ENOSPC, 'No space', outputs[1].name)
+    assert os.listdir('.') == []
+
+
+@pytest.mark.parametrize('error', [
+    OSError(errno.ENOSPC, 'No space', 'other'), OSError(errno.EPIPE, 'Broken pipe')])
+def test_errors_of_other_files_are_passed_on(error):
+    with pytest.raises(OSError) as raised:
+        with files.atomic_write(('a', 'b')):
+            raise error
+    assert raised.value is error and os.listdir('.') == []
+
+
+LIMITED = '''
+import resource, sys
+from img_recog import errors, files
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    with files.atomic_write(['a']) as (file,):
+        file.write(b'x' * int(sys.argv[1]))
+except errors.UserError as error:
+    print(error)
+'''
+
+
+@pytest.mark.parametrize('size', [2000, 2000000])       # written when it is closed, or before
+def test_a_file_that_becomes_too_large(folder, size):
+    done = subprocess.run([sys.executable, '-c', LIMITED, str(size)], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, check=False)
+    assert done.stdout.startswith(b'cannot write a: file too large; set --output to ')
+    assert os.listdir('.') == []
 
 
 @pytest.mark.parametrize('last', [1, 2])
