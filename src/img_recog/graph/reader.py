@@ -14,6 +14,7 @@ from img_recog.graph.system import Edge, System
 _CALLER_ID = '/img_recog_graph'
 _ANSWER_TIMEOUT_S = 1.0
 _THREADS = 8
+_URI_ADVICE = 'set it to the address of the master, like http://localhost:11311'
 _MASTER_ADVICE = 'start roscore or roslaunch first, or set ROS_MASTER_URI'
 _ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterException,
            ValueError, TypeError, IndexError)
@@ -35,8 +36,13 @@ class SystemReader:
     """
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
+        """now: returns the time in s.  Raises UserError if ROS_MASTER_URI is no address."""
         self._now = now
-        self._master = rosgraph.Master(_CALLER_ID)
+        try:
+            self._master = rosgraph.Master(_CALLER_ID)
+        except (ValueError, OSError):       # OSError: of another protocol than HTTP
+            raise UserError('ROS_MASTER_URI is {!r}, expected http://HOST:PORT'.format(
+                shortened(rosgraph.get_master_uri())), _URI_ADVICE)
         self._uris: Dict[str, str] = {}
         self._last: Dict[str, _Sample] = {}     # by the name of the node
 

@@ -63,3 +63,10 @@ def test_without_a_master(monkeypatch, capsys):
     monkeypatch.setenv('ROS_MASTER_URI', 'http://127.0.0.1:1')
     assert cli.main(['out.svg']) == 1
     assert capsys.readouterr().err.startswith('graph.py: no master answers at http://127.0.0.1:1')
+
+
+def test_with_a_uri_that_is_no_address(monkeypatch, capsys):
+    monkeypatch.setenv('ROS_MASTER_URI', 'junk')
+    assert cli.main(['out.svg']) == 1
+    assert capsys.readouterr().err.startswith(
+        "graph.py: ROS_MASTER_URI is 'junk', expected http://HOST:PORT; set it to ")

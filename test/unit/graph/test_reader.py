@@ -116,6 +116,17 @@ def test_no_master(monkeypatch):
         SystemReader().read()
 
 
+@pytest.mark.parametrize('uri', [
+    'junk', '', 'localhost:11311', 'ftp://localhost:11311', 'http://localhost:port'])
+def test_a_uri_that_is_no_address(monkeypatch, uri):
+    monkeypatch.setenv('ROS_MASTER_URI', uri)
+    with pytest.raises(UserError) as refused:
+        SystemReader()
+    assert str(refused.value) == (
+        "ROS_MASTER_URI is '{}', expected http://HOST:PORT; set it to the address of the master, "
+        'like http://localhost:11311'.format(uri))
+
+
 def test_an_answer_that_makes_no_sense(read):
     assert read(0.0, cam=lambda _: 'hello', eye=lambda _: [1, '', 5]).dead == {'/cam', '/eye'}
 
