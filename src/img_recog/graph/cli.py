@@ -1,6 +1,7 @@
 """The command line of graph.py: a picture of the running system."""
 import argparse
 import os
+import signal
 import sys
 import time
 from typing import Optional, Sequence
@@ -24,6 +25,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     except UserError as error:
         sys.stderr.write('graph.py: {}\n'.format(one_line(error)))
         return 1
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
     sys.stdout.write(path + '\n')
     return 0
 
@@ -37,9 +40,20 @@ def _draw(options: argparse.Namespace) -> str:
     choice = Choice(*4 * [True]) if options.all else Choice(leaves=options.leaves)
     picture = dot.draw(dot.to_dot(visible(system, choice)), _kind(options.output))
     path = files.user_output_path(options.output)
+    # not earlier: while nothing is written, a signal ends the program at once; an exception would
+    # wait for the threads that ask the nodes
+    _end_by_exceptions()
     with files.atomic_write([path], 'give a path that can be written') as (file,):
         file.write(picture)
     return path
+
+
+def _end_by_exceptions() -> None:
+    """Let signals that end the program raise exceptions, which remove the unfinished file."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for signum in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(signum) != signal.SIG_IGN:      # as under nohup
+            signal.signal(signum, lambda number, _: sys.exit(128 + number))
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:

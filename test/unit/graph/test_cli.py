@@ -1,4 +1,9 @@
 """graph.py as a user runs it."""
+import os
+import signal
+import subprocess
+import sys
+
 import pytest
 
 from img_recog.graph import cli
@@ -25,7 +30,11 @@ def draw(monkeypatch, tmp_path, capsys):
         code = cli.main([*arguments])
         path = tmp_path / 'out.dot'
         return code, path.read_text() if path.exists() else '', capsys.readouterr()
-    return run
+    handlers = {signum: signal.getsignal(signum)
+                for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield run
+    for signum, handler in handlers.items():
+        signal.signal(signum, handler)
 
 
 def test_a_picture_of_what_rqt_graph_shows(draw, tmp_path):
@@ -70,3 +79,35 @@ def test_with_a_uri_that_is_no_address(monkeypatch, capsys):
     assert cli.main(['out.svg']) == 1
     assert capsys.readouterr().err.startswith(
         "graph.py: ROS_MASTER_URI is 'junk', expected http://HOST:PORT; set it to ")
+
+
+# a signal arrives while the file is written
+INTERRUPTED = """
+import contextlib, signal, sys
+from img_recog.graph import cli
+from img_recog.graph.system import System
+signal.signal(signal.SIGINT, signal.SIG_DFL)        # as the script does
+write = cli.files.atomic_write
+
+class Reader:
+    def read(self):
+        return System(frozenset(), frozenset())
+
+@contextlib.contextmanager
+def atomic_write(*arguments):
+    with write(*arguments) as outputs:
+        signal.raise_signal(int(sys.argv[1]))
+        yield outputs
+
+cli.SystemReader, cli.files.atomic_write = Reader, atomic_write
+sys.exit(cli.main(['out.dot', '--seconds', '0']))
+"""
+
+
+@pytest.mark.parametrize('signum', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_leaves_no_unfinished_file(tmp_path, signum):
+    done = subprocess.run([sys.executable, '-c', INTERRUPTED, str(int(signum))],
+                          cwd=str(tmp_path), env=dict(os.environ, PWD=str(tmp_path)),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    assert (done.returncode, done.stdout) == (128 + signum, b'')
+    assert list(tmp_path.iterdir()) == []
