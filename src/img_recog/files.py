@@ -82,10 +82,17 @@ def output_paths(source: str, output: str, extensions: Sequence[str]) -> Tuple[s
                         'make it, or set --output to another')
     paths = tuple(prefix + extension for extension in extensions)
     for path in paths:
-        if os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
-            raise UserError('cannot write {}: that is what is replayed'.format(path),
-                            'set --output to another')
+        refuse_input(path, source, 'replayed', 'set --output to another')
     return paths
+
+
+def refuse_input(path: str, source: str, use: str, advice: str) -> None:
+    """Raise UserError, with `advice`, if the file to write is the input file, also by a link.
+
+    use: what is done with the input, as 'replayed'.
+    """
+    if os.path.exists(path) and os.path.exists(source) and os.path.samefile(path, source):
+        raise UserError('cannot write {}: that is what is {}'.format(path, use), advice)
 
 
 @contextlib.contextmanager

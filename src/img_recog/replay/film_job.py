@@ -54,10 +54,11 @@ def _make(options: argparse.Namespace) -> str:
         raise UserError('cannot make a film of {}: {}'.format(
             path, 'no such file' if not os.path.exists(path) else 'it is not a bag'),
             'give a bag, as of ./run demo record:=FILE')
+    output = os.path.expanduser(options.output)
+    files.refuse_input(output, path, 'filmed', 'give the film another name')
     settings = (parameter_file.read(os.path.expanduser(options.colors)) if options.colors
                 else with_colors()())
     frames = BagFrames(path, options.topic, options.max_image_pixels)
-    output = os.path.expanduser(options.output)
     with frames.bag, files.atomic_write(
             [output], 'give a path that can be written') as (file,):
         messages = _Messages(path, frames)

@@ -1,4 +1,6 @@
 """Films: what their pictures show, and what ffmpeg makes of them."""
+import os
+
 import cv2
 import genpy
 import numpy as np
@@ -250,6 +252,19 @@ def test_an_output_that_is_no_mp4(bag, capsys, output):
     with pytest.raises(SystemExit):
         make(capsys, bag, output)
     assert 'expected FILE.mp4' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('link', [None, 'symlink', 'link'])
+def test_the_bag_itself_is_not_overwritten(bag, tmp_path, capsys, caplog, link):
+    path = bag.rename(tmp_path / 'in.mp4')
+    out = path if link is None else tmp_path / 'out.mp4'
+    if link is not None:
+        getattr(os, link)(str(path), str(out))
+    before = path.read_bytes()
+    assert make(capsys, path, out)[0] == 1
+    assert 'cannot write {}: that is what is filmed; give the film another name'.format(
+        out) in caplog.text
+    assert path.read_bytes() == before and os.path.samefile(str(path), str(out))
 
 
 def test_a_path_that_cannot_be_written(bag, capsys, caplog):
