@@ -18,16 +18,17 @@ class Film:
     """Writes states in the order of time; a film has RATE_HZ pictures a second."""
 
     def __init__(self, file: io.BufferedRandom, settings: RecognitionSettings,
-                 outlines: Sequence[np.ndarray]):
+                 outlines: Sequence[np.ndarray], path: str = ''):
         """Start a film in an open file.
 
         settings: of the colors. outlines: (corners, 2) in m of what stands in the world.
+        path: of the film in messages, if the file has another name until it is complete.
         Raises UserError if there is no ffmpeg.
         """
         self._extractor = ColorExtractor(settings)
         self._numbers = range(len(settings.colors))
         self._picture = FilmPicture(settings.colors, outlines)
-        self._writer = FilmWriter(file, WIDTH, HEIGHT, RATE_HZ)
+        self._writer = FilmWriter(file, WIDTH, HEIGHT, RATE_HZ, path)
         self._drawn: Optional[np.ndarray] = None
         self._ticks = 0
         # what is known beside the images

@@ -62,7 +62,7 @@ def _make(options: argparse.Namespace) -> str:
     with frames.bag, files.atomic_write(
             [output], 'give a path that can be written') as (file,):
         messages = _Messages(path, frames)
-        with Film(file, settings, messages.outlines()) as film:
+        with Film(file, settings, messages.outlines(), output) as film:
             end_s = _fill(film, messages, frames)
             film.close(end_s)
     return '{}: {:.1f} s, {} images of {}'.format(output, end_s, messages.images, frames.topic)

@@ -93,10 +93,11 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
         table = TableRecorder(text, settings.color_names)
         recorders: List[Recorder] = [bag, table, plot]
         film: 'Optional[Film]' = None
-        for file in film_files:
+        for file, path in zip(film_files, paths[len(_EXTENSIONS):]):
             # imported here because loading it takes time
             from img_recog.replay import film as films
-            film = stack.enter_context(films.Film(file, settings, footprints(simulator.world)))
+            film = stack.enter_context(films.Film(
+                file, settings, footprints(simulator.world), path))
             recorders.append(films.FilmRecorder(film))
         start_s = time.perf_counter()
         chain = Chain(simulator, settings, options.teleop, recorders)

@@ -1,4 +1,5 @@
 """Films: what their pictures show, and what ffmpeg makes of them."""
+import errno
 import os
 
 import cv2
@@ -145,18 +146,61 @@ def test_a_film_shows_each_image_until_the_next_one(tmp_path):
 
 def test_without_ffmpeg(tmp_path, monkeypatch):
     monkeypatch.setattr(film_writer.shutil, 'which', lambda _: None)
-    with open(str(tmp_path / 'out.mp4'), 'w+b') as file:
-        with pytest.raises(UserError, match='no program ffmpeg; install the package ffmpeg'):
-            FilmWriter(file, WIDTH, HEIGHT, RATE_HZ)
+    with open(str(tmp_path / 'part'), 'w+b') as file:
+        with pytest.raises(UserError) as refused:
+            FilmWriter(file, WIDTH, HEIGHT, RATE_HZ, 'out.mp4')
+    assert str(refused.value) == (
+        'cannot write out.mp4: there is no program ffmpeg; install the package ffmpeg')
 
 
 def test_an_error_of_ffmpeg_is_one_line(tmp_path):
-    with open(str(tmp_path / 'out.mp4'), 'w+b') as file:
-        writer = FilmWriter(file, 0, HEIGHT, RATE_HZ)
-        with pytest.raises(UserError, match='^cannot write the film: ffmpeg: [^\n]+$'):
+    with open(str(tmp_path / 'part'), 'w+b') as file:
+        writer = FilmWriter(file, 0, HEIGHT, RATE_HZ, 'out.mp4')
+        with pytest.raises(UserError, match='^cannot write out.mp4: ffmpeg: [^\n]+; see whether '
+                           'ffmpeg works and has the encoder libx264: ffmpeg -encoders$'):
             for _ in range(100):
                 writer.write(np.zeros((HEIGHT, WIDTH, 3), np.uint8))
             writer.close()
+
+
+def test_an_error_of_a_real_ffmpeg_on_a_full_disk():
+    with open('/dev/full', 'r+b') as file:
+        writer = FilmWriter(file, WIDTH, HEIGHT, RATE_HZ)
+        with pytest.raises(OSError) as raised:
+            for _ in range(100):
+                writer.write(np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+            writer.close()
+    assert (raised.value.errno, raised.value.filename) == (errno.ENOSPC, '/dev/full')
+
+
+@pytest.fixture
+def ffmpeg(tmp_path_factory, monkeypatch):
+    """A function that puts a shell script in the place of ffmpeg."""
+    def put(script):
+        path = tmp_path_factory.mktemp('bin') / 'ffmpeg'
+        path.write_text('#!/bin/sh\n' + script)
+        path.chmod(0o755)
+        monkeypatch.setattr(film_writer.shutil, 'which', lambda _: str(path))
+    return put
+
+
+NO_SPACE = 'Error writing trailer of /dev/fd/5: No space left on device'
+
+
+@pytest.mark.parametrize('script, problem', [
+    ('echo "{}" >&2; exit 1'.format(NO_SPACE), 'no space left on device; give a path that can'),
+    ('cat >/dev/null; echo "{}" >&2'.format(NO_SPACE), 'no space left on device; give a path'),
+    ('kill -XFSZ $$', 'file too large; give a path that can be written'),
+    ('cat >/dev/null; exit 3', 'ffmpeg: it has ended with 3; see whether ffmpeg works'),
+    ('for last; do :; done; cat >/dev/null; echo "$last: no\npacket" >&2; exit 1',
+     'ffmpeg: {out}: no packet; see whether ffmpeg works')])
+def test_what_ends_ffmpeg_names_the_film(bag, tmp_path, capsys, caplog, ffmpeg, script, problem):
+    ffmpeg(script)
+    out = tmp_path / 'out.mp4'
+    assert make(capsys, bag, out)[0] == 1
+    line, = [record.getMessage() for record in caplog.records]
+    assert line.startswith('cannot write {}: {}'.format(out, problem.format(out=out)))
+    assert list(tmp_path.iterdir()) == [bag]
 
 
 def message(msg_type, time_s):
