@@ -1,9 +1,11 @@
 """The program film: makes a film of a bag that was recorded in the running system."""
 import argparse
+import contextlib
 import itertools
 import logging
 import math
 import os
+import signal
 import sys
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
@@ -23,6 +25,7 @@ from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
 from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
 from img_recog.replay.inputs import is_bag
+from img_recog.replay.signals import Interrupts
 
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _KINDS = {'odom': 'nav_msgs/Odometry', 'scan': 'sensor_msgs/LaserScan',
@@ -38,17 +41,18 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     cv2.setLogLevel(_LOG_SILENT)
     words = sys.argv[1:] if arguments is None else arguments
     options = _options(without_special_keys(words))
+    interrupts = Interrupts()
     try:
-        sys.stdout.write(_make(options) + '\n')
+        sys.stdout.write(_make(options, interrupts) + '\n')
     except (UserError, OSError) as error:
         _log.error('%s', one_line(error))
         return 1
     except KeyboardInterrupt:
-        return 130
+        return 128 + signal.SIGINT
     return 0
 
 
-def _make(options: argparse.Namespace) -> str:
+def _make(options: argparse.Namespace, interrupts: Interrupts) -> str:
     path = os.path.expanduser(options.bag)
     if not os.path.isfile(path) or not is_bag(path):
         raise UserError('cannot make a film of {}: {}'.format(
@@ -60,11 +64,17 @@ def _make(options: argparse.Namespace) -> str:
                 else with_colors()())
     frames = BagFrames(path, options.topic, options.max_image_pixels)
     with frames.bag, files.atomic_write(
-            [output], 'give a path that can be written') as (file,):
+            [output], 'give a path that can be written') as (file,), \
+            contextlib.ExitStack() as stack:
         messages = _Messages(path, frames)
-        with Film(file, settings, messages.outlines(), output) as film:
-            end_s = _fill(film, messages, frames)
-            film.close(end_s)
+        outlines = messages.outlines()
+        with interrupts.deferred():     # or else ffmpeg may be started and not be ended
+            film = stack.enter_context(Film(file, settings, outlines, output))
+        with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
+            progress = tqdm(total=frames.expected, unit=' images', disable=None)
+        with progress:
+            end_s = _fill(film, messages, frames, progress)
+        film.close(end_s)
     return '{}: {:.1f} s, {} images of {}'.format(output, end_s, messages.images, frames.topic)
 
 
@@ -114,28 +124,27 @@ def _nearest(names: Sequence[str], topic: str) -> str:
     return max(names, key=shared)
 
 
-def _fill(film: Film, messages: _Messages, frames: BagFrames) -> float:
+def _fill(film: Film, messages: _Messages, frames: BagFrames, progress: tqdm) -> float:
     """Add all messages to a film; return its length in s."""
     start_s, time_s, last_problem, number = None, 0.0, '', 0
-    with tqdm(total=frames.expected, unit=' images', disable=None) as progress:
-        for role, msg, recorded_s in messages.in_order():
-            if role == 'cmd_vel':
-                film.asked = msg.linear.x if math.isfinite(msg.linear.x) else 0.0
-            elif role == 'odom':
-                _take_odometry(film, msg)
-            elif role == 'scan' and film.pose is not None:
-                film.scan = _points(msg, film.pose)
-            elif role == 'image':
-                progress.update()
-                start_s = recorded_s if start_s is None else start_s
-                last_s, time_s, number = time_s, recorded_s - start_s, number + 1
-                # the film would be as long as the gap
-                frames.check_gap(number, round(last_s * SECOND_NS), round(time_s * SECOND_NS))
-                try:
-                    film.add(time_s, *frames.decode(msg))
-                    messages.images += 1
-                except ImageError as error:
-                    last_problem = one_line(error)
+    for role, msg, recorded_s in messages.in_order():
+        if role == 'cmd_vel':
+            film.asked = msg.linear.x if math.isfinite(msg.linear.x) else 0.0
+        elif role == 'odom':
+            _take_odometry(film, msg)
+        elif role == 'scan' and film.pose is not None:
+            film.scan = _points(msg, film.pose)
+        elif role == 'image':
+            progress.update()
+            start_s = recorded_s if start_s is None else start_s
+            last_s, time_s, number = time_s, recorded_s - start_s, number + 1
+            # the film would be as long as the gap
+            frames.check_gap(number, round(last_s * SECOND_NS), round(time_s * SECOND_NS))
+            try:
+                film.add(time_s, *frames.decode(msg))
+                messages.images += 1
+            except ImageError as error:
+                last_problem = one_line(error)
     if not messages.images:
         raise UserError('no image on {} can be used; {}'.format(
             frames.topic, last_problem or 'there is no message'))

@@ -1,6 +1,9 @@
 """Films: what their pictures show, and what ffmpeg makes of them."""
 import errno
 import os
+import signal
+import subprocess
+import sys
 
 import cv2
 import genpy
@@ -26,6 +29,7 @@ SETTINGS = with_colors()()
 BLUE = (215, 70, 25)
 SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
 ROBOT = (74, 163, 22)
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
 
 def card(color=BLUE):
@@ -231,6 +235,14 @@ def record(path, robots):
     return path
 
 
+@pytest.fixture(autouse=True)
+def handlers_as_before():
+    handlers = {signum: signal.getsignal(signum) for signum in SIGNALS}
+    yield
+    for signum, handler in handlers.items():
+        signal.signal(signum, handler)
+
+
 @pytest.fixture
 def bag(tmp_path):
     """A bag of one robot."""
@@ -325,3 +337,36 @@ def test_a_bag_whose_clock_was_set_while_it_was_recorded(tmp_path, capsys, caplo
     code, _ = make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')
     assert code == 1 and not (tmp_path / 'out.mp4').exists()
     assert 'jump ahead by 3e+07 s at message 3; extract a part without jumps' in caplog.text
+
+
+# a signal arrives when a part of the film is written
+INTERRUPTED = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)        # as the script does
+from img_recog.replay import film_job, film_writer
+write, start = film_writer.FilmWriter.write, film_writer.subprocess.Popen
+signum, *arguments = sys.argv[1:]
+
+class Popen(start):
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        print(self.pid, flush=True)
+
+def interrupted(self, picture):
+    write(self, picture)
+    signal.raise_signal(int(signum))
+
+film_writer.subprocess.Popen, film_writer.FilmWriter.write = Popen, interrupted
+sys.exit(film_job.main(arguments))
+"""
+
+
+@pytest.mark.parametrize('signum', SIGNALS)
+def test_a_signal_ends_ffmpeg_and_leaves_no_unfinished_file(bag, tmp_path, signum):
+    done = subprocess.run(
+        [sys.executable, '-c', INTERRUPTED, str(int(signum)), str(bag), str(tmp_path / 'out.mp4')],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    assert done.returncode == 128 + signum and b'Traceback' not in done.stderr
+    assert list(tmp_path.iterdir()) == [bag]
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(done.stdout), 0)
