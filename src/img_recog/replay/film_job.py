@@ -19,14 +19,16 @@ from img_recog.conversions.image_msgs import ImageError
 from img_recog.conversions.plane_msgs import PoseError
 from img_recog.errors import UserError, one_line
 from img_recog.recognition import parameter_file
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.replay.arguments import without_special_keys
 from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
 from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
-from img_recog.replay.inputs import is_bag
+from img_recog.replay.inputs import WANTED, is_bag
 from img_recog.replay.signals import Interrupts
 
+_BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
+_COLORS_ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _KINDS = {'odom': 'nav_msgs/Odometry', 'scan': 'sensor_msgs/LaserScan',
           'cmd_vel': 'geometry_msgs/Twist', 'outlines': 'visualization_msgs/MarkerArray'}
@@ -44,8 +46,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     interrupts = Interrupts()
     try:
         sys.stdout.write(_make(options, interrupts) + '\n')
-    except (UserError, OSError) as error:
+    except UserError as error:
         _log.error('%s', one_line(error))
+        return 1
+    except OSError as error:
+        _log.error('%s: %s', error.filename or 'cannot make the film', one_line(error))
         return 1
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
@@ -53,16 +58,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _make(options: argparse.Namespace, interrupts: Interrupts) -> str:
-    path = os.path.expanduser(options.bag)
-    if not os.path.isfile(path) or not is_bag(path):
-        raise UserError('cannot make a film of {}: {}'.format(
-            path, 'no such file' if not os.path.exists(path) else 'it is not a bag'),
-            'give a bag, as of ./run demo record:=FILE')
-    output = os.path.expanduser(options.output)
+    path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
+    _check_bag(path)
     files.refuse_input(output, path, 'filmed', 'give the film another name')
-    settings = (parameter_file.read(os.path.expanduser(options.colors)) if options.colors
-                else with_colors()())
-    frames = BagFrames(path, options.topic, options.max_image_pixels)
+    settings = _settings(options.colors)
+    frames = _frames(path, options)
     with frames.bag, files.atomic_write(
             [output], 'give a path that can be written') as (file,), \
             contextlib.ExitStack() as stack:
@@ -78,11 +78,44 @@ def _make(options: argparse.Namespace, interrupts: Interrupts) -> str:
     return '{}: {:.1f} s, {} images of {}'.format(output, end_s, messages.images, frames.topic)
 
 
+def _check_bag(path: str) -> None:
+    """Raise UserError if a file cannot be a bag."""
+    try:
+        is_usable = os.path.isfile(path) and is_bag(path)
+    except OSError as error:
+        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()),
+                        'see its permissions (ls -l), or give another bag')
+    if not is_usable:
+        raise UserError('cannot make a film of {}: {}'.format(
+            path, 'it is not a bag' if os.path.exists(path) else 'no such file'), _BAG_ADVICE)
+
+
+def _frames(path: str, options: argparse.Namespace) -> BagFrames:
+    try:
+        return BagFrames(path, options.topic, options.max_image_pixels)
+    except UserError as error:
+        if error.advice != WANTED:
+            raise
+        raise UserError(error.problem, _BAG_ADVICE)     # not a video, as for replay.py
+
+
+def _settings(path: str) -> RecognitionSettings:
+    if not path:
+        return with_colors()()
+    try:
+        return parameter_file.read(os.path.expanduser(path))
+    except UserError as error:
+        raise UserError(error.problem, error.advice or _COLORS_ADVICE)
+
+
 class _Messages:
-    """The messages of a bag that a film shows. images: number of images so far."""
+    """The messages of a bag that a film shows.
+
+    path: of the bag; images: number of images so far.
+    """
 
     def __init__(self, path: str, frames: BagFrames):
-        self._path, self._bag = path, frames.bag
+        self.path, self._bag = path, frames.bag
         self.images = 0
         kinds = {name: topic.msg_type
                  for name, topic in self._bag.get_type_and_topic_info().topics.items()}
@@ -111,7 +144,7 @@ class _Messages:
             for name, msg, time in self._bag.read_messages(topics):
                 yield self._roles[name], msg, time.to_sec()
         except DAMAGE_ERRORS as error:
-            raise damaged(self._path, error)
+            raise damaged(self.path, error)
 
 
 def _nearest(names: Sequence[str], topic: str) -> str:
@@ -146,8 +179,8 @@ def _fill(film: Film, messages: _Messages, frames: BagFrames, progress: tqdm) ->
             except ImageError as error:
                 last_problem = one_line(error)
     if not messages.images:
-        raise UserError('no image on {} can be used; {}'.format(
-            frames.topic, last_problem or 'there is no message'))
+        raise UserError('no image on {} in {} can be used; {}'.format(
+            frames.topic, messages.path, last_problem or 'there is no message'))
     if last_problem:
         _log.warning('%d of %d images cannot be used; the last is %s',
                      frames.expected - messages.images, frames.expected, last_problem)

@@ -277,12 +277,49 @@ def test_of_several_robots_the_film_shows_that_of_the_images(tmp_path, capsys, n
 
 
 @pytest.mark.parametrize('arguments, words', [
-    (['nowhere.bag', 'out.mp4'], 'no such file; give a bag'),
-    ([__file__, 'out.mp4'], 'it is not a bag')])
+    (['nowhere.bag', 'out.mp4'], 'no such file; give a bag with images, as of ./run demo'),
+    ([__file__, 'out.mp4'], 'it is not a bag; give a bag with images, as of ./run demo')])
 def test_inputs_that_are_refused(tmp_path, capsys, monkeypatch, caplog, arguments, words):
     monkeypatch.chdir(tmp_path)
     assert make(capsys, *arguments)[0] == 1
     assert words in caplog.text and not (tmp_path / 'out.mp4').exists()
+
+
+@pytest.mark.parametrize('content', [b'', b'junk', b'#ROSBAG V9.0\n'])
+def test_a_bag_that_is_none(tmp_path, capsys, caplog, content):
+    path = tmp_path / 'in.bag'
+    path.write_bytes(content)
+    assert make(capsys, path, tmp_path / 'out.mp4')[0] == 1
+    line, = [record.getMessage() for record in caplog.records]
+    assert line.startswith('cannot read {} as a bag: '.format(path)), line
+    assert line.endswith('; give a bag with images, as of ./run demo record:=FILE')
+
+
+def test_a_bag_that_may_not_be_read(bag, tmp_path, capsys, caplog, monkeypatch):
+    def is_bag(path):
+        raise PermissionError(errno.EACCES, 'Permission denied', path)
+    monkeypatch.setattr(film_job, 'is_bag', is_bag)     # root may read each file
+    assert make(capsys, bag, tmp_path / 'out.mp4')[0] == 1
+    assert [record.getMessage() for record in caplog.records] == [
+        'cannot read {}: permission denied; see its permissions (ls -l), or give another '
+        'bag'.format(bag)]
+
+
+@pytest.mark.parametrize('content, problem', [
+    (None, 'cannot read the parameters in {}: No such file or directory'),
+    ('folder', 'cannot read the parameters in {}: '), ('{', 'cannot read the parameters in {}: '),
+    ('junk', 'cannot use the parameters in {}: got str'),
+    ('blue_hue_min: -7', '{}: parameter blue_hue_min: got -7')])
+def test_colors_that_are_refused(bag, tmp_path, capsys, caplog, content, problem):
+    path = tmp_path / 'colors.yaml'
+    if content == 'folder':
+        path.mkdir()
+    elif content is not None:
+        path.write_text(content)
+    assert make(capsys, bag, tmp_path / 'out.mp4', '--colors', path)[0] == 1
+    line, = [record.getMessage() for record in caplog.records]
+    assert line.startswith(problem.format(path)), line
+    assert line.endswith('; give a parameter file of color_extract, like config/colors.yaml')
 
 
 def test_a_bag_without_images(tmp_path, capsys, caplog):
@@ -299,7 +336,8 @@ def test_a_bag_whose_images_cannot_be_used(tmp_path, capsys, caplog):
     with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
         file.write('/usb_cam/image_raw', bad, genpy.Time(1))
     assert make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')[0] == 1
-    assert 'no image on /usb_cam/image_raw can be used' in caplog.text
+    assert 'no image on /usb_cam/image_raw in {}/in.bag can be used; '.format(
+        tmp_path) in caplog.text
     assert list(tmp_path.iterdir()) == [tmp_path / 'in.bag']
 
 
