@@ -90,7 +90,11 @@ def outlines_to_msg(outlines: Sequence[np.ndarray], origin: PlanePose, frame_id:
 
 
 def outlines_from_msg(msg: MarkerArray) -> List[np.ndarray]:
-    """Return the outlines (corners, 2) in m of the closed lines in a message."""
-    return [np.array([(point.x, point.y) for point in marker.points[:-1]])
-            for marker in msg.markers
-            if marker.type == Marker.LINE_STRIP and len(marker.points) > 1]
+    """Return the outlines (corners, 2) in m of the closed lines in a message.
+
+    Corners with a number that is not finite or above MAX_NUMBER are left out.
+    """
+    outlines = [np.array([(point.x, point.y) for point in marker.points[:-1]
+                          if abs(point.x) <= MAX_NUMBER and abs(point.y) <= MAX_NUMBER])
+                for marker in msg.markers if marker.type == Marker.LINE_STRIP]
+    return [outline for outline in outlines if len(outline)]

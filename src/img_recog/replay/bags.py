@@ -34,8 +34,8 @@ class Decoded(NamedTuple):
 class BagFrames:
     """The images on one topic of a bag, at the times of their stamps.
 
-    bag: open until all images were read; topic: of the images; decode: returns the Decoded of a
-    message, raises ImageError.
+    bag: open until all images were read; topic: of the images; message_type: class of their
+    messages; decode: returns the Decoded of a message, raises ImageError.
     expected, period_ns, warnings: as in VideoFrames. The period is the mean of all periods; it and
     the warnings are known after the last frame.
     """
@@ -55,8 +55,9 @@ class BagFrames:
         except UserError:
             self.bag.close()
             raise
+        self.message_type: type = _MESSAGE_TYPES[types[self.topic]]
         self.decode: Callable[[Any], Decoded] = _decode_raw
-        if types[self.topic] != Image._type:
+        if self.message_type is not Image:
             self.decode = partial(_decode_compressed, max_pixels=max_pixels)
         self.expected = self.bag.get_message_count(self.topic)
         self.period_ns = 0

@@ -1,39 +1,36 @@
 """The program film: makes a film of a bag that was recorded in the running system."""
 import argparse
 import contextlib
-import itertools
 import logging
 import math
 import os
 import signal
 import sys
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
+from geometry_msgs.msg import Twist
 from tqdm import tqdm
 
 from img_recog import files, still_images
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.image_msgs import ImageError
-from img_recog.conversions.plane_msgs import PoseError
+from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import UserError, one_line
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.replay.arguments import without_special_keys
-from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
+from img_recog.replay.bags import BagFrames
 from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
+from img_recog.replay.film_messages import Messages
 from img_recog.replay.inputs import WANTED, is_bag
 from img_recog.replay.signals import Interrupts
 
 _BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
 _COLORS_ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
-_KINDS = {'odom': 'nav_msgs/Odometry', 'scan': 'sensor_msgs/LaserScan',
-          'cmd_vel': 'geometry_msgs/Twist', 'outlines': 'visualization_msgs/MarkerArray'}
-# the ends of their usual names; of outlines, only these are of the world
-_USUAL = {'odom': 'odom', 'scan': 'scan', 'cmd_vel': 'cmd_vel', 'outlines': 'world_outlines'}
 _log = logging.getLogger('film.py')
 
 
@@ -66,7 +63,7 @@ def _make(options: argparse.Namespace, interrupts: Interrupts) -> str:
     with frames.bag, files.atomic_write(
             [output], 'give a path that can be written') as (file,), \
             contextlib.ExitStack() as stack:
-        messages = _Messages(path, frames)
+        messages = Messages(path, frames)
         outlines = messages.outlines()
         with interrupts.deferred():     # or else ffmpeg may be started and not be ended
             film = stack.enter_context(Film(file, settings, outlines, output))
@@ -108,61 +105,12 @@ def _settings(path: str) -> RecognitionSettings:
         raise UserError(error.problem, error.advice or _COLORS_ADVICE)
 
 
-class _Messages:
-    """The messages of a bag that a film shows.
-
-    path: of the bag; images: number of images so far.
-    """
-
-    def __init__(self, path: str, frames: BagFrames):
-        self.path, self._bag = path, frames.bag
-        self.images = 0
-        kinds = {name: topic.msg_type
-                 for name, topic in self._bag.get_type_and_topic_info().topics.items()}
-        self._roles: Dict[str, str] = {frames.topic: 'image'}
-        for role, kind in _KINDS.items():
-            found = sorted(name for name in kinds if kinds[name] == kind)
-            usual = [name for name in found if name.endswith(_USUAL[role])]
-            if usual or found and role != 'outlines':
-                self._roles[_nearest(usual or found, frames.topic)] = role
-
-    def outlines(self) -> List[np.ndarray]:
-        """Return the outlines of what stands in the world; none if they were not recorded."""
-        for role, msg, _ in self._read(['outlines']):
-            return plane_msgs.outlines_from_msg(msg)
-        return []
-
-    def in_order(self) -> Iterator[Tuple[str, Any, float]]:
-        """Yield role, message and time of recording in s, without the outlines."""
-        return self._read(['image', 'odom', 'scan', 'cmd_vel'])
-
-    def _read(self, roles: Sequence[str]) -> Iterator[Tuple[str, Any, float]]:
-        topics = [name for name, role in self._roles.items() if role in roles]
-        if not topics:
-            return
-        try:
-            for name, msg, time in self._bag.read_messages(topics):
-                yield self._roles[name], msg, time.to_sec()
-        except DAMAGE_ERRORS as error:
-            raise damaged(self.path, error)
-
-
-def _nearest(names: Sequence[str], topic: str) -> str:
-    """Return the name that shares most namespaces with a topic: it is of the same robot."""
-    parts = topic.split('/')
-
-    def shared(name: str) -> int:
-        pairs = zip(name.split('/'), parts)
-        return sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], pairs))
-    return max(names, key=shared)
-
-
-def _fill(film: Film, messages: _Messages, frames: BagFrames, progress: tqdm) -> float:
+def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> float:
     """Add all messages to a film; return its length in s."""
     start_s, time_s, last_problem, number = None, 0.0, '', 0
     for role, msg, recorded_s in messages.in_order():
         if role == 'cmd_vel':
-            film.asked = msg.linear.x if math.isfinite(msg.linear.x) else 0.0
+            film.asked = _speed(msg)
         elif role == 'odom':
             _take_odometry(film, msg)
         elif role == 'scan' and film.pose is not None:
@@ -192,19 +140,29 @@ def _take_odometry(film: Film, msg: Any) -> None:
         film.pose = plane_msgs.pose_from_msg(msg.pose)
     except PoseError:       # a film needs no warning for each message
         return
-    speed = msg.twist.twist.linear.x
-    film.driven = speed if math.isfinite(speed) else 0.0
+    film.driven = _speed(msg.twist.twist)
+
+
+def _speed(twist: Twist) -> float:
+    """Return the speed in m/s; 0 if it cannot be drawn."""
+    return twist.linear.x if abs(twist.linear.x) <= MAX_NUMBER else 0.0
 
 
 def _points(msg: Any, pose: Tuple[float, float, float]) -> np.ndarray:
     """Return the points (n, 2) of a scan in m, in the frame of the pose.
 
     As if the scanner were at the pose: for the map of a film, its place on the robot is too small.
+    Points with a number that is not finite, or farther than MAX_NUMBER, are left out.
     """
+    # numpy warns of NaN and infinite numbers in comparisons and products
+    if (not math.isfinite(msg.angle_min + msg.angle_increment + msg.range_min)
+            or math.isnan(msg.range_max)):
+        return np.empty((0, 2))
     ranges = np.array(msg.ranges, float)
-    angles = pose[2] + msg.angle_min + np.arange(len(ranges)) * msg.angle_increment
-    is_hit = (ranges >= msg.range_min) & (ranges <= msg.range_max) & np.isfinite(angles)
-    ranges, angles = ranges[is_hit], angles[is_hit]
+    numbers = np.flatnonzero(np.isfinite(ranges))
+    numbers = numbers[(ranges[numbers] >= max(msg.range_min, 0.0))
+                      & (ranges[numbers] <= min(msg.range_max, MAX_NUMBER))]
+    ranges, angles = ranges[numbers], pose[2] + msg.angle_min + numbers * msg.angle_increment
     return ranges[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1) + pose[:2]
 
 

@@ -4,7 +4,7 @@ import math
 import genpy
 import numpy as np
 import pytest
-from geometry_msgs.msg import PoseStamped, PoseWithCovariance
+from geometry_msgs.msg import Point, PoseStamped, PoseWithCovariance
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
@@ -59,6 +59,18 @@ def test_outlines_in_a_frame_that_is_elsewhere(origin):
         assert np.allclose(seen, corners - origin[:2])
     else:
         assert np.allclose(seen[1], (1.0, 0.0))
+
+
+@pytest.mark.parametrize('bad', [math.nan, math.inf, -math.inf, 1.1e6, -1e300])
+def test_corners_that_cannot_be_drawn_are_left_out(bad):
+    outlines = [np.array([(0.0, 0.0), (bad, 0.0), (1.0, bad), (1e6, -2.0)]),
+                np.array([(bad, bad), (bad, 1.0)])]
+    msg = plane_msgs.outlines_to_msg([], PlanePose(0.0, 0.0, 0.0), 'odom', HEADER.stamp)
+    for outline in outlines:
+        msg.markers.append(Marker(type=Marker.LINE_STRIP, points=[
+            Point(x, y, 0.0) for x, y in [*outline, outline[0]]]))
+    assert [each.tolist() for each in plane_msgs.outlines_from_msg(msg)] == [
+        [[0.0, 0.0], [1e6, -2.0]]]
 
 
 def test_outlines_and_back():

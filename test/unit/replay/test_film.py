@@ -1,9 +1,11 @@
 """Films: what their pictures show, and what ffmpeg makes of them."""
 import errno
+import math
 import os
 import signal
 import subprocess
 import sys
+import warnings
 
 import cv2
 import genpy
@@ -14,6 +16,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header, String
+from visualization_msgs.msg import MarkerArray
 
 from img_recog.conversions import compressed_image_msgs, image_msgs, plane_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
@@ -274,6 +277,84 @@ def test_of_several_robots_the_film_shows_that_of_the_images(tmp_path, capsys, n
     assert code == 0, output.err
     x, y = center_of(frames_of(out)[0][-1][34:394, 740:1270], ROBOT, 40)
     assert (x - 265) * side > 40 and y == pytest.approx(180, abs=12)
+
+
+def other_definition(msg_type):
+    """Return a type of the same name with other fields, as of another version of ROS."""
+    return type('Other', (String,), {'_type': msg_type._type})
+
+
+ROBOT_TOPICS = [('/odom', Odometry), ('/scan', LaserScan), ('/cmd_vel', Twist),
+                ('/gazebo/world_outlines', MarkerArray)]
+
+
+@pytest.mark.parametrize('topic, msg_type', ROBOT_TOPICS)
+def test_a_type_with_another_definition_is_ignored(tmp_path, capsys, caplog, topic, msg_type):
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        for time_s in (10.0, 10.1):
+            now = genpy.Time.from_sec(time_s)
+            file.write(topic, other_definition(msg_type)('x'), now)
+            file.write('/usb_cam/image_raw', image_msgs.to_msg(card(), 'bgr8', Header(stamp=now)),
+                       now)
+    code, output = make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')
+    assert code == 0, output.err
+    assert [record.getMessage() for record in caplog.records] == [
+        'the film does not show {} ({}): the message type has another definition in this '
+        'ROS'.format(topic, msg_type._type)]
+
+
+@pytest.mark.parametrize('namespace', ['/', '/other/'])
+def test_a_second_definition_in_the_bag_is_ignored(bag, tmp_path, capsys, caplog, namespace):
+    with rosbag.Bag(str(bag), 'a') as file:
+        for topic, msg_type in [*ROBOT_TOPICS, ('/usb_cam/image_raw/compressed', Odometry)]:
+            file.write(namespace.rstrip('/') + topic, other_definition(msg_type)('x'),
+                       genpy.Time(10.5))
+    code, output = make(capsys, bag, tmp_path / 'out.mp4')
+    assert code == 0, output.err
+    assert output.out.endswith(': 1.0 s, 30 images of /usb_cam/image_raw/compressed\n')
+    assert len(caplog.records) == (namespace != '/')
+    frames, _ = frames_of(tmp_path / 'out.mp4')
+    assert center_of(frames[-1][34:394, 740:1270], ROBOT, 40) == pytest.approx((265, 180), abs=12)
+
+
+@pytest.mark.parametrize('fields', [
+    {'angle_min': math.nan}, {'angle_increment': math.inf}, {'range_min': math.nan},
+    {'range_max': math.nan}, {'range_max': 0.5}])
+def test_a_scan_without_points_that_can_be_drawn(fields):
+    scan = LaserScan(**{'angle_increment': 1.0, 'range_max': 9.0, 'ranges': [1.0, 2.0], **fields})
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        assert film_job._points(scan, (0.0, 0.0, 0.0)).shape == (0, 2)
+
+
+@pytest.mark.parametrize('far', [math.inf, 3e38])
+def test_points_of_a_scan_that_cannot_be_drawn_are_left_out(far):
+    scan = LaserScan(angle_increment=math.pi / 2, range_min=-far if far < math.inf else 0.0,
+                     range_max=far, ranges=[1.0, math.nan, far, 2.0, -far])
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        points = film_job._points(scan, (3.0, 4.0, 0.0))
+    assert points == pytest.approx(np.array([(4.0, 4.0), (3.0, 2.0)]))
+
+
+@pytest.mark.parametrize('bad', [math.nan, -math.inf, 1e300])
+def test_numbers_that_cannot_be_drawn(bag, tmp_path, capsys, bad):
+    odometry, twist = message(Odometry, 10.5), Twist()
+    odometry.pose.pose.orientation.w = 1.0
+    odometry.pose.pose.position.x = odometry.pose.pose.position.y = 2.0
+    odometry.twist.twist.linear.x = twist.linear.x = bad
+    outlines = plane_msgs.outlines_to_msg(
+        [SQUARE], PlanePose(0.0, 0.0, 0.0), 'odom', genpy.Time(1))
+    outlines.markers[-1].points[0].x = outlines.markers[-1].points[1].y = bad
+    with rosbag.Bag(str(bag), 'a') as file:
+        for topic, msg, time_s in [('/odom', odometry, 10.99), ('/cmd_vel', twist, 10.5),
+                                   ('/gazebo/world_outlines', outlines, 0.5)]:
+            file.write(topic, msg, genpy.Time.from_sec(time_s))
+    with warnings.catch_warnings():
+        warnings.simplefilter('error', RuntimeWarning)
+        code, output = make(capsys, bag, tmp_path / 'out.mp4')
+    assert code == 0, output.err
+    assert len(frames_of(tmp_path / 'out.mp4')[0]) == 30
 
 
 @pytest.mark.parametrize('arguments, words', [
