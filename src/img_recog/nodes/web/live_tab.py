@@ -66,10 +66,7 @@ class LiveTab:
                 'animation': False,         # else the labels of an axis come later than its lines
                 'grid': {'left': 48, 'right': 12, 'top': 26, 'bottom': 34},
                 'color': _CHART_COLORS,
-                # of one line: the chart begins below it
-                'legend': {'type': 'scroll', 'top': 0, 'textStyle': {'color': _CHART_TEXT},
-                           'pageTextStyle': {'color': _CHART_TEXT},
-                           'pageIconColor': _CHART_TEXT, 'pageIconInactiveColor': _CHART_LINES},
+                'legend': {'top': 0, 'textStyle': {'color': _CHART_TEXT}},
                 'xAxis': dict(axis, min=-20, max=0, name=self._t('seconds'),
                               nameLocation='middle', nameGap=18),
                 'yAxis': axis, 'series': []}).classes('chart').props(

@@ -182,6 +182,7 @@
     const column = (series, index) => series.map((each) => [each[0] - now, each[index]]);
     const areas = chart('areas');
     if (areas) {
+      fitLegend(areas, state.colors);
       areas.setOption({ series: state.colors.map((name, index) => ({
         name, type: 'line', showSymbol: false, animation: false, color: LINES[name],
         data: column(state.areas, index + 1), markLine: limitLine(name) })) });
@@ -192,6 +193,23 @@
         name: text(key), type: 'line', showSymbol: false, animation: false,
         step: kind === 'asked' ? 'end' : false, data: column(state[kind], 1) })) });
     }
+  }
+
+  // room for all rows of the legend; sizes in pixels, as ECharts has them
+  function fitLegend(component, names) {
+    const context = document.createElement('canvas').getContext('2d');
+    context.font = '12px sans-serif';
+    let [rows, x] = [1, 0];
+    for (const name of names) {
+      const width = 25 + 5 + context.measureText(name).width + 10;
+      if (x && x + width > component.getWidth() - 10) [rows, x] = [rows + 1, 0];
+      x += width;
+    }
+    if (component.legendRows === rows) return;
+    component.legendRows = rows;
+    component.setOption({ grid: { top: 26 + 20 * (rows - 1) } });
+    component.getDom().style.height = `${150 + 20 * (rows - 1)}px`;
+    component.resize();
   }
 
   function limitLine(name) {
