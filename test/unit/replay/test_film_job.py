@@ -1,0 +1,337 @@
+"""The program film: which messages of a bag are shown, what is refused, and signals."""
+import errno
+import math
+import os
+import signal
+import subprocess
+import sys
+import warnings
+
+import genpy
+import numpy as np
+import pytest
+import rosbag
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header, String
+from visualization_msgs.msg import MarkerArray
+
+from img_recog.conversions import compressed_image_msgs, image_msgs, plane_msgs
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.conversions.plane_msgs import PlanePose
+from img_recog.replay import film_job, film_writer
+from img_recog_testing.films import BLUE, ROBOT, SQUARE, card, center_of, frames_of
+
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+
+
+@pytest.fixture
+def ffmpeg(tmp_path_factory, monkeypatch):
+    """A function that puts a shell script in the place of ffmpeg."""
+    def put(script):
+        path = tmp_path_factory.mktemp('bin') / 'ffmpeg'
+        path.write_text('#!/bin/sh\n' + script)
+        path.chmod(0o755)
+        monkeypatch.setattr(film_writer.shutil, 'which', lambda _: str(path))
+    return put
+
+
+NO_SPACE = 'Error writing trailer of /dev/fd/5: No space left on device'
+
+
+@pytest.mark.parametrize('script, problem', [
+    ('echo "{}" >&2; exit 1'.format(NO_SPACE), 'no space left on device; give a path that can'),
+    ('cat >/dev/null; echo "{}" >&2'.format(NO_SPACE), 'no space left on device; give a path'),
+    ('kill -XFSZ $$', 'file too large; give a path that can be written'),
+    ('cat >/dev/null; exit 3', 'ffmpeg: it has ended with 3; see whether ffmpeg works'),
+    ('for last; do :; done; cat >/dev/null; echo "$last: no\npacket" >&2; exit 1',
+     'ffmpeg: {out}: no packet; see whether ffmpeg works')])
+def test_what_ends_ffmpeg_names_the_film(bag, tmp_path, capsys, caplog, ffmpeg, script, problem):
+    ffmpeg(script)
+    out = tmp_path / 'out.mp4'
+    assert make(capsys, bag, out)[0] == 1
+    line, = [record.getMessage() for record in caplog.records]
+    assert line.startswith('cannot write {}: {}'.format(out, problem.format(out=out)))
+    assert list(tmp_path.iterdir()) == [bag]
+
+
+def message(msg_type, time_s):
+    msg = msg_type()
+    msg.header.stamp = genpy.Time.from_sec(time_s)
+    return msg
+
+
+def record(path, robots):
+    """Write a bag of one second, like that of a demo. robots: place (x, y), m, by namespace."""
+    with rosbag.Bag(str(path), 'w') as file:
+        file.write('/gazebo/world_outlines', plane_msgs.outlines_to_msg(
+            [SQUARE], PlanePose(0.0, 0.0, 0.0), 'odom', genpy.Time(1)), genpy.Time(1))
+        for tick in range(30):
+            now = genpy.Time.from_sec(10.0 + tick / 30)
+            scan = LaserScan(angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.0,
+                             ranges=[1.0, float('inf'), float('nan'), 2.0])
+            image = compressed_image_msgs.to_msg(card(), 'bgr8', Header(stamp=now),
+                                                 CompressionSettings())
+            for namespace, place in robots.items():
+                odometry = message(Odometry, now.to_sec())
+                position = odometry.pose.pose.position
+                position.x, position.y = place
+                odometry.pose.pose.orientation.w = 1.0
+                for topic, msg in (('odom', odometry), ('scan', scan), ('cmd_vel', Twist()),
+                                   ('usb_cam/image_raw/compressed', image)):
+                    file.write(namespace + topic, msg, now)
+    return path
+
+
+@pytest.fixture(autouse=True)
+def handlers_as_before():
+    handlers = {signum: signal.getsignal(signum) for signum in SIGNALS}
+    yield
+    for signum, handler in handlers.items():
+        signal.signal(signum, handler)
+
+
+@pytest.fixture
+def bag(tmp_path):
+    """A bag of one robot."""
+    return record(tmp_path / 'in.bag', {'/': (2.0, 2.0)})
+
+
+def make(capsys, *arguments):
+    code = film_job.main([str(argument) for argument in arguments])
+    return code, capsys.readouterr()
+
+
+def test_a_film_of_a_bag(bag, tmp_path, capsys):
+    out = tmp_path / 'out.mp4'
+    code, output = make(capsys, bag, out)
+    assert code == 0, output.err
+    assert output.out == '{}: 1.0 s, 30 images of /usb_cam/image_raw/compressed\n'.format(out)
+    frames, _ = frames_of(out)
+    assert len(frames) == 30
+    assert center_of(frames[-1][34:394, 740:1270], ROBOT, 40) == pytest.approx((265, 180), abs=12)
+    assert center_of(frames[-1][34:394, 10:490], BLUE, 30) == pytest.approx((240, 180), abs=4)
+
+
+@pytest.mark.parametrize('name, side', [('a', -1), ('b', 1)])
+def test_of_several_robots_the_film_shows_that_of_the_images(tmp_path, capsys, name, side):
+    path = record(tmp_path / 'in.bag', {'/a/': (1.0, 2.0), '/b/': (3.0, 2.0)})
+    out = tmp_path / 'out.mp4'
+    code, output = make(capsys, path, out, '--topic', '/{}/usb_cam/image_raw/compressed'.format(
+        name))
+    assert code == 0, output.err
+    x, y = center_of(frames_of(out)[0][-1][34:394, 740:1270], ROBOT, 40)
+    assert (x - 265) * side > 40 and y == pytest.approx(180, abs=12)
+
+
+def other_definition(msg_type):
+    """Return a type of the same name with other fields, as of another version of ROS."""
+    return type('Other', (String,), {'_type': msg_type._type})
+
+
+ROBOT_TOPICS = [('/odom', Odometry), ('/scan', LaserScan), ('/cmd_vel', Twist),
+                ('/gazebo/world_outlines', MarkerArray)]
+
+
+@pytest.mark.parametrize('topic, msg_type', ROBOT_TOPICS)
+def test_a_type_with_another_definition_is_ignored(tmp_path, capsys, caplog, topic, msg_type):
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        for time_s in (10.0, 10.1):
+            now = genpy.Time.from_sec(time_s)
+            file.write(topic, other_definition(msg_type)('x'), now)
+            file.write('/usb_cam/image_raw', image_msgs.to_msg(card(), 'bgr8', Header(stamp=now)),
+                       now)
+    code, output = make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')
+    assert code == 0, output.err
+    assert [record.getMessage() for record in caplog.records] == [
+        'the film does not show {} ({}): the message type has another definition in this '
+        'ROS'.format(topic, msg_type._type)]
+
+
+@pytest.mark.parametrize('namespace', ['/', '/other/'])
+def test_a_second_definition_in_the_bag_is_ignored(bag, tmp_path, capsys, caplog, namespace):
+    with rosbag.Bag(str(bag), 'a') as file:
+        for topic, msg_type in [*ROBOT_TOPICS, ('/usb_cam/image_raw/compressed', Odometry)]:
+            file.write(namespace.rstrip('/') + topic, other_definition(msg_type)('x'),
+                       genpy.Time(10.5))
+    code, output = make(capsys, bag, tmp_path / 'out.mp4')
+    assert code == 0, output.err
+    assert output.out.endswith(': 1.0 s, 30 images of /usb_cam/image_raw/compressed\n')
+    assert len(caplog.records) == (namespace != '/')
+    frames, _ = frames_of(tmp_path / 'out.mp4')
+    assert center_of(frames[-1][34:394, 740:1270], ROBOT, 40) == pytest.approx((265, 180), abs=12)
+
+
+@pytest.mark.parametrize('fields', [
+    {'angle_min': math.nan}, {'angle_increment': math.inf}, {'range_min': math.nan},
+    {'range_max': math.nan}, {'range_max': 0.5}])
+def test_a_scan_without_points_that_can_be_drawn(fields):
+    scan = LaserScan(**{'angle_increment': 1.0, 'range_max': 9.0, 'ranges': [1.0, 2.0], **fields})
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        assert film_job._points(scan, (0.0, 0.0, 0.0)).shape == (0, 2)
+
+
+@pytest.mark.parametrize('far', [math.inf, 3e38])
+def test_points_of_a_scan_that_cannot_be_drawn_are_left_out(far):
+    scan = LaserScan(angle_increment=math.pi / 2, range_min=-far if far < math.inf else 0.0,
+                     range_max=far, ranges=[1.0, math.nan, far, 2.0, -far])
+    with warnings.catch_warnings():
+        warnings.simplefilter('error')
+        points = film_job._points(scan, (3.0, 4.0, 0.0))
+    assert points == pytest.approx(np.array([(4.0, 4.0), (3.0, 2.0)]))
+
+
+@pytest.mark.parametrize('bad', [math.nan, -math.inf, 1e300])
+def test_numbers_that_cannot_be_drawn(bag, tmp_path, capsys, bad):
+    odometry, twist = message(Odometry, 10.5), Twist()
+    odometry.pose.pose.orientation.w = 1.0
+    odometry.pose.pose.position.x = odometry.pose.pose.position.y = 2.0
+    odometry.twist.twist.linear.x = twist.linear.x = bad
+    outlines = plane_msgs.outlines_to_msg(
+        [SQUARE], PlanePose(0.0, 0.0, 0.0), 'odom', genpy.Time(1))
+    outlines.markers[-1].points[0].x = outlines.markers[-1].points[1].y = bad
+    with rosbag.Bag(str(bag), 'a') as file:
+        for topic, msg, time_s in [('/odom', odometry, 10.99), ('/cmd_vel', twist, 10.5),
+                                   ('/gazebo/world_outlines', outlines, 0.5)]:
+            file.write(topic, msg, genpy.Time.from_sec(time_s))
+    with warnings.catch_warnings():
+        warnings.simplefilter('error', RuntimeWarning)
+        code, output = make(capsys, bag, tmp_path / 'out.mp4')
+    assert code == 0, output.err
+    assert len(frames_of(tmp_path / 'out.mp4')[0]) == 30
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['nowhere.bag', 'out.mp4'], 'no such file; give a bag with images, as of ./run demo'),
+    ([__file__, 'out.mp4'], 'it is not a bag; give a bag with images, as of ./run demo')])
+def test_inputs_that_are_refused(tmp_path, capsys, monkeypatch, caplog, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert make(capsys, *arguments)[0] == 1
+    assert words in caplog.text and not (tmp_path / 'out.mp4').exists()
+
+
+@pytest.mark.parametrize('content', [b'', b'junk', b'#ROSBAG V9.0\n'])
+def test_a_bag_that_is_none(tmp_path, capsys, caplog, content):
+    path = tmp_path / 'in.bag'
+    path.write_bytes(content)
+    assert make(capsys, path, tmp_path / 'out.mp4')[0] == 1
+    line, = [record.getMessage() for record in caplog.records]
+    assert line.startswith('cannot read {} as a bag: '.format(path)), line
+    assert line.endswith('; give a bag with images, as of ./run demo record:=FILE')
+
+
+def test_a_bag_that_may_not_be_read(bag, tmp_path, capsys, caplog, monkeypatch):
+    def is_bag(path):
+        raise PermissionError(errno.EACCES, 'Permission denied', path)
+    monkeypatch.setattr(film_job, 'is_bag', is_bag)     # root may read each file
+    assert make(capsys, bag, tmp_path / 'out.mp4')[0] == 1
+    assert [record.getMessage() for record in caplog.records] == [
+        'cannot read {}: permission denied; see its permissions (ls -l), or give another '
+        'bag'.format(bag)]
+
+
+@pytest.mark.parametrize('content, problem', [
+    (None, 'cannot read the parameters in {}: No such file or directory'),
+    ('folder', 'cannot read the parameters in {}: '), ('{', 'cannot read the parameters in {}: '),
+    ('junk', 'cannot use the parameters in {}: got str'),
+    ('blue_hue_min: -7', '{}: parameter blue_hue_min: got -7')])
+def test_colors_that_are_refused(bag, tmp_path, capsys, caplog, content, problem):
+    path = tmp_path / 'colors.yaml'
+    if content == 'folder':
+        path.mkdir()
+    elif content is not None:
+        path.write_text(content)
+    assert make(capsys, bag, tmp_path / 'out.mp4', '--colors', path)[0] == 1
+    line, = [record.getMessage() for record in caplog.records]
+    assert line.startswith(problem.format(path)), line
+    assert line.endswith('; give a parameter file of color_extract, like config/colors.yaml')
+
+
+def test_a_bag_without_images(tmp_path, capsys, caplog):
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        file.write('/chatter', String('hello'), genpy.Time(1))
+    assert make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')[0] == 1
+    assert 'has no messages of type sensor_msgs/Image' in caplog.text
+    assert not (tmp_path / 'out.mp4').exists()
+
+
+def test_a_bag_whose_images_cannot_be_used(tmp_path, capsys, caplog):
+    bad = image_msgs.to_msg(card(), 'bgr8', Header())
+    bad.data = b'short'
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        file.write('/usb_cam/image_raw', bad, genpy.Time(1))
+    assert make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')[0] == 1
+    assert 'no image on /usb_cam/image_raw in {}/in.bag can be used; '.format(
+        tmp_path) in caplog.text
+    assert list(tmp_path.iterdir()) == [tmp_path / 'in.bag']
+
+
+@pytest.mark.parametrize('output', ['out.avi', 'out'])
+def test_an_output_that_is_no_mp4(bag, capsys, output):
+    with pytest.raises(SystemExit):
+        make(capsys, bag, output)
+    assert 'expected FILE.mp4' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('link', [None, 'symlink', 'link'])
+def test_the_bag_itself_is_not_overwritten(bag, tmp_path, capsys, caplog, link):
+    path = bag.rename(tmp_path / 'in.mp4')
+    out = path if link is None else tmp_path / 'out.mp4'
+    if link is not None:
+        getattr(os, link)(str(path), str(out))
+    before = path.read_bytes()
+    assert make(capsys, path, out)[0] == 1
+    assert 'cannot write {}: that is what is filmed; give the film another name'.format(
+        out) in caplog.text
+    assert path.read_bytes() == before and os.path.samefile(str(path), str(out))
+
+
+def test_a_path_that_cannot_be_written(bag, capsys, caplog):
+    assert make(capsys, bag, '/nowhere/out.mp4')[0] == 1
+    assert 'cannot write /nowhere/out.mp4' in caplog.text
+
+
+def test_a_bag_whose_clock_was_set_while_it_was_recorded(tmp_path, capsys, caplog):
+    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
+        for time_s in (10.0, 10.1, 3.0e7):
+            now = genpy.Time.from_sec(time_s)
+            file.write('/usb_cam/image_raw/compressed', compressed_image_msgs.to_msg(
+                card(), 'bgr8', Header(stamp=now), CompressionSettings()), now)
+    code, _ = make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')
+    assert code == 1 and not (tmp_path / 'out.mp4').exists()
+    assert 'jump ahead by 3e+07 s at message 3; extract a part without jumps' in caplog.text
+
+
+# a signal arrives when a part of the film is written
+INTERRUPTED = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.SIG_DFL)        # as the script does
+from img_recog.replay import film_job, film_writer
+write, start = film_writer.FilmWriter.write, film_writer.subprocess.Popen
+signum, *arguments = sys.argv[1:]
+
+class Popen(start):
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        print(self.pid, flush=True)
+
+def interrupted(self, picture):
+    write(self, picture)
+    signal.raise_signal(int(signum))
+
+film_writer.subprocess.Popen, film_writer.FilmWriter.write = Popen, interrupted
+sys.exit(film_job.main(arguments))
+"""
+
+
+@pytest.mark.parametrize('signum', SIGNALS)
+def test_a_signal_ends_ffmpeg_and_leaves_no_unfinished_file(bag, tmp_path, signum):
+    done = subprocess.run(
+        [sys.executable, '-c', INTERRUPTED, str(int(signum)), str(bag), str(tmp_path / 'out.mp4')],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    assert done.returncode == 128 + signum and b'Traceback' not in done.stderr
+    assert list(tmp_path.iterdir()) == [bag]
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(done.stdout), 0)

@@ -1,0 +1,82 @@
+"""What the pictures of a film show."""
+import cv2
+import numpy as np
+import pytest
+
+from img_recog.recognition.settings import with_colors
+from img_recog.replay import film_picture
+from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture
+from img_recog_testing.films import BLUE, ROBOT, SQUARE, card, center_of, state
+
+SETTINGS = with_colors()()
+
+
+def test_all_parts_are_in_the_picture():
+    picture = FilmPicture(SETTINGS.colors, [SQUARE]).draw(state())
+    assert picture.shape == (HEIGHT, WIDTH, 3) and picture.dtype == np.uint8
+    camera, masked = picture[34:394, 10:490], picture[34:200, 500:730]
+    assert center_of(camera, BLUE) == pytest.approx((240, 180), abs=2)
+    assert center_of(masked, BLUE) is not None and center_of(masked, (190,) * 3) is None
+    assert (masked == 0).all(axis=2).mean() > 0.3
+
+
+def many_colors(count, hue=110):
+    names = ['color_{}'.format(number) for number in range(count)]
+    return with_colors(names)(**{
+        '{}_hue_{}'.format(name, end): hue for name in names for end in ('min', 'max')}).colors
+
+
+@pytest.mark.parametrize('count, columns', [(0, 1), (1, 1), (2, 1), (3, 1), (4, 2), (8, 2),
+                                            (12, 3), (40, 6)])
+def test_masked_images_of_many_colors_have_columns(count, columns):
+    number, (width, height) = film_picture._grid(count, 4 / 3)
+    assert number == columns
+    rows = max(1, -(-count // number))
+    assert number * width + (number - 1) * 10 <= 230 and rows * (height + 34) - 10 <= 384
+    # the other masked images fill the column
+    picture = FilmPicture(many_colors(count), []).draw(state(
+        masked=[card()] * count, areas_px=(4800,) * count))
+    assert picture.shape == (HEIGHT, WIDTH, 3)
+    blue = (picture[34:394, 500:730] == BLUE).all(axis=2)
+    assert blue.any() == bool(count)
+
+
+def test_lines_of_the_same_hue_have_different_colors():
+    shown = [cv2.cvtColor(np.uint8([[color]]), cv2.COLOR_BGR2HSV)[0, 0, 0].astype(int)
+             for color in film_picture._shown(many_colors(8))]
+    distances = [min((a - b) % 180, (b - a) % 180) for number, a in enumerate(shown)
+                 for b in shown[:number]]
+    assert shown[0] == 110 and min(distances) >= 13         # 15, rounded
+    # more than there is room for
+    assert len(film_picture._shown(many_colors(20))) == 20
+
+
+def test_a_long_legend_has_several_rows():
+    picture = np.full((200, 400, 3), 255, np.uint8)
+    entries = [('name_{}'.format(number), (0, 0, 200)) for number in range(8)]
+    assert film_picture._legend(picture, entries, (60, 388), 32) == 64
+    lines = (picture == (0, 0, 200)).all(axis=2)
+    assert [lines[y].sum() for y in (32, 48, 64)] == [3 * 23, 3 * 23, 2 * 23]
+    assert (picture[:, 389:] == 255).all()
+
+
+@pytest.mark.parametrize('pose, side', [((2.0, 2.0, 0.0), (0, 0)), ((3.5, 2.0, 1.0), (1, 0)),
+                                        ((2.0, 0.5, -2.0), (0, 1))])
+def test_the_robot_is_where_it_is_in_the_map(pose, side):
+    picture = FilmPicture(SETTINGS.colors, [SQUARE]).draw(state(pose=pose))
+    x, y = center_of(picture[34:394, 740:1270], ROBOT)
+    scale = 360 / 4.6       # the square with its margin
+    assert x - 265 == pytest.approx(side[0] * 1.5 * scale, abs=10)
+    assert y - 180 == pytest.approx(side[1] * 1.5 * scale, abs=10)      # y is upwards
+
+
+def test_without_odometry_there_is_no_robot():
+    picture = FilmPicture(SETTINGS.colors, []).draw(state(pose=None))
+    assert center_of(picture[34:394, 740:1270], ROBOT) is None
+
+
+def test_old_values_leave_the_charts():
+    film = FilmPicture(SETTINGS.colors, [])
+    for time_s in (0.0, 1.0, 30.0):
+        film.draw(state(time_s))
+    assert [row[0] for row in film._areas] == [30.0]
