@@ -152,8 +152,10 @@ def _shown(colors: Sequence[Color]) -> List[Tuple[int, int, int]]:
         if any(_hue_distance(wanted, used) < _HUE_STEP for used in hues) and free:
             wanted = min(free, key=lambda hue: _hue_distance(hue, color.middle_hue))
         hues.append(wanted)
-    pixels = cv2.cvtColor(np.array([[(hue, 220, 200) for hue in hues]], np.uint8).reshape(
-        1, -1, 3), cv2.COLOR_HSV2BGR) if hues else np.empty((1, 0, 3))
+    if not hues:        # OpenCV rejects an image without pixels
+        return []
+    pixels = cv2.cvtColor(np.array([[(hue, 220, 200) for hue in hues]], np.uint8),
+                          cv2.COLOR_HSV2BGR)
     return [(int(blue), int(green), int(red)) for blue, green, red in pixels[0]]
 
 

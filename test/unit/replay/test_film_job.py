@@ -23,6 +23,7 @@ from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.replay import film_job, film_writer
 from img_recog_testing.films import BLUE, ROBOT, SQUARE, card, center_of, frames_of
 
+pytestmark = pytest.mark.usefixtures('handlers_as_before')
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 
 
@@ -82,14 +83,6 @@ def record(path, robots):
                                    ('usb_cam/image_raw/compressed', image)):
                     file.write(namespace + topic, msg, now)
     return path
-
-
-@pytest.fixture(autouse=True)
-def handlers_as_before():
-    handlers = {signum: signal.getsignal(signum) for signum in SIGNALS}
-    yield
-    for signum, handler in handlers.items():
-        signal.signal(signum, handler)
 
 
 @pytest.fixture

@@ -6,15 +6,8 @@ import pytest
 
 from img_recog.replay.signals import Interrupts
 
+pytestmark = pytest.mark.usefixtures('handlers_as_before')
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
-
-
-@pytest.fixture(autouse=True)
-def handlers_as_before():
-    before = {signum: signal.getsignal(signum) for signum in SIGNALS}
-    yield
-    for signum, handler in before.items():
-        signal.signal(signum, handler)
 
 
 def send(signum):

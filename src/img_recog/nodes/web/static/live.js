@@ -196,12 +196,12 @@
   }
 
   // room for all rows of the legend; sizes in pixels, as ECharts has them
+  const ruler = document.createElement('canvas').getContext('2d');
+  ruler.font = '12px sans-serif';
   function fitLegend(component, names) {
-    const context = document.createElement('canvas').getContext('2d');
-    context.font = '12px sans-serif';
     let [rows, x] = [1, 0];
     for (const name of names) {
-      const width = 25 + 5 + context.measureText(name).width + 10;
+      const width = 25 + 5 + ruler.measureText(name).width + 10;
       if (x && x + width > component.getWidth() - 10) [rows, x] = [rows + 1, 0];
       x += width;
     }
