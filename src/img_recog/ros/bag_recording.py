@@ -5,7 +5,7 @@ import signal
 import subprocess
 import tempfile
 import time
-from typing import Sequence
+from typing import Optional, Sequence
 
 from img_recog.errors import UserError, one_line, shortened
 
@@ -42,7 +42,8 @@ class BagRecording:
             raise UserError('cannot record: rosrun: {}'.format(one_line(error)),
                             'install the packages rosbash and rosbag')
         end_s = time.monotonic() + _START_TIMEOUT_S
-        while self.is_running and not os.path.exists(self._active) and time.monotonic() < end_s:
+        # its header is in the file, so that it can write; a full disk shows here
+        while self.is_running and not self._active_size() and time.monotonic() < end_s:
             time.sleep(_POLL_PERIOD_S)
         self.check()
 
@@ -56,6 +57,13 @@ class BagRecording:
         """The name of the file while it is written."""
         return self.path + '.active'
 
+    def _active_size(self) -> Optional[int]:
+        """Return the size of the file in bytes while it is written; None: there is no file."""
+        try:
+            return os.path.getsize(self._active)
+        except FileNotFoundError:
+            return None
+
     def check(self) -> bool:
         """Return whether it has ended by itself, at its largest size; True only once.
 
@@ -66,7 +74,7 @@ class BagRecording:
         self._is_over = True
         if self._process.returncode == 0:
             return True
-        if os.path.exists(self._active) and not os.path.getsize(self._active):
+        if self._active_size() == 0:
             os.unlink(self._active)
         raise UserError('cannot record {}: {}'.format(self.path, self._reason()), _ADVICE)
 

@@ -14,8 +14,9 @@ file=$7
 printf '%s ' "$@" >"$file.arguments"
 {}
 '''
-WRITE = ': >"$file.active"\n'
-LOOP = 'trap \'mv "$file.active" "$file"; exit 0\' INT\nwhile :; do sleep 0.05; done\n'
+OPEN = ': >"$file.active"\n'
+WRITE = 'echo some >"$file.active"\n'
+LOOP = 'while :; do sleep 0.05; done\n'
 
 
 @pytest.fixture
@@ -37,7 +38,7 @@ def recording(tmp_path, monkeypatch):
 
 
 def test_a_recording_is_complete_when_it_has_stopped(recording, tmp_path):
-    running = recording(WRITE + LOOP)
+    running = recording('trap \'mv "$file.active" "$file"; exit 0\' INT\n' + WRITE + LOOP)
     assert running.is_running and not running.check()
     running.stop()
     assert not running.is_running and (tmp_path / 'new.bag').exists() and not running.check()
@@ -47,8 +48,8 @@ def test_a_recording_is_complete_when_it_has_stopped(recording, tmp_path):
 
 def test_a_file_that_cannot_be_written(recording, tmp_path):
     with pytest.raises(UserError) as error:
-        recording(WRITE + 'printf "\\033[31m[ERROR] [12.5]: Error writing: disk full\\033[0m\\n" '
-                          '>&2; echo "terminate called" >&2; exit 1')
+        recording(OPEN + 'sleep 0.3; printf "\\033[31m[ERROR] [12.5]: Error writing: disk full'
+                         '\\033[0m\\n" >&2; echo "terminate called" >&2; exit 1')
     assert one_line(error.value).startswith(
         'cannot record {}: Error writing: disk full; '.format(tmp_path / 'new.bag'))
     assert not (tmp_path / 'new.bag.active').exists()
@@ -60,7 +61,7 @@ def test_a_program_that_says_nothing(recording):
 
 
 def test_a_recording_that_fails_later_is_reported_once_and_keeps_what_it_has(recording, tmp_path):
-    running = recording('echo some >"$file.active"; while [ ! -e "$file.full" ]; do sleep 0.05; '
+    running = recording(WRITE + 'while [ ! -e "$file.full" ]; do sleep 0.05; '
                         'done; echo "the disk is full" >&2; exit 1')
     (tmp_path / 'new.bag.full').write_text('')
     wait_for(lambda: not running.is_running, 'the end')
@@ -78,6 +79,6 @@ def test_the_largest_size_is_reported_once(recording, tmp_path):
 
 
 def test_a_stop_without_a_file(recording):
-    running = recording(WRITE + 'trap "exit 0" INT; while :; do sleep 0.05; done')
+    running = recording('trap "exit 0" INT\n' + WRITE + LOOP)
     with pytest.raises(UserError, match='not complete'):
         running.stop()
