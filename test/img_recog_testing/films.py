@@ -6,7 +6,7 @@ from img_recog.replay.film_picture import FilmState
 
 BLUE = (215, 70, 25)
 SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
-ROBOT = (74, 163, 22)
+ROBOT, PATH = (74, 163, 22), (235, 99, 37)
 
 
 def card(color=BLUE):

@@ -6,7 +6,7 @@ import pytest
 from img_recog.recognition.settings import with_colors
 from img_recog.replay import film_picture
 from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture
-from img_recog_testing.films import BLUE, ROBOT, SQUARE, card, center_of, state
+from img_recog_testing.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, state
 
 SETTINGS = with_colors()()
 
@@ -51,15 +51,6 @@ def test_lines_of_the_same_hue_have_different_colors():
     assert len(film_picture._shown(many_colors(20))) == 20
 
 
-def test_a_long_legend_has_several_rows():
-    picture = np.full((200, 400, 3), 255, np.uint8)
-    entries = [('name_{}'.format(number), (0, 0, 200)) for number in range(8)]
-    assert film_picture._legend(picture, entries, (60, 388), 32) == 64
-    lines = (picture == (0, 0, 200)).all(axis=2)
-    assert [lines[y].sum() for y in (32, 48, 64)] == [3 * 23, 3 * 23, 2 * 23]
-    assert (picture[:, 389:] == 255).all()
-
-
 @pytest.mark.parametrize('pose, side', [((2.0, 2.0, 0.0), (0, 0)), ((3.5, 2.0, 1.0), (1, 0)),
                                         ((2.0, 0.5, -2.0), (0, 1))])
 def test_the_robot_is_where_it_is_in_the_map(pose, side):
@@ -68,6 +59,17 @@ def test_the_robot_is_where_it_is_in_the_map(pose, side):
     scale = 360 / 4.6       # the square with its margin
     assert x - 265 == pytest.approx(side[0] * 1.5 * scale, abs=10)
     assert y - 180 == pytest.approx(side[1] * 1.5 * scale, abs=10)      # y is upwards
+
+
+def test_the_path_has_a_gap_where_the_robot_was_moved():
+    film = FilmPicture(SETTINGS.colors, [SQUARE])
+    for x, y in ((0.5, 0.5), (0.9, 0.5), (1.3, 0.5), (3.5, 3.5), (3.5, 3.1)):
+        picture = film.draw(state(pose=(x, y, 0.0)))
+    path = (picture[34:394, 740:1270] == PATH).all(axis=2)
+    scale = 360 / 4.6
+    assert path[:, :265].sum() == pytest.approx(0.8 * scale * 3, rel=0.3)
+    assert path[:, 265:].sum() > 0.2 * scale        # the robot covers the rest
+    assert not path[180 - 20:180 + 20].any()        # between them
 
 
 def test_without_odometry_there_is_no_robot():
