@@ -4,7 +4,7 @@ import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'resources', 'robot_file',
-                'settings', 'still_images', 'visuals')
+                'settings', 'signals', 'still_images', 'visuals')
 # libraries that only one folder may use
 OWNERS = {'pybullet': 'simulation', 'pybullet_data': 'simulation',
           'pybullet_utils': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering',
@@ -20,14 +20,15 @@ ALLOWED = {
     **{folder: ('errors', 'files', 'helper_process', 'markup', 'settings', 'still_images',
                 'visuals') for folder in PURE},
     'markup': ('errors',),
-    '__init__': (), 'errors': (), 'helper_process': (), 'visuals': (),
+    '__init__': (), 'errors': (), 'helper_process': (), 'signals': (),
+    'visuals': (),
     'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'markup'), 'still_images': ('errors', 'settings'),
     'ros': ('errors', 'settings'),
     'conversions': PURE + ('errors', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
-    'graph': ('errors', 'files'),
+    'graph': ('errors', 'files', 'signals'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
 }
 WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('conversions', 'graph', 'replay')

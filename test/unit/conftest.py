@@ -1,4 +1,5 @@
 """Fixtures for several unit tests."""
+import signal
 
 import cv2
 import pybullet
@@ -25,6 +26,16 @@ class FakeClock:
     def advance(self, seconds: float) -> None:
         """Move the clock forward by `seconds`."""
         self.now_s += seconds
+
+
+@pytest.fixture
+def handlers_as_before():
+    """Set the handlers of signals that end a program as they were, after the test."""
+    before = {signum: signal.getsignal(signum)
+              for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for signum, handler in before.items():
+        signal.signal(signum, handler)
 
 
 @pytest.fixture(autouse=True)

@@ -13,6 +13,7 @@ from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import Choice, visible
+from img_recog.signals import Interrupts
 
 _SECONDS = 2.0          # in which rates are measured
 
@@ -42,18 +43,10 @@ def _draw(options: argparse.Namespace) -> str:
     path = files.user_output_path(options.output)
     # not earlier: while nothing is written, a signal ends the program at once; an exception would
     # wait for the threads that ask the nodes
-    _end_by_exceptions()
+    Interrupts()
     with files.atomic_write([path], 'give a path that can be written') as (file,):
         file.write(picture)
     return path
-
-
-def _end_by_exceptions() -> None:
-    """Let signals that end the program raise exceptions, which remove the unfinished file."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    for signum in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(signum) != signal.SIG_IGN:      # as under nohup
-            signal.signal(signum, lambda number, _: sys.exit(128 + number))
 
 
 def _options(arguments: Sequence[str]) -> argparse.Namespace:

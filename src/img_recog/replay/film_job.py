@@ -26,7 +26,7 @@ from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
 from img_recog.replay.film_messages import Messages
 from img_recog.replay.inputs import WANTED, is_bag
-from img_recog.replay.signals import Interrupts
+from img_recog.signals import Interrupts
 
 _BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
 _COLORS_ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'

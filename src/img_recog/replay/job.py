@@ -22,7 +22,7 @@ from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
 from img_recog.replay.painter import Painter
 from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder
-from img_recog.replay.signals import Interrupts
+from img_recog.signals import Interrupts
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.body import Motion
 from img_recog.simulation.footprints import footprints

@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from img_recog.replay.signals import Interrupts
+from img_recog.signals import Interrupts
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
