@@ -5,7 +5,8 @@ import signal
 import subprocess
 import tempfile
 import time
-from typing import Optional, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Callable, Optional, Sequence
 
 from img_recog.errors import UserError, one_line, shortened
 
@@ -21,7 +22,11 @@ _ADVICE = 'start the demo in a folder where files can be written; is the disk fu
 
 
 class BagRecording:
-    """A process that records. path: of the bag."""
+    """A process that records. path: of the bag.
+
+    It completes its file and ends when the thread that has started it ends, also by kill -9 of
+    this process.
+    """
 
     def __init__(self, path: str, topics: Sequence[str], max_megabytes: int = MAX_MEGABYTES):
         """Start to record.
@@ -35,12 +40,12 @@ class BagRecording:
         try:
             # not `rosbag record`, which is a parent of this program and ends before it
             self._process = subprocess.Popen(
-                ['rosrun', 'rosbag', 'record', '--quiet', '--lz4',
-                 '--size={}'.format(max_megabytes), '-O', path, *topics],
+                ['setpriv', '--pdeathsig', 'INT', 'rosrun', 'rosbag', 'record', '--quiet',
+                 '--lz4', '--size={}'.format(max_megabytes), '-O', path, *topics],
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._errors)
         except OSError as error:
-            raise UserError('cannot record: rosrun: {}'.format(one_line(error)),
-                            'install the packages rosbash and rosbag')
+            raise UserError('cannot record: setpriv: {}'.format(one_line(error)),
+                            'install the package util-linux')
         end_s = time.monotonic() + _START_TIMEOUT_S
         # its header is in the file, so that it can write; a full disk shows here
         while self.is_running and not self._active_size() and time.monotonic() < end_s:
@@ -102,3 +107,45 @@ class BagRecording:
         if not os.path.exists(self.path):
             raise UserError('the recording {} is not complete'.format(self.path),
                             'is the disk full? what there is has the suffix .active')
+
+
+class Recorder:
+    """Starts and stops recordings, one at a time. All methods may be called by any thread."""
+
+    def __init__(self, start: Callable[[], BagRecording]):
+        """start: begins a recording, or raises UserError."""
+        self._start = start
+        # one thread for all, as long as this process: a recording ends with its thread
+        self._thread = ThreadPoolExecutor(1, 'recorder')
+        self._recording: Optional[BagRecording] = None
+
+    @property
+    def path(self) -> str:
+        """The path of the recording that runs; '' if there is none."""
+        recording = self._recording
+        return recording.path if recording is not None and recording.is_running else ''
+
+    def record(self, is_wanted: bool) -> str:
+        """Start or stop a recording if that is not done yet; return its path, '' if none.
+
+        Waits until the file can be written, or is complete. Raises UserError if that fails.
+        """
+        return self._thread.submit(self._record, is_wanted).result()
+
+    def _record(self, is_wanted: bool) -> str:
+        recording = self._recording
+        if recording is None or not recording.is_running:
+            if not is_wanted:
+                return ''
+            self._recording = recording = self._start()
+        elif not is_wanted:
+            recording.stop()
+        return recording.path
+
+    def check(self) -> str:
+        """Return the path of a recording that has ended at its largest size, only once.
+
+        '' if there is none. Raises UserError if it has ended for another reason, also once.
+        """
+        recording = self._recording
+        return recording.path if recording is not None and recording.check() else ''

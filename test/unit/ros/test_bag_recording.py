@@ -1,11 +1,16 @@
 """A recording, with a stand-in for the program that records."""
 import os
+import signal
 import stat
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from img_recog.errors import UserError, one_line
-from img_recog.ros.bag_recording import BagRecording
+from img_recog.ros.bag_recording import BagRecording, Recorder
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 # rosrun with the arguments `rosbag record --quiet --lz4 --size=N -O PATH TOPICS`
@@ -15,7 +20,9 @@ printf '%s ' "$@" >"$file.arguments"
 {}
 '''
 OPEN = ': >"$file.active"\n'
+COMPLETE = 'trap \'mv "$file.active" "$file"; exit 0\' INT\n'
 WRITE = 'echo some >"$file.active"\n'
+UNTIL_FULL = 'while [ ! -e "$file.full" ]; do sleep 0.05; done; mv "$file.active" "$file"'
 LOOP = 'while :; do sleep 0.05; done\n'
 
 
@@ -38,7 +45,7 @@ def recording(tmp_path, monkeypatch):
 
 
 def test_a_recording_is_complete_when_it_has_stopped(recording, tmp_path):
-    running = recording('trap \'mv "$file.active" "$file"; exit 0\' INT\n' + WRITE + LOOP)
+    running = recording(COMPLETE + WRITE + LOOP)
     assert running.is_running and not running.check()
     running.stop()
     assert not running.is_running and (tmp_path / 'new.bag').exists() and not running.check()
@@ -71,8 +78,7 @@ def test_a_recording_that_fails_later_is_reported_once_and_keeps_what_it_has(rec
 
 
 def test_the_largest_size_is_reported_once(recording, tmp_path):
-    running = recording(WRITE + 'while [ ! -e "$file.full" ]; do sleep 0.05; done; '
-                                'mv "$file.active" "$file"')
+    running = recording(WRITE + UNTIL_FULL)
     (tmp_path / 'new.bag.full').write_text('')
     wait_for(lambda: not running.is_running, 'the end')
     assert [running.check(), running.check()] == [True, False]
@@ -82,3 +88,48 @@ def test_a_stop_without_a_file(recording):
     running = recording('trap "exit 0" INT\n' + WRITE + LOOP)
     with pytest.raises(UserError, match='not complete'):
         running.stop()
+
+
+def test_it_ends_with_a_process_that_is_killed(recording, tmp_path):
+    recording(COMPLETE + WRITE + LOOP).stop()
+    path = tmp_path / 'other.bag'
+    child = subprocess.Popen([sys.executable, '-c', (
+        'import os, signal, sys\n'
+        'from img_recog.ros.bag_recording import BagRecording\n'
+        'BagRecording(sys.argv[1], ["/odom"])\n'
+        'os.kill(os.getpid(), signal.SIGKILL)'), str(path)])
+    assert child.wait(DEADLINE_S) == -signal.SIGKILL
+    wait_for(path.exists, 'a complete file')
+
+
+def in_another_thread(call, *arguments):
+    """Return the result of a call in a thread that has ended."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(call, *arguments).result(DEADLINE_S)
+
+
+def test_one_recording_for_all_who_start_and_stop_it(recording, tmp_path):
+    recorder = Recorder(lambda: recording(COMPLETE + WRITE + LOOP))
+    path = str(tmp_path / 'new.bag')
+    assert recorder.path == '' == recorder.record(False)
+    assert in_another_thread(recorder.record, True) == path
+    time.sleep(0.2)     # it would end now if the thread that is over were that of the recording
+    assert in_another_thread(recorder.record, True) == path == recorder.path
+    assert recorder.check() == '' and not os.path.exists(path)
+    assert in_another_thread(recorder.record, False) == path and os.path.exists(path)
+    assert recorder.path == '' == recorder.record(False) and recorder.check() == ''
+
+
+def test_a_recorder_after_a_failure(recording, tmp_path):
+    scripts = ['exit 3', WRITE + UNTIL_FULL, COMPLETE + WRITE + LOOP]
+    recorder = Recorder(lambda: recording(scripts.pop(0)))
+    with pytest.raises(UserError, match='exit code 3'):
+        recorder.record(True)
+    path = str(tmp_path / 'new.bag')
+    assert recorder.path == ''
+    recorder.record(True)
+    (tmp_path / 'new.bag.full').write_text('')
+    wait_for(lambda: not recorder.path, 'the end')
+    assert [recorder.check(), recorder.check()] == [path, '']
+    assert recorder.record(True) == path == recorder.path
+    recorder.record(False)

@@ -16,7 +16,6 @@ Reads: ~web_host, ~web_port (WebSettings), ~max_linear_velocity, ~max_angular_ve
 import contextlib
 import secrets
 import sys
-import threading
 import time
 import traceback
 from typing import List, Optional, Set
@@ -41,7 +40,7 @@ from img_recog.nodes.web.server import Server, address, listen, report_errors
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.ros import bag_recording, lifecycle, master, parameters
-from img_recog.ros.bag_recording import BagRecording
+from img_recog.ros.bag_recording import BagRecording, Recorder
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
@@ -63,8 +62,7 @@ class Web:
         self._failure: Optional[Exception] = None
         self._watching: Set[object] = set()
         self._graphs = GraphPictures()
-        self._recording_lock = threading.Lock()
-        self._recording: Optional[BagRecording] = None
+        self._recorder = Recorder(self._start_recording)
         lifecycle.on_shutdown(self._end_recording)
         self.simulator = Tuning(rospy.resolve_name('gazebo'))
         self._pictures = PictureTopics(_MAX_IMAGE_BYTES)
@@ -156,39 +154,29 @@ class Web:
 
     def record(self, is_wanted: bool) -> str:
         """Start or stop a recording; return its path."""
-        with self._recording_lock:
-            recording = self._recording
-            if is_wanted == (recording is not None and recording.is_running):
-                return self.recording()
-            if recording is None or is_wanted:
-                topics = sorted({
-                    name for topic in bag_recording.TOPICS for name in (
-                        rospy.resolve_name(topic),
-                        *(resolve(robot, topic) for robot in self.robots()))})
-                self._recording = BagRecording(files.free_output_path('recording', '.bag'), topics)
-                return self._recording.path
-            recording.stop()
-            return recording.path
+        return self._recorder.record(is_wanted)
 
     def recording(self) -> str:
         """Return the path of the recording that runs, '' if there is none."""
-        recording = self._recording
-        return recording.path if recording is not None and recording.is_running else ''
+        return self._recorder.path
+
+    def _start_recording(self) -> BagRecording:
+        topics = {name for topic in bag_recording.TOPICS for name in (
+            rospy.resolve_name(topic), *(resolve(robot, topic) for robot in self.robots()))}
+        return BagRecording(files.free_output_path('recording', '.bag'), sorted(topics))
 
     def _check_recording(self) -> None:
         """Say it when a recording has ended by itself."""
-        recording = self._recording
         try:
-            if recording is not None and recording.check():
-                rospy.loginfo('the recording %s has ended: it has its largest size',
-                              recording.path)
+            path = self._recorder.check()
+            if path:
+                rospy.loginfo('the recording %s has ended: it has its largest size', path)
         except UserError as error:
             rospy.logerr('%s', one_line(error))
 
     def _end_recording(self) -> None:
-        if self.recording():
-            with contextlib.suppress(UserError):
-                self.record(False)
+        with contextlib.suppress(UserError):
+            self._recorder.record(False)
 
     def graph(self, is_dark: bool, leaves: bool) -> bytes:
         """Return the graph of nodes and topics as SVG; raise UserError if that fails."""
