@@ -12,6 +12,7 @@ COLORS = 'colors'
 IMAGE_TOPIC = '{}_image_topic'
 _MAX_BYTES, _MAX_LENGTH = 1 << 20, 1000     # of the file, and of a name or text in it
 _MAX_SHOWN = 50         # characters of a name in an error
+_ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'
 # parameters of the node color_extract that do not affect the recognition itself
 _NODE_ONLY = ('colors_file', 'image_transport', 'max_image_pixels')
 
@@ -51,7 +52,8 @@ def _mapping(path: str) -> Dict[str, Any]:
     try:
         values = load_yaml(read_bytes(path, _MAX_BYTES))
     except (OSError, MarkupError) as error:
-        raise ParameterError('cannot read the parameters in {}: {}'.format(path, one_line(error)))
+        raise ParameterError('cannot read the parameters in {}: {}'.format(path, one_line(error)),
+                             _ADVICE)
     if not isinstance(values, dict) or not values:
         raise ParameterError('cannot use the parameters in {}: got {}, expected lines like '
                              'colors: [blue, red] and blue_hue_min: 50'.format(

@@ -29,7 +29,6 @@ from img_recog.replay.inputs import WANTED, is_bag
 from img_recog.signals import Interrupts
 
 _BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
-_COLORS_ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _log = logging.getLogger('film.py')
 
@@ -97,12 +96,7 @@ def _frames(path: str, options: argparse.Namespace) -> BagFrames:
 
 
 def _settings(path: str) -> RecognitionSettings:
-    if not path:
-        return with_colors()()
-    try:
-        return parameter_file.read(os.path.expanduser(path))
-    except UserError as error:
-        raise UserError(error.problem, error.advice or _COLORS_ADVICE)
+    return parameter_file.read(os.path.expanduser(path)) if path else with_colors()()
 
 
 def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> float:

@@ -225,12 +225,17 @@ def test_a_bag_that_may_not_be_read(bag, tmp_path, capsys, caplog, monkeypatch):
         'bag'.format(bag)]
 
 
-@pytest.mark.parametrize('content, problem', [
-    (None, 'cannot read the parameters in {}: No such file or directory'),
-    ('folder', 'cannot read the parameters in {}: '), ('{', 'cannot read the parameters in {}: '),
-    ('junk', 'cannot use the parameters in {}: got str'),
-    ('blue_hue_min: -7', '{}: parameter blue_hue_min: got -7')])
-def test_colors_that_are_refused(bag, tmp_path, capsys, caplog, content, problem):
+LIKE = 'give a parameter file of color_extract, like config/colors.yaml'
+
+
+@pytest.mark.parametrize('content, problem, advice', [
+    (None, 'cannot read the parameters in {}: No such file or directory; ', LIKE),
+    ('folder', 'cannot read the parameters in {}: ', LIKE),
+    ('{', 'cannot read the parameters in {}: ', LIKE),
+    ('junk', 'cannot use the parameters in {}: got str, expected lines like ',
+     'blue_hue_min: 50'),
+    ('blue_hue_min: -7', '{}: parameter blue_hue_min: got -7, allowed is ', '0 to 180')])
+def test_colors_that_are_refused(bag, tmp_path, capsys, caplog, content, problem, advice):
     path = tmp_path / 'colors.yaml'
     if content == 'folder':
         path.mkdir()
@@ -239,7 +244,7 @@ def test_colors_that_are_refused(bag, tmp_path, capsys, caplog, content, problem
     assert make(capsys, bag, tmp_path / 'out.mp4', '--colors', path)[0] == 1
     line, = [record.getMessage() for record in caplog.records]
     assert line.startswith(problem.format(path)), line
-    assert line.endswith('; give a parameter file of color_extract, like config/colors.yaml')
+    assert line.endswith(advice)
 
 
 def test_a_bag_without_images(tmp_path, capsys, caplog):
