@@ -18,6 +18,7 @@ _PERIOD_S = 0.05
 _POLL_PERIOD_S = 1.0    # how often the threads check for the shutdown
 HOLD_S = 0.3            # a page repeats its command; after this time without one, the robot stops
 _YIELD_PERIOD_S = 0.2
+_READ_PERIOD_S = 1.0    # of the nodes that can yield
 _SERVICE = '/yield'
 _STOPS = 3              # zeros that are sent after a release
 
@@ -27,7 +28,7 @@ class Speeds:
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
         self._now, self._lock = now, threading.Lock()
-        self._owner: Optional[object] = None
+        self._owner: Optional[object] = None        # the last one that has not released
         self._refused: Set[object] = set()
         self._shares, self._until_s = (0.0, 0.0), 0.0
 
@@ -39,12 +40,13 @@ class Speeds:
         the other one pauses, long after its key was pressed.
         """
         with self._lock:
-            if owner in self._refused:
-                return False
-            if self._owner not in (None, owner) and self._now() < self._until_s:
-                if linear or angular:
+            if linear or angular:
+                if owner in self._refused:
+                    return False
+                if self._owner not in (None, owner) and self._is_driven():
                     self._refused.add(owner)
                     return False
+            if self._owner not in (None, owner):
                 self._refused.add(self._owner)
             self._owner, self._shares = owner, (linear, angular)
             self._until_s = self._now() + HOLD_S
@@ -60,9 +62,10 @@ class Speeds:
     def current(self) -> Optional[Tuple[float, float]]:
         """Return the shares, None if nobody drives."""
         with self._lock:
-            if self._owner is not None and self._now() >= self._until_s:
-                self._owner = None
-            return self._shares if self._owner is not None else None
+            return self._shares if self._is_driven() else None
+
+    def _is_driven(self) -> bool:
+        return self._owner is not None and self._now() < self._until_s
 
 
 class Driving:
@@ -100,7 +103,8 @@ class Driving:
         Return False if another owner drives, or drove when this one began.
         """
         is_held = self._speeds.hold(owner, linear, angular)
-        self._driven.set()
+        if is_held:
+            self._driven.set()
         return is_held
 
     def release(self, owner: object) -> None:
@@ -127,13 +131,15 @@ class Driving:
     def _hold_others(self) -> None:
         """Let the other nodes yield as long as somebody drives."""
         services: List[str] = []
+        read_s = -math.inf
         while not rospy.is_shutdown():
             if not self._driven.is_set():
-                services = []
+                read_s = -math.inf
                 self._driven.wait(_POLL_PERIOD_S)
                 continue
             try:
-                services = services or yield_services(self._topic)
+                if time.monotonic() - read_s > _READ_PERIOD_S:      # others may start meanwhile
+                    services, read_s = yield_services(self._topic), time.monotonic()
             except master.MasterError as error:
                 self._warn('another node may drive the robot too: %s', one_line(error))
             # each in a thread: one that does not answer must not keep the others from yielding

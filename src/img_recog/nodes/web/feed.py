@@ -148,6 +148,8 @@ class Feed:
         """Do what a message says; count it if it makes no sense."""
         try:
             message = json.loads(text)
+            if not isinstance(message, dict):
+                raise TypeError(message)
             actions = {key: self._ACTIONS[key] for key in message}
             for key, action in actions.items():
                 action(self, viewer, message[key])

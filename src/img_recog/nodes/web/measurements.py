@@ -143,6 +143,7 @@ class SystemTopics(Topics):
                            _MAX_STATUSES)
                 return
             self.news.set('node ' + status.name, {
+                'time_s': _number(time.monotonic()),
                 'name': shortened(status.name), 'level': _level(status.level),
                 'message': shortened(status.message),
                 'values': [[shortened(each.key), shortened(each.value)]

@@ -189,9 +189,12 @@ def _wait_for_other_nodes() -> None:
     end_s = time.monotonic() + _START_TIMEOUT_S
     since_s = time.monotonic()
     while time.monotonic() < end_s and not rospy.is_shutdown():
-        found = {node for topics in master.system_state() for _, users in topics
-                 for node in users}
-        if found != nodes:
+        try:
+            found = {node for topics in master.system_state() for _, users in topics
+                     for node in users}
+        except master.MasterError:      # it may come back
+            found = set()
+        if found != nodes or not found:
             nodes, since_s = found, time.monotonic()
         if time.monotonic() - since_s > _QUIET_S:
             return

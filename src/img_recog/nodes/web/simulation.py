@@ -1,5 +1,6 @@
 """What a visitor may do with the simulation: pause, reset, move the robot."""
 import math
+import threading
 from typing import Callable
 
 import rospy
@@ -14,6 +15,7 @@ from img_recog.errors import UserError, one_line
 ACTIONS = ('pause_physics', 'unpause_physics', 'reset_world')
 _TIMEOUT_S = 10.0
 _MAX_M = 1000.0
+_one_call = threading.Lock()        # a simulator that hangs must not hold all threads of the page
 
 
 def call(action: str) -> None:
@@ -24,11 +26,16 @@ def call(action: str) -> None:
     if action not in ACTIONS:
         raise UserError('there is no action {!r}'.format(action[:100]))
     name = rospy.resolve_name('gazebo/' + action)
+    if not _one_call.acquire(blocking=False):
+        raise UserError('{}: the last call has not ended'.format(name),
+                        'is the simulator running?')
     try:
         rospy.wait_for_service(name, _TIMEOUT_S)
         rospy.ServiceProxy(name, Empty)()
     except (rospy.ROSException, rospy.ServiceException) as error:
         raise UserError('{}: {}'.format(name, one_line(error)), 'is the simulator running?')
+    finally:
+        _one_call.release()
 
 
 class PosePublisher:

@@ -8,7 +8,6 @@ from dynamic_reconfigure import DynamicReconfigureCallbackException
 from dynamic_reconfigure.client import Client
 
 from img_recog.errors import one_line
-from img_recog.ros.throttle import ThrottledWarning
 
 _CONNECT_TIMEOUT_S = 2.0
 _RETRY_PERIOD_S = 1.0
@@ -29,7 +28,8 @@ class Tuning:
 
     def __init__(self, node: str):
         """Do nothing yet; node: the resolved name of the node."""
-        self._node, self._warn = node, ThrottledWarning()
+        self._node = node
+        self._is_told = False       # that the node does not answer
         self._condition = threading.Condition()
         self._is_watched = False
         self._thread: Optional[threading.Thread] = None
@@ -71,10 +71,13 @@ class Tuning:
                 # closed before the next one is made: rospy sends no latched messages to a second
                 # subscriber of a process
                 with contextlib.closing(self._connect()) as client:
+                    self._is_told = False
                     while self._is_wanted():
                         self._send(client)
             except Exception as error:      # rospy raises more than it documents
-                self._warn('the parameters of %s: %s', self._node, one_line(error))
+                if not self._is_told:
+                    rospy.logwarn('the parameters of %s: %s', self._node, one_line(error))
+                self._is_told = True
                 with self._condition:
                     self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
 

@@ -76,6 +76,39 @@ def test_anybody_can_stop_the_robot():
     assert speeds.hold('page', 1.0, 0.0)
 
 
+def test_who_was_refused_can_stop_the_robot_too():
+    speeds = Speeds(Clock())
+    assert speeds.hold('page', 1.0, 0.0)
+    assert not speeds.hold('other', -1.0, 0.0)
+    assert speeds.hold('other', 0.0, 0.0) and speeds.current() == (0.0, 0.0)
+    assert not speeds.hold('other', -1.0, 0.0) and not speeds.hold('page', 1.0, 0.0)
+    assert speeds.current() == (0.0, 0.0)
+    speeds.release('other')
+    assert speeds.current() is None and not speeds.hold('page', 1.0, 0.0)
+
+
+@pytest.mark.parametrize('linear', [0.0, -1.0])
+def test_who_pauses_does_not_drive_again_after_another_one(linear):
+    clock = Clock()
+    speeds = Speeds(clock)
+    assert speeds.hold('page', 1.0, 0.0)
+    clock.time_s = 2 * HOLD_S           # its connection pauses
+    assert speeds.current() is None
+    assert speeds.hold('other', linear, 0.0)
+    speeds.release('other')
+    assert not speeds.hold('page', 1.0, 0.0) and speeds.current() is None
+    speeds.release('page')
+    assert speeds.hold('page', 1.0, 0.0)
+
+
+def test_who_pauses_may_go_on_if_nobody_else_has_driven():
+    clock = Clock()
+    speeds = Speeds(clock)
+    assert speeds.hold('page', 1.0, 0.0)
+    clock.time_s = 2 * HOLD_S
+    assert speeds.hold('page', 1.0, 0.0) and speeds.current() == (1.0, 0.0)
+
+
 def test_the_services_of_other_publishers(monkeypatch):
     state = ([['/cmd_vel', ['/web', '/teleop', '/foreign']], ['/odom', ['/gazebo']]], [],
              [['/teleop/yield', ['/teleop']], ['/gazebo/yield', ['/gazebo']],
@@ -120,6 +153,33 @@ def test_nothing_is_sent_when_the_node_ends_and_nobody_drives(node):
     Driving(VelocityLimits(), '/cmd_vel')
     node.hooks[0]()
     assert node.sent == []
+
+
+def test_who_is_refused_does_not_keep_the_other_nodes_from_driving(node):
+    driven = Driving(VelocityLimits(), '/cmd_vel')
+    driven._speeds.hold('page', 1.0, 0.0)
+    assert not driven.hold('other', 1.0, 0.0) and not driven._driven.is_set()
+    driven._speeds.release('page')
+    assert not driven.hold('other', 1.0, 0.0) and not driven._driven.is_set()
+    driven.release('other')
+    assert driven.hold('other', 1.0, 0.0) and driven._driven.is_set()
+
+
+def test_nodes_that_start_meanwhile_yield_too(node, monkeypatch):
+    monkeypatch.setattr(driving, '_READ_PERIOD_S', 0.05)
+    asked = []
+
+    def answer(name):
+        return lambda: asked.append(name) or SimpleNamespace(success=True)
+    node.services = {'/a/yield': answer('a')}
+    driven = Driving(VelocityLimits(), '/cmd_vel')
+
+    def hold(name):
+        driven.hold('page', 1.0, 0.0)
+        return name in asked
+    wait_for(lambda: hold('a'), 'the first node to yield')
+    node.services['/b/yield'] = answer('b')
+    wait_for(lambda: hold('b'), 'the second node to yield')
 
 
 def test_nodes_yield_although_another_one_does_not_answer(node):

@@ -269,7 +269,7 @@ def test_who_may_not_drive_gets_to_know_it(monkeypatch):
 
 MALFORMED = ['', 'null', '[]', '7', '"look"', '{', '{"look": "/camera"}', '{"look": [7]}',
              '{"look": {"a": 1}}', json.dumps({'look': ['/x' * 200]}),
-             json.dumps({'look': ['/x'] * 9}), '{"look": [""]}', '{"look": ["camera"]}',
+             json.dumps({'look': ['/x'] * 33}), '{"look": [""]}', '{"look": ["camera"]}',
              '{"look": ["/a//b"]}', '{"look": ["/a/"]}', '{"look": ["/a\\u0000"]}',
              '{"look": ["/a\\n"]}', '{"look": ["~a"]}', '{"drive": [1' + '0' * 400 + ', 0]}',
              '{"drive": 1}', '{"drive": [1]}',
@@ -286,6 +286,8 @@ def test_a_malformed_message_is_dropped(monkeypatch, text):
         socket.send(drive=[1, 1])
         await until(lambda: driver.calls)
         assert driver.calls == [(1.0, 1.0)] and socket.code is None
+        viewer, = parts[0]._viewers
+        assert viewer.malformed == 1 and viewer.names == () and not viewer.is_looking
     run(scenario, monkeypatch)
 
 

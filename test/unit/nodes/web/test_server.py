@@ -35,7 +35,7 @@ def test_an_address_of_another_computer(host):
 
 def test_all_ports_taken(monkeypatch):
     monkeypatch.setattr(server, '_PORTS', 1)
-    with listen('127.0.0.1', free_port()) as taken:
+    with listen('127.0.0.1', 0) as taken:
         with pytest.raises(UserError, match='ports .*: Address already in use'):
             listen('127.0.0.1', taken.getsockname()[1])
 

@@ -58,6 +58,14 @@ def node(monkeypatch):
     assert Client.open_now == 0
 
 
+@pytest.fixture
+def warnings(monkeypatch):
+    """The warnings that are logged."""
+    lines = []
+    monkeypatch.setattr(rospy, 'logwarn', lambda text, *values: lines.append(text % values))
+    return lines
+
+
 def test_values_are_there_while_somebody_looks(node):
     assert node.values() == {}
     node.watch(True)
@@ -68,6 +76,18 @@ def test_values_are_there_while_somebody_looks(node):
     node.watch(False)
     wait_for(lambda: node.values() == {}, 'the end')
     assert Client.open_now == 0
+
+
+def test_a_node_that_does_not_answer_is_told_once_until_it_has_answered(node, warnings):
+    Client.fails = 4
+    node.watch(True)
+    wait_for(node.values, 'the values')
+    assert warnings == [
+        'the parameters of /color_extract: timeout exceeded while waiting for service']
+    Client.fails, Client.fails_to_update = 2, rospy.ROSException('gone')
+    node.change(a=2)
+    wait_for(lambda: node.values() == {'a': 2}, 'the change')
+    assert warnings[1:] == ['the parameters of /color_extract: gone']
 
 
 def test_a_change_that_could_not_be_sent_is_forgotten_when_nobody_looks_any_more(node):
@@ -111,15 +131,13 @@ def test_there_is_never_a_second_client(node):
 
 
 @pytest.mark.parametrize('problem', [{'fails': 3}, {'descriptions': None}])
-def test_it_connects_again_until_the_node_answers(node, problem):
-    lines = []
-    node._warn = lambda text, *values: lines.append(text % values)
+def test_it_connects_again_until_the_node_answers(node, problem, warnings):
     for name, value in problem.items():
         setattr(Client, name, value)
     node.change(a=7)
     node.watch(True)
-    wait_for(lambda: lines, 'a warning')
-    assert '/color_extract' in lines[0]
+    wait_for(lambda: warnings, 'a warning')
+    assert '/color_extract' in warnings[0]
     Client.descriptions = [{'name': 'a'}]
     wait_for(lambda: Client.updates == [{'a': 7}], 'the change')
 
@@ -127,7 +145,6 @@ def test_it_connects_again_until_the_node_answers(node, problem):
 @pytest.mark.parametrize('error', [DynamicReconfigureCallbackException('call failed'),
                                    rospy.ROSException('unavailable'), OSError('broken pipe')])
 def test_a_change_whose_call_fails_is_sent_again(node, error):
-    node._warn = lambda text, *values: None
     Client.fails_to_update = error
     node.watch(True)
     wait_for(node.values, 'the values')

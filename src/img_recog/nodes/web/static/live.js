@@ -7,6 +7,7 @@
   const RETRY_MS = 1000;
   const MAX_LOG = 500;
   const PATH_POINTS = 4000;
+  const MAP_LINES = 12;           // of its grid, in each direction
   const MAX_PICTURES = 32;        // that the server sends
   const STALE_MS = 5000;          // of the state of a node, which comes once a second
   const OLD_MS = 2000;            // of a picture
@@ -82,7 +83,10 @@
       : [...new Set([...visible].map((each) => each.dataset.picture).filter(Boolean))].sort()
         .slice(0, MAX_PICTURES);
     const wanted = JSON.stringify(names);
-    if (wanted !== looked) { looked = wanted; send({ look: names }); }
+    if (wanted === looked) return;
+    if (looked === 'null') state.path.push(null);       // what came meanwhile is not known
+    looked = wanted;
+    send({ look: names });
   }
   document.addEventListener('visibilitychange', () => { release(); look(); });
 
@@ -147,10 +151,12 @@
       show('[data-bind=pose]', `${text('position')}: x ${x.toFixed(2)} m, y ${y.toFixed(2)} m; `
         + `${text('heading')}: ${Math.round(yaw * 180 / Math.PI) + 0}°`);
     }
-    for (const [kind, value] of Object.entries(measured)) {
-      if (kind.startsWith('node ')) {
-        state.nodes[kind.slice(5)] = { ...value, heard: performance.now() };
-      }
+    const nodes = Object.entries(measured).filter(([kind]) => kind.startsWith('node '));
+    // by the clock of the server: a new page gets old states too
+    const now = Math.max(...nodes.map(([, node]) => node.time_s));
+    for (const [kind, node] of nodes) {
+      state.nodes[kind.slice(5)] = { ...node,
+        heard: performance.now() - 1000 * (now - node.time_s) };
     }
     if (measured.log) log(measured.log);
   }
@@ -251,7 +257,9 @@
     context.lineWidth = devicePixelRatio;
     context.font = `${11 * devicePixelRatio}px sans-serif`;
     // a grid of whole meters; its labels stand on what is in the world
-    const step = size > 12 ? 5 : 1;
+    const power = 10 ** Math.floor(Math.log10(size / MAP_LINES));
+    const step = Math.max(1, [1, 2, 5, 10].map((each) => each * power).find(
+      (each) => size / each <= MAP_LINES));
     const labels = [];
     context.strokeStyle = css('--soft');
     context.globalAlpha = 0.6;
@@ -413,8 +421,13 @@
     event.preventDefault();
     if (!event.repeat) hold(place(event), direction);
   });
-  document.addEventListener('keyup', (event) => letGo(place(event)));
+  document.addEventListener('keyup', (event) => letGo(place(event)), true);
   window.addEventListener('blur', release);
+  // else the tab that was clicked takes the keys left and right
+  document.addEventListener('click', (event) => {
+    const tab = event.target.closest && event.target.closest('[role=tab]');
+    if (tab && event.detail && tab.contains(document.activeElement)) document.activeElement.blur();
+  });
   document.addEventListener('pointerdown', (event) => {
     const button = event.target.closest && event.target.closest('[data-drive]');
     if (!button) return;
@@ -426,13 +439,14 @@
   document.addEventListener('contextmenu', (event) => {
     if (event.target.closest && event.target.closest('[data-drive]')) event.preventDefault();
   });
-  // with the keyboard alone: a button drives as long as Enter or Space is held on it
+  // with the keyboard alone: a button drives as long as Enter or Space is held on it; before the
+  // buttons of Quasar, which stop these events
   document.addEventListener('keydown', (event) => {
     const button = event.target.closest && event.target.closest('[data-drive]');
     if (button && (event.key === 'Enter' || event.key === ' ') && !event.repeat) {
       hold(place(event), button.dataset.drive.split(',').map(Number));
     }
-  });
+  }, true);
 
   // ---- log and nodes
   function log(entries) {
@@ -500,14 +514,24 @@
   }
 
   // ---- the graph
+  const loading = new Map();      // the images of graphs, and whether each is to be loaded again
+
   function loadGraph(image) {
+    if (loading.has(image)) { loading.set(image, true); return; }
+    loading.set(image, false);
     const next = new Image();
-    next.onload = () => { image.src = next.src; show('[data-bind=graph]', ''); };
+    const end = () => {
+      const isOld = loading.get(image);
+      loading.delete(image);
+      if (isOld) loadGraph(image);
+    };
+    next.onload = () => { image.src = next.src; show('[data-bind=graph]', ''); end(); };
     next.onerror = async () => {
       try {
         const answer = await fetch(next.src);
         if (!answer.ok) show('[data-bind=graph]', await answer.text());
       } catch (error) { /* not connected, which the page says elsewhere */ }
+      end();
     };
     next.src = `/graph.svg?dark=${document.body.classList.contains('body--dark') ? 1 : 0}`
       + `&leaves=${image.dataset.graph}&t=${Date.now()}`;
@@ -526,7 +550,9 @@
     if (document.hidden) return;
     listNodes();
     for (const element of visible) if (element.matches('canvas[data-picture]')) showAge(element);
-    for (const element of visible) if (element.matches('[data-graph]')) loadGraph(element);
+    for (const element of visible) {
+      if (element.matches('[data-graph]') && !loading.has(element)) loadGraph(element);
+    }
   }, 2000);
   document.addEventListener('DOMContentLoaded', adopt);
   connect();
