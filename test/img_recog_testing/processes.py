@@ -62,7 +62,7 @@ class Process:
         The kernel may choose any thread for a signal to the program.
         """
         threads = {int(name) for name in os.listdir('/proc/{}/task'.format(self.pid))}
-        thread = max(threads - {self.pid})
+        thread = min(threads - {self.pid})      # the newest one may end at once
         assert ctypes.CDLL(None).tgkill(self.pid, thread, signal.SIGINT) == 0, threads
         return self.wait()
 

@@ -22,7 +22,9 @@ class PostsBlueTest(unittest.TestCase):
         robot = Robot()
         rospy.wait_for_service('/gazebo/reset_world')
         robot.wait_start(rospy.ServiceProxy('/gazebo/reset_world', Empty))
-        wait_for(lambda: place(robot.odometry.messages[-1])[0] > START[0] + 0.5 and robot.rests(1),
+        # out of the picture, not just between two images of a slow camera
+        wait_for(lambda: place(robot.odometry.messages[-1])[0] > START[0] + 0.5
+                 and robot.areas('blue')[-1][1] == 0 and robot.rests(1),
                  lambda: 'the robot at rest: {}'.format(place(robot.odometry.messages[-1])))
         areas = robot.areas('blue')
         seen = [area for _, area in areas if area > 1000]
@@ -32,13 +34,14 @@ class PostsBlueTest(unittest.TestCase):
         self.assertEqual(0, areas[-1][1])
         self.assertEqual({10.0}, {msg.linear.x for msg in robot.commands.messages})
         self.assertEqual({0.0}, {msg.angular.z for msg in robot.commands.messages})
-        # beside the post at 0.5, -0.15 it is out of the picture; then the teleop stops the robot
+        # beside the post at 0.5, -0.15 it is out of the picture; then no command comes, and after
+        # half a second the simulator brakes the robot from 2.2 m/s by 1 m/s^2
         last_s = max(stamp_s for stamp_s, area in areas if area > 1000)
         there = min(robot.odometry.messages,
                     key=lambda msg: abs(msg.header.stamp.to_sec() - last_s))
         self.assertTrue(-0.6 < place(there)[0] < 0.3, place(there))
         x, y = place(robot.odometry.messages[-1])
-        self.assertTrue(place(there)[0] < x < 3.0 and abs(y - START[1]) < 0.5, (x, y))
+        self.assertTrue(place(there)[0] < x < 5.0 and abs(y - START[1]) < 0.8, (x, y))
 
     def test_the_topics_are_those_of_a_camera(self):
         images = Recorder('/usb_cam/image_raw', Image, from_node('/gazebo'))

@@ -84,6 +84,11 @@ def speeds(demo, count=1):
     return numbers(demo.run('rostopic', 'echo', '-n', str(count), '/odom/twist/twist/linear/x'))
 
 
+def blueness(page):
+    """Return the mean blue, 0 to 255, of the picture of the blue pixels; -1 if there is none."""
+    return (page.pixels(BLUE) or [-1])[-1]
+
+
 def repeat_until(action, condition, what):
     """Wait for the effect of an action; it may be repeated, as its receiver may not be there yet.
     """
@@ -174,12 +179,12 @@ def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     slider = ('[...document.querySelectorAll(".q-slider")].find((each) => '
               'each.getAttribute("aria-label") === "blue: Highest hue (0 to 180)")')
     wait_for(lambda: page.js('return Boolean({})'.format(slider)), 'the sliders')
-    wait_for(lambda: page.pixels(BLUE) and page.pixels(BLUE)[2] > 40, 'blue pixels')
+    wait_for(lambda: blueness(page) > 40, 'blue pixels')
     element = page.js('return {}.querySelector("[tabindex]")'.format(slider))
     element.send_keys(5 * PAGE_DOWN)        # faster than the page's node can answer
     wait_for(lambda: page.js('return {}.getAttribute("aria-valuenow")'.format(slider)) == '100',
              'the slider to move')
-    wait_for(lambda: page.pixels(BLUE)[2] < 1, 'no more blue pixels')
+    wait_for(lambda: 0 <= blueness(page) < 1, 'no more blue pixels')
     read = ('rosrun', 'dynamic_reconfigure', 'dynparam', 'get', 'color_extract')
     wait_for(lambda: "'blue_hue_max': 100" in demo.run(*read), 'the parameter')
     page.click('Save as a file')
@@ -189,7 +194,7 @@ def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     assert values['blue_area_limit'] == 200000
     demo.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract', 'blue_hue_max',
              '150')
-    wait_for(lambda: page.pixels(BLUE)[2] > 40, 'blue pixels')
+    wait_for(lambda: blueness(page) > 40, 'blue pixels')
     wait_for(lambda: page.js('return {}.getAttribute("aria-valuenow")'.format(slider)) == '150',
              'the value that another program has set')
 
@@ -236,8 +241,8 @@ def test_pause_and_resume(demo, page):
     repeat_until(lambda: page.click('Pause'),
                  lambda: page.text('[data-bind=factor]') == 'paused', 'the pause')
     repeat_until(lambda: page.click('Resume'),
-                 lambda: re.match(r'[0-9.]+$', page.text('[data-bind=factor]'))
-                 and float(page.text('[data-bind=factor]')) > 0, 'time to pass')
+                 lambda: re.match(r'0\.0*[1-9]|[1-9]', page.text('[data-bind=factor]')),
+                 'time to pass')
 
 
 def test_the_graph_has_the_nodes_of_the_article(demo, page):
@@ -301,10 +306,10 @@ def test_what_is_malformed_or_too_much_is_dropped_and_the_page_lives(demo, page)
     async def attack(*messages):
         async with live(demo) as socket:
             with pytest.raises(ConnectionClosed):
-                for message in messages:
-                    await socket.send(message)
-                while True:
-                    await asyncio.wait_for(socket.recv(), DEADLINE_S)
+                end_s = time.monotonic() + DEADLINE_S
+                while time.monotonic() < end_s:         # a slow server allows more of them
+                    for message in messages:
+                        await socket.send(message)
     drawn = '''return Math.max(...[...document.querySelectorAll("canvas[data-picture]")].map(
                    (each) => each.drawn || 0))'''
     asyncio.run(attack('x' * 1_000_000))

@@ -42,7 +42,8 @@ class BagRecording:
             self._process = subprocess.Popen(
                 ['setpriv', '--pdeathsig', 'INT', 'rosrun', 'rosbag', 'record', '--quiet',
                  '--lz4', '--size={}'.format(max_megabytes), '-O', path, *topics],
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._errors)
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=self._errors,
+                start_new_session=True)         # Ctrl-C is for its parent, which stops it then
         except OSError as error:
             raise UserError('cannot record: setpriv: {}'.format(one_line(error)),
                             'install the package util-linux')

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from img_recog.errors import UserError, one_line
+from img_recog.ros import bag_recording
 from img_recog.ros.bag_recording import BagRecording, Recorder
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -29,6 +30,8 @@ LOOP = 'while :; do sleep 0.05; done\n'
 @pytest.fixture
 def recording(tmp_path, monkeypatch):
     """A function that starts a recording with a script as the program."""
+    for limit in ('_START_TIMEOUT_S', '_END_TIMEOUT_S'):    # a busy machine needs longer
+        monkeypatch.setattr(bag_recording, limit, DEADLINE_S)
     started = []
 
     def start(script):
@@ -95,9 +98,10 @@ def test_it_ends_with_a_process_that_is_killed(recording, tmp_path):
     path = tmp_path / 'other.bag'
     child = subprocess.Popen([sys.executable, '-c', (
         'import os, signal, sys\n'
-        'from img_recog.ros.bag_recording import BagRecording\n'
-        'BagRecording(sys.argv[1], ["/odom"])\n'
-        'os.kill(os.getpid(), signal.SIGKILL)'), str(path)])
+        'from img_recog.ros import bag_recording\n'
+        'bag_recording._START_TIMEOUT_S = float(sys.argv[2])\n'
+        'bag_recording.BagRecording(sys.argv[1], ["/odom"])\n'
+        'os.kill(os.getpid(), signal.SIGKILL)'), str(path), str(DEADLINE_S)])
     assert child.wait(DEADLINE_S) == -signal.SIGKILL
     wait_for(path.exists, 'a complete file')
 

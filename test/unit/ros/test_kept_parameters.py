@@ -84,16 +84,26 @@ def kept(monkeypatch):
     monkeypatch.setattr(kept_parameters, '_RETRY_S', 0.05)
     monkeypatch.setattr(kept_parameters, '_TIMEOUT_S', DEADLINE_S)  # a busy machine needs longer
 
+    started = []
+
     def keep(uri, is_complete=True):
         monkeypatch.setenv('ROS_MASTER_URI', uri)
         monkeypatch.setenv('ROS_NAMESPACE', '/ns')
         lines = []
         kept = KeptParameters(['program', '__name:=node'], lines.append, SIGNALS)
+        started.append(kept)
         kept.keep()
         if is_complete:
             wait_for(lambda: kept._values is not None, 'the parameters')
         return kept, lines
-    return keep
+    yield keep
+    # a thread that still waits for its master would set the parameters of another test, whose
+    # master gets the same port
+    for each in started:
+        each._set, each._values = lambda: None, {}
+    for each in started:
+        each._thread.join(DEADLINE_S)
+        assert not each._thread.is_alive()
 
 
 def never():

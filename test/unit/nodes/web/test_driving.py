@@ -130,8 +130,11 @@ def node(monkeypatch):
     monkeypatch.setattr(driving, 'yield_services', lambda _: sorted(found.services))
     monkeypatch.setattr(driving.rospy, 'ServiceProxy', lambda name, _: found.services[name])
     monkeypatch.setattr(driving, '_YIELD_PERIOD_S', 0.01)
+    monkeypatch.setattr(driving, '_POLL_PERIOD_S', 0.05)
+    before = set(threading.enumerate())
     yield found
     found.has_ended = True
+    wait_for(lambda: set(threading.enumerate()) <= before, 'the end of the threads')
 
 
 def test_the_robot_is_stopped_when_the_node_ends_meanwhile(node):
