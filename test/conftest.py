@@ -1,12 +1,6 @@
-"""Signals are not ignored in the tests, nor in what they start."""
-import signal
+"""What all tests need."""
+from img_recog_testing.signals import handle_ignored_signals
 
 
 def pytest_configure():
-    """Handle what nohup and the `&` of a script ignore: programs would inherit that.
-
-    The tests themselves go on when such a signal comes.
-    """
-    for signum in (signal.SIGINT, signal.SIGHUP):
-        if signal.getsignal(signum) == signal.SIG_IGN:
-            signal.signal(signum, lambda *_: None)
+    handle_ignored_signals()

@@ -16,6 +16,7 @@ import traceback
 
 from img_recog_testing.reliability import figures
 from img_recog_testing.reliability.parts import PARTS, Options
+from img_recog_testing.signals import handle_ignored_signals
 
 _ALONGSIDE = 'soak'
 _TAIL = 4000            # characters of the output of a part that has failed
@@ -103,6 +104,7 @@ def main(words=None):
     options = Options(seed, given.scale, given.factor)
     if given.run_part:
         return run_part(*given.run_part[:1], options, given.run_part[1])
+    handle_ignored_signals()
     say('seed {}; repeat a part with ./run test --long PART --seed {}'.format(seed, seed))
     begin = time.monotonic()
     with tempfile.TemporaryDirectory(prefix='img_recog_long_') as folder:

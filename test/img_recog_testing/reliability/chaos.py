@@ -10,6 +10,7 @@ from img_recog_testing.reliability import faults, figures, usage
 from img_recog_testing.reliability.chain import ChainError
 from img_recog_testing.reliability.demo import NODES, Demo
 from img_recog_testing.reliability.faults import Fault
+from img_recog_testing.signals import handle_ignored_signals
 from img_recog_testing.waiting import wait_for
 
 LIMIT_S = 5.0               # until the chain works again after any fault
@@ -162,6 +163,7 @@ def main(words: Optional[Sequence[str]] = None) -> int:
                         help='only this kind of fault; can be repeated')
     options = parser.parse_args(words)
     seed = random.SystemRandom().randrange(1 << 32) if options.seed is None else options.seed
+    handle_ignored_signals()
     repeat = ''.join(' --only ' + kind for kind in options.only or ())
     say = _say
     say('chaos for {:g} min; repeat it with --seed {}{}'.format(options.minutes, seed, repeat))
