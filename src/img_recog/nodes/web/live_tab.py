@@ -5,7 +5,8 @@ from typing import Any, Dict, Iterable, List, Sequence, Tuple
 
 from nicegui import ui
 
-from img_recog.nodes.web.elements import Slider, button, card, paragraph, picture, wait_for
+from img_recog.nodes.web.elements import (
+    OneCall, Slider, button, card, paragraph, picture, wait_for)
 from img_recog.nodes.web.system import PictureTopic, Robot, System
 from img_recog.nodes.web.texts import Texts
 
@@ -28,6 +29,7 @@ class LiveTab:
                  pictures: List[PictureTopic]):
         """Add its elements."""
         self._system, self._robot, self._t = system, robot, texts
+        self._recording_call = OneCall()
         with ui.element('div').classes('board'):
             with ui.element('div').classes('column-cards'):
                 with ui.element('div').classes('pictures'):
@@ -138,7 +140,7 @@ class LiveTab:
 
     async def _record(self) -> None:
         is_running = bool(self._system.recording())
-        path = await wait_for(self._system.record, not is_running)
+        path = await self._recording_call.wait_for(self._system.record, not is_running)
         if path:
             ui.notify(self._t('recorded' if is_running else 'recording_to', path),
                       multi_line=True)
