@@ -3,8 +3,9 @@ import contextlib
 import http.client
 import time
 import xmlrpc.client
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 import rosgraph
 
@@ -67,6 +68,8 @@ class SystemReader:
         with ThreadPoolExecutor(_THREADS) as pool:
             samples = dict(zip(sorted(nodes), pool.map(self._sample, sorted(nodes))))
         rates_hz = self._rates(samples)
+        for edge in uncounted(edges, samples):
+            rates_hz.pop(edge, None)
         self._last = {node: sample for node, sample in samples.items() if sample is not None}
         self._uris = {node: self._uris[node] for node in self._last}
         return System(nodes, edges, frozenset(nodes - set(self._last)),
@@ -94,6 +97,18 @@ class SystemReader:
                     if number is not None:
                         rates_hz[edge] = number / (sample.time_s - before.time_s)
         return rates_hz
+
+
+def uncounted(edges: Iterable[Edge], samples: Mapping[str, Optional[_Sample]]) -> List[Edge]:
+    """Return subscribers that tell of fewer connections than there are publishers that answer.
+
+    roscpp's getBusStats has only one of several.
+    """
+    edges = list(edges)
+    publishers = Counter(edge.topic for edge in edges
+                         if edge.is_published and samples.get(edge.node) is not None)
+    return [edge for edge in edges if not edge.is_published and publishers[edge.topic] > len(
+        (samples.get(edge.node) or _Sample(0.0, {})).counts.get(edge, {}))]
 
 
 def counts_in(node: str, answer: Any) -> Counts:

@@ -57,6 +57,7 @@ def read(serve, monkeypatch):
     def lookup(_, node):
         return [1, '', uris[node]] if node in uris else [-1, 'unknown node', '']
     state = [[['/image', ['/cam']]], [['/image', ['/eye']]], [['/cam/set_camera_info', ['/cam']]]]
+    publishers = state[0][0][1]
     monkeypatch.setenv('ROS_MASTER_URI', serve(
         getSystemState=lambda _: [1, '', state], lookupNode=lookup).uri)
     system_reader = SystemReader(clock)
@@ -64,6 +65,10 @@ def read(serve, monkeypatch):
     def call(time_s, **answers):
         clock.time_s = time_s
         for node, answer in answers.items():
+            if node == 'other':
+                publishers.append('/other')
+            if answer is None:
+                continue
             uris['/' + node] = serve(getBusStats=answer).uri
         return system_reader.read()
     return call
@@ -85,6 +90,22 @@ def test_nodes_topics_and_rates(read):
     counts[0] = 60
     assert read(12.0).rates_hz == {SENT: 30.0, GOT: 15.0}
     assert read(14.0).rates_hz == {SENT: 0.0, GOT: 0.0}
+
+
+def test_a_subscriber_that_tells_of_one_connection_of_several(read):
+    counts = [0]
+    read(0.0, cam=of_rospy(lambda: counts[0]), other=of_rospy(lambda: counts[0] // 2),
+         eye=of_roscpp(lambda: counts[0] // 2))
+    counts[0] = 60
+    assert read(2.0).rates_hz == {SENT: 30.0, MORE: 15.0, GOT: 45.0}
+
+
+def test_a_publisher_that_does_not_answer_has_no_connection(read):
+    counts = [0]
+    read(0.0, cam=of_rospy(lambda: counts[0]), eye=of_roscpp(lambda: counts[0]))
+    counts[0] = 60
+    system = read(2.0, other=None)
+    assert system.rates_hz == {SENT: 30.0, GOT: 30.0} and system.dead == {'/other'}
 
 
 def test_a_node_that_does_not_answer_is_dead(read, monkeypatch):

@@ -39,7 +39,7 @@ class DirectPublisher:
         latch: whether a new subscriber gets the last message.
         """
         self._is_plain = is_plain('direct_publisher')
-        self._buffer = io.BytesIO()
+        self._buffer, self._count = io.BytesIO(), 0     # of the messages in the buffer
         if self._is_plain:
             self._publisher = rospy.Publisher(name, data_class, latch=latch,
                                               queue_size=_QUEUE_SIZE)
@@ -80,6 +80,7 @@ class DirectPublisher:
             try:
                 serialize_message(buffer, topic.seq, msg)
                 is_whole = True
+                self._count += bool(topic.connections)
                 if topic.is_latch:
                     topic.latch = _Serialized(buffer.getvalue()[begin + _LENGTH_BYTES:])
             finally:
@@ -96,13 +97,14 @@ class DirectPublisher:
             return
         with lock:
             data = buffer.getvalue()
+            count, self._count = self._count, 0
             if not data:
                 return
             buffer.seek(0)
             buffer.truncate()
             for connection in topic.connections:
                 try:
-                    connection.write_data(data)
+                    connection.write_data(data, count)
                 except (OSError, TransportTerminated):
                     close(connection)
 

@@ -24,10 +24,10 @@ def close(connection: TCPROSTransport) -> None:
 
 
 class _Message:
-    """Bytes that nobody changes, with the interface of a Packet."""
+    """Bytes that nobody changes, with the interface of a Packet. count: of the messages in it."""
 
-    def __init__(self, data: bytes):
-        self.data = data
+    def __init__(self, data: bytes, count: int):
+        self.data, self.count = data, count
 
     def retain(self) -> None:
         pass
@@ -65,12 +65,12 @@ class Outbox:
         self._begun: 'SimpleQueue[Tuple[Union[_Message, Packet], int]]' = SimpleQueue()
         self._has_thread = False
 
-    def write_data(self, data: bytes) -> bool:
-        """Send a message; replaces `write_data` of the connection.
+    def write_data(self, data: bytes, count: int = 1) -> bool:
+        """Send this number of messages; replaces `write_data` of the connection.
 
         Raises an exception if the connection is closed.
         """
-        self.put(_Message(data))
+        self.put(_Message(data, count))
         return True
 
     def put(self, message: Union[_Message, Packet], leave_large: bool = False) -> None:
@@ -93,8 +93,7 @@ class Outbox:
                     return
         is_left = leave_large and len(message.data) >= _LARGE_BYTES
         count = 0 if is_left else _send(sock, message.data)
-        connection.stat_bytes += len(message.data)
-        connection.stat_num_msg += 1
+        self._count(message)
         if count < len(message.data):
             message.retain()
             self._is_behind = True
@@ -103,6 +102,11 @@ class Outbox:
                 if not self._has_thread:
                     self._has_thread = True
                     threading.Thread(target=self._run, args=(sock,), daemon=True).start()
+
+    def _count(self, message: Union[_Message, Packet]) -> None:
+        """Count what is sent, for getBusStats of the node."""
+        self._connection.stat_bytes += len(message.data)
+        self._connection.stat_num_msg += message.count
 
     def _run(self, sock: socket.socket) -> None:
         while True:
@@ -128,6 +132,8 @@ class Outbox:
             with self._lock:
                 message, self._newest = self._newest, None
                 self._is_behind = message is not None
+            if message is not None:
+                self._count(message)
             count = 0
 
 

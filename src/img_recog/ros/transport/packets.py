@@ -8,7 +8,10 @@ class Packet:
 
     data: the buffer. Only the caller of PacketPool.take writes to it, before it calls `put`.
     note: for the caller of PacketPool.take; it is kept together with the content of the buffer.
+    count: of the messages in it.
     """
+
+    count = 1
 
     def __init__(self, pool: 'PacketPool', size: int):
         self.data = bytearray(size)

@@ -230,6 +230,19 @@ def test_several_messages_at_once(way, name, publisher, subscribe):
                                                      (2, 3, 4, 5)]
 
 
+def test_messages_that_are_sent_together_are_counted(fast, name, publisher, subscribe):
+    end = subscribe(name, String)
+    for number in range(3):
+        publisher.add(text(number))
+    publisher.flush()
+    publisher.publish(text(3))
+    for number in range(4):
+        assert end.receive() == packet(text(number))
+    connection, = publisher._publisher.impl.connections
+    assert connection.stat_num_msg == 4
+    assert connection.stat_bytes == sum(len(packet(text(number))) for number in range(4))
+
+
 def test_a_message_may_be_changed_after_it_was_added(way, name, publisher, subscribe):
     end, msg = subscribe(name, String), String()
     for number in range(3):
