@@ -141,6 +141,10 @@ def _record(name, value):
     bag = path if path.endswith('.bag') else path + '.bag'
     if os.path.exists(bag):
         raise ArgumentError('{}: {} exists; give another name, or remove it'.format(name, bag))
+    if os.path.exists(bag + '.active'):
+        raise ArgumentError('{0}: {1}.active exists: another demo records it, or has not '
+                            'completed it; give another name, or rename it and run "rosbag '
+                            'reindex" on it'.format(name, bag))
     folder = os.path.dirname(bag)
     if not (os.path.isdir(folder) and os.access(folder, os.W_OK)):
         raise ArgumentError('{}: {} is no folder where files can be written; make it, or give '

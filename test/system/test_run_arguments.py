@@ -64,6 +64,10 @@ def test_a_recording_replaces_no_file(tmp_path, name):
     assert checked('record:={}/{}'.format(tmp_path, name)) == (
         1, '[run] record: {}/old.bag exists; give another name, or remove it\n'.format(tmp_path))
     assert checked('--ros-args', 'record:={}/new'.format(tmp_path))[0] == 0
+    (tmp_path / 'new.bag.active').write_text('')
+    code, output = checked('record:={}/new'.format(tmp_path))
+    assert code == 1
+    assert output.startswith('[run] record: {}/new.bag.active exists: '.format(tmp_path))
 
 
 SWITCHES = ('gui', 'image_view', 'recognition', 'simulator', 'teleop', 'use_sim_time',

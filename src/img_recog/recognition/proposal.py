@@ -4,6 +4,8 @@ from typing import Dict
 import cv2
 import numpy as np
 
+from img_recog.errors import UserError
+
 _RADIUS_PX = 4          # of the square around the point that was chosen
 _HUES = 180
 _HUE_MARGIN, _LEVEL_MARGIN = 10, 60
@@ -16,6 +18,7 @@ def propose_bounds(image: np.ndarray, x: float, y: float) -> Dict[str, int]:
     image: bgr8, uint8 of shape (height, width, 3). x, y: shares of width and height, 0 to 1.
     The bounds are on OpenCV's 8-bit scale; if hue_min is above hue_max, the hue wraps around.
     Brighter and more saturated pixels of the same hue are within them.
+    Raises UserError for a part that is too gray or too dark to have a hue that is steady.
     """
     height, width = image.shape[:2]
     column, row = (min(size - 1, max(0, int(share * size)))
@@ -24,6 +27,10 @@ def propose_bounds(image: np.ndarray, x: float, y: float) -> Dict[str, int]:
                  max(0, column - _RADIUS_PX):column + _RADIUS_PX + 1]
     hue, saturation, value = (plane.ravel().astype(float) for plane in
                               cv2.split(cv2.cvtColor(part, cv2.COLOR_BGR2HSV)))
+    if np.median(saturation) < _MIN_SATURATION or np.median(value) < _MIN_VALUE:
+        raise UserError('too gray or too dark: saturation {:.0f}, value {:.0f}, needed are {} and '
+                        '{}'.format(np.median(saturation), np.median(value), _MIN_SATURATION,
+                                    _MIN_VALUE), 'choose a part with a clear color')
     # hues are angles: red is near 0 and near 180
     angles = hue * (2 * np.pi / _HUES)
     middle = np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()) * _HUES / (2 * np.pi)

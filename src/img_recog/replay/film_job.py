@@ -81,6 +81,10 @@ def _check_bag(path: str) -> None:
     except OSError as error:
         raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()),
                         'see its permissions (ls -l), or give another bag')
+    if not os.path.exists(path) and os.path.exists(path + '.active'):
+        raise UserError('{0} is not complete: there is {0}.active'.format(path),
+                        'stop the demo that records it, or, if none does, rename it and run '
+                        '"rosbag reindex" on it')
     if not is_usable:
         raise UserError('cannot make a film of {}: {}'.format(
             path, 'it is not a bag' if os.path.exists(path) else 'no such file'), _BAG_ADVICE)

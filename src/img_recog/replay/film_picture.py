@@ -16,7 +16,7 @@ _MARGIN = 10
 # BGR
 _PAGE = (246, 244, 243)
 _PATH, _SCAN, _ROBOT, _ASKED, _DRIVEN = ((235, 99, 37), (38, 38, 220), (74, 163, 22),
-                                         (235, 99, 37), (74, 163, 22))
+                                         (215, 121, 78), (43, 142, 242))
 _LEFT = 480             # width of the camera image
 _MASKS = 230            # width of the column with the masked images
 _ROW = 360              # height of the upper row
@@ -71,7 +71,8 @@ class FilmPicture:
         lower = top + _ROW + TITLE_PX + _MARGIN
         height = HEIGHT - lower - _MARGIN
         width = left - 2 * _MARGIN
-        put_chart(picture, (_MARGIN, lower, width, height), 'areas of the colors (pixels)',
+        put_chart(picture, (_MARGIN, lower, width, height),
+                  'areas of the colors (pixels; dashed: limit)',
                   [(color.name, shown, [(row[0], row[1 + number]) for row in self._areas])
                    for number, (color, shown) in enumerate(zip(self._colors, self._shown))],
                   state.time_s, [(float(color.area_limit_px), shown)

@@ -3,6 +3,7 @@ import cv2
 import numpy as np
 import pytest
 
+from img_recog.errors import UserError
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.proposal import propose_bounds
 from img_recog.recognition.settings import with_colors
@@ -30,6 +31,12 @@ def test_the_square_that_was_clicked_is_recognized_and_nothing_else(bgr):
     assert all(0 <= bounds[part] <= 180 for part in ('hue_min', 'hue_max'))
     assert all(0 <= bounds[part] <= 255 for part in bounds)
     assert all(isinstance(value, int) for value in bounds.values())
+
+
+@pytest.mark.parametrize('bgr', [(128, 128, 128), (206, 200, 190), (20, 0, 0), (255, 255, 255)])
+def test_what_has_no_clear_color_is_refused(bgr):
+    with pytest.raises(UserError, match='too gray or too dark: saturation .*clear color'):
+        propose_bounds(scene(bgr, noise=0), 0.5, 0.5)
 
 
 def test_the_hue_of_red_wraps_around():

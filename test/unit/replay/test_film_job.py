@@ -2,6 +2,7 @@
 import errno
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -245,6 +246,13 @@ def test_colors_that_are_refused(bag, tmp_path, capsys, caplog, content, problem
     line, = [record.getMessage() for record in caplog.records]
     assert line.startswith(problem.format(path)), line
     assert line.endswith(advice)
+
+
+def test_a_bag_that_is_still_recorded(tmp_path, capsys, caplog):
+    (tmp_path / 'demo.bag.active').write_text('')
+    assert make(capsys, tmp_path / 'demo.bag', tmp_path / 'out.mp4')[0] == 1
+    line, = [record.getMessage() for record in caplog.records]
+    assert re.match('.*demo.bag is not complete: there is .*demo.bag.active; stop the demo', line)
 
 
 def test_a_bag_without_images(tmp_path, capsys, caplog):

@@ -80,6 +80,8 @@ _TEXTS: Dict[str, Tuple[str, str]] = {
     'rates': ('Rates', '周波数'),
     'connected': ('connected', '接続中'),
     'disconnected': ('not connected', '未接続'),
+    'connection_lost': ('Connection lost.', '接続が切れました。'),
+    'reconnecting': ('Trying to reconnect...', '再接続しています...'),
     'busy': ('Another page drives or has stopped the robot: let go, and press again.',
              '別のページがロボットを操縦しているか停止させました。一度離してから、もう一度押してください。'),
 }

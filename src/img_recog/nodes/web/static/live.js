@@ -269,7 +269,8 @@
     }
     for (let m = Math.ceil(y0 / step) * step; m < y0 + size; m += step) {
       line(context, [at([x0, m]), at([x0 + size, m])]);
-      labels.push([`${m} m`, 3, at([x0, m])[1] - 3]);
+      const y = at([x0, m])[1];       // the corner has those of the other axis
+      if (y < side - 20 * devicePixelRatio) labels.push([`${m} m`, 3, y - 3]);
     }
     context.globalAlpha = 1;
     context.strokeStyle = css('--line');
@@ -382,10 +383,12 @@
     return sum.map((each) => Math.max(-1, Math.min(1, each)));
   }
 
+  const isBusy = () => Date.now() < (state.busyUntil || 0);
+
   function mark() {
     const directions = new Set([...held.values()].map(String));
     for (const button of all('[data-drive]')) {
-      button.classList.toggle('held', directions.has(button.dataset.drive));
+      button.classList.toggle('held', directions.has(button.dataset.drive) && !isBusy());
     }
   }
 
@@ -478,7 +481,7 @@
     const name = document.createElement('span');
     name.className = `level level-${level}`;
     name.textContent = level.toUpperCase();
-    row.append(name, ` ${time.toFixed(2)} ${node}: ${message}`);
+    row.append(name, ` ${time.toFixed(2)} s ${node}: ${message}`);
     return row;
   }
 
@@ -542,7 +545,8 @@
     if (document.hidden) return;
     show('[data-bind=connection]', text(
       socket && socket.readyState === WebSocket.OPEN ? 'connected' : 'disconnected'));
-    show('[data-bind=busy]', Date.now() < (state.busyUntil || 0) ? text('busy') : '');
+    show('[data-bind=busy]', isBusy() ? text('busy') : '');
+    mark();
     for (const element of visible) if (element.matches('canvas.map')) drawMap(element);
     plot();
   }, 100);
@@ -554,6 +558,12 @@
       if (element.matches('[data-graph]') && !loading.has(element)) loadGraph(element);
     }
   }, 2000);
-  document.addEventListener('DOMContentLoaded', adopt);
+  document.addEventListener('DOMContentLoaded', () => {
+    adopt();
+    // NiceGUI's own, which is in the language of the server
+    all('#popup > span').forEach((line, index) => {
+      line.textContent = text(['connection_lost', 'reconnecting'][index]);
+    });
+  });
   connect();
 })();
