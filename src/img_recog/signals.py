@@ -1,4 +1,5 @@
 """Ends a program by an exception when it receives a signal."""
+import atexit
 import contextlib
 import signal
 import sys
@@ -19,6 +20,7 @@ class Interrupts:
         for signum in (signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(signum) != signal.SIG_IGN:
                 signal.signal(signum, self._end)
+        atexit.register(_end_at_once)
 
     @contextlib.contextmanager
     def deferred(self) -> Iterator[None]:
@@ -38,3 +40,10 @@ class Interrupts:
             raise KeyboardInterrupt
         else:
             sys.exit(128 + signum)
+
+
+def _end_at_once() -> None:
+    """Have signals end the program: an exception in the last calls of Python is just printed."""
+    for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(signum) != signal.SIG_IGN:
+            signal.signal(signum, signal.SIG_DFL)

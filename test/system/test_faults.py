@@ -120,7 +120,7 @@ def test_new_master_knows_nodes_and_parameters(demo):
     # the connection is refused, or ends if a node was just asking
     demo.wait(r'the master at \S+ does not answer: ', after, len(PROGRAMS))
     demo.start_master()
-    demo.wait(r'a new master answers at \S+: registered again', after, len(PROGRAMS))
+    demo.wait(r'a master answers at \S+: registered again', after, len(PROGRAMS))
     assert set(demo.ros.run('rosnode', 'list').split()) >= {'/' + name for name in PROGRAMS}
     assert demo.ros.run('rosparam', 'get', '/usb_cam') == before and 'synthetic' in before
     assert demo.ros.run('rosparam', 'get', '/use_sim_time').strip() == 'true'

@@ -8,6 +8,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Optional, Sequence
 
+import rospy
+
 from img_recog.errors import UserError, one_line, shortened
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
@@ -18,6 +20,7 @@ MAX_MEGABYTES = 2000
 _START_TIMEOUT_S, _END_TIMEOUT_S, _POLL_PERIOD_S = 5.0, 10.0, 0.05
 # of a line of roscpp: color, level and time
 _PREFIX = re.compile(r'^(\x1b\[\d*m)*\[ *[A-Z]+\] \[[0-9.]+(, [0-9.]+)?\]: |\x1b\[\d*m')
+_WARNING = re.compile(r'(\x1b\[\d*m)*\[ *WARN\]')
 _ADVICE = 'start the demo in a folder where files can be written; is the disk full?'
 
 
@@ -49,9 +52,14 @@ class BagRecording:
                             'install the package util-linux')
         end_s = time.monotonic() + _START_TIMEOUT_S
         # its header is in the file, so that it can write; a full disk shows here
-        while self.is_running and not self._active_size() and time.monotonic() < end_s:
+        while (self.is_running and not self._active_size() and time.monotonic() < end_s
+               and not rospy.core.is_shutdown_requested()):
             time.sleep(_POLL_PERIOD_S)
         self.check()
+        if self.is_running and not self._active_size():
+            self._end()
+            raise UserError('cannot record {}: there is no file after {:g} s'.format(
+                path, _START_TIMEOUT_S), 'see whether the master and the simulator run')
 
     @property
     def is_running(self) -> bool:
@@ -67,7 +75,7 @@ class BagRecording:
         """Return the size of the file in bytes while it is written; None: there is no file."""
         try:
             return os.path.getsize(self._active)
-        except FileNotFoundError:
+        except OSError:
             return None
 
     def check(self) -> bool:
@@ -82,13 +90,16 @@ class BagRecording:
             return True
         if self._active_size() == 0:
             os.unlink(self._active)
-        raise UserError('cannot record {}: {}'.format(self.path, self._reason()), _ADVICE)
+        raise UserError('{} {}: {}'.format(
+            'the recording has ended,' if os.path.exists(self.path) else 'cannot record',
+            self.path, self._reason()), _ADVICE)
 
     def _reason(self) -> str:
-        """Return the first line that it has printed; it may crash after that."""
+        """Return the first line that it has printed, no warning; it may crash after that."""
         self._errors.seek(0)
         lines = [_PREFIX.sub('', line).strip()
-                 for line in self._errors.read().decode(errors='replace').splitlines()]
+                 for line in self._errors.read().decode(errors='replace').splitlines()
+                 if not _WARNING.match(line)]
         return shortened(next(filter(None, lines), 'exit code {}'.format(
             self._process.returncode)))
 
@@ -97,6 +108,13 @@ class BagRecording:
 
         Raises UserError if there is no file then.
         """
+        self._end()
+        if not os.path.exists(self.path):
+            raise UserError('the recording {} is not complete'.format(self.path), (
+                'is the disk full? what there is has the suffix .active'
+                if self._active_size() is not None else 'its file was removed'))
+
+    def _end(self) -> None:
         self._is_over = True
         if self.is_running:
             self._process.send_signal(signal.SIGINT)
@@ -105,9 +123,6 @@ class BagRecording:
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
-        if not os.path.exists(self.path):
-            raise UserError('the recording {} is not complete'.format(self.path),
-                            'is the disk full? what there is has the suffix .active')
 
 
 class Recorder:

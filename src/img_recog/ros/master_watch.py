@@ -77,14 +77,13 @@ class MasterWatch:
         self._failures = 0
         if code == 1 and uri != rospy.get_node_uri():
             self._ended.set()       # another node has this name, and this one is shut down
-        elif code == 1 and not self._is_registering:
+        elif code == 1 and not self._is_registering and not self._is_gone:
             self._keep(private)
-            if self._is_gone:
-                rospy.loginfo('the master at %s answers again', self._uri)
-            self._is_gone = False
             if self._may_be_unconnected():
                 self._reconnect(dict(self._call('getSystemState')[0]))
         else:
+            # one that was gone may be a new one also if it has the node: rospy sends it what the
+            # node has subscribed or advertised meanwhile, and nothing else
             self._register()
 
     def _ask(self) -> Tuple[Any, Optional[Dict[str, Any]]]:
@@ -161,7 +160,7 @@ class MasterWatch:
             self._call('setParam', name, values[name])
         registered = registration.register_again(self._call)
         self._is_registering = self._is_gone = False
-        rospy.loginfo('a new master answers at %s: registered again, topics %d, services %d, '
+        rospy.loginfo('a master answers at %s: registered again, topics %d, services %d, '
                       'parameters %d', self._uri, registered.topics, registered.services,
                       len(missing))
 

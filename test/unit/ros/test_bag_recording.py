@@ -8,6 +8,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+import rospy
 
 from img_recog.errors import UserError, one_line
 from img_recog.ros import bag_recording
@@ -68,6 +69,29 @@ def test_a_file_that_cannot_be_written(recording, tmp_path):
 def test_a_program_that_says_nothing(recording):
     with pytest.raises(UserError, match='exit code 3'):
         recording('exit 3')
+
+
+def test_a_program_that_writes_nothing_is_ended(recording, tmp_path, monkeypatch):
+    monkeypatch.setattr(bag_recording, '_START_TIMEOUT_S', 0.5)
+    with pytest.raises(UserError, match='there is no file after 0.5 s; see whether the master'):
+        recording('echo $$ >"$file.pid"\n' + LOOP)
+    pid = int((tmp_path / 'new.bag.pid').read_text())
+    assert not os.path.exists('/proc/{}'.format(pid))
+
+
+def test_a_start_ends_with_the_node(recording, monkeypatch):
+    monkeypatch.setattr(rospy.core, 'is_shutdown_requested', lambda: True)
+    with pytest.raises(UserError, match='there is no file'):
+        recording(LOOP)
+
+
+def test_a_warning_is_no_reason(recording, tmp_path):
+    running = recording(WRITE + 'echo "[ WARN] [12.5]: Less than 5 x 1G of space free" >&2\n'
+                        'echo "[ERROR] [12.6]: Less than 1G" >&2\n' + UNTIL_FULL + '; exit 1')
+    (tmp_path / 'new.bag.full').write_text('')
+    wait_for(lambda: not running.is_running, 'the end')
+    with pytest.raises(UserError, match='the recording has ended, .*new.bag: Less than 1G;'):
+        running.check()
 
 
 def test_a_recording_that_fails_later_is_reported_once_and_keeps_what_it_has(recording, tmp_path):

@@ -101,7 +101,7 @@ def test_a_new_master_gets_the_parameters_it_does_not_have(watch, lines):
     assert watch._proxy.parameters == {
         '/node/rate': 15, '/node/name': 'y', '/use_sim_time': True,
         '/robot_description': '<robot/>'}
-    assert lines == ['a new master answers at http://master:1: registered again, topics 5, '
+    assert lines == ['a master answers at http://master:1: registered again, topics 5, '
                      'services 2, parameters 3']
     watch._poll_safely()
     assert len(lines) == 1
@@ -116,7 +116,8 @@ def test_a_master_that_is_gone_is_logged_once_and_so_is_its_return(watch, lines)
     watch._proxy.failure = None
     watch._poll_safely()
     watch._poll_safely()
-    assert lines[1:] == ['the master at http://master:1 answers again']
+    assert lines[1:] == ['a master answers at http://master:1: registered again, topics 5, '
+                         'services 2, parameters 0']
 
 
 def test_a_busy_master_may_miss_a_poll(watch, lines):

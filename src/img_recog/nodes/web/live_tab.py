@@ -29,7 +29,7 @@ class LiveTab:
                  pictures: List[PictureTopic]):
         """Add its elements."""
         self._system, self._robot, self._t = system, robot, texts
-        self._recording_call = OneCall()
+        self._recording_call, self._is_recording = OneCall(), False     # what the button says
         with ui.element('div').classes('board'):
             with ui.element('div').classes('column-cards'):
                 with ui.element('div').classes('pictures'):
@@ -46,7 +46,7 @@ class LiveTab:
 
     def update(self) -> None:
         """Show what other pages and nodes have changed."""
-        is_recording = bool(self._system.recording())
+        self._is_recording = is_recording = bool(self._system.recording())
         self._record_button.props('color=' + ('negative' if is_recording else 'primary'))
         self._record_button.text = self._t('stop_recording' if is_recording else 'record')
         simulator = self._system.simulator.values()
@@ -139,7 +139,7 @@ class LiveTab:
         await wait_for(self._robot.set_pose, x, y, yaw)
 
     async def _record(self) -> None:
-        is_running = bool(self._system.recording())
+        is_running = self._is_recording         # or else two who stop would start one
         path = await self._recording_call.wait_for(self._system.record, not is_running)
         if path:
             ui.notify(self._t('recorded' if is_running else 'recording_to', path),

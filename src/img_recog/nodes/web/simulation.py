@@ -54,6 +54,6 @@ class PosePublisher:
         """
         if not all(map(math.isfinite, (x, y, yaw))) or max(abs(x), abs(y)) > _MAX_M:
             raise UserError('cannot move the robot to x {}, y {}, yaw {}'.format(x, y, yaw),
-                            'choose a point of the map')
+                            'choose a point within {:g} m'.format(_MAX_M))
         self._publisher.publish(plane_msgs.pose_to_msg(
             PlanePose(x, y, yaw), Header(stamp=rospy.Time.now(), frame_id=self._frame_id())))

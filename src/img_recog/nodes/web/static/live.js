@@ -70,6 +70,7 @@
       try { await take(event.data); } finally { send({ ready: 1 }); }
     };
     socket.onclose = () => {
+      release();      // who was stopped by another page must not drive with the next connection
       setTimeout(connect, RETRY_MS);
     };
   }
@@ -226,7 +227,9 @@
 
   // ---- the map
   function bounds() {
-    const points = [...(state.outlines || []).flat(), ...state.path.filter((each) => each),
+    // of the path, what came after the robot was moved: it may have been far away
+    const points = [...(state.outlines || []).flat(),
+      ...state.path.slice(state.path.lastIndexOf(null) + 1),
       ...Object.values(state.robots || {})];
     if (state.pose) points.push(state.pose);
     if (!points.length) return [-2.5, -2.5, 5];
