@@ -90,9 +90,9 @@ class BagRecording:
             return True
         if self._active_size() == 0:
             os.unlink(self._active)
-        raise UserError('{} {}: {}'.format(
-            'the recording has ended,' if os.path.exists(self.path) else 'cannot record',
-            self.path, self._reason()), _ADVICE)
+        problem = ('the recording {} has ended' if os.path.exists(self.path)
+                   else 'cannot record {}').format(self.path)
+        raise UserError('{}: {}'.format(problem, self._reason()), _ADVICE)
 
     def _reason(self) -> str:
         """Return the first line that it has printed, no warning; it may crash after that."""

@@ -90,7 +90,7 @@ def test_a_warning_is_no_reason(recording, tmp_path):
                         'echo "[ERROR] [12.6]: Less than 1G" >&2\n' + UNTIL_FULL + '; exit 1')
     (tmp_path / 'new.bag.full').write_text('')
     wait_for(lambda: not running.is_running, 'the end')
-    with pytest.raises(UserError, match='the recording has ended, .*new.bag: Less than 1G;'):
+    with pytest.raises(UserError, match='the recording .*new.bag has ended: Less than 1G;'):
         running.check()
 
 
