@@ -174,6 +174,27 @@ def test_the_robot_stops_when_the_browser_goes_away(demo, browse):
     wait_for(lambda: speeds(demo) == pytest.approx([0.0], abs=0.01), 'the robot to stand')
 
 
+def test_a_held_key_ends_with_the_connection(demo, browse):
+    page = browse()
+    page.driver.execute_cdp_cmd('Page.addScriptToEvaluateOnNewDocument', {'source': '''
+        window.sockets = [];
+        window.WebSocket = class extends WebSocket {
+          constructor(...words) { super(...words); window.sockets.push(this); }
+        };'''})
+    page.open(demo.url)
+    start_x, _ = page.pose()
+    page.hold_key('w', True)
+    wait_for(lambda: page.pose()[0] > start_x + 0.1, 'the robot to drive')
+    opened = 'return sockets.filter((each) => each.url.includes("/live")'
+    count = len(page.js(opened + ')'))
+    page.js(opened + ').forEach((each) => each.close())')
+    wait_for(lambda: len(page.js(opened + ' && each.readyState === 1)')) == 1
+             and len(page.js(opened + ')')) > count, 'another connection')
+    assert page.js(HELD) == []
+    wait_for(lambda: speeds(demo, 10) == pytest.approx(10 * [0.0], abs=0.01), 'the robot to stand')
+    page.hold_key('w', False)
+
+
 def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     page.tab('colors')
     slider = ('[...document.querySelectorAll(".q-slider")].find((each) => '
