@@ -104,11 +104,11 @@ def uncounted(edges: Iterable[Edge], samples: Mapping[str, Optional[_Sample]]) -
 
     roscpp's getBusStats has only one of several.
     """
-    edges = list(edges)
     publishers = Counter(edge.topic for edge in edges
-                         if edge.is_published and samples.get(edge.node) is not None)
-    return [edge for edge in edges if not edge.is_published and publishers[edge.topic] > len(
-        (samples.get(edge.node) or _Sample(0.0, {})).counts.get(edge, {}))]
+                         if edge.is_published and samples[edge.node] is not None)
+    return [edge for sample in samples.values() if sample is not None
+            for edge, counts in sample.counts.items()
+            if not edge.is_published and len(counts) < publishers[edge.topic]]
 
 
 def counts_in(node: str, answer: Any) -> Counts:

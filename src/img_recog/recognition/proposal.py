@@ -27,16 +27,17 @@ def propose_bounds(image: np.ndarray, x: float, y: float) -> Dict[str, int]:
                  max(0, column - _RADIUS_PX):column + _RADIUS_PX + 1]
     hue, saturation, value = (plane.ravel().astype(float) for plane in
                               cv2.split(cv2.cvtColor(part, cv2.COLOR_BGR2HSV)))
-    if np.median(saturation) < _MIN_SATURATION or np.median(value) < _MIN_VALUE:
+    usual_saturation, usual_value = np.median(saturation), np.median(value)
+    if usual_saturation < _MIN_SATURATION or usual_value < _MIN_VALUE:
         raise UserError('too gray or too dark: saturation {:.0f}, value {:.0f}, needed are {} and '
-                        '{}'.format(np.median(saturation), np.median(value), _MIN_SATURATION,
-                                    _MIN_VALUE), 'choose a part with a clear color')
+                        '{}'.format(usual_saturation, usual_value, _MIN_SATURATION, _MIN_VALUE),
+                        'choose a part with a clear color')
     # hues are angles: red is near 0 and near 180
     angles = hue * (2 * np.pi / _HUES)
     middle = np.arctan2(np.sin(angles).mean(), np.cos(angles).mean()) * _HUES / (2 * np.pi)
     return {'hue_min': int(round(middle - _HUE_MARGIN)) % _HUES,
             'hue_max': int(round(middle + _HUE_MARGIN)) % _HUES,
-            'saturation_min': int(max(_MIN_SATURATION, np.median(saturation) - _LEVEL_MARGIN)),
+            'saturation_min': int(max(_MIN_SATURATION, usual_saturation - _LEVEL_MARGIN)),
             'saturation_max': 255,
-            'value_min': int(max(_MIN_VALUE, np.median(value) - _LEVEL_MARGIN)),
+            'value_min': int(max(_MIN_VALUE, usual_value - _LEVEL_MARGIN)),
             'value_max': 255}

@@ -51,12 +51,11 @@ class BagRecording:
             raise UserError('cannot record: setpriv: {}'.format(one_line(error)),
                             'install the package util-linux')
         end_s = time.monotonic() + _START_TIMEOUT_S
-        # its header is in the file, so that it can write; a full disk shows here
-        while (self.is_running and not self._active_size() and time.monotonic() < end_s
+        while (self._is_starting() and time.monotonic() < end_s
                and not rospy.core.is_shutdown_requested()):
             time.sleep(_POLL_PERIOD_S)
         self.check()
-        if self.is_running and not self._active_size():
+        if self._is_starting():
             self._end()
             raise UserError('cannot record {}: there is no file after {:g} s'.format(
                 path, _START_TIMEOUT_S), 'see whether the master and the simulator run')
@@ -70,6 +69,10 @@ class BagRecording:
     def _active(self) -> str:
         """The name of the file while it is written."""
         return self.path + '.active'
+
+    def _is_starting(self) -> bool:
+        """Return whether its header is not in the file yet; on a full disk, it never will be."""
+        return self.is_running and not self._active_size()
 
     def _active_size(self) -> Optional[int]:
         """Return the size of the file in bytes while it is written; None: there is no file."""

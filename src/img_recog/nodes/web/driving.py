@@ -40,13 +40,12 @@ class Speeds:
         the other one pauses, long after its key was pressed.
         """
         with self._lock:
-            if linear or angular:
-                if owner in self._refused:
-                    return False
-                if self._owner not in (None, owner) and self._is_driven():
-                    self._refused.add(owner)
-                    return False
-            if self._owner not in (None, owner):
+            has_other = self._owner not in (None, owner)
+            if (linear or angular) and (
+                    owner in self._refused or has_other and self._is_driven()):
+                self._refused.add(owner)
+                return False
+            if has_other:
                 self._refused.add(self._owner)
             self._owner, self._shares = owner, (linear, angular)
             self._until_s = self._now() + HOLD_S
