@@ -6,10 +6,11 @@ import os
 import sys
 import time
 
-from img_recog.simulation import description, loading, world_file
+from img_recog.simulation.bodies import loading
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions import description, world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.vehicle import Vehicle
-from img_recog.simulation.world import World
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'urdf')
 BATCH = 1000

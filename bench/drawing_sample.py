@@ -18,12 +18,13 @@ from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.replay import scenario
-from img_recog.simulation import loading, view, visual_scene
-from img_recog.simulation.body import Pose
-from img_recog.simulation.robot_camera import RobotCamera
-from img_recog.simulation.scene import Scene, SceneCopy, poses_of
+from img_recog.simulation.bodies import loading
+from img_recog.simulation.bodies.body import Pose
+from img_recog.simulation.pictures import view, visual_scene
+from img_recog.simulation.pictures.scene import Scene, SceneCopy, poses_of
+from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.settings import CameraSettings, SpawnSettings
-from img_recog.simulation.visual_scene import Parts
 from img_recog.visuals import VisualScene
 
 FRAMES, FRAME_STEPS = 60, 33        # 2 s at 30 Hz, in steps of 1 ms

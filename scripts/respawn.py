@@ -120,7 +120,7 @@ class Respawner:
         try:
             if self._parameters is None:
                 # here, because it takes 50 ms; the node is started before
-                from img_recog.ros.kept_parameters import KeptParameters
+                from img_recog.ros.master.kept_parameters import KeptParameters
                 self._parameters = KeptParameters(self._command, self._say, _SIGNALS)
             self._parameters.keep()
         except Exception as error:      # a package that is missing; the node can do without

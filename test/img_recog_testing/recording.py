@@ -3,7 +3,8 @@ import functools
 
 import rospy
 
-from img_recog.ros import lifecycle, master_watch
+from img_recog.ros import lifecycle
+from img_recog.ros.master import master_watch
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 

@@ -1,7 +1,8 @@
 """The robot and worlds that the simulation's tests share."""
 import os
 
-from img_recog.simulation import assembly, world_file
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SpawnSettings
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'urdf')

@@ -5,10 +5,16 @@ import pathlib
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'resources', 'robot_file',
                 'settings', 'signals', 'still_images', 'visuals')
-# libraries that only one folder may use
-OWNERS = {'pybullet': 'simulation', 'pybullet_data': 'simulation',
-          'pybullet_utils': 'simulation', 'moderngl': 'rendering', 'trimesh': 'rendering',
-          **dict.fromkeys(('fastapi', 'nicegui', 'starlette', 'uvicorn'), 'nodes/web')}
+# the rooms of simulation/, from the lowest to the highest: none imports one above it
+SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
+                    'pictures', 'models', 'places', 'pacing', 'assembly')
+# libraries that only some folders or files may use
+OWNERS = {
+    **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(
+        'simulation/' + room for room in SIMULATION_ROOMS if room != 'descriptions')),
+    'moderngl': ('rendering',),
+    'trimesh': ('rendering', 'simulation/descriptions/meshes'),
+    **dict.fromkeys(('fastapi', 'nicegui', 'starlette', 'uvicorn'), ('nodes/web',))}
 # of rospy's objects
 PRIVATE_ATTRIBUTES = ('impl', '_connection_header', '_invoke_callback')
 ROS_SUFFIXES = ('_msgs', '_srvs')
@@ -122,9 +128,9 @@ def _reason(name, module):
     library, _, rest = module.partition('.')
     if library == 'img_recog':
         return _reason_within(name, part, rest.split('.'))
-    owner = pathlib.PurePath(OWNERS.get(library, '.'))
-    if owner.parts and name.parts[:len(owner.parts)] != owner.parts:
-        return 'only {} may use {}'.format(owner, library)
+    owners = OWNERS.get(library)
+    if owners is not None and not any(_is_in(name, owner) for owner in owners):
+        return 'only {} may use {}'.format(', '.join(owners), library)
     if library == 'rospy' and part in WITHOUT_RCLIENT:
         return '{} runs without a node'.format(part)
     is_ros = (library.startswith('ros') or library in ROS_LIBRARIES
@@ -134,6 +140,12 @@ def _reason(name, module):
     return None
 
 
+def _is_in(name, place):
+    """Return whether a file is in a folder, or is the file with that name without .py."""
+    return place in (name.with_suffix('').as_posix(), *(
+        parent.as_posix() for parent in name.parents))
+
+
 def _reason_within(name, part, target):
     if target[:3] == ['ros', 'transport', 'packets'] and part != 'ros':
         return 'packets are for ros/transport alone'
@@ -141,8 +153,64 @@ def _reason_within(name, part, target):
         node = name.parts[1].replace('.py', '') if len(name.parts) > 1 else ''
         if part == 'nodes' and target[1] not in (node, 'color_parameters', 'compressed_images'):
             return 'a node does not import another'
+        if part == 'simulation' and len(name.parts) > 1 and name.parts[1] != '__init__.py':
+            return _reason_of_rooms(name.parts[1].replace('.py', ''), target[1])
         return None
     if target[0] not in ALLOWED.get(part, ()):
         return '{} may use {} of this package'.format(
             part, ', '.join(sorted(ALLOWED.get(part, ()))) or 'nothing else')
     return None
+
+
+def _reason_of_rooms(room, target):
+    for each in (room, target):
+        if each not in SIMULATION_ROOMS:
+            return '{} is not a room of simulation that the walls know'.format(each)
+    if SIMULATION_ROOMS.index(target) > SIMULATION_ROOMS.index(room):
+        return '{} is above {}'.format(target, room)
+    return None
+
+
+def circles(package):
+    """Return the circles of imports: lists of files, or of folders, that import one another."""
+    package = pathlib.Path(package)
+    files = {path.relative_to(package) for path in package.rglob('*.py')}
+    arrows = {name: set() for name in files}
+    for name in files:
+        tree = ast.parse((package / name).read_text(), str(name))
+        for _, module in _imports(tree, name):
+            parts = module.split('.')[1:] if module.startswith('img_recog.') else []
+            target = next((path for path in (pathlib.PurePath(*parts[:length]).with_suffix('.py')
+                                             for length in range(len(parts), 0, -1))
+                           if path in files), None)
+            if target is not None and target != name:
+                arrows[name].add(target)
+    return _rings(arrows) + _rings(_of_folders(arrows))
+
+
+def _of_folders(arrows):
+    """Return the arrows between folders, or to a file beside a folder."""
+    between = {}
+    for name, targets in arrows.items():
+        for target in targets:
+            depth = next(number for number, (mine, other) in enumerate(zip(
+                name.parts, target.parts)) if mine != other)
+            mine, other = (pathlib.PurePath(*path.parts[:depth + 1]) for path in (name, target))
+            between.setdefault(mine, set()).add(other)
+    return between
+
+
+def _rings(arrows):
+    """Return each set of places from which one comes back, sorted, as text."""
+    reached = {}
+    for start in arrows:
+        found, waiting = set(), list(arrows[start])
+        while waiting:
+            place = waiting.pop()
+            if place not in found:
+                found.add(place)
+                waiting += arrows.get(place, ())
+        reached[start] = found
+    return sorted({' '.join(sorted(other.as_posix() for other in reached[place]
+                                   if place in reached.get(other, ())))
+                   for place in reached if place in reached[place]})

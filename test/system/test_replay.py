@@ -7,11 +7,12 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.simulation import description, loading, world_file
+from img_recog.simulation.bodies import loading
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions import description, world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
-from img_recog.simulation.world import World
 from img_recog_testing.waiting import wait_for
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))

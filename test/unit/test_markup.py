@@ -8,7 +8,8 @@ from img_recog import markup, robot_file
 from img_recog.camera import calibration_file
 from img_recog.errors import UserError
 from img_recog.recognition import parameter_file
-from img_recog.simulation import assembly, description, world_file
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import description, world_file
 
 LAUGHS = ('<!DOCTYPE robot [<!ENTITY a "ha">'
           + ''.join('<!ENTITY {} "{}">'.format(name, '&{};'.format(other) * 10)

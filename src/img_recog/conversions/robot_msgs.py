@@ -12,9 +12,9 @@ from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan
 
-from img_recog.simulation.body import Motion, Vector
-from img_recog.simulation.imu import ImuReading
-from img_recog.simulation.robot import JointStates
+from img_recog.simulation.bodies.body import Motion, Vector
+from img_recog.simulation.bodies.robot import JointStates
+from img_recog.simulation.sensors.imu import ImuReading
 from img_recog.simulation.settings import ImuSettings, ScanSettings
 
 # of x, y, z, roll, pitch, yaw (libgazebo_ros_diff_drive): z, roll and pitch are not estimated

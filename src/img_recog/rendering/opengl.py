@@ -8,7 +8,7 @@ from img_recog.errors import one_line
 from img_recog.rendering import coverage, matrices, shaders
 from img_recog.rendering.batches import Batch, Loader
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.renderer import OpenGLError
+from img_recog.rendering.errors import OpenGLError
 from img_recog.rendering.shadow_map import ShadowMap
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target

@@ -2,13 +2,10 @@
 from typing import TYPE_CHECKING, Any, Callable, Tuple
 
 from img_recog.errors import UserError, one_line
+from img_recog.rendering.errors import OpenGLError
 
 if TYPE_CHECKING:
     from img_recog.rendering.opengl import Renderer
-
-
-class OpenGLError(UserError):
-    """There is no OpenGL that can be used."""
 
 
 def make_or(make_first: Callable[[], Any], make_fallback: Callable[[], Any]) -> Tuple[Any, str]:

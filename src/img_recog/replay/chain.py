@@ -13,7 +13,7 @@ from img_recog.recognition.commands import STOP, Command, Commander
 from img_recog.recognition.settings import RecognitionSettings
 
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
-    from img_recog.simulation.body import Motion
+    from img_recog.simulation.bodies.body import Motion
     from img_recog.simulation.simulator import Simulator
     from img_recog.simulation.vehicle import Reading
 

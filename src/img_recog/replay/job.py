@@ -24,8 +24,8 @@ from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder
 from img_recog.signals import Interrupts
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.body import Motion
-from img_recog.simulation.footprints import footprints
+from img_recog.simulation.bodies.body import Motion
+from img_recog.simulation.bodies.footprints import footprints
 
 if TYPE_CHECKING:
     from img_recog.replay.bags import BagFrames

@@ -5,16 +5,16 @@ from typing import Callable, Iterator, List
 import genpy
 from std_msgs.msg import Header
 
+from img_recog.rendering import renderer
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.noise import PixelNoise
-from img_recog.rendering import renderer
 from img_recog.replay.chain import SECOND_NS, Frame
-from img_recog.simulation import visual_scene
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.robot_camera import RobotCamera
+from img_recog.simulation.pictures import visual_scene
+from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
+from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.settings import CameraSettings, nearest_period
-from img_recog.simulation.tiny_renderer import TinyRenderer
-from img_recog.simulation.visual_scene import Parts
 
 _log = logging.getLogger(__name__)
 

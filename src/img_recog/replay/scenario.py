@@ -3,8 +3,9 @@ import dataclasses
 import logging
 
 from img_recog import resources, robot_file
-from img_recog.simulation import assembly, world_file
+from img_recog.simulation import assembly
 from img_recog.simulation.assembly import Assembly
+from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
 
 _log = logging.getLogger(__name__)

@@ -11,7 +11,8 @@ import genpy
 import rospy
 
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.ros import console, log_files, log_handlers, log_records, master_watch
+from img_recog.ros.log import console, log_files, log_handlers, log_records
+from img_recog.ros.master import master_watch
 from img_recog.ros.transport import handshakes, own_time, registration, rosout
 
 EXIT_UNEXPECTED = 70        # EX_SOFTWARE of sysexits.h

@@ -10,16 +10,18 @@ from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple
 from img_recog.errors import UserError
 from img_recog.files import FindFile
 from img_recog.settings import SettingError, from_mapping
-from img_recog.simulation import (camera_tags, description, gazebo_tags, loading, meshes, places,
-                                  visual_scene, wheels)
-from img_recog.simulation.description import Description
-from img_recog.simulation.scene import Scene, scene_of
+from img_recog.simulation import places
+from img_recog.simulation.bodies import loading
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions import (camera_tags, description, gazebo_tags, meshes,
+                                               urdf_visuals, wheels)
+from img_recog.simulation.descriptions.description import Description
+from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, PhysicsSettings,
                                            RobotSettings, SimulationError)
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
-from img_recog.simulation.world import World
-from img_recog.simulation.world_file import WorldFile
 
 
 class RobotSource(NamedTuple):
@@ -57,7 +59,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str) -> Ro
     """
     try:
         robot = description.parse(urdf, find_mesh)
-        visual_scene.check(robot.urdf)
+        urdf_visuals.check(robot.urdf)
         values = gazebo_tags.settings(urdf, step_s)
         cameras = tuple(camera_tags.cameras(urdf))
         unsupported = gazebo_tags.not_simulated(urdf)

@@ -4,10 +4,10 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 import numpy as np
 import pybullet
 
-from img_recog.simulation.body import (Body, Motion, Pose, Quaternion, motion_of_frame,
-                                       rotation_matrix)
-from img_recog.simulation.geometry import IDENTITY, Transform, to_quaternion
-from img_recog.simulation.sdf_models import Tree
+from img_recog.simulation.bodies.body import (Body, Motion, Pose, Quaternion, motion_of_frame,
+                                              rotation_matrix)
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, to_quaternion
+from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle

@@ -6,7 +6,7 @@ import math
 import pybullet
 
 from img_recog.settings import SettingError
-from img_recog.simulation.body import Pose
+from img_recog.simulation.bodies.body import Pose
 from img_recog.simulation.settings import SimulationError, SpawnSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle

@@ -3,12 +3,12 @@ from typing import Any, List, Sequence
 
 import pybullet
 
-from img_recog.simulation import laser_scanner
-from img_recog.simulation.body import Body
-from img_recog.simulation.laser_scanner import LaserScanner
-from img_recog.simulation.sensor import Sensor
+from img_recog.simulation.bodies.body import Body
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.sensors import laser_scanner
+from img_recog.simulation.sensors.laser_scanner import LaserScanner
+from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.vehicle import Reading, Vehicle
-from img_recog.simulation.world import World
 
 _MAX_CONTACT_DEPTH_M = 0.005
 

@@ -5,19 +5,19 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from img_recog.simulation.body import Pose
-from img_recog.simulation.description import Description
-from img_recog.simulation.differential_drive import DifferentialDrive
-from img_recog.simulation.imu import Imu
-from img_recog.simulation.laser_scanner import LaserScanner
-from img_recog.simulation.odometry import WORLD, make_odometry
-from img_recog.simulation.robot import JointStates, Robot
-from img_recog.simulation.robot_camera import RobotCamera
-from img_recog.simulation.sensor import ScheduledSensor, Sensor
+from img_recog.simulation.bodies.body import Pose
+from img_recog.simulation.bodies.differential_drive import DifferentialDrive
+from img_recog.simulation.bodies.robot import JointStates, Robot
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions.description import Description
+from img_recog.simulation.sensors.imu import Imu
+from img_recog.simulation.sensors.laser_scanner import LaserScanner
+from img_recog.simulation.sensors.odometry import WORLD, make_odometry
+from img_recog.simulation.sensors.robot_camera import RobotCamera
+from img_recog.simulation.sensors.sensor import ScheduledSensor, Sensor
 from img_recog.simulation.settings import (CameraSettings, ImuSettings, RobotSettings,
                                            ScanSettings, SpawnSettings, nearest_period,
                                            whole_steps)
-from img_recog.simulation.world import World
 
 
 class Reading(NamedTuple):

@@ -9,9 +9,9 @@ from std_msgs.msg import Header
 
 from img_recog.camera.calibration import Calibration
 from img_recog.conversions import camera_info_msgs, robot_msgs, twist_msgs
-from img_recog.simulation.body import Motion
-from img_recog.simulation.imu import ImuReading
-from img_recog.simulation.robot import JointStates
+from img_recog.simulation.bodies.body import Motion
+from img_recog.simulation.bodies.robot import JointStates
+from img_recog.simulation.sensors.imu import ImuReading
 from img_recog.simulation.settings import ImuSettings, ScanSettings
 
 STAMP = rospy.Time(12, 34)

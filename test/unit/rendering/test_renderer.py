@@ -5,6 +5,7 @@ import sys
 import pytest
 
 from img_recog.rendering import renderer
+from img_recog.rendering.errors import OpenGLError
 from img_recog.rendering.opengl import Renderer
 
 # imports what a node and replay.py import before anything is drawn
@@ -22,7 +23,7 @@ def test_a_library_that_is_missing_is_an_error_that_names_it(monkeypatch, librar
         if name != renderer.__name__:
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(renderer.OpenGLError) as error:
+    with pytest.raises(OpenGLError) as error:
         renderer.make()
     assert 'moderngl or trimesh cannot be loaded: import of {} halted'.format(library) in str(
         error.value)

@@ -15,8 +15,8 @@ from img_recog.replay.chain import Chain, CommandSent, FrameResult, measure
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_recorder import PlotRecorder
 from img_recog.replay.recorders import BagRecorder, TableRecorder, _AppendedFile
-from img_recog.simulation.body import Motion
-from img_recog.simulation.footprints import footprints
+from img_recog.simulation.bodies.body import Motion
+from img_recog.simulation.bodies.footprints import footprints
 from img_recog.simulation.settings import OdometrySettings
 from img_recog_testing import robots
 from img_recog_testing.replaying import BLUE, RED, EventLog, frame

@@ -4,7 +4,8 @@ import re
 import pybullet
 import pytest
 
-from img_recog.simulation import assembly, world_file
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import (DriveSettings, OdometrySettings, PhysicsSettings,
                                            RobotSettings, SimulationError, SpawnSettings)
 from img_recog_testing.robots import WORLDS, assemble, burger

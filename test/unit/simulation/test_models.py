@@ -5,7 +5,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.simulation import model_file
+from img_recog.simulation.descriptions import model_file
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.settings import ImuSettings, OdometrySettings, SimulationError
 from img_recog_testing.robots import simulator

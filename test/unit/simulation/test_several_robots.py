@@ -5,7 +5,8 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.simulation import assembly, world_file
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, ScanSettings,
                                            SimulationError, SpawnSettings)
 from img_recog_testing.robots import WORLDS, burger

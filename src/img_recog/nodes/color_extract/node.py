@@ -37,11 +37,12 @@ from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
 from img_recog.recognition.settings import RecognitionSettings
-from img_recog.ros import console, lifecycle, parameters
-from img_recog.ros.console import ConsoleThrottle
+from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.ros.log import console
+from img_recog.ros.log.console import ConsoleThrottle
+from img_recog.ros.log.recurring_line import RecurringLine
 from img_recog.ros.reconfigure import Reconfigurable
-from img_recog.ros.recurring_line import RecurringLine
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher

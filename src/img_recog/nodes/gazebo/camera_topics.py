@@ -20,8 +20,8 @@ from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.process import Drawn, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import SettingError
-from img_recog.simulation.geometry import to_quaternion
-from img_recog.simulation.robot_camera import Exposure, optical_frame
+from img_recog.simulation.descriptions.geometry import to_quaternion
+from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
 from img_recog.simulation.settings import CameraSettings
 from img_recog.simulation.vehicle import Reading, Vehicle
 

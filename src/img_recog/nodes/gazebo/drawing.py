@@ -14,7 +14,7 @@ from img_recog.rendering import renderer
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.process import DrawingError, DrawingProcess, Drawn, ProcessEnded, Shot
 from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durations
-from img_recog.simulation.tiny_renderer import TinyRenderer
+from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog.visuals import VisualScene
 
 _POLL_PERIOD_S = 0.1

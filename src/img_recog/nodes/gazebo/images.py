@@ -13,13 +13,14 @@ from img_recog.nodes.gazebo.drawing import Drawing
 from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view import ViewTopic, camera_of
-from img_recog.simulation import robot_camera, visual_scene
-from img_recog.simulation.scene import Scene, scene_of
+from img_recog.simulation.pictures import visual_scene
+from img_recog.simulation.pictures.scene import Scene, scene_of
+from img_recog.simulation.pictures.view import above
+from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Reading, Vehicle
-from img_recog.simulation.view import above
-from img_recog.simulation.visual_scene import Parts
 
 
 class Images:

@@ -11,8 +11,8 @@ from img_recog.errors import UserError
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
-from img_recog.simulation import model_file, names
-from img_recog.simulation.geometry import to_rpy
+from img_recog.simulation.descriptions import model_file, names
+from img_recog.simulation.descriptions.geometry import to_rpy
 from img_recog.simulation.models import WORLD, Models, State
 from img_recog.simulation.settings import SimulationError, SpawnSettings
 

@@ -54,15 +54,16 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.ros.transport.direct_publisher import DirectPublisher
-from img_recog.simulation import assembly, world_file
-from img_recog.simulation.footprints import footprints
+from img_recog.simulation import assembly
+from img_recog.simulation.bodies.footprints import footprints
+from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer, SlowReports
-from img_recog.simulation.scene import poses_of, scene_of
+from img_recog.simulation.pictures.scene import poses_of, scene_of
+from img_recog.simulation.pictures.view import above
+from img_recog.simulation.pictures.window import Window
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.view import above
-from img_recog.simulation.window import Window
 
 _POLL_PERIOD_S = 0.1
 # Of simulated time, between two looks at commands and services; it takes about 1 ms. After the

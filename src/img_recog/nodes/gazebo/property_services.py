@@ -5,9 +5,9 @@ import rospy
 from geometry_msgs.msg import Vector3
 
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.simulation.bodies.world import World
 from img_recog.simulation.models import Models
 from img_recog.simulation.settings import SimulationError
-from img_recog.simulation.world import World
 
 try:
     from gazebo_msgs.srv import (GetPhysicsProperties, GetPhysicsPropertiesResponse,

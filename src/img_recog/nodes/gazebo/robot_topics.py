@@ -18,7 +18,7 @@ from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.settings import Settings, not_empty, setting
-from img_recog.simulation.motion_state import MotionState
+from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.vehicle import Reading, Vehicle
 
 _LOG_PERIOD_S = 0.1             # of wall time: minimum between two lines about the motion

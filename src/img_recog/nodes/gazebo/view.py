@@ -9,11 +9,11 @@ from img_recog.nodes.gazebo.drawing import Drawing, Job
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.process import Drawn, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
-from img_recog.simulation import view
+from img_recog.simulation.pictures import view
+from img_recog.simulation.pictures.view import Viewpoint
+from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.settings import ViewSettings
 from img_recog.simulation.simulator import Simulator
-from img_recog.simulation.view import Viewpoint
-from img_recog.simulation.visual_scene import Parts
 
 _FRAME = 'view'                 # not a frame of tf: the camera is not part of the robot
 _NEAR_M, _FAR_M = 0.05, 60.0

@@ -28,8 +28,8 @@ from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
 from img_recog.camera.stamps import Stamps
-from img_recog.nodes.usb_cam.calibration import CameraCalibration
 from img_recog.nodes.compressed_images import CompressedImages
+from img_recog.nodes.usb_cam.calibration import CameraCalibration
 from img_recog.nodes.usb_cam.controls import CameraControls
 from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
 from img_recog.ros import lifecycle, parameters

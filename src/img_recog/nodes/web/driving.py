@@ -9,7 +9,7 @@ from std_srvs.srv import Trigger
 
 from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
-from img_recog.ros import master
+from img_recog.ros.master import master
 from img_recog.ros.stopping_publisher import StoppingPublisher
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits

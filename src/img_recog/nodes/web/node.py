@@ -39,9 +39,10 @@ from img_recog.nodes.web.robots import Robots
 from img_recog.nodes.web.server import Server, address, listen, report_errors
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.ros import bag_recording, lifecycle, master, parameters
+from img_recog.ros import bag_recording, lifecycle, parameters
 from img_recog.ros.bag_recording import BagRecording, Recorder
 from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.ros.master import master
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 

@@ -10,7 +10,7 @@ from img_recog.errors import one_line
 from img_recog.nodes.web.measurements import Measurements, SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.robot import Robot
-from img_recog.ros import master
+from img_recog.ros.master import master
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 

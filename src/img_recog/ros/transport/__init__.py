@@ -44,8 +44,8 @@ Safety
     does not read never blocks the publisher (direct_publisher).
 
 Gain
-    registration.py: nodes end also while the master does not answer, and ros/master_watch.py can
-    make them known to a new master. The other parts save CPU time:
+    registration.py: nodes end also while the master does not answer, and
+    ros/master/master_watch.py can make them known to a new master. The other parts save CPU time:
     ./run bench measures each part on and off. Ratio of CPU time without a part to CPU time with
     all parts, median and range, on two cores that other programs used too:
     a frame of color_extract, 640x480, both images viewed, 12 turns: image_subscriber 1.51 (1.30

@@ -10,7 +10,7 @@ from img_recog.errors import UserError
 from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, RobotCameras, optical_transform
 from img_recog.rendering.process import Drawn
-from img_recog.simulation.robot_camera import Exposure
+from img_recog.simulation.sensors.robot_camera import Exposure
 from img_recog.simulation.settings import CameraSettings
 from img_recog.simulation.vehicle import Reading
 

@@ -1,0 +1,1 @@
+"""The master: whether it answers, and what it must know."""

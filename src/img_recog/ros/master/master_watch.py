@@ -1,0 +1,191 @@
+"""Notices a new master and lost connections, and registers and connects the node again."""
+import http.client
+import threading
+import time
+import xmlrpc.client
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
+
+import rosgraph
+import rospy
+
+from img_recog.errors import one_line
+from img_recog.ros import parameters
+from img_recog.ros.master.kept_parameters import TimedTransport
+from img_recog.ros.transport import registration
+
+_PERIOD_S = 1.0
+_MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is reported at once
+_STOP_TIMEOUT_S = 0.5
+_MAX_ANSWER_S = 0.5     # of a node
+_CHECK_POLLS = 5        # the master's list of publishers takes time; it is read every so many
+_GLOBAL = '/use_sim_time'
+
+
+class MasterWatch:
+    """Polls the master; registers the node again when the master does not know it.
+
+    It also connects subscribers again whose connection to a running publisher was cut.
+
+    That is so after a restart of the master. Its parameters are lost then: the private ones of
+    this node, /use_sim_time and robot_description are kept here and set again, except those that
+    the new master has.
+    """
+
+    def __init__(self) -> None:
+        self._uri, self._name = rosgraph.get_master_uri(), rospy.get_name()
+        self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=TimedTransport())
+        self._private: Dict[str, Any] = {}
+        self._shared: Optional[Dict[str, Any]] = None
+        self._unconnected: Set[str] = set()
+        self._connections: Dict[str, int] = {}
+        self._polls = 0
+        self._failures = 0
+        self._is_gone = self._is_registering = self._is_unreadable = False
+        self._ended = threading.Event()
+        self._lock = threading.Lock()       # held during a poll
+
+    def start(self) -> None:
+        """Watch in a separate thread."""
+        threading.Thread(target=self._run, name='master watch', daemon=True).start()
+
+    def stop(self) -> None:
+        """End; nothing is registered after this."""
+        self._ended.set()
+        if self._lock.acquire(timeout=_STOP_TIMEOUT_S):
+            self._lock.release()
+
+    def _run(self) -> None:
+        while not self._ended.is_set():
+            with self._lock:
+                if not self._ended.is_set() and not rospy.core.is_shutdown_requested():
+                    self._poll_safely()
+            self._ended.wait(_PERIOD_S)
+
+    def _poll_safely(self) -> None:
+        try:
+            self._poll()
+        except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
+            self._failures += 1
+            is_slow = isinstance(error, TimeoutError) or 'timed out' in str(error)
+            if not self._is_gone and (not is_slow or self._failures >= _MAX_TIMEOUTS):
+                self._is_gone = True
+                rospy.logwarn('the master at %s does not answer: %s; this node goes on, and '
+                              'registers again when there is a master', self._uri, one_line(error))
+
+    def _poll(self) -> None:
+        (code, _, uri), private = self._ask()
+        self._failures = 0
+        if code == 1 and uri != rospy.get_node_uri():
+            self._ended.set()       # another node has this name, and this one is shut down
+        elif code == 1 and not self._is_registering and not self._is_gone:
+            self._keep(private)
+            if self._may_be_unconnected():
+                self._reconnect(dict(self._call('getSystemState')[0]))
+        else:
+            # one that was gone may be a new one also if it has the node: rospy sends it what the
+            # node has subscribed or advertised meanwhile, and nothing else
+            self._register()
+
+    def _ask(self) -> Tuple[Any, Optional[Dict[str, Any]]]:
+        """Return the answer to lookupNode, and the private parameters, None if unreadable."""
+        multi = xmlrpc.client.MultiCall(self._proxy)
+        multi.lookupNode(self._name, self._name)
+        multi.getParam(self._name, self._name)
+        try:
+            results: Any = multi()
+            node, (has_private, _, private) = results
+        except xmlrpc.client.Fault as fault:
+            # the master has answered: it cannot send an integer of more than 32 bits, for example
+            node = self._proxy.lookupNode(self._name, self._name)
+            if not self._is_unreadable:
+                self._is_unreadable = True
+                rospy.logwarn('%s', parameters.unreadable(self._name, fault))
+            return node, None
+        self._is_unreadable = False
+        return node, private if has_private == 1 and isinstance(private, dict) else {}
+
+    def _may_be_unconnected(self) -> bool:
+        """Return whether to read the publishers of all topics: some connection may be missing.
+
+        A lost connection is seen here, unless another one was made at the same time.
+        """
+        before, self._connections = self._connections, registration.connections()
+        self._polls += 1
+        return (bool(self._unconnected) or self._polls % _CHECK_POLLS == 0
+                or any(count == 0 or count < before.get(topic, 0)
+                       for topic, count in self._connections.items()))
+
+    def _reconnect(self, publishers: Mapping[str, Sequence[str]]) -> None:
+        """Connect subscribers that have lost a publisher; rospy does so only for a new publisher.
+
+        publishers: the names of the nodes that publish each topic.
+        """
+        missing = registration.unconnected_topics(publishers)
+        # in two polls: rospy itself is about to connect to a publisher that is new
+        for topic in sorted(missing & self._unconnected):
+            for publisher in publishers[topic]:
+                uri = self._get('lookupNode', publisher)
+                if uri is not None and self._answers(uri):
+                    registration.connect(topic, uri)
+        self._unconnected = missing
+
+    def _answers(self, uri: str) -> bool:
+        """Return whether a node answers soon: rospy would wait for one that is suspended.
+
+        One that answers late was suspended. rospy connects at the same time if it waited too.
+        """
+        begin_s = time.monotonic()
+        try:
+            with xmlrpc.client.ServerProxy(uri, transport=TimedTransport()) as node:
+                node.getPid(self._name)
+        except (OSError, http.client.HTTPException, xmlrpc.client.Error):
+            return False
+        return time.monotonic() - begin_s < _MAX_ANSWER_S
+
+    def _keep(self, private: Optional[Dict[str, Any]]) -> None:
+        if private is not None:
+            self._private = private
+        if self._shared is None:
+            found = self._get('searchParam', 'robot_description')
+            names = [_GLOBAL, found] if found else [_GLOBAL]
+            values = {name: self._get('getParam', name) for name in names}
+            self._shared = {name: each for name, each in values.items() if each is not None}
+
+    def _register(self) -> None:
+        self._is_registering = True         # until all of it has succeeded
+        values = {'{}/{}'.format(self._name, key): value for key, value in self._private.items()}
+        values.update(self._shared or {})
+        missing = [name for name in values if not self._call('hasParam', name)]
+        for name in missing:
+            self._call('setParam', name, values[name])
+        registered = registration.register_again(self._call)
+        self._is_registering = self._is_gone = False
+        rospy.loginfo('a master answers at %s: registered again, topics %d, services %d, '
+                      'parameters %d', self._uri, registered.topics, registered.services,
+                      len(missing))
+
+    def _call(self, method: str, *arguments: Any) -> Any:
+        code, message, value = getattr(self._proxy, method)(self._name, *arguments)
+        if code != 1:
+            raise xmlrpc.client.Error('{}: {}'.format(method, message))
+        return value
+
+    def _get(self, method: str, name: str) -> Optional[Any]:
+        """Return a parameter's value or name, None if there is none that can be read."""
+        try:
+            code, _, value = getattr(self._proxy, method)(self._name, name)
+        except xmlrpc.client.Fault:
+            return None
+        return value if code == 1 else None
+
+
+def start(on_shutdown: Callable[[Callable[[], None]], None]) -> None:
+    """Watch the master from now on, unless plain rospy is wanted; for lifecycle.run.
+
+    on_shutdown: registers a hook for the begin of the shutdown.
+    """
+    if registration.is_watched():
+        watch = MasterWatch()
+        on_shutdown(registration.end_calls)
+        on_shutdown(watch.stop)
+        watch.start()

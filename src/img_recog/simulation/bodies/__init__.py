@@ -1,0 +1,1 @@
+"""Bodies in PyBullet: robots and the parts of a world."""

@@ -1,0 +1,142 @@
+"""Loads the text of a URDF into a physics client."""
+import contextlib
+import os
+import xml.etree.ElementTree as ElementTree
+from typing import Dict, Iterator, Tuple
+
+import pybullet
+
+from img_recog.simulation.descriptions import mesh_check, names
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, to_rpy
+from img_recog.simulation.settings import SimulationError
+
+_NOTHING = '<visual><geometry><box size="0 0 0"/></geometry></visual>'
+# exact cylinders: the default, a convex hull, is 1 mm larger and rolls on facets
+_URDF_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
+
+
+def connect(mode: int = pybullet.DIRECT, options: str = '') -> int:
+    """Return the id of a new physics client, by default one without a window."""
+    # with an empty options argument, PyBullet prints it
+    physics_client_id = pybullet.connect(mode, **({'options': options} if options else {}))
+    if physics_client_id < 0:
+        raise SimulationError('PyBullet cannot start a physics client',
+                              'check whether too many are in use')
+    # its cache goes by file name, and `_file` gives each text the same one
+    pybullet.setPhysicsEngineParameter(enableFileCaching=0, physicsClientId=physics_client_id)
+    return physics_client_id
+
+
+@contextlib.contextmanager
+def all_or_nothing(physics_client_id: int) -> Iterator[None]:
+    """Remove the bodies that were loaded in the `with` block if it raises an error."""
+    before = set(body_ids(physics_client_id))
+    try:
+        yield
+    except Exception:
+        for body_id in set(body_ids(physics_client_id)) - before:
+            pybullet.removeBody(body_id, physicsClientId=physics_client_id)
+        raise
+
+
+def body_ids(physics_client_id: int) -> Tuple[int, ...]:
+    """Return the ids of all bodies in a physics client."""
+    return tuple(pybullet.getBodyUniqueId(index, physicsClientId=physics_client_id)
+                 for index in range(pybullet.getNumBodies(physicsClientId=physics_client_id)))
+
+
+def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
+              pose: Transform = IDENTITY, visuals: bool = False) -> int:
+    """Load the text of a URDF, in which all meshes have absolute paths; return its body's id.
+
+    fixed: whether the root link never moves; pose: of the root link in the world; visuals: whether
+    to load those as well, which only a window needs; those with a mesh that cannot be read are
+    left out.
+    Raises SimulationError when PyBullet cannot load it, or would crash.
+    """
+    robot = ElementTree.fromstring(urdf)
+    names.check_robot(robot)
+    if not visuals:
+        for link in robot.findall('link'):
+            for visual in link.findall('visual'):
+                link.remove(visual)
+            # without any, PyBullet shows the collision shapes, and reads their meshes again
+            link.append(ElementTree.fromstring(_NOTHING))
+        urdf = ElementTree.tostring(robot, 'unicode')
+    elif _remove_unreadable(robot):
+        urdf = ElementTree.tostring(robot, 'unicode')
+    for mesh in robot.findall('link/collision/geometry/mesh'):
+        mesh_check.check(mesh.get('filename', ''))
+    orientation = pybullet.getQuaternionFromEuler(to_rpy(pose.rotation).tolist())
+    with _file(urdf) as path, _refusal('URDF'):
+        body_id = pybullet.loadURDF(path, pose.translation.tolist(), orientation,
+                                    useFixedBase=fixed, flags=_URDF_FLAGS,
+                                    physicsClientId=physics_client_id)
+    try:
+        _check_meshes(robot, body_id, physics_client_id)
+    except SimulationError:
+        pybullet.removeBody(body_id, physicsClientId=physics_client_id)
+        raise
+    return body_id
+
+
+def _remove_unreadable(robot: ElementTree.Element) -> bool:
+    """Remove the visuals with which PyBullet could crash; return whether there is one."""
+    is_changed = False
+    for link in robot.findall('link'):
+        for visual in link.findall('visual'):
+            try:
+                for mesh in visual.findall('geometry/mesh'):
+                    mesh_check.check(mesh.get('filename', ''))
+            except SimulationError:
+                link.remove(visual)
+                is_changed = True
+                if link.find('visual') is None:
+                    link.append(ElementTree.fromstring(_NOTHING))
+    return is_changed
+
+
+def _check_meshes(robot: ElementTree.Element, body_id: int, physics_client_id: int) -> None:
+    """Raise SimulationError if PyBullet could not read a mesh: it loads the link without it."""
+    links = robot.findall('link')
+    if not any(link.find('collision/geometry/mesh') is not None for link in links):
+        return
+    loaded = link_indices(body_id, physics_client_id)
+    for link in links:
+        meshes = [mesh.get('filename', '') for mesh in link.findall('collision/geometry/mesh')]
+        shapes = pybullet.getCollisionShapeData(body_id, loaded[link.get('name', '')],
+                                                physicsClientId=physics_client_id)
+        if meshes and len(shapes) < len(link.findall('collision')):
+            raise SimulationError('PyBullet cannot read {}'.format(
+                ' or '.join(sorted(set(meshes)))), 'give a complete DAE, OBJ or STL file')
+
+
+@contextlib.contextmanager
+def _refusal(kind: str) -> Iterator[None]:
+    try:
+        yield
+    except pybullet.error as error:
+        raise SimulationError('PyBullet cannot load it as {} ({})'.format(kind, error),
+                              "see PyBullet's own lines above for the reason")
+
+
+@contextlib.contextmanager
+def _file(text: str) -> Iterator[str]:
+    """Give the path of a file in memory that holds the XML `text`."""
+    descriptor = os.memfd_create('description')
+    try:
+        with os.fdopen(descriptor, 'w', closefd=False) as file:
+            # PyBullet reads lines and breaks each after 8191 bytes, even within a number
+            file.write(text.replace('><', '>\n<'))
+        yield '/proc/self/fd/{}'.format(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def link_indices(body_id: int, physics_client_id: int) -> Dict[str, int]:
+    """Return PyBullet's index of each link of a body by its name, -1 for the root link."""
+    client = {'physicsClientId': physics_client_id}
+    indices = {pybullet.getBodyInfo(body_id, **client)[0].decode(): -1}
+    for index in range(pybullet.getNumJoints(body_id, **client)):
+        indices[pybullet.getJointInfo(body_id, index, **client)[12].decode()] = index
+    return indices

@@ -1,0 +1,171 @@
+"""A robot in a world: its frames, its joints and its wheel motors."""
+from typing import Dict, NamedTuple, Optional, Sequence, Tuple
+
+import pybullet
+
+from img_recog.simulation.bodies.body import (Body, FrameState, Motion, Pose, Quaternion, Vector,
+                                              motion_of_frame)
+from img_recog.simulation.bodies.loading import link_indices, load_urdf
+from img_recog.simulation.descriptions.description import FLOOR_FRICTION, Description
+from img_recog.simulation.descriptions.geometry import to_rpy
+from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
+
+# rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
+# wheels, while their motors go on and turn the robot over.
+_MAX_JOINT_VELOCITY = 1e5
+
+
+class JointStates(NamedTuple):
+    """Names, positions (rad), velocities (rad/s) and motor torques (N m) of movable joints."""
+
+    names: Sequence[str]
+    positions: Sequence[float]
+    velocities: Sequence[float]
+    efforts: Sequence[float]
+
+
+class Robot(Body):
+    """The body of a description, driven by two wheels.
+
+    root: name of its root link; spawn: where `reset` moves it.
+    """
+
+    def __init__(self, description: Description, drive: DriveSettings, spawn: SpawnSettings,
+                 physics_client_id: int):
+        """Load the robot into a physics client.
+
+        Raises SimulationError when PyBullet cannot load it or a wheel joint is missing.
+        """
+        super().__init__(load_urdf(description.urdf, physics_client_id), physics_client_id)
+        self.name = description.name
+        self.spawn = spawn
+        self._torques = (drive.wheel_torque, drive.wheel_torque)
+        self.root, self._frames = description.root, description.frames
+        self._link_indices = link_indices(self.body_id, physics_client_id)
+        self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
+        self._joint_names = tuple(self.joints)
+        if drive.left_joint == drive.right_joint:
+            raise SimulationError('left_joint: got {!r}, the same as right_joint; a differential '
+                                  'drive has two wheels'.format(drive.left_joint))
+        self._wheels = (self._wheel_index('left_joint', drive.left_joint),
+                        self._wheel_index('right_joint', drive.right_joint))
+        self._set_dynamics(description)
+        self.reset()
+
+    def reset(self) -> None:
+        """Move the robot back to where it was spawned, at rest, its wheels at 0 rad."""
+        spawn = self.spawn
+        self.place(Pose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
+                        pybullet.getQuaternionFromEuler((0, 0, spawn.yaw)),
+                        [0.0] * len(self.joints)))
+        self.set_wheel_velocities((0.0, 0.0))
+
+    def wheel_positions(self) -> Tuple[float, float]:
+        """Return how far the left and right wheel have turned since the reset, in rad."""
+        left, right = self._wheel_states()
+        return left[0], right[0]
+
+    def wheel_velocities(self) -> Tuple[float, float]:
+        """Return the angular velocities of the left and right wheel, in rad/s."""
+        left, right = self._wheel_states()
+        return left[1], right[1]
+
+    def _wheel_states(self) -> tuple:
+        return pybullet.getJointStates(self.body_id, self._wheels,
+                                       physicsClientId=self.physics_client_id)
+
+    def set_wheel_velocities(self, velocities: Tuple[float, float]) -> None:
+        """Set the target velocities of the motors of the left and right wheel, in rad/s."""
+        pybullet.setJointMotorControlArray(
+            self.body_id, self._wheels, pybullet.VELOCITY_CONTROL, targetVelocities=velocities,
+            forces=self._torques, physicsClientId=self.physics_client_id)
+
+    def motion(self, frame: Optional[str] = None) -> Motion:
+        """Return the motion of a link of the description, by default of the root link.
+
+        Raises SimulationError when there is no such link.
+        """
+        return motion_of_frame(*self.frame_state(frame or self.root))
+
+    def frame_state(self, frame: str) -> FrameState:
+        """Return the state of a link of the description; errors as for `motion`."""
+        link, pose = self._carrier(frame)
+        if link == -1:
+            return self.base_state(pose)
+        state = pybullet.getLinkState(self.body_id, link, computeLinkVelocity=1,
+                                      computeForwardKinematics=1,
+                                      physicsClientId=self.physics_client_id)
+        return FrameState(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
+
+    def has_frame(self, frame: str) -> bool:
+        """Return whether the description has this link."""
+        return frame in self._frames
+
+    def check_frame(self, setting: str, frame: str) -> None:
+        """Raise SimulationError, naming the setting, when its value `frame` is not a link."""
+        try:
+            self._carrier(frame)
+        except SimulationError as error:
+            raise SimulationError('{}: {}'.format(setting, error.problem), error.advice)
+
+    def _carrier(self, frame: str) -> Tuple[int, Tuple[Vector, Quaternion]]:
+        """Return the PyBullet link that a frame is fixed to, and the frame's pose in it.
+
+        The pose is in the link's frame, or, for the base, in the frame of its center of mass.
+        """
+        if frame not in self._frames:
+            raise SimulationError('the robot has no link {} (links: {})'.format(
+                frame, ', '.join(sorted(self._frames))))
+        if frame not in self._carriers:
+            name, pose = self._frames[frame].link, self._frames[frame].pose
+            link = self._link_indices[name]
+            turned = pybullet.getQuaternionFromEuler(to_rpy(pose.rotation).tolist())
+            in_link = pose.translation.tolist(), turned
+            self._carriers[frame] = link, in_link if link != -1 else (
+                pybullet.multiplyTransforms(*pybullet.invertTransform(*self.mass_in_root),
+                                            *in_link))
+        return self._carriers[frame]
+
+    def joint_states(self) -> JointStates:
+        """Return the states of all movable joints, in the order of the description."""
+        states = self.joint_values()
+        return JointStates(self._joint_names, [state[0] for state in states],
+                           [state[1] for state in states], [state[3] for state in states])
+
+    def _wheel_index(self, setting: str, name: str) -> int:
+        if name not in self.joints:
+            raise SimulationError(
+                'the robot has no movable joint {} (movable joints: {})'.format(
+                    name, ', '.join(self.joints) or 'none'),
+                'set {} to the joint of a wheel'.format(setting))
+        return self.joints[name]
+
+    def _set_dynamics(self, description: Description) -> None:
+        for name, link in self._link_indices.items():
+            pybullet.changeDynamics(
+                self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
+                lateralFriction=min(description.friction.get(name, FLOOR_FRICTION),
+                                    FLOOR_FRICTION),
+                physicsClientId=self.physics_client_id)
+        # of all joints, and not in the call above: PyBullet would set those of the root link by it
+        pybullet.changeDynamics(self.body_id, -1, maxJointVelocity=_MAX_JOINT_VELOCITY,
+                                physicsClientId=self.physics_client_id)
+        for wheel in self._wheels:
+            pybullet.changeDynamics(
+                self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
+                physicsClientId=self.physics_client_id)
+        self.release(joint for joint in self.joints.values() if joint not in self._wheels)
+
+    def _torsional_friction(self, wheel: int) -> float:
+        """Return the spinning friction of a wheel in m (torque per load, N m / N).
+
+        A tyre of width w touches the floor along a line; with even pressure it resists turning
+        about the vertical with the torque mu N w / 4. PyBullet has only one or two contact points
+        on that line and misses the torque: a robot whose wheels slip would spin out.
+        """
+        friction = pybullet.getDynamicsInfo(self.body_id, wheel,
+                                            physicsClientId=self.physics_client_id)[1]
+        shapes = pybullet.getCollisionShapeData(self.body_id, wheel,
+                                                physicsClientId=self.physics_client_id)
+        widths = [shape[3][0] for shape in shapes if shape[2] == pybullet.GEOM_CYLINDER]
+        return friction * max(widths, default=0.0) / 4

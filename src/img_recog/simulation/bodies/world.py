@@ -1,0 +1,163 @@
+"""The physics client, and everything in it except robots."""
+import xml.etree.ElementTree as ElementTree
+from typing import Dict, List, Sequence
+
+import pybullet
+
+from img_recog.errors import shortened
+from img_recog.simulation.bodies.body import Body
+from img_recog.simulation.bodies.loading import link_indices, load_urdf
+from img_recog.simulation.bodies.solids import Solids
+from img_recog.simulation.descriptions.description import FLOOR_FRICTION, friction_of
+from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.settings import PhysicsSettings, SimulationError
+
+_FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
+_FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
+_MAX_DEPTH_M = 0.005            # in the floor at the start
+
+
+class World:
+    """A physics client with gravity, a floor at z 0 and the bodies of a world file.
+
+    physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
+    bodies in the client; floor; file: what stands in the world now; bodies: one for each tree in
+    `file`; revision: the number of times that something was added or removed, robots too, or that
+    something fixed was moved; lifted: how far, in m, each body was moved upward that was in the
+    floor when it was added, by name.
+    """
+
+    def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int):
+        """Build the world in a physics client; SimulationError when PyBullet cannot load it."""
+        self.physics_client_id, self.step_s = physics_client_id, settings.step_s
+        self.solids = Solids(physics_client_id)
+        self.file, self.revision = file._replace(trees=()), 0
+        self._is_rearranged = False
+        self.bodies: List[Body] = []
+        self.lifted: Dict[str, float] = {}
+        pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
+        pybullet.setGravity(*file.gravity, physicsClientId=physics_client_id)
+        # contacts in a fixed order, so that equal commands give equal trajectories
+        pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
+                                           physicsClientId=physics_client_id)
+        self.floor = Body(add_floor(physics_client_id), physics_client_id, fixed=True)
+        self.floor.name = 'ground_plane'        # Gazebo's name for it
+        self._set_dynamics(self.floor, {})
+        try:
+            self.add(file.trees)
+        except SimulationError as error:
+            raise SimulationError('world {}: {}'.format(file.name, error.problem), error.advice)
+
+    def add(self, trees: Sequence[Tree]) -> None:
+        """Add trees to the world; SimulationError when PyBullet cannot load all of them."""
+        coefficients = list(map(_friction, trees))
+        added = load_bodies(trees, self.physics_client_id)
+        for body, of_links in zip(added, coefficients):
+            self._set_dynamics(body, of_links)
+            if not body.fixed:
+                self._lift(body)
+        self.bodies += added
+        self.file = self.file._replace(trees=(*self.file.trees, *trees))
+        self.notify_changed()
+
+    def _lift(self, body: Body) -> None:
+        """Move a body that is in the floor onto it.
+
+        The physics would throw it into the air; that of Gazebo lifts it by 1 cm/s at most.
+        """
+        points = pybullet.getClosestPoints(body.body_id, self.floor.body_id, 0.0,
+                                           physicsClientId=self.physics_client_id)
+        depth_m = -min((point[8] for point in points), default=0.0)
+        if depth_m > _MAX_DEPTH_M:
+            x, y, z = body.start.position
+            body.start = body.start._replace(position=(x, y, z + depth_m))
+            body.reset()
+            self.lifted[body.name] = depth_m
+
+    def unload(self, body: Body) -> None:
+        """Remove a body that is not one of `bodies`, a robot."""
+        pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+        self.notify_changed()
+
+    def remove(self, bodies: Sequence[Body]) -> None:
+        """Remove some of `bodies` from the world."""
+        kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
+        for body in bodies:
+            pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+        self.bodies = [self.bodies[number] for number in kept]
+        self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
+        self.notify_changed()
+
+    def _set_dynamics(self, body: Body, coefficients: Dict[str, float]) -> None:
+        """Set how the links of a body move; coefficients: of friction, by their names."""
+        for name, link in link_indices(body.body_id, self.physics_client_id).items():
+            pybullet.changeDynamics(
+                body.body_id, link, linearDamping=0, angularDamping=0,
+                lateralFriction=min(coefficients.get(name, FLOOR_FRICTION), FLOOR_FRICTION),
+                physicsClientId=self.physics_client_id)
+        body.release(body.joints.values())
+
+    def step(self, count: int = 1) -> None:
+        """Advance the physics by a number of steps."""
+        # local names: this is the innermost loop
+        step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
+        for _ in range(count):
+            step(physicsClientId=physics_client_id)
+
+    def reset(self) -> None:
+        """Move all bodies back to where they were when they were added, at rest."""
+        for body in self.bodies:
+            body.reset()
+        if self._is_rearranged:
+            self.notify_rearranged()
+            self._is_rearranged = False
+
+    def notify_changed(self) -> None:
+        """Call after a body was added or removed."""
+        self.revision += 1
+        self.solids.forget()
+
+    def notify_rearranged(self) -> None:
+        """Call after a fixed body was moved."""
+        self.revision += 1
+        self._is_rearranged = True
+
+
+def _friction(tree: Tree) -> Dict[str, float]:
+    """Return the friction coefficients of links that have one, by their names."""
+    robot = ElementTree.fromstring(tree.urdf)
+    found = {name: friction_of(robot, name, link) for name, link in (
+        (link.get('name', ''), link) for link in robot.findall('link'))}
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def add_floor(physics_client_id: int, visible: bool = False) -> int:
+    """Add the floor, an infinite plane of which a square may be visible; return its body's id."""
+    plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=physics_client_id)
+    slab = -1
+    if visible:
+        slab = pybullet.createVisualShape(
+            pybullet.GEOM_BOX, halfExtents=(_FLOOR_HALF_SIZE_M, _FLOOR_HALF_SIZE_M, 0.005),
+            visualFramePosition=(0, 0, -0.005), rgbaColor=_FLOOR_COLOR,
+            specularColor=(0, 0, 0), physicsClientId=physics_client_id)
+    return pybullet.createMultiBody(0, plane, slab, physicsClientId=physics_client_id)
+
+
+def load_bodies(trees: Sequence[Tree], physics_client_id: int,
+                visuals: bool = False) -> List[Body]:
+    """Load trees, all or none, like `load_urdf`; SimulationError when PyBullet cannot."""
+    bodies: List[Body] = []
+    for tree in trees:
+        try:
+            body = Body(load_urdf(tree.urdf, physics_client_id, tree.fixed, tree.pose,
+                                  visuals),
+                        physics_client_id, tree.fixed)
+        except SimulationError as error:
+            for loaded in bodies:
+                pybullet.removeBody(loaded.body_id, physicsClientId=physics_client_id)
+            raise SimulationError('model {}: {}'.format(
+                shortened(tree.name), error.problem), error.advice)
+        body.name = tree.name
+        bodies.append(body)
+    return bodies

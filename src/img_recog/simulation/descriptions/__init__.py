@@ -1,0 +1,1 @@
+"""Files of robots and worlds, read to plain values."""

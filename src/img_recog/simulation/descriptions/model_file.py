@@ -1,0 +1,81 @@
+"""Reads the text of a model that is added to a world while that is simulated."""
+import os
+import xml.etree.ElementTree as ElementTree
+from typing import List, Sequence, Tuple
+
+from img_recog.files import FindFile
+from img_recog.markup import MarkupError, parse_xml
+from img_recog.simulation.descriptions import (description, gazebo_tags, names, sdf_file,
+                                               urdf_visuals, world_file)
+from img_recog.simulation.descriptions.geometry import IDENTITY
+from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.settings import SimulationError
+
+_NOWHERE = os.path.join(os.sep, 'model.sdf')        # a text has no folder
+_WORLD_LINK = 'world'       # a URDF whose root has that name is fixed to the world
+
+
+def is_robot(text: str) -> bool:
+    """Return whether a model is a robot that drives: a URDF with the plugin of a drive."""
+    try:
+        return gazebo_tags.has_drive(text)
+    except SimulationError:
+        return False        # `read` says what is wrong
+
+
+def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
+    """Return the trees of a model that is given as SDF or URDF, under a new name.
+
+    find: returns the path of a file or folder at a URI.
+    Raises SimulationError when it is neither, something in it cannot be had, or the name is not
+    allowed.
+    """
+    names.check('model', name)
+    try:
+        root = parse_xml(text)
+        if root.tag == 'robot':
+            trees, missing = _of_urdf(root, text, name, find)
+        elif root.tag == 'sdf':
+            trees, missing = _of_sdf(root, name, find)
+        else:
+            raise SimulationError('got the root element <{}>, expected <sdf> or <robot> (URDF)'
+                                  .format(root.tag))
+        for tree in trees:
+            urdf_visuals.check(tree.urdf)
+    except (MarkupError, SimulationError) as error:
+        raise SimulationError('model {}: {}'.format(name, error.problem), error.advice)
+    if missing:
+        raise SimulationError('model {}: not found, or not supported: {}'.format(
+            name, ', '.join(missing)),
+            ', or '.join([*world_file.advice_on(missing), 'remove that from the model']))
+    return trees
+
+
+def _of_sdf(root: ElementTree.Element, name: str,
+            find: FindFile) -> Tuple[Sequence[Tree], Sequence[str]]:
+    models = root.findall('model') + root.findall('include')
+    if len(models) != 1:
+        raise SimulationError('got {} models, expected one <model> in <sdf>'.format(len(models)))
+    if models[0].tag == 'model':
+        models[0].set('name', name)
+    else:
+        for old in models[0].findall('name'):
+            models[0].remove(old)
+        ElementTree.SubElement(models[0], 'name').text = name
+    contents = sdf_file.read(root, _NOWHERE, find)
+    if not contents.trees and not contents.missing:
+        raise SimulationError('it has only a floor or lights, which every world here has already',
+                              'add a model that has a <link>')
+    return contents.trees, contents.missing
+
+
+def _of_urdf(root: ElementTree.Element, text: str, name: str,
+             find: FindFile) -> Tuple[Sequence[Tree], Sequence[str]]:
+    children = {child.get('link') for child in root.findall('joint/child')}
+    if any(link.get('name') == _WORLD_LINK and _WORLD_LINK not in children
+           for link in root.findall('link')):
+        tree, lost = world_file.fixed_tree(root, name, find)
+        return [tree], lost
+    robot = description.parse(text, find)
+    missing: List[str] = ['mesh ' + uri for uri in robot.missing_meshes]
+    return [Tree(name, robot.urdf, IDENTITY, False)], missing + list(robot.missing_materials)

@@ -1,0 +1,246 @@
+"""Reads an SDF file with all that it includes."""
+import copy
+import os
+import re
+import xml.etree.ElementTree as ElementTree
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from img_recog.files import FindFile
+from img_recog.markup import MarkupError, parse_xml, read_bytes
+from img_recog.simulation.descriptions import sdf_frames, sdf_models
+from img_recog.simulation.descriptions.geometry import Transform, to_rpy
+from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.sdf_models import Tree, Version
+from img_recog.simulation.descriptions.sdf_shapes import find_relative
+from img_recog.simulation.settings import SimulationError
+
+_MODEL_URI = 'model://'
+_GROUND_PLANE = 'ground_plane'
+# Gazebo's models of the floor and the light: the simulator has both in every world
+_BUILT_IN = (_MODEL_URI + _GROUND_PLANE, 'model://sun')
+_MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
+NOT_DOWNLOADED = 'a URL, which is not downloaded'
+_VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
+_URLS = ('http://', 'https://', 'ftp://')
+
+
+class Contents(NamedTuple):
+    """What an SDF describes.
+
+    trees: of all models; gravity (3,): m/s2; has_physics: whether it has a <physics>; missing:
+    names of what cannot be had; ignored: names of plugins and sensors; has_floor: False for a
+    world without Gazebo's ground_plane; camera: the pose of Gazebo's user camera in the world, if
+    it is given.
+    """
+
+    trees: Tuple[Tree, ...]
+    gravity: Optional[np.ndarray]
+    has_physics: bool
+    missing: Tuple[str, ...]
+    ignored: Tuple[str, ...]
+    has_floor: bool
+    camera: Optional[Transform]
+
+
+def read(root: ElementTree.Element, path: str, find: FindFile) -> Contents:
+    """Read an <sdf> element.
+
+    path: of its file; find: returns the path of the file or folder at a URI. Models are also
+    searched for in the folders above the file.
+    Raises SimulationError naming what cannot be used.
+    """
+    reader = _Reader(find)
+    world = root.find('world')
+    reader.read(root if world is None else world, _version(root), path, (os.path.abspath(path),))
+    gravity, camera = None, None
+    if world is not None:
+        text = world.findtext('gravity')
+        text = world.findtext('physics/gravity') if text is None else text
+        gravity = None if text is None else read_numbers('<gravity>', text, 3)
+        element = world.find('gui/camera')
+        if element is not None and element.find('pose') is not None:
+            camera = sdf_frames.pose_of(element)
+    return Contents(tuple(reader.trees), gravity,
+                    world is not None and world.find('physics') is not None,
+                    tuple(reader.missing), tuple(reader.ignored),
+                    world is None or reader.has_ground_plane, camera)
+
+
+class _Reader:
+    """Collects the trees of a world and of the files that it includes."""
+
+    def __init__(self, find: FindFile):
+        self._find = find
+        self.trees: List[Tree] = []
+        self.missing: List[str] = []
+        self.ignored: List[str] = []
+        self.has_ground_plane = False
+        self._included_count = self._depth = 0
+
+    def read(self, parent: ElementTree.Element, version: Version, path: str,
+             stack: Sequence[str]) -> None:
+        """Add the models in a <world> or an <sdf>."""
+        state = parent.find('state')
+        self._ignore(parent.findall('plugin'), parent.get('name', ''))
+        for element in list(parent):
+            if element.tag == 'include':
+                included = self._included(element, path, stack)
+                if included is not None:
+                    self._add(*included, state)
+            elif element.tag == 'model':
+                model = copy.deepcopy(element)
+                self._expand(model, path, stack)
+                self._add(model, version, path, state)
+            elif element.tag in ('actor', 'population', 'road'):
+                self._miss('{} {}'.format(element.tag, element.get('name', '')).strip())
+
+    def _add(self, model: ElementTree.Element, version: Version, path: str,
+             state: Optional[ElementTree.Element]) -> None:
+        _apply_state(model, state)
+        self._ignore([each for each in model.iter() if each.tag in ('plugin', 'sensor')],
+                     model.get('name', ''))
+        self.has_ground_plane |= model.get('name') == _GROUND_PLANE
+        self.trees += sdf_models.trees(model, version, self._finder(path), self.missing)
+
+    def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
+                  ) -> Optional[Tuple[ElementTree.Element, Version, str]]:
+        """Return the model of an <include>, its version of SDF and its file; None for none."""
+        uri = include.findtext('uri', '').strip()
+        if uri.rstrip('/') in _BUILT_IN:
+            self.has_ground_plane |= uri.rstrip('/') == _MODEL_URI + _GROUND_PLANE
+            return None
+        if uri.startswith(_URLS):
+            self._miss('{} ({})'.format(uri, NOT_DOWNLOADED))
+            return None
+        found = self._finder(path)(uri)
+        file = None if found is None else _model_file(found)
+        if file is None:
+            self._miss(uri or 'an <include> without a <uri>')
+            return None
+        self._check_include(file, stack)
+        root = _parsed(file)
+        model = root.find('model')
+        if model is None:
+            if root.find('light') is None:
+                raise SimulationError('{}, which it includes, has no <model>'.format(file))
+            return None
+        self._expand(model, file, (*stack, file))
+        for tag in ('pose', 'static'):
+            given = include.find(tag)
+            if given is not None:
+                for old in model.findall(tag):
+                    model.remove(old)
+                model.append(given)
+        model.set('name', include.findtext('name', '').strip() or model.get('name', ''))
+        return model, _version(root), file
+
+    def _check_include(self, file: str, stack: Sequence[str]) -> None:
+        """Raise SimulationError unless a file can be included; stack: the files it stands in."""
+        if file in stack:
+            raise SimulationError('{} includes itself'.format(file), 'remove that <include>')
+        self._included_count += 1
+        if self._included_count > _MAX_INCLUDED:
+            raise SimulationError('it includes more than {} models, at {}'.format(
+                _MAX_INCLUDED, file), 'remove some <include>s')
+
+    def _expand(self, model: ElementTree.Element, path: str, stack: Sequence[str]) -> None:
+        """Replace each <include> in a model, at any depth; make the URIs in it absolute."""
+        self._depth += 1
+        if self._depth > _MAX_NESTED:
+            raise SimulationError('models are nested more than {} deep, at {} in {}'.format(
+                _MAX_NESTED, model.get('name', ''), path), 'include the innermost ones directly')
+        for include in model.findall('include'):
+            model.remove(include)
+            included = self._included(include, path, stack)
+            if included is not None:
+                model.append(included[0])
+        for nested in model.findall('model'):
+            self._expand(nested, path, stack)
+        finder = self._finder(path)
+        for element in model.iter():
+            if element.tag in ('uri', 'filename') and element.text:
+                found = finder(element.text.strip())
+                if found is not None:
+                    element.text = os.path.abspath(found)
+        self._depth -= 1
+
+    def _finder(self, path: str) -> FindFile:
+        """Return a function that finds what a file refers to."""
+        folder = os.path.dirname(os.path.abspath(path))
+        relative = find_relative(folder, self._find)
+
+        def find(uri: str) -> Optional[str]:
+            found = relative(uri)
+            if found is None and uri.startswith(_MODEL_URI):
+                return _find_above(folder, uri[len(_MODEL_URI):].lstrip('/'))
+            return found
+        return find
+
+    def _ignore(self, elements: Sequence[ElementTree.Element], model: str) -> None:
+        for element in elements:
+            self.ignored.append('{} {} of {}'.format(
+                element.tag, element.get('filename') or element.get('name', ''), model))
+
+    def _miss(self, name: str) -> None:
+        if name not in self.missing:
+            self.missing.append(name)
+
+
+def _find_above(folder: str, path: str) -> Optional[str]:
+    """Return where a model's path is: in a folder above, or in `models` in one."""
+    while True:
+        for candidate in (os.path.join(folder, path), os.path.join(folder, 'models', path)):
+            if os.path.exists(candidate):
+                return candidate
+        parent = os.path.dirname(folder)
+        if parent == folder:
+            return None
+        folder = parent
+
+
+def _model_file(path: str) -> Optional[str]:
+    """Return the SDF file of a model: of a folder, that of the newest version in model.config."""
+    if os.path.isfile(path):
+        return os.path.abspath(path)
+    names = ['model.sdf']
+    config = os.path.join(path, 'model.config')
+    if os.path.isfile(config):
+        found = [(_version(sdf), (sdf.text or '').strip())
+                 for sdf in _parsed(config, 'model').findall('sdf')]
+        names = [name for _, name in sorted(found, reverse=True) if name] + names
+    paths = (os.path.join(path, name) for name in names)
+    return next((os.path.abspath(each) for each in paths if os.path.isfile(each)), None)
+
+
+def _apply_state(model: ElementTree.Element, state: Optional[ElementTree.Element]) -> None:
+    """Move a model to where the <state> of its world has it, like Gazebo."""
+    if state is None:
+        return
+    for each in state.findall('model'):
+        if each.get('name') == model.get('name') and each.find('pose') is not None:
+            pose = sdf_frames.pose_of(each)
+            for old in model.findall('pose'):
+                model.remove(old)
+            ElementTree.SubElement(model, 'pose').text = ' '.join(
+                repr(float(value)) for value in (*pose.translation, *to_rpy(pose.rotation)))
+
+
+def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:
+    try:
+        root = parse_xml(read_bytes(path))
+    except (OSError, ValueError) as error:
+        raise SimulationError('cannot read {} ({})'.format(path, error))
+    except MarkupError as error:
+        raise SimulationError('cannot use {} ({})'.format(path, error.problem), error.advice)
+    if root.tag != tag:
+        raise SimulationError('the root element of {} is <{}>, not <{}>'.format(
+            path, root.tag, tag))
+    return root
+
+
+def _version(element: ElementTree.Element) -> Version:
+    """Return the version of SDF that an element states, (0,) if it states none."""
+    text = element.get('version', '').strip()
+    return tuple(map(int, text.split('.'))) if _VERSION.fullmatch(text) else (0,)

@@ -1,0 +1,52 @@
+"""The poses in an SDF, and the frames that they are given in."""
+import xml.etree.ElementTree as ElementTree
+from typing import Sequence
+
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
+from img_recog.simulation.descriptions.numbers import read_lengths
+from img_recog.simulation.settings import SimulationError
+
+WORLD = 'world'
+_MODEL = '__model__'
+
+
+def pose_of(element: ElementTree.Element) -> Transform:
+    """Return the <pose> of an element, in the frame that it is given in."""
+    text = element.findtext('pose', '').strip() or '0 0 0 0 0 0'
+    values = read_lengths('<pose> of {} {}'.format(element.tag, element.get('name', '')), text, 6)
+    return from_rpy(values[:3], values[3:])
+
+
+class Scope:
+    """The frames of one model: of its links, joints, frames and models."""
+
+    def __init__(self, model: ElementTree.Element):
+        self._name = model.get('name', '')
+        self._elements = {element.get('name', ''): element for element in model
+                          if element.tag in ('link', 'joint', 'frame', 'model')}
+
+    def pose(self, element: ElementTree.Element, visited: Sequence[str] = ()) -> Transform:
+        """Return the pose of a link, joint, frame or model in the model."""
+        name = element.get('name', '')
+        if name in visited:
+            raise SimulationError('model {}: the pose of {} depends on itself'.format(
+                self._name, name))
+        pose = element.find('pose')
+        base = '' if pose is None else (pose.get('relative_to') or pose.get('frame') or '').strip()
+        if not base and element.tag == 'joint':
+            base = element.findtext('child', '').strip()
+        if not base and element.tag == 'frame':
+            base = element.get('attached_to', '')
+        return self.frame(base, (*visited, name)) @ pose_of(element)
+
+    def frame(self, name: str, visited: Sequence[str] = ()) -> Transform:
+        """Return the pose of a frame in the model, by its name."""
+        if name in ('', _MODEL, WORLD, self._name):
+            return IDENTITY
+        outer, _, inner = name.partition('::')
+        element = self._elements.get(outer)
+        if element is None:
+            raise SimulationError('model {}: a pose is relative to {}, which does not exist'
+                                  .format(self._name, name))
+        pose = self.pose(element, visited)
+        return pose @ Scope(element).frame(inner) if inner else pose

@@ -1,0 +1,69 @@
+"""A copy of the simulation that is drawn by a separate process.
+
+Drawing takes far longer than a step of the physics, and PyBullet ends the process when its window
+is closed or no display can be opened. Therefore a copy is drawn, to which the simulation sends
+poses; whether it exists does not influence the simulation.
+"""
+from typing import List, NamedTuple, Sequence
+
+import pybullet
+
+from img_recog.simulation.bodies.body import Body, Pose
+from img_recog.simulation.bodies.loading import load_urdf
+from img_recog.simulation.bodies.world import add_floor, load_bodies
+from img_recog.simulation.descriptions.description import Description
+from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.pictures.drawing import split_links_by_color
+from img_recog.simulation.simulator import Simulator
+
+
+class Scene(NamedTuple):
+    """What a copy is built from; it can be sent to another process."""
+
+    robots: Sequence[Description]
+    world: WorldFile
+
+
+class SceneCopy:
+    """The bodies of a scene in a physics client that never steps."""
+
+    def __init__(self, scene: Scene, physics_client_id: int, floor: bool):
+        """Load the scene; floor: whether to add a visible floor."""
+        self._physics_client_id = physics_client_id
+        self._bodies: List[Body] = []
+        self.load(scene)
+        if floor:
+            add_floor(physics_client_id, visible=True)
+
+    def load(self, scene: Scene) -> None:
+        """Replace the bodies by those of a scene."""
+        physics_client_id = self._physics_client_id
+        for body in self._bodies:
+            pybullet.removeBody(body.body_id, physicsClientId=physics_client_id)
+        trees = [tree._replace(urdf=split_links_by_color(tree.urdf))
+                 for tree in scene.world.trees]
+        self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id,
+                                       visuals=True), physics_client_id)
+                        for robot in scene.robots]
+        self._bodies += load_bodies(trees, physics_client_id, visuals=True)
+        for body in self._bodies:
+            for link in body.links:
+                # otherwise each tall body would show a reflection of the sun
+                pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0),
+                                           physicsClientId=physics_client_id)
+
+    def place(self, poses: Sequence[Pose]) -> None:
+        """Move the bodies to the poses that `poses_of` returns for the simulation."""
+        for body, pose in zip(self._bodies, poses):
+            body.place(pose)
+
+
+def scene_of(simulator: Simulator) -> Scene:
+    """Return what there is to draw of a simulator now."""
+    return Scene([vehicle.description for vehicle in simulator.vehicles], simulator.world.file)
+
+
+def poses_of(simulator: Simulator) -> Sequence[Pose]:
+    """Return the poses of robots and world bodies in the order of a SceneCopy."""
+    bodies = [vehicle.robot for vehicle in simulator.vehicles] + simulator.world.bodies
+    return [body.pose() for body in bodies]

@@ -1,0 +1,93 @@
+"""Where the simulation is seen from: by ~view/image_raw and by the window."""
+import math
+from typing import NamedTuple, Tuple
+
+import numpy as np
+import pybullet
+
+from img_recog.simulation.bodies.body import Pose, rotation_matrix
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions.geometry import Transform, to_rpy
+from img_recog.visuals import BODY_TO_OPENGL
+
+FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, like Gazebo's camera
+_FOLLOW_DISTANCE_M = 1.3        # distance and pitch look over the walls of turtlebot3_world
+_FOLLOW_PITCH_DEG = -68.0
+_MIN_DISTANCE_M, _MAX_DISTANCE_M = 0.5, 50.0
+_MAX_FLAT_M = 0.01
+
+
+class Viewpoint(NamedTuple):
+    """A camera like that of pybullet.computeViewMatrixFromYawPitchRoll.
+
+    target: m, in the world; distance: m; yaw, pitch: degrees.
+    """
+
+    target: Tuple[float, float, float]
+    distance: float
+    yaw: float
+    pitch: float
+
+    def pose(self) -> np.ndarray:
+        """Return the pose (4, 4) in the world of a camera that looks along its x axis."""
+        view = np.reshape(pybullet.computeViewMatrixFromYawPitchRoll(
+            self.target, self.distance, self.yaw, self.pitch, 0, 2), (4, 4)).T
+        return Transform(view[:3, :3], view[:3, 3]).inverse.matrix() @ BODY_TO_OPENGL
+
+
+# like Gazebo's user camera of turtlebot3_world: straight down from (0.8, 0, 12), x upwards
+ABOVE = Viewpoint(target=(0.8, 0.0, 0.0), distance=12.0, yaw=-90.0, pitch=-89.99)
+
+
+def above(world: World) -> Viewpoint:
+    """Return a viewpoint that shows a world.
+
+    It is that of Gazebo's user camera in the file of the world, else ABOVE. One that looks
+    straight down is farther away where it would not show all that stands in the world.
+    """
+    camera = world.file.camera
+    viewpoint = ABOVE if camera is None else of_camera(camera)
+    boxes = [np.array(pybullet.getAABB(body.body_id, link, physicsClientId=body.physics_client_id))
+             for body in world.bodies for link in body.links]
+    boxes = [box for box in boxes if box[1, 2] > _MAX_FLAT_M]       # not a floor
+    if not boxes or viewpoint.pitch > ABOVE.pitch or abs(viewpoint.yaw - ABOVE.yaw) > 1:
+        return viewpoint
+    low, high = np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]
+    if camera is None and not _shows(viewpoint, low, high):
+        x, y = ((low + high) / 2)[:2].tolist()
+        viewpoint = viewpoint._replace(target=(x, y, 0.0))
+    while not _shows(viewpoint, low, high) and viewpoint.distance < _MAX_DISTANCE_M:
+        viewpoint = viewpoint._replace(distance=viewpoint.distance + 1)
+    return viewpoint
+
+
+def of_camera(pose: Transform) -> Viewpoint:
+    """Return the viewpoint of a camera that looks along its x axis, without its roll."""
+    (forward_x, forward_y, forward_z), up = pose.rotation[:, 0], pose.rotation[:, 2]
+    pitch = max(math.degrees(math.asin(max(forward_z, -1.0))), ABOVE.pitch)
+    # looking down, the heading is that of the upper edge of the image
+    heading = (math.atan2(up[1], up[0]) if pitch < -89 else math.atan2(forward_y, forward_x))
+    distance = pose.translation[2] / -forward_z if forward_z < -0.01 else _MAX_DISTANCE_M
+    distance = min(max(distance, _MIN_DISTANCE_M), _MAX_DISTANCE_M)
+    x, y, z = (pose.translation + distance * pose.rotation[:, 0]).tolist()
+    return Viewpoint((x, y, z), distance, math.degrees(heading) - 90.0, pitch)
+
+
+def _shows(viewpoint: Viewpoint, low: np.ndarray, high: np.ndarray) -> bool:
+    """Return whether a box is in an image of 4:3 from `viewpoint`, which looks down like ABOVE."""
+    reach = math.tan(math.radians(FIELD_OF_VIEW / 2)) * (viewpoint.distance - high[2])
+    offsets = np.abs([low[:2] - viewpoint.target[:2], high[:2] - viewpoint.target[:2]]).max(axis=0)
+    return bool(offsets[0] < reach and offsets[1] < reach * 4 / 3)
+
+
+def follow(pose: Pose) -> Viewpoint:
+    """Return a viewpoint behind and above a body that looks in the body's direction."""
+    heading = math.degrees(to_rpy(rotation_matrix(pose.orientation))[2])
+    x, y, z = pose.position
+    # at yaw 0, PyBullet's camera looks along y
+    return Viewpoint((x, y, z), _FOLLOW_DISTANCE_M, heading - 90.0, _FOLLOW_PITCH_DEG)
+
+
+def horizontal_fov(width: int, height: int) -> float:
+    """Return the horizontal field of view of an image, in rad."""
+    return 2 * math.atan(math.tan(math.radians(FIELD_OF_VIEW / 2)) * width / height)

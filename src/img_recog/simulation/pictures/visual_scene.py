@@ -1,0 +1,75 @@
+"""What a simulation looks like: its visuals, and the poses of the parts that carry them."""
+from typing import Dict, List, Tuple
+
+import numpy as np
+import pybullet
+
+from img_recog.simulation.bodies.body import Body
+from img_recog.simulation.bodies.loading import link_indices
+from img_recog.simulation.descriptions import urdf_visuals
+from img_recog.simulation.pictures.scene import Scene
+from img_recog.simulation.simulator import Simulator
+from img_recog.visuals import Light, VisualScene
+
+# the direction to the sun: the opposite of <direction> of Gazebo's default sun
+SUN = (0.5, -0.1, 0.9)
+# less saturated than any color that the recognition counts
+_HORIZON, _ZENITH = (0.78, 0.8, 0.82), (0.64, 0.74, 0.86)
+
+
+class Parts:
+    """The links of all bodies of a simulation: what its visuals are attached to.
+
+    moving: whether the part of each number can move. The order is that of the bodies, robots
+    first, and of their links, the root link first.
+    """
+
+    def __init__(self, simulator: Simulator):
+        self._simulator = simulator
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Read the bodies again; to be called when some were added, removed or rearranged."""
+        simulator = self._simulator
+        self._bodies: List[Body] = [*(vehicle.robot for vehicle in simulator.vehicles),
+                                    *simulator.world.bodies]
+        self.moving = tuple(moving for body in self._bodies for moving in _moving(body))
+        self._poses = np.array([pose for body in self._bodies for pose in _poses(body)],
+                               float).reshape(-1, 7)
+        starts = np.cumsum([0] + [len(body.links) for body in self._bodies])
+        self._rows = [slice(start, start + len(body.links))
+                      for body, start in zip(self._bodies, starts)]
+
+    def poses(self) -> np.ndarray:
+        """Return the poses (n, 7) now: x, y, z in m and a unit quaternion x, y, z, w."""
+        for body, rows in zip(self._bodies, self._rows):
+            if any(self.moving[rows]):
+                self._poses[rows] = _poses(body)
+        return self._poses.copy()
+
+    def numbers(self) -> List[Dict[str, int]]:
+        """Return the numbers of the links of each body, by name."""
+        return [{name: number for number, name in enumerate(
+            link_indices(body.body_id, body.physics_client_id), rows.start)}
+                for body, rows in zip(self._bodies, self._rows)]
+
+
+def read(scene: Scene, parts: Parts) -> VisualScene:
+    """Return what there is to draw; SimulationError when a number in it is wrong."""
+    texts = [robot.urdf for robot in scene.robots] + [tree.urdf for tree in scene.world.trees]
+    visuals = [visual for text, numbers in zip(texts, parts.numbers())
+               for visual in urdf_visuals.read(text, numbers)]
+    return VisualScene(tuple(visuals), parts.moving,
+                       Light(SUN, _HORIZON, scene.world.has_floor, zenith=_ZENITH))
+
+
+def _moving(body: Body) -> List[bool]:
+    return [not body.fixed or (link != -1 and bool(body.joints)) for link in body.links]
+
+
+def _poses(body: Body) -> List[Tuple[float, ...]]:
+    pose = body.pose()
+    states = pybullet.getLinkStates(
+        body.body_id, body.links[1:], computeForwardKinematics=True,
+        physicsClientId=body.physics_client_id) if len(body.links) > 1 else ()
+    return [(*pose.position, *pose.orientation)] + [(*state[4], *state[5]) for state in states]

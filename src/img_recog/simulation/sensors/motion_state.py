@@ -1,0 +1,28 @@
+"""The motion of a robot in words, for the log."""
+from typing import Optional
+
+from img_recog.simulation.bodies.body import Motion
+
+# m/s and rad/s: above the first a robot has started to move, below the second it has stopped
+_STARTS, _STOPS = (0.02, 0.05), (0.005, 0.01)
+
+
+class MotionState:
+    """Notices when a robot changes between standing, driving and turning."""
+
+    def __init__(self):
+        self._words = 'stands'
+
+    def update(self, motion: Motion) -> Optional[str]:
+        """Return what the robot does now if that has changed, else None."""
+        linear, angular = _STOPS if self._words != 'stands' else _STARTS
+        if abs(motion.linear[0]) > linear:
+            words = 'drives forward' if motion.linear[0] > 0 else 'drives backward'
+        elif abs(motion.angular[2]) > angular:
+            words = 'turns left' if motion.angular[2] > 0 else 'turns right'
+        else:
+            words = 'stands'
+        if words == self._words:
+            return None
+        self._words = words
+        return words

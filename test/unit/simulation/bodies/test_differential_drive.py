@@ -1,0 +1,143 @@
+"""The ramp of the wheel speeds, with ideal wheels in place of the physics."""
+import pytest
+
+from img_recog.simulation.bodies.differential_drive import DifferentialDrive
+from img_recog.simulation.settings import DriveSettings
+
+RADIUS = 0.033
+
+
+def follow(drive, updates, start=(0.0, 0.0)):
+    """Return the speeds of the wheel rims after each update, m/s."""
+    velocities, history = start, []
+    for _ in range(updates):
+        velocities = drive.update(lambda now=velocities: now)
+        history.append(tuple(velocity * RADIUS for velocity in velocities))
+    return history
+
+
+def test_ramp_is_one_meter_per_second_squared():
+    drive = DifferentialDrive(DriveSettings())
+    drive.command(10.0, 0.0)
+    speeds = follow(drive, 50)
+    assert speeds[0] == pytest.approx((0.01, 0.01))
+    assert speeds[-1] == pytest.approx((0.5, 0.5))      # after half a second
+
+
+def test_ends_at_the_target():
+    drive = DifferentialDrive(DriveSettings())
+    drive.command(0.105, 0.0)
+    assert follow(drive, 20)[-1] == pytest.approx((0.105, 0.105))
+
+
+def test_turning_left_drives_the_right_wheel_forward():
+    drive = DifferentialDrive(DriveSettings())
+    drive.command(0.0, 1.0)
+    assert follow(drive, 100)[-1] == pytest.approx((-0.08, 0.08))
+
+
+def test_one_wheel_near_its_target_sets_both():
+    drive = DifferentialDrive(DriveSettings())
+    drive.command(0.5, 0.5 / 0.08)      # left 0 (reached already), right 1 m/s
+    assert follow(drive, 1)[-1] == pytest.approx((0.0, 1.0))
+
+
+def test_braking_is_no_faster_than_driving_off():
+    drive = DifferentialDrive(DriveSettings())
+    drive.command(1.0, 0.0)
+    follow(drive, 200)
+    drive.command(-1.0, 0.0)
+    speeds = follow(drive, 10, start=(1 / RADIUS, 1 / RADIUS))
+    assert speeds[-1] == pytest.approx((0.9, 0.9))
+
+
+def test_no_acceleration_limit_sets_at_once():
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
+    drive.command(10.0, 0.0)
+    assert follow(drive, 1)[-1] == pytest.approx((10.0, 10.0))
+
+
+def test_reset_forgets_the_command():
+    drive = DifferentialDrive(DriveSettings())
+    drive.command(10.0, 0.0)
+    follow(drive, 20)
+    drive.reset()
+    assert follow(drive, 3)[-1] == (0.0, 0.0)
+
+
+@pytest.mark.parametrize('command, wanted', [
+    ((1.0, 0.0), (0.22, 0.22)), ((-1.0, 0.0), (-0.22, -0.22)),
+    ((0.0, 9.0), (-0.16, 0.16)), ((0.0, -9.0), (0.16, -0.16)),
+    ((0.21, 1.9), (0.058, 0.362)), ((9.0, -9.0), (0.38, 0.06))])
+def test_speeds_are_limited(command, wanted):
+    drive = DifferentialDrive(DriveSettings(
+        wheel_acceleration=0.0, max_linear_velocity=0.22, max_angular_velocity=2.0))
+    drive.command(*command)
+    assert follow(drive, 1)[-1] == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize('limits, wanted', [
+    ({'max_linear_velocity': 0.22}, (-0.58, 1.02)), ({'max_angular_velocity': 2.0}, (8.84, 9.16)),
+    ({}, (8.2, 9.8))])
+def test_zero_means_no_limit(limits, wanted):
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, **limits))
+    drive.command(9.0, 10.0)
+    assert follow(drive, 1)[-1] == pytest.approx(wanted)
+
+
+# as floats, 0.07 and 0.14 are slightly larger than 7 * 0.01 and 14 * 0.01
+@pytest.mark.parametrize('timeout_s, updates', [
+    (0.05, 5), (0.07, 7), (0.14, 14), (0.5, 50), (0.054, 6), (0.001, 1)])
+def test_command_ends_after_the_timeout(timeout_s, updates):
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=timeout_s))
+    drive.command(0.2, 0.0)
+    speeds = follow(drive, updates + 3)
+    assert speeds[updates - 1] == pytest.approx((0.2, 0.2))
+    assert speeds[updates:] == [(0.0, 0.0)] * 3
+
+
+def test_after_the_timeout_the_robot_brakes_with_the_ramp():
+    drive = DifferentialDrive(DriveSettings(cmd_vel_timeout=0.5))
+    drive.command(0.3, 0.0)
+    assert follow(drive, 60, start=(0.0, 0.0))[-1] == pytest.approx((0.2, 0.2))
+
+
+def test_new_command_restarts_the_timeout():
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    for _ in range(4):
+        drive.command(0.2, 0.0)
+        assert follow(drive, 4) == [pytest.approx((0.2, 0.2))] * 4
+    assert follow(drive, 2) == [pytest.approx((0.2, 0.2)), (0.0, 0.0)]
+    drive.command(0.1, 0.0)
+    assert follow(drive, 1)[-1] == pytest.approx((0.1, 0.1))
+
+
+@pytest.mark.parametrize('speed', [0.2, 0.0])
+def test_a_timeout_is_reported_if_it_stops_the_robot(speed):
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    drive.command(speed, 0.0)
+    follow(drive, 5)
+    assert not drive.timed_out
+    follow(drive, 10)
+    assert drive.timed_out is (speed != 0.0)
+    drive.command(0.2, 0.0)
+    assert not drive.timed_out
+    follow(drive, 6)
+    drive.reset()
+    assert not drive.timed_out
+
+
+def test_a_timeout_that_is_scaled_is_that_many_times_as_long():
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    for factor, periods in ((4.0, 20), (1.0, 5)):       # not 4 times 1
+        drive.scale_timeout(factor)
+        drive.command(0.2, 0.0)
+        assert follow(drive, periods)[-1] == pytest.approx((0.2, 0.2))
+        assert follow(drive, 1) == [(0.0, 0.0)]
+
+
+def test_timeout_of_zero_means_no_timeout():
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
+    drive.scale_timeout(100.0)
+    drive.command(0.2, 0.0)
+    assert follow(drive, 100000)[-1] == pytest.approx((0.2, 0.2))

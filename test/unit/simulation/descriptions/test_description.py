@@ -1,0 +1,205 @@
+"""URDF in, lumped URDF out: nothing lost, and what cannot be simulated refused."""
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from img_recog.simulation.descriptions.description import parse
+from img_recog.simulation.settings import SimulationError
+from img_recog_testing.robots import burger
+
+ROBOT = '<robot name="r">{}</robot>'
+MASS = ('<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        '</inertial>')
+
+
+def link(name, mass=1.0, inside=''):
+    return '<link name="{}">{}{}</link>'.format(name, MASS.format(mass) if mass else '', inside)
+
+
+def joint(name, parent, child, kind='fixed', origin=''):
+    return '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/>{}</joint>'.format(
+        name, kind, parent, child, origin)
+
+
+def test_burger_keeps_its_mass_in_four_links():
+    robot = ElementTree.fromstring(parse(burger()).urdf)
+    assert {each.get('name') for each in robot.findall('link')} == {
+        'base_footprint', 'wheel_left_link', 'wheel_right_link', 'caster_back_link'}
+    masses = [float(mass.get('value')) for mass in robot.iter('mass')]
+    assert sum(masses) == pytest.approx(1.0017329, abs=1e-7)
+
+
+def test_burger_keeps_all_shapes():
+    before, after = ElementTree.fromstring(burger()), ElementTree.fromstring(parse(burger()).urdf)
+    for kind in ('visual', 'collision'):
+        assert len(list(before.iter(kind))) == len(list(after.iter(kind)))
+
+
+def test_burger_frames_are_where_the_joints_put_them():
+    burgers = parse(burger())
+    assert burgers.root == 'base_footprint'
+    scan = burgers.frames['base_scan']
+    assert scan.link == 'base_footprint'
+    assert np.allclose(scan.pose.translation, [-0.032, 0, 0.182])
+    assert np.allclose(burgers.frames['imu_link'].pose.translation, [-0.032, 0, 0.078])
+
+
+def test_friction_is_that_of_gazebos_tag_or_pybullets():
+    assert parse(burger()).friction == {
+        'wheel_left_link': 0.1, 'wheel_right_link': 0.1, 'caster_back_link': 0.1}
+    contact = '<contact><lateral_friction value="0.3"/></contact>'
+    tag = '<gazebo reference="a"><mu1>0.7</mu1></gazebo>'
+    assert parse(ROBOT.format(link('a', inside=contact))).friction == {'a': 0.3}
+    assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.7}
+    tag = '<gazebo reference="a"><mu1 value="0.6"/></gazebo>'
+    assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.6}
+
+
+def test_the_friction_of_a_fixed_link_without_mass_is_not_used():
+    contact = '<contact><lateral_friction value="0.3"/></contact>'
+    urdf = parse(ROBOT.format(link('a') + link('b', 0, inside=contact) + joint('ab', 'a', 'b')))
+    assert urdf.friction == {} and urdf.frames['b'].link == 'a'
+
+
+def test_chain_of_fixed_links_becomes_one_and_what_moves_stays():
+    turned = '<origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>'
+    urdf = parse(ROBOT.format(
+        link('a', 0) + link('b') + link('c') + link('wheel')
+        + joint('ab', 'a', 'b', origin=turned) + joint('bc', 'b', 'c', origin=turned)
+        + joint('cw', 'c', 'wheel', 'continuous', '<origin xyz="1 0 0"/>')))
+    robot = ElementTree.fromstring(urdf.urdf)
+    moving = robot.find('joint')
+    assert len(robot.findall('joint')) == 1
+    assert moving.find('parent').get('link') == 'a'
+    # a -> b: 1 forward, quarter turn; b -> c: 1 along b's x, which is a's y; c's x is a's -x
+    assert np.allclose([float(v) for v in moving.find('origin').get('xyz').split()], [0, 1, 0])
+    assert np.allclose(urdf.frames['c'].pose.translation, [1, 1, 0])
+
+
+REFUSED = {
+    'not XML': ('<robot', 'not XML'),
+    'not URDF': ('<sdf/>', 'root element <sdf>'),
+    'no link': (ROBOT.format(''), 'got 0 root links'),
+    'two roots': (ROBOT.format(link('a') + link('b')), '2 root links (a, b)'),
+    'loop': (ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b') + joint('k', 'b', 'a')),
+             'link a is its own ancestor, through joint k'),
+    'loop beside a root': (ROBOT.format(link('r') + link('a') + link('b') + joint('j', 'a', 'b')
+                                        + joint('k', 'b', 'a')), 'link a is its own ancestor'),
+    'no name': (ROBOT.format('<link/>' + link('a')), 'each <link> must have a unique name'),
+    'same name': (ROBOT.format(link('a') + link('a')), 'each <link> must have a unique name'),
+    'two parents': (ROBOT.format(link('a') + link('b') + link('c') + joint('j', 'a', 'c')
+                                 + joint('k', 'b', 'c')),
+                    'link c is the child of two joints, j and k'),
+    'lost link': (ROBOT.format(link('a') + joint('j', 'a', 'b')), 'child link b, which does not'),
+    'zero mass': (ROBOT.format(link('a', '0')), 'mass of link a: got 0 kg'),
+    'negative mass': (ROBOT.format(link('a', -1)), 'mass of link a: got -1 kg'),
+    'huge mass': (ROBOT.format(link('a', '1e300')),
+                  'mass of link a: got 1e+300 kg, expected at most 1e+09 (or no <inertial>)'),
+    'NaN mass': (ROBOT.format(link('a', 'nan')), "mass of link a: got 'nan'"),
+    'word for mass': (ROBOT.format(link('a', 'heavy')), "mass of link a: got 'heavy'"),
+    'moving without mass': (ROBOT.format(link('a') + link('b', 0)
+                                         + joint('j', 'a', 'b', 'continuous')),
+                            'link b can move but has no mass'),
+    'planar joint': (ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b', 'planar')),
+                     'joint j is of type planar; supported are continuous, fixed'),
+    'no axis': (ROBOT.format(link('a') + link('b') + joint(
+        'j', 'a', 'b', 'continuous', '<axis xyz="0 0 0"/>')), 'axis of joint j: got 0 0 0'),
+    'no inertia': (ROBOT.format(link('a').replace('"1"', '"0"')),
+                   'link a, with the links fixed to'),
+    'negative inertia': (ROBOT.format(link('a').replace('ixx="1"', 'ixx="-1"')),
+                         'expected positive moments'),
+    'negative friction': (ROBOT.format(
+        link('a') + '<gazebo reference="a"><mu1>-0.5</mu1></gazebo>'),
+                          'mu1 of link a: got -0.5, expected at least 0'),
+    'infinite origin': (ROBOT.format(link('a') + link('b') + joint(
+        'j', 'a', 'b', origin='<origin xyz="inf 0 0"/>')), "<origin> in <joint j>: got 'inf 0 0'"),
+    'short origin': (ROBOT.format(link('a') + link('b') + joint(
+        'j', 'a', 'b', origin='<origin xyz="1 2"/>')), 'expected 3 finite numbers'),
+}
+
+
+@pytest.mark.parametrize('urdf, words', list(REFUSED.values()), ids=list(REFUSED))
+def test_refusals_name_what_is_wrong_in_one_line(urdf, words):
+    with pytest.raises(SimulationError) as error:
+        parse(urdf)
+    assert words in str(error.value)
+    assert '\n' not in str(error.value)
+
+
+def test_lumped_link_has_the_sum_of_masses_and_inertias():
+    inertial = ('<inertial><origin xyz="{}"/><mass value="{}"/><inertia ixx="3" ixy="0.1" '
+                'ixz="0.2" iyy="4" iyz="0.3" izz="5"/></inertial>')
+    urdf = parse(ROBOT.format(
+        link('a', 0, inertial.format('1 0 0', 2)) + link('b', 0, inertial.format('0 0 0', 6))
+        + joint('ab', 'a', 'b', origin='<origin xyz="0 0 4"/>')))
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert len(robot.findall('link')) == len(robot.findall('link/inertial')) == 1
+    found = robot.find('link/inertial')
+    numbers = {key: float(value) for key, value in found.find('inertia').items()}
+    # 2 kg at (1, 0, 0) and 6 kg at (0, 0, 4): their center is (0.25, 0, 3)
+    assert [float(v) for v in found.find('origin').get('xyz').split()] == [0.25, 0.0, 3.0]
+    assert [float(v) for v in found.find('origin').get('rpy').split()] == [0.0] * 3
+    assert float(found.find('mass').get('value')) == 8.0
+    assert numbers == pytest.approx({
+        'ixx': 6 + 2 * 9 + 6, 'ixy': 0.2, 'ixz': 0.4 + 2 * 0.75 * 3 + 6 * 0.25 * 1,
+        'iyy': 8 + 2 * (0.5625 + 9) + 6 * (0.0625 + 1), 'iyz': 0.6,
+        'izz': 10 + 2 * 0.5625 + 6 * 0.0625})
+
+
+def test_shapes_move_with_their_link_and_keep_their_parts():
+    shapes = ('<visual name="v"><origin xyz="0 0 1" rpy="0.1 0.2 0.3"/><geometry/></visual>'
+              '<collision><geometry/></collision>')
+    urdf = parse(ROBOT.format(link('a', inside=shapes) + link('b', inside=shapes) + joint(
+        'ab', 'a', 'b', origin='<origin xyz="1 2 3"/>')))
+    lumped = ElementTree.fromstring(urdf.urdf).find('link')
+    places = {kind: [[float(v) for v in shape.find('origin').get(key).split()]
+                     for shape in lumped.findall(kind) if shape.find('origin') is not None
+                     for key in ('xyz', 'rpy')] for kind in ('visual', 'collision')}
+    assert places['visual'][0] == [0, 0, 1] and places['visual'][2] == [1, 2, 4]
+    assert places['visual'][1] == pytest.approx([0.1, 0.2, 0.3])
+    assert places['visual'][3] == pytest.approx([0.1, 0.2, 0.3])
+    assert places['collision'] == [[1, 2, 3], [0, 0, 0]]
+    assert [len(shape.findall('origin')) for shape in lumped.findall('visual')] == [1, 1]
+    assert len(lumped.findall('visual/geometry')) == len(lumped.findall('collision')) == 2
+
+
+def test_fixed_link_with_friction_stays_and_carries_those_on_it():
+    contact = '<contact><lateral_friction value="0.3"/></contact>'
+    urdf = parse(ROBOT.format(
+        link('a') + link('b', inside=contact) + link('c') + joint('ab', 'a', 'b')
+        + joint('bc', 'b', 'c', origin='<origin xyz="0 0 2"/>')))
+    assert urdf.frames['c'].link == urdf.frames['b'].link == 'b' and urdf.root == 'a'
+    assert list(urdf.frames['c'].pose.translation) == [0, 0, 2]
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert [each.get('name') for each in robot.findall('link')] == ['a', 'b']
+    assert [each.get('name') for each in robot.findall('joint')] == ['ab']
+    assert urdf.missing_meshes == () and urdf.name == 'r'
+    assert parse('<robot>' + link('a') + '</robot>').name == 'robot'
+
+
+@pytest.mark.parametrize('kind', ['continuous', 'prismatic', 'revolute'])
+def test_joints_that_move_keep_their_type_and_axis(kind):
+    robot = ElementTree.fromstring(parse(ROBOT.format(
+        link('a') + link('b') + joint('j', 'a', 'b', kind, '<axis xyz="0 0 1"/>'))).urdf)
+    assert robot.find('joint').get('type') == kind
+    assert robot.find('joint/axis').get('xyz') == '0 0 1'
+
+
+@pytest.mark.parametrize('urdf, words', [
+    (link('a') + '<joint name="j" type="fixed"><child link="a"/></joint>',
+     'joint j has the parent link None, which does not exist (links: a)'),
+    (link('a') + '<joint name="j" type="fixed"><parent link="a"/></joint>',
+     'joint j has the child link None, which does not exist (links: a)'),
+    ('<link name="a"><inertial><mass value="1"/></inertial></link>',
+     'link a: <inertial> must have <mass> and <inertia>'),
+    ('<link name="a"><inertial><inertia/></inertial></link>',
+     'link a: <inertial> must have <mass> and <inertia>'),
+    (link('a', inside='<contact><lateral_friction/></contact>'),
+     'lateral_friction of link a: got None, expected 1 finite number'),
+    (link('a') + '<gazebo reference="a"><mu1>1 2</mu1></gazebo>',
+     "mu1 of link a: got '1 2', expected 1 finite number")])
+def test_what_is_missing_is_named(urdf, words):
+    with pytest.raises(SimulationError) as error:
+        parse(ROBOT.format(urdf))
+    assert error.value.problem == words

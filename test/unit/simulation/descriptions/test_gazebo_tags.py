@@ -1,0 +1,270 @@
+"""Gazebo's tags in, settings out: each value with its type, each refusal, and what is left."""
+import os
+
+import pytest
+
+from img_recog.simulation.descriptions.gazebo_tags import not_simulated, overrides, settings
+from img_recog.simulation.settings import SensorSettings, SimulationError, whole_steps
+
+OURS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..', '..', 'urdf',
+                    'turtlebot3_burger.urdf')
+DRIVE_TAGS = {
+    'leftJoint': 'wheel_left_joint', 'rightJoint': 'wheel_right_joint',
+    'wheelSeparation': '0.160', 'wheelDiameter': '0.066', 'wheelTorque': '10',
+    'wheelAcceleration': '1', 'odometrySource': 'world', 'publishOdomTF': 'true',
+    'odometryFrame': 'odom', 'robotBaseFrame': 'base_footprint', 'commandTopic': 'cmd_vel',
+    'odometryTopic': 'odom', 'updateRate': '30', 'publishTf': 'true', 'rosDebugLevel': 'na'}
+DRIVE_SETTINGS = {
+    'left_joint': 'wheel_left_joint', 'right_joint': 'wheel_right_joint',
+    'wheel_separation': 0.16, 'wheel_diameter': 0.066, 'wheel_torque': 10.0,
+    'wheel_acceleration': 1.0, 'odometry_source': 'world', 'publish_odom_tf': True,
+    'odom_frame': 'odom', 'base_frame': 'base_footprint', 'command_topic': 'cmd_vel',
+    'odometry_topic': 'odom', 'odometry_rate': 30.0}
+SCAN_SETTINGS = {
+    'scan_rate': 5.0, 'scan_samples': 360, 'scan_angle_min': 0.0, 'scan_angle_max': 6.28319,
+    'scan_range_min': 0.12, 'scan_range_max': 3.5, 'scan_noise': 0.01,
+    'scan_frame': 'base_scan', 'scan_topic': 'scan'}
+IMU_SETTINGS = {'imu_frame': 'imu_link', 'imu_topic': 'imu', 'imu_rate': 200.0,
+                'gyro_noise': 2e-4, 'accel_noise': 1.7e-2}
+NOISE = ('<imu><noise><type>gaussian</type><rate><mean>0.0</mean><stddev>2e-4</stddev></rate>'
+         '<accel><mean>0.0</mean><stddev>1.7e-2</stddev></accel></noise></imu>')
+LASER = '<frameName>base_scan</frameName><topicName>scan</topicName>'
+SILENT_IMU = '<sensor type="imu" name="imu"><visualize>false</visualize></sensor>'
+FRICTION = '<mu1>0.1</mu1><kp>1e6</kp><kd>100</kd><material>Gazebo/FlatBlack</material>'
+
+
+def tags(values):
+    return ''.join('<{0}>{1}</{0}>'.format(*item) for item in values.items())
+
+
+def robot(*elements):
+    return '<?xml version="1.0"?><robot name="r"><link name="a"/>{}</robot>'.format(
+        ''.join(elements))
+
+
+def gazebo(inside, link=None):
+    return '<gazebo{}>{}</gazebo>'.format(
+        '' if link is None else ' reference="{}"'.format(link), inside)
+
+
+def plugin(inside, library, name='p'):
+    return '<plugin name="{}" filename="lib{}.so">{}</plugin>'.format(name, library, inside)
+
+
+def drive(library='gazebo_ros_diff_drive', **changed):
+    return gazebo(plugin(tags({**DRIVE_TAGS, **changed}), library, 'wheels'))
+
+
+def ray(kind='ray', library='gazebo_ros_laser', samples='360', far='3.5', noise='0.01', rate='5',
+        laser=LASER, link='base_scan'):
+    scan = tags({'samples': samples, 'resolution': '1', 'min_angle': '0.0',
+                 'max_angle': '6.28319'})
+    sensor = (
+        '<sensor type="{}" name="lds"><update_rate>{}</update_rate><ray><scan><horizontal>{}'
+        '</horizontal></scan><range><min>0.120</min><max>{}</max><resolution>0.015</resolution>'
+        '</range><noise><type>gaussian</type><mean>0.0</mean><stddev>{}</stddev></noise></ray>'
+        '{}</sensor>')
+    inside = '' if library is None else plugin(laser, library)
+    return gazebo(sensor.format(kind, rate, scan, far, noise, inside), link)
+
+
+def imu(noise=NOISE, **changed):
+    values = {'alwaysOn': 'true', 'bodyName': 'imu_link', 'topicName': 'imu',
+              'gaussianNoise': '0.0', 'updateRate': '200'}
+    return gazebo(plugin(tags({**values, **changed}) + noise, 'gazebo_ros_imu', 'inertia'))
+
+
+def imu_sensor(inside, noise='', rate='100'):
+    sensor = '<sensor type="imu" name="imu"><update_rate>{}</update_rate>{}{}</sensor>'
+    return gazebo(sensor.format(rate, noise, plugin(inside, 'gazebo_ros_imu_sensor')), 'imu_link')
+
+
+def refusal(*elements):
+    with pytest.raises(SimulationError) as error:
+        overrides(robot(*elements))
+    assert '\n' not in str(error.value)
+    return str(error.value)
+
+
+def test_burger_like_the_official_one_gives_every_setting_with_its_type():
+    urdf = robot(gazebo(FRICTION, 'wheel_left_link'), gazebo(SILENT_IMU, 'imu_link'), drive(),
+                 imu(), ray())
+    wanted = {**DRIVE_SETTINGS, **SCAN_SETTINGS, **IMU_SETTINGS}
+    found = overrides(urdf)
+    assert found == wanted
+    assert {name: type(value) for name, value in found.items()} == {
+        name: type(value) for name, value in wanted.items()}
+    assert not_simulated(urdf) == []
+
+
+def test_settings_have_periods_in_whole_steps_for_rates():
+    found = settings(robot(drive(), imu(), ray()), 0.001)
+    rates = {'odometry_rate', 'scan_rate', 'imu_rate'}
+    periods = {'odometry_period_s': 0.033, 'joint_states_period_s': 0.033, 'scan_period_s': 0.2,
+               'imu_period_s': 0.005}
+    assert set(found) == (set(DRIVE_SETTINGS) | set(SCAN_SETTINGS) | set(IMU_SETTINGS)
+                          | set(periods)) - rates
+    assert {name: found[name] for name in periods} == pytest.approx(periods)
+    assert found['wheel_separation'] == 0.16 and found['scan_topic'] == 'scan'
+
+
+@pytest.mark.parametrize('rate, step_s, period_s', [
+    ('30', 0.001, 0.033), ('30', 0.004, 0.032), ('60', 0.001, 0.017), ('50', 0.001, 0.02),
+    ('5000', 0.001, 0.001), ('1', 0.001, 1.0)])
+def test_period_is_the_nearest_that_divides_and_at_least_a_step(rate, step_s, period_s):
+    found = settings(robot(drive(updateRate=rate)), step_s)
+    assert found['odometry_period_s'] == pytest.approx(period_s)
+    assert found['joint_states_period_s'] == found['odometry_period_s']
+    assert whole_steps('odometry_period_s', found['odometry_period_s'], step_s) >= 1
+    SensorSettings(odometry_period_s=found['odometry_period_s'])
+
+
+def test_settings_have_only_what_tags_give():
+    assert settings(robot(), 0.001) == {}
+    assert set(settings(robot(ray()), 0.001)) == set(SCAN_SETTINGS) - {'scan_rate'} | {
+        'scan_period_s'}
+    nothing = settings(robot(drive(updateRate='0'), ray(rate='0'), imu(updateRate='0')), 0.001)
+    assert not [name for name in nothing if name.endswith(('_rate', '_period_s'))]
+
+
+def test_missing_tags_are_missing_settings():
+    assert overrides(robot()) == {}
+    assert overrides(robot(gazebo(FRICTION, 'a'), gazebo('<static>true</static>'))) == {}
+    assert overrides(robot(gazebo(SILENT_IMU, 'imu_link'))) == {}
+    assert overrides(robot(gazebo(plugin('', 'gazebo_ros_diff_drive')))) == {}
+    assert not_simulated(robot(gazebo(FRICTION, 'a'), gazebo(SILENT_IMU, 'a'))) == []
+
+
+def test_our_own_burger_gives_no_setting():
+    with open(OURS) as file:
+        urdf = file.read()
+    assert '<gazebo' in urdf
+    assert overrides(urdf) == {}
+    assert not_simulated(urdf) == []
+
+
+@pytest.mark.parametrize('text, wanted', [
+    ('world', 'world'), ('WORLD', 'world'), ('1', 'world'),
+    ('encoder', 'encoder'), ('ENCODER', 'encoder'), ('0', 'encoder')])
+def test_odometry_source(text, wanted):
+    assert overrides(robot(drive(odometrySource=text)))['odometry_source'] == wanted
+
+
+@pytest.mark.parametrize('text, wanted', [
+    ('true', True), ('True', True), ('1', True), ('false', False), ('0', False)])
+def test_flag(text, wanted):
+    assert overrides(robot(drive(publishOdomTF=text)))['publish_odom_tf'] is wanted
+
+
+def test_torque_of_the_old_plugin_counts_where_the_new_name_is_missing():
+    old = gazebo(plugin('<torque>7</torque>', 'gazebo_ros_diff_drive'))
+    assert overrides(robot(old)) == {'wheel_torque': 7.0}
+    assert overrides(robot(drive(torque='7')))['wheel_torque'] == 10.0
+
+
+def test_names_lose_spaces_and_leading_slashes():
+    found = overrides(robot(drive(odometryFrame=' /odom\n', commandTopic='/r1/cmd_vel')))
+    assert (found['odom_frame'], found['command_topic']) == ('odom', 'r1/cmd_vel')
+
+
+@pytest.mark.parametrize('rate', ['0', '-0.5', '-7'])
+def test_rates_of_zero_or_less_are_left_to_the_simulator(rate):
+    found = overrides(robot(drive(updateRate=rate), ray(rate=rate), imu(updateRate=rate)))
+    assert not [name for name in found if name.endswith('rate')]
+
+
+def test_scan_of_the_graphics_card_is_a_scan():
+    assert overrides(robot(ray('gpu_ray', 'gazebo_ros_gpu_laser'))) == SCAN_SETTINGS
+
+
+def test_frame_of_a_sensor_is_its_link_where_the_plugin_names_none():
+    assert overrides(robot(ray(laser='', link='laser')))['scan_frame'] == 'laser'
+    assert overrides(robot(ray(library=None, link='laser')))['scan_frame'] == 'laser'
+    assert 'scan_frame' not in overrides(robot(ray(laser='', link=None)))
+    assert overrides(robot(ray(link='laser')))['scan_frame'] == 'base_scan'
+    assert overrides(robot(imu_sensor('')))['imu_frame'] == 'imu_link'
+    assert overrides(robot(imu(frameName='imu')))['imu_frame'] == 'imu'
+
+
+def test_imu_plugin_in_a_sensor():
+    assert overrides(robot(imu_sensor('<topicName>imu</topicName>', NOISE))) == {
+        **IMU_SETTINGS, 'imu_rate': 100.0}
+    faster = '<frameName>body</frameName><updateRateHZ>50</updateRateHZ>'
+    assert overrides(robot(imu_sensor(faster))) == {'imu_frame': 'body', 'imu_rate': 50.0}
+
+
+def test_single_noise_of_the_imu_counts_where_it_is_alone_and_not_zero():
+    one = overrides(robot(imu('', gaussianNoise='0.3')))
+    assert (one['gyro_noise'], one['accel_noise']) == (0.3, 0.3)
+    both = overrides(robot(imu(gaussianNoise='0.3')))
+    assert (both['gyro_noise'], both['accel_noise']) == (2e-4, 1.7e-2)
+    none = overrides(robot(imu('')))
+    assert not {'gyro_noise', 'accel_noise'} & set(none)
+
+
+def test_explicit_noise_of_zero_is_a_setting():
+    found = overrides(robot(ray(noise='0'), imu(NOISE.replace('2e-4', '0'))))
+    assert (found['scan_noise'], found['gyro_noise']) == (0.0, 0.0)
+
+
+def test_first_of_two_counts_and_the_second_is_listed():
+    urdf = robot(drive(), drive(wheelSeparation='9'), ray(), ray('gpu_ray', samples='9'),
+                 imu(), imu_sensor('<updateRateHZ>9</updateRateHZ>'))
+    assert overrides(urdf) == {**DRIVE_SETTINGS, **SCAN_SETTINGS, **IMU_SETTINGS}
+    assert not_simulated(urdf) == ['second plugin libgazebo_ros_diff_drive.so',
+                                   'second sensor gpu_ray', 'second sensor imu']
+
+
+def test_what_is_not_simulated_is_listed_in_order():
+    camera = '<sensor type="camera" name="c">{}</sensor>'.format(
+        plugin('', 'gazebo_ros_camera'))
+    urdf = robot(gazebo(camera, 'a'), gazebo(plugin('', 'gazebo_ros_p3d') + '<plugin/>'),
+                 gazebo('<sensor type="contact" name="b"/>', 'a'), ray())
+    assert not_simulated(urdf) == [
+        'plugin libgazebo_ros_p3d.so',
+        'plugin without filename', 'sensor contact']
+    assert overrides(urdf) == SCAN_SETTINGS
+
+
+def test_a_sonar_is_not_a_scanner_and_a_laser_plugin_must_be_in_a_sensor():
+    sonar = ray(library='gazebo_ros_range', far='1')
+    stray = gazebo(plugin(LASER, 'gazebo_ros_laser'))
+    assert overrides(robot(sonar, stray, ray())) == SCAN_SETTINGS
+    assert not_simulated(robot(sonar, stray, ray())) == [
+        'sensor ray', 'plugin libgazebo_ros_range.so', 'plugin libgazebo_ros_laser.so']
+
+
+@pytest.mark.parametrize('text', ['x', '', 'nan', 'inf', '1e999', '0.1 0.2', '${separation}'])
+def test_refuses_what_is_not_a_finite_number(text):
+    assert refusal(drive(wheelSeparation=text)) == (
+        '<wheelSeparation> of plugin wheels: got {!r}, expected a finite number'
+        .format(text))
+
+
+@pytest.mark.parametrize('elements, wanted', [
+    (drive(updateRate='often'), "<updateRate> of plugin wheels: got 'often', expected a finite n"),
+    (drive(publishOdomTF='yes'), "<publishOdomTF> of plugin wheels: got 'yes', expected true"),
+    (drive(odometrySource='gps'),
+     "<odometrySource> of plugin wheels: got 'gps', expected world or"),
+    (drive(commandTopic=' '), "<commandTopic> of plugin wheels: got '', expected a name"),
+    (drive(odometryFrame='/'), "<odometryFrame> of plugin wheels: got '/', expected a name"),
+    (ray(samples='36.5'),
+     "<ray/scan/horizontal/samples> of sensor lds: got '36.5', expected a who"),
+    (ray(far='far'), "<ray/range/max> of sensor lds: got 'far', expected a finite number"),
+    (imu(NOISE.replace('2e-4', 'a\nb')),
+     "<imu/noise/rate/stddev> of plugin inertia: got 'a\\nb', expected a finite number"),
+    (imu('', gaussianNoise='low'),
+     "<gaussianNoise> of plugin inertia: got 'low', expected a finite"),
+    (gazebo('<plugin filename="libgazebo_ros_imu.so"><updateRate>x</updateRate></plugin>'),
+     "<updateRate> of plugin without name: got 'x'")])
+def test_refusals_name_the_element_its_owner_and_what_is_expected(elements, wanted):
+    assert refusal(elements).startswith(wanted)
+
+
+@pytest.mark.parametrize('read', [overrides, not_simulated])
+@pytest.mark.parametrize('urdf, wanted', [
+    ('', 'not XML'), ('<robot>', 'not XML'), ('<sdf/>', 'root element <sdf>')])
+def test_refuses_what_is_not_a_urdf(read, urdf, wanted):
+    with pytest.raises(SimulationError) as error:
+        read(urdf)
+    assert wanted in str(error.value) and '\n' not in str(error.value)

@@ -1,0 +1,85 @@
+"""Materials in <gazebo> tags: they count for the visuals of their link."""
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import link_materials
+from img_recog.simulation.pictures import visual_scene
+from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.visuals import Material
+from img_recog_testing.robots import assemble, burger
+
+VISUAL = '<visual><geometry><box size="1 1 1"/></geometry>{}</visual>'
+ROBOT = ('<robot name="r"><link name="a">' + VISUAL.format('<material name="mine"/>')
+         + VISUAL.format('') + '</link><link name="b">' + VISUAL.format('') + '</link>{}</robot>')
+BLUE = '<gazebo reference="{}"><material>Gazebo/Blue</material></gazebo>'
+
+
+def colors(robot):
+    """Return the color of each visual of each link, None without a material."""
+    return {link.get('name'): [
+        visual.find('material/color').get('rgba') if visual.find('material/color') is not None
+        else None for visual in link.findall('visual')] for link in robot.findall('link')}
+
+
+def apply(*tags, find=lambda uri: None):
+    robot = ElementTree.fromstring(ROBOT.format(''.join(tags)))
+    missing = link_materials.apply(robot, find)
+    assert all(len(visual.findall('material')) <= 1 for visual in robot.iter('visual'))
+    return colors(robot), missing
+
+
+def test_a_material_of_gazebo_is_that_of_all_visuals_of_its_link():
+    assert apply(BLUE.format('a')) == (
+        {'a': ['0.0 0.0 1.0 1.0'] * 2, 'b': [None]}, [])
+
+
+def test_a_tag_for_another_link_or_without_a_material_changes_nothing():
+    before = {'a': [None, None], 'b': [None]}
+    for tag in (BLUE.format('c'), '<gazebo reference="a"><mu1>1</mu1></gazebo>',
+                '<gazebo><material>Gazebo/Blue</material></gazebo>'):
+        assert apply(tag) == (before, [])
+
+
+def test_a_material_in_a_visual_counts_too():
+    tag = ('<gazebo reference="b"><visual><material><diffuse>0.5 0.25 0 1</diffuse></material>'
+           '</visual></gazebo>')
+    assert apply(tag)[0]['b'] == ['0.5 0.25 0.0 1.0']
+    assert apply(tag, BLUE.format('b'))[0]['b'] == ['0.0 0.0 1.0 1.0']
+
+
+def test_an_unknown_material_is_named_and_leaves_the_other():
+    tag = BLUE.replace('Blue', 'Plaid')
+    assert apply(tag.format('a'), tag.format('b')) == (
+        {'a': [None, None], 'b': [None]}, ['material Gazebo/Plaid'])
+    robot = assembly.read_robot(burger().replace('</robot>', tag.format('base_link') + '</robot>'),
+                                0.001, lambda uri: None, 'robot.urdf')
+    assert robot.warnings == (
+        'robot.urdf: not known or not found, of its materials: material Gazebo/Plaid; those links '
+        'keep their other color',)
+
+
+def test_textures_of_the_urdf_are_found_or_named():
+    text = ROBOT.format('').replace('<material name="mine"/>', '<material name="m"><color rgba="1 '
+                                    '1 1 1"/><texture filename="package://p/a.png"/></material>')
+    for found, paths, missing in ((None, [], ['texture package://p/a.png']),
+                                  ('/p/a.png', ['/p/a.png'], [])):
+        robot = ElementTree.fromstring(text)
+        assert link_materials.apply(robot, lambda uri: found) == missing
+        assert [each.get('filename') for each in robot.iter('texture')] == paths
+
+
+@pytest.mark.parametrize('link', ['base_link', 'base_scan'])
+def test_links_that_are_lumped_keep_the_material(link):
+    urdf = burger().replace('</robot>', BLUE.format(link) + '</robot>')
+    built, plain = assemble(urdf=urdf), assemble()
+    visuals, before = ([visual for visual in visual_scene.read(each.scene, Parts(
+        each.simulator)).visuals] for each in (built, plain))
+    blue = [visual for visual in visuals
+            if visual.material == Material((0.0, 0.0, 1.0, 1.0))]
+    count = urdf.split('<link name="{}">'.format(link))[1].split('</link>')[0].count('<visual>')
+    assert len(blue) == count > 0
+    assert len(visuals) == len(before) and all(
+        one == other for one, other in zip([each.shape for each in visuals],
+                                           [each.shape for each in before]))

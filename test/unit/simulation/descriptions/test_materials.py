@@ -1,0 +1,110 @@
+"""The materials of SDF visuals."""
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from img_recog.simulation.descriptions import materials
+from img_recog.simulation.settings import SimulationError
+from img_recog.visuals import GREY, Material
+
+SCRIPT = '''
+// material commented { technique { pass { diffuse 1 1 1 } } }
+material first
+{ technique { pass { ambient 0 1 0 1
+  diffuse 0.1 0.2 0.3 0.5 } } }
+/* material first { } */
+material course : first
+{
+  technique { pass { texture_unit { texture course.png } } }
+}
+material shiny { technique { pass { diffuse 0.5 0.25 0.5
+  emissive 0 0 0 } } }
+material broken { technique { pass { diffuse 1.2.3 0 0 } } }
+material lost { technique { pass { texture_unit { texture lost.png } diffuse .5 .5 .5 } } }
+'''
+
+
+def read(inside, find=lambda uri: None, transparency=''):
+    visual = ElementTree.fromstring('<visual name="v">{}{}</visual>'.format(inside, transparency))
+    return materials.of_sdf(visual, find)
+
+
+def script(name, *uris):
+    return '<material><script>{}<name>{}</name></script></material>'.format(
+        ''.join('<uri>{}</uri>'.format(uri) for uri in uris), name)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A model's folder of materials, and the function that finds model://m there."""
+    for name in ('scripts', 'textures'):
+        (tmp_path / name).mkdir()
+    (tmp_path / 'scripts' / 'a.material').write_text(SCRIPT)
+    (tmp_path / 'textures' / 'course.png').write_text('')
+    return tmp_path
+
+
+@pytest.mark.parametrize('inside, color', [
+    ('', GREY), ('<material/>', GREY), ('<material><script/></material>', GREY),
+    ('<material><diffuse>0.1 0.2 0.3 0.4</diffuse></material>', (0.1, 0.2, 0.3, 0.4)),
+    ('<material><ambient>0.1 0.2 0.3</ambient></material>', (0.1, 0.2, 0.3, 1.0)),
+    ('<material><ambient>1 1 1 1</ambient><diffuse>0 0 1 1</diffuse></material>', (0, 0, 1, 1)),
+    (script('Gazebo/Blue'), (0, 0, 1, 1)), (script('Gazebo/GreyTransparent'), (.5, .5, .5, .5)),
+    (script('Gazebo/Bricks', 'file://media/materials/scripts/gazebo.material'),
+     (0.56, 0.38, 0.37, 1))])
+def test_colors(inside, color):
+    assert read(inside) == (Material(color), '')
+
+
+@pytest.mark.parametrize('name, colors, color', [
+    ('Gazebo/Grey', '<diffuse>0 0.5 1 1</diffuse>', (0, 0.5, 1, 1)),
+    ('Gazebo/Wood', '<diffuse>0.5 0.5 0.5 1</diffuse>', (0.37, 0.325, 0.32, 1)),
+    # the goal of turtlebot3_stage_1: grey in the sun, red in the shade
+    ('Gazebo/Grey', '<ambient>1 0 0 1</ambient>', (0.82, 0.42, 0.42, 1)),
+    ('Gazebo/Wood', '<ambient>1 0 0 1</ambient>', (0.74, 0.65, 0.64, 1))])
+def test_colors_count_in_addition_to_a_script(name, colors, color):
+    material, missing = read(script(name).replace('</material>', colors + '</material>'))
+    assert material.color == pytest.approx(color) and missing == ''
+
+
+@pytest.mark.parametrize('inside, is_given', [
+    ('', False), ('<material><lighting>1</lighting><script/></material>', False),
+    ('<material><ambient>1 1 1</ambient></material>', True), (script('a'), True)])
+def test_a_material_needs_a_script_or_a_color(inside, is_given):
+    visual = ElementTree.fromstring('<visual>{}</visual>'.format(inside))
+    assert materials.is_given(visual) is is_given
+
+
+@pytest.mark.parametrize('transparency, opacity', [
+    ('0', 0.5), ('0.5', 0.25), ('1', 0), ('2', 0), ('-1', 0.5)])
+def test_transparency_is_less_opacity(transparency, opacity):
+    material, _ = read('<material><diffuse>1 1 1 0.5</diffuse></material>',
+                       transparency='<transparency>{}</transparency>'.format(transparency))
+    assert material.color == (1, 1, 1, opacity)
+
+
+@pytest.mark.parametrize('uris', [
+    ('model://m/scripts', 'model://m/textures'), ('model://m/scripts/a.material',),
+    ('model://m/none', 'model://m/scripts')])
+def test_a_script_and_its_texture(folder, uris):
+    def find(uri):
+        path = folder / uri[len('model://m/'):]
+        return str(path) if path.exists() else None
+    assert read(script('first', *uris), find) == (Material((0.1, 0.2, 0.3, 0.5)), '')
+    assert read(script('shiny', *uris), find) == (Material((0.5, 0.25, 0.5, 1)), '')
+    assert read(script('broken', *uris), find) == (Material(GREY), '')
+    texture = str(folder / 'textures' / 'course.png')
+    assert read(script('course', *uris), find) == (Material((1, 1, 1, 1), texture), '')
+    assert read(script('lost', *uris), find) == (Material((0.5, 0.5, 0.5, 1)), 'texture lost.png')
+    for name in ('commented', 'cours', 'Gazebo/NoSuchColor'):
+        assert read(script(name, *uris), find) == (Material(GREY), 'material ' + name)
+
+
+@pytest.mark.parametrize('inside, words', [
+    ('<material><diffuse>red</diffuse></material>', "<diffuse> of visual v: got 'red'"),
+    ('<material><ambient>1 1</ambient></material>', "<ambient> of visual v: got '1 1'"),
+    ('<transparency>x</transparency>', "<transparency> of visual v: got 'x'")])
+def test_wrong_numbers_are_refused(inside, words):
+    with pytest.raises(SimulationError) as error:
+        read(inside)
+    assert words in str(error.value)

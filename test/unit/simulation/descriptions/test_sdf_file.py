@@ -1,0 +1,235 @@
+"""SDF files with what they include."""
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from img_recog.simulation.descriptions import sdf_file
+from img_recog.simulation.settings import SimulationError
+from img_recog_testing.sdf import BUILT_IN, sdf
+
+LINK = '<link name="l"><pose>0 0 1 0 0 0</pose></link>'
+CONFIG = ('<model><name>n</name><sdf version="1.4">old.sdf</sdf>'
+          '<sdf version="1.6">new.sdf</sdf></model>')
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with worlds/ and models/, like that of a Gazebo package."""
+    for name in ('worlds', 'models/table', 'models/nested/chair', 'far/lamp'):
+        (tmp_path / name).mkdir(parents=True)
+    model(tmp_path / 'models' / 'table' / 'model.sdf', 'table', LINK)
+    return tmp_path
+
+
+def model(path, name, inside, version='1.6'):
+    path.write_text('<sdf version="{}"><model name="{}">{}</model></sdf>'.format(
+        version, name, inside))
+
+
+def include(uri, inside=''):
+    return '<include><uri>{}</uri>{}</include>'.format(uri, inside)
+
+
+def read(folder, *inside, find=lambda uri: None):
+    path = folder / 'worlds' / 'hall.world'
+    return sdf_file.read(ElementTree.fromstring(sdf(*inside)), str(path), find)
+
+
+def refusal(*arguments, **more):
+    with pytest.raises(SimulationError) as error:
+        read(*arguments, **more)
+    assert '\n' not in str(error.value)
+    return str(error.value)
+
+
+def places(contents):
+    return {tree.name: tree.pose.translation.tolist() for tree in contents.trees}
+
+
+def test_a_model_in_a_folder_above(folder):
+    contents = read(folder, BUILT_IN, include(' model://table '))
+    assert places(contents) == {'table': [0, 0, 1]} and contents.missing == ()
+
+
+def test_name_pose_and_static_of_an_include(folder):
+    contents = read(folder, include('model://table', '<name>second</name>'
+                                    '<pose>1 2 0 0 0 0</pose><static>true</static>'),
+                    include('model://table'))
+    assert places(contents) == {'second': [1, 2, 1], 'table': [0, 0, 1]}
+    assert [tree.fixed for tree in contents.trees] == [True, False]
+
+
+@pytest.mark.parametrize('uri', ['../models/table', '../models/table/model.sdf',
+                                 'file://../models/table', 'model:///table', 'model://table/'])
+def test_ways_to_name_a_model(folder, uri):
+    assert places(read(folder, include(uri))) == {'table': [0, 0, 1]}
+
+
+def test_what_the_finder_finds_comes_first(folder):
+    model(folder / 'far' / 'lamp' / 'model.sdf', 'lamp', LINK)
+    found = {'model://table': str(folder / 'far' / 'lamp')}
+    assert places(read(folder, include('model://table'), find=found.get)) == {'lamp': [0, 0, 1]}
+
+
+def test_the_newest_version_in_model_config_is_read(folder):
+    table = folder / 'models' / 'table'
+    (table / 'model.config').write_text(CONFIG)
+    model(table / 'old.sdf', 'old', LINK)
+    model(table / 'new.sdf', 'new', LINK)
+    assert list(places(read(folder, include('model://table')))) == ['new']
+    (table / 'new.sdf').unlink()
+    assert list(places(read(folder, include('model://table')))) == ['old']
+    (table / 'old.sdf').unlink()
+    assert list(places(read(folder, include('model://table')))) == ['table']
+
+
+def test_includes_in_models(folder):
+    model(folder / 'models' / 'nested' / 'chair' / 'model.sdf', 'chair', LINK)
+    model(folder / 'models' / 'nested' / 'model.sdf', 'room', include(
+        'model://table', '<pose>1 0 0 0 0 0</pose>') + '<model name="inner">'
+        '<pose>0 1 0 0 0 0</pose>' + include('chair') + '</model>')
+    contents = read(folder, include('model://nested', '<pose>10 0 0 0 0 0</pose>'))
+    assert contents.missing == ()
+    assert places(contents) == {'room': [10, 1, 1], 'room::table::l': [11, 0, 1]}
+
+
+def test_uris_in_an_included_model_are_relative_to_its_file(folder):
+    (folder / 'models' / 'table' / 'top.stl').write_text('')
+    model(folder / 'models' / 'table' / 'model.sdf', 'table', '<link name="l"><collision name="c">'
+          '<geometry><mesh><uri>top.stl</uri></mesh></geometry></collision></link>')
+    tree, = read(folder, include('model://table')).trees
+    assert str(folder / 'models' / 'table' / 'top.stl') in tree.urdf
+
+
+def test_the_version_of_each_file_counts(folder):
+    links = ('<link name="a"/><link name="b"><pose>0 0 0 1.5707963267948966 0 0</pose></link>'
+             '<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis>'
+             '<xyz>0 0 1</xyz></axis></joint>')
+    table = folder / 'models' / 'table' / 'model.sdf'
+    axes = []
+    for version in ('1.4', '1.6'):
+        model(table, 'table', links, version)
+        tree, = read(folder, include('model://table')).trees
+        axis = ElementTree.fromstring(tree.urdf).find('joint/axis').get('xyz')
+        axes.append([round(float(word), 6) for word in axis.split()])
+    assert axes == [[0, 1, 0], [0, 0, 1]]
+
+
+def test_state_moves_the_models_that_it_names(folder):
+    contents = read(
+        folder, include('model://table', '<name>a</name>'), '<model name="b">' + LINK + '</model>',
+        '<model name="c">' + LINK + '</model>', '<state world_name="default"><model name="a">'
+        '<pose>1 0 0 0 0 0</pose></model><model name="b"><pose frame="">2 0 0 0 0 0</pose></model>'
+        '<model name="c"/><model name="d"><pose>3 0 0 0 0 0</pose></model></state>')
+    assert places(contents) == {'a': [1, 0, 1], 'b': [2, 0, 1], 'c': [0, 0, 1]}
+
+
+def test_a_model_file_is_a_world(folder):
+    root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
+    contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None)
+    assert places(contents) == {'m': [0, 0, 1]}
+    assert contents.gravity is None and not contents.has_physics
+
+
+def test_what_is_not_found_is_named_once(folder):
+    contents = read(folder, include('model://sofa'), include('model://sofa'), '<include/>',
+                    '<population name="p"/>')
+    assert contents.missing == ('model://sofa', 'an <include> without a <uri>', 'population p')
+
+
+@pytest.mark.parametrize('text, words', [
+    ('<sdf', 'cannot use '), ('<robot/>', ' is <robot>, not <sdf>'),
+    ('<sdf><world name="w"/></sdf>', 'which it includes, has no <model>'),
+    ('<sdf><model name="m"/></sdf>', 'model m has no link'),
+    ('<sdf><model name="m">' + include('model://table') + LINK + '</model></sdf>',
+     'model.sdf includes itself')])
+def test_refuses_an_included_file(folder, text, words):
+    (folder / 'models' / 'table' / 'model.sdf').write_text(text)
+    assert words in refusal(folder, include('model://table'))
+
+
+def test_a_light_is_not_loaded(folder):
+    (folder / 'models' / 'table' / 'model.sdf').write_text('<sdf><light name="s"/></sdf>')
+    contents = read(folder, include('model://table'))
+    assert (contents.trees, contents.missing) == ((), ())
+
+
+def test_two_files_that_include_each_other(folder):
+    model(folder / 'models' / 'table' / 'model.sdf', 'a', LINK + include('../nested/b.sdf'))
+    model(folder / 'models' / 'nested' / 'b.sdf', 'b', LINK + include('model://table'))
+    assert 'model.sdf includes itself' in refusal(folder, include('model://table'))
+
+
+def chain(folder, length):
+    """Write model 0, which includes 1, and so on up to `length`, which has a link."""
+    for number in range(length):
+        (folder / 'models' / str(number)).mkdir()
+        model(folder / 'models' / str(number) / 'model.sdf', 'm', include(
+            'model://{}'.format(number + 1 if number + 1 < length else 'table')))
+
+
+def test_models_nested_too_deeply(folder):
+    chain(folder, 120)
+    tree, = read(folder, include('model://21')).trees
+    assert tree.name == 'm' and 'link name="' + 'm::' * 98 + 'table::l"' in tree.urdf
+    assert refusal(folder, include('model://20')) == (
+        'models are nested more than 100 deep, at table in {}; include the innermost ones directly'
+        .format(folder / 'models' / 'table' / 'model.sdf'))
+    inside = '<model name="n">' * 60 + include('model://0') + '</model>' * 60
+    assert refusal(folder, '<model name="o">{}</model>'.format(inside)).startswith(
+        'models are nested more than 100 deep, at m in ')
+
+
+def test_too_many_included_models(folder):
+    for number in range(30):        # 2 ** 30 models
+        (folder / 'models' / str(number)).mkdir()
+        model(folder / 'models' / str(number) / 'model.sdf', 'm', ''.join(include(
+            'model://{}'.format(number + 1 if number < 29 else 'table'),
+            '<name>{}</name>'.format(name)) for name in 'ab'))
+    assert refusal(folder, include('model://0')).startswith(
+        'it includes more than 5000 models, at {}'.format(folder / 'models'))
+    many = ''.join(include('model://table', '<name>{}</name>'.format(number))
+                   for number in range(40))
+    assert len(read(folder, many).trees) == 40
+
+
+@pytest.mark.parametrize('uri', ['https://host/table', 'http://host/table'])
+def test_a_url_is_missing(folder, uri):
+    contents = read(folder, include(uri), include('model://table'))
+    assert contents.missing == (uri + ' (a URL, which is not downloaded)',)
+    assert list(places(contents)) == ['table']
+
+
+def test_a_wrong_gravity_is_refused(folder):
+    assert "<gravity>: got '9.8', expected 3 finite numbers" in refusal(
+        folder, '<gravity>9.8</gravity>')
+
+
+def test_plugins_and_sensors_are_named(folder):
+    plugin = '<plugin name="p" filename="lib{}.so"/>'
+    model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK.replace(
+        '</link>', '<sensor name="eye" type="camera"/></link>') + plugin.format('b'))
+    assert read(folder, plugin.format('a'), include('model://table')).ignored == (
+        'plugin liba.so of default', 'sensor eye of table', 'plugin libb.so of table')
+    assert read(folder).ignored == ()
+
+
+@pytest.mark.parametrize('inside, has_floor', [
+    ('', False), (BUILT_IN, True), (include('model://ground_plane/'), True),
+    (include('model://sun'), False),
+    ('<model name="ground_plane"><static>1</static>' + LINK + '</model>', True)])
+def test_the_floor_is_seen_in_a_world_that_has_it(folder, inside, has_floor):
+    assert read(folder, inside).has_floor is has_floor
+
+
+def test_a_model_alone_has_the_floor(folder):
+    root = ElementTree.fromstring('<sdf><model name="m">' + LINK + '</model></sdf>')
+    assert sdf_file.read(root, str(folder / 'm.sdf'), lambda uri: None).has_floor
+
+
+def test_the_pose_of_the_user_camera(folder):
+    gui = '<gui><camera name="user_camera">{}</camera></gui>'
+    assert read(folder, gui.format('<pose>1 2 3 0 0 0</pose>')).camera.translation.tolist() == [
+        1, 2, 3]
+    assert read(folder, gui.format('')).camera is None and read(folder).camera is None
+    assert '<pose> of camera user_camera' in refusal(folder, gui.format('<pose>1</pose>'))

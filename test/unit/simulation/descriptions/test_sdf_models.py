@@ -1,0 +1,281 @@
+"""Models of an SDF: where their links are, how they are joined, what is refused."""
+import math
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pybullet
+import pytest
+
+from img_recog.simulation.bodies.loading import connect
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions import sdf_models
+from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.settings import PhysicsSettings, SimulationError
+from img_recog_testing.sdf import BOX, INERTIAL
+
+TURNED = '<pose>1 0 0 0 0 1.5707963267948966</pose>'       # of a model: its x is the world's y
+LINK = '<link name="{}"><pose>{}</pose>' + INERTIAL + BOX.format(
+    'collision', '<pose>0.1 0 0 0 0 0</pose>', '0.2 0.2 0.2') + '</link>'
+JOINT = ('<joint name="{0}_{1}" type="{2}"><parent>{0}</parent><child>{1}</child>{3}</joint>')
+TIE = JOINT.format('{0}', '{1}', 'fixed', '')
+
+
+def convert(*inside, version=(1, 6), missing=None):
+    """Return the trees of a model of these elements."""
+    model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
+    return sdf_models.trees(model, version, lambda uri: None, [] if missing is None else missing)
+
+
+def load(*inside, **more):
+    return World(PhysicsSettings(), WorldFile('w', tuple(convert(*inside, **more))), connect())
+
+
+def centers(world):
+    """Return the centers of the links, in the order of the bodies."""
+    return [np.mean(pybullet.getAABB(body.body_id, link,
+                                     physicsClientId=world.physics_client_id), axis=0).tolist()
+            for body in world.bodies for link in body.links]
+
+
+def refusal(*inside):
+    with pytest.raises(SimulationError) as error:
+        convert(*inside)
+    assert '\n' not in str(error.value)
+    return str(error.value)
+
+
+@pytest.mark.parametrize('inside, names, places', [
+    (LINK.format('a', '0 0 3 0 0 0'), ['m'], [(1, 0.1, 3)]),
+    (LINK.format('a', '0 2 3 0 0 3.141592653589793'), ['m'], [(-1, -0.1, 3)]),
+    (LINK.format('a', '1 0 3 0 0 0') + LINK.format('b', '2 0 4 0 0 0'), ['m', 'm::b'],
+     [(1, 1.1, 3), (1, 2.1, 4)]),
+    (LINK.format('b', '2 0 4 0 0 0') + LINK.format('a', '1 0 3 0 0 0') + TIE.format('a', 'b'),
+     ['m'], [(1, 1.1, 3), (1, 2.1, 4)])])
+def test_links_are_where_their_poses_put_them(inside, names, places):
+    world = load(TURNED, inside)
+    assert [body.name for body in world.bodies] == names
+    assert centers(world) == pytest.approx(np.array(places), abs=1e-3)
+
+
+def test_links_of_a_model_in_a_model():
+    inner = ('<model name="inner"><pose>0 1 0 0 0 1.5707963267948966</pose>'
+             + LINK.format('a', '2 0 0 0 0 0') + LINK.format('b', '3 0 0 0 0 0')
+             + TIE.format('a', 'b') + '</model>')
+    world = load('<pose>0 0 3 0 0 0</pose>', LINK.format('a', ''), inner)
+    assert [body.name for body in world.bodies] == ['m', 'm::inner::a']
+    assert centers(world) == pytest.approx(np.array([(0.1, 0, 3), (0, 3.1, 3), (0, 4.1, 3)]),
+                                           abs=1e-3)
+
+
+def test_a_joint_between_the_links_of_two_models():
+    inner = '<model name="inner">' + LINK.format('b', '1 0 0 0 0 0') + '</model>'
+    tree, = convert(LINK.format('a', ''), inner, TIE.format('a', 'inner::b'))
+    joint, = ElementTree.fromstring(tree.urdf).findall('joint')
+    assert (joint.find('parent').get('link'), joint.find('child').get('link')) == ('a', 'inner::b')
+
+
+@pytest.mark.parametrize('pose', [
+    '<pose relative_to="a">1 0 0 0 0 0</pose>', '<pose frame="a">1 0 0 0 0 0</pose>',
+    '<pose relative_to="f">0 0 0 0 0 0</pose>', '<pose relative_to="__model__">0 1 3 0 0 0</pose>',
+    '<pose relative_to="n::l">0 0 0 0 0 0</pose>'])
+def test_a_pose_relative_to_another_frame(pose):
+    frames = ('<frame name="f" attached_to="a"><pose>1 0 0 0 0 0</pose></frame>'
+              '<model name="n"><pose>0 0 3 0 0 0</pose>' + LINK.format('l', '0 1 0 0 0 0')
+              + '</model>')
+    trees = convert(LINK.format('a', '0 0 3 0 0 1.5707963267948966'), frames,
+                    '<link name="b">' + pose + '</link>')
+    place, = (tree.pose.translation for tree in trees if tree.name == 'm::b')
+    assert place == pytest.approx([0, 1, 3], abs=1e-9)
+
+
+@pytest.mark.parametrize('static, tie, height', [
+    ('true', '', 3), ('1', '', 3), ('false', TIE.format('world', 'a'), 3), ('false', '', 2.951)])
+def test_what_is_tied_to_the_world_does_not_fall(static, tie, height):
+    world = load('<static>', static, '</static>', LINK.format('a', '0 0 3 0 0 0'), tie)
+    world.step(100)
+    assert world.bodies[0].motion().position[2] == pytest.approx(height, abs=1e-3)
+    assert world.bodies[0].fixed is (height == 3)
+
+
+def test_joints_of_a_static_model_do_not_move():
+    world = load('<static>1</static>', LINK.format('a', '0 0 3 0 0 0'),
+                 LINK.format('b', '1 0 3 0 0 0'), JOINT.format(
+                     'a', 'b', 'revolute', '<axis><xyz>0 1 0</xyz></axis>'))
+    before = centers(world)
+    world.step(200)
+    assert centers(world) == before and not world.bodies[0].joints
+
+
+def test_a_static_model_in_a_model_stays():
+    inner = '<model name="n"><static>1</static>' + LINK.format('l', '1 0 3 0 0 0') + '</model>'
+    free, fixed = convert(LINK.format('a', '0 0 3 0 0 0'), inner)
+    assert (free.fixed, fixed.fixed) == (False, True)
+
+
+def turned_about(world, angle):
+    """Return the place of the second link when its joint has turned."""
+    body = world.bodies[0]
+    pybullet.resetJointState(body.body_id, body.joints['a_b'], angle,
+                             physicsClientId=world.physics_client_id)
+    pybullet.performCollisionDetection(physicsClientId=world.physics_client_id)
+    return centers(world)[-1]
+
+
+# the box of a link is at x 0.1 in it
+@pytest.mark.parametrize('version, link, joint, place', [
+    # about z of the child link, at its origin
+    ((1, 6), '1 0 3 0 0 0', '', (1, 0.1, 3)),
+    # about z at a place in the child link
+    ((1, 6), '1 0 3 0 0 0', '<pose>0.1 0 0 0 0 0</pose>', (1.1, 0, 3)),
+    ((1, 6), '1 0 3 0 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0, 2.9)),
+    # the link lies on its side: its y is the model's z
+    ((1, 6), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 6), '1 0 3 1.5707963267948966 0 0',
+     '<axis><xyz>0 0 1</xyz><use_parent_model_frame>1</use_parent_model_frame></axis>',
+     (1, 0.1, 3)),
+    ((1, 10), '1 0 3 1.5707963267948966 0 0',
+     '<axis><xyz expressed_in="__model__">0 0 1</xyz></axis>', (1, 0.1, 3)),
+    ((1, 10), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 4), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 0 1</xyz></axis>', (1, 0.1, 3))])
+def test_a_joint_turns_about_its_axis(version, link, joint, place):
+    world = load(LINK.format('a', '0 0 3 0 0 0'), LINK.format('b', link),
+                 JOINT.format('a', 'b', 'revolute', joint), version=version)
+    assert turned_about(world, math.pi / 2) == pytest.approx(place, abs=2e-3)
+
+
+def test_a_door_that_is_joined_to_the_world():
+    world = load('<pose>5 0 0 0 0 0</pose>', LINK.format('b', '1 0 3 0 0 0'),
+                 JOINT.format('world', 'b', 'revolute', ''))
+    door, = world.bodies
+    assert door.fixed and list(door.joints) == ['world_b']
+    assert centers(world)[-1] == pytest.approx((6.1, 0, 3), abs=2e-3)
+    pybullet.resetJointState(door.body_id, 0, math.pi / 2,
+                             physicsClientId=world.physics_client_id)
+    pybullet.performCollisionDetection(physicsClientId=world.physics_client_id)
+    assert centers(world)[-1] == pytest.approx((6, 0.1, 3), abs=2e-3)
+
+
+def test_a_pendulum_swings():
+    world = load(LINK.format('b', '0 0 3 0 0 0'), JOINT.format(
+        'world', 'b', 'revolute', '<pose>-1 0 0 0 0 0</pose><axis><xyz>0 1 0</xyz></axis>'))
+    angles = []
+    for _ in range(200):
+        world.step(10)
+        angles.append(pybullet.getJointState(
+            world.bodies[0].body_id, 0, physicsClientId=world.physics_client_id)[0])
+    # from horizontal to horizontal on the other side, without friction and damping
+    assert max(angles) == pytest.approx(math.pi, abs=0.05) and min(angles) > -0.05
+
+
+@pytest.mark.parametrize('kind, axis, expected', [
+    ('revolute', '', ('continuous', None)),
+    ('revolute', '<limit><lower>-1e16</lower><upper>1e16</upper></limit>', ('continuous', None)),
+    ('revolute', '<limit><lower>-0.5</lower><upper>1.5</upper></limit>',
+     ('revolute', ('-0.5', '1.5'))),
+    ('prismatic', '<limit><lower>0</lower><upper>2</upper></limit>',
+     ('prismatic', ('0.0', '2.0'))),
+    ('continuous', '<limit><lower>0</lower><upper>2</upper></limit>', ('continuous', None))])
+def test_limits_of_joints(kind, axis, expected):
+    tree, = convert(LINK.format('a', ''), LINK.format('b', ''),
+                    JOINT.format('a', 'b', kind, '<axis><xyz>0 0 1</xyz>' + axis + '</axis>'))
+    joint = ElementTree.fromstring(tree.urdf).find('joint')
+    limit = joint.find('limit')
+    assert (joint.get('type'),
+            None if limit is None else (limit.get('lower'), limit.get('upper'))) == expected
+
+
+def test_trees_have_their_own_links_and_joints_alone():
+    links = ''.join(LINK.format(name, '') for name in 'abcd')
+    joints = ''.join(JOINT.format(*pair, 'revolute', '') for pair in ('cd', 'bc'))
+    trees = convert(links, joints)
+    assert [tree.name for tree in trees] == ['m', 'm::b']
+    parts = [[part.get('name') for part in ElementTree.fromstring(tree.urdf)] for tree in trees]
+    assert parts == [['a'], ['b', 'b_c', 'c', 'c_d', 'd']]
+
+
+def test_masses_and_inertias():
+    tree, = convert('<link name="a"><inertial><pose>0 0 1 0 0 0</pose><mass>3</mass><inertia>'
+                    '<ixx>1</ixx><iyy>2</iyy><izz>2.5</izz><ixy>0.1</ixy></inertia></inertial>'
+                    '</link>')
+    inertial = ElementTree.fromstring(tree.urdf).find('link/inertial')
+    assert inertial.find('origin').get('xyz') == '0.0 0.0 1.0'
+    assert inertial.find('mass').get('value') == '3.0'
+    assert inertial.find('inertia').attrib == {
+        'ixx': '1.0', 'iyy': '2.0', 'izz': '2.5', 'ixy': '0.1', 'ixz': '0.0', 'iyz': '0.0'}
+
+
+def test_a_link_without_an_inertia_has_that_of_sdf():
+    world = load('<link name="a">' + BOX.format('collision', '', '1 1 1') + '</link>')
+    info = pybullet.getDynamicsInfo(world.bodies[0].body_id, -1,
+                                    physicsClientId=world.physics_client_id)
+    assert (info[0], info[2]) == (1.0, (1.0, 1.0, 1.0))
+
+
+def test_what_is_static_has_no_mass_and_no_inertia():
+    tree, = convert('<static>1</static>', LINK.format('a', ''))
+    inertial, = ElementTree.fromstring(tree.urdf).findall('link/inertial')
+    assert inertial.find('mass').get('value') == '0'
+    assert set(inertial.find('inertia').attrib.values()) == {'0'}
+
+
+def test_a_joint_of_another_type_is_missing():
+    missing = []
+    convert(LINK.format('a', ''), LINK.format('b', ''), JOINT.format('a', 'b', 'screw', ''),
+            missing=missing)
+    assert missing == ['joint a_b of type screw']
+
+
+TWO = LINK.format('a', '') + LINK.format('b', '')
+
+
+@pytest.mark.parametrize('inside, words', [
+    ('', 'model m has no link'),
+    (LINK.format('a', '0 0 3'), "<pose> of link a: got '0 0 3', expected 6 finite numbers"),
+    (LINK.format('a', '0 0 x 0 0 nan'), "got '0 0 x 0 0 nan', expected 6 finite numbers"),
+    (LINK.format('', ''), 'each <link> of model m must have a unique name'),
+    (LINK.format('a', '') * 2, 'each <link> of model m must have a unique name'),
+    (TWO + TIE.format('a', 'c'), 'joint a_c has the link c, which does not exist'),
+    (TWO + TIE.format('a', 'b') + JOINT.format('world', 'b', 'fixed', ''),
+     'link b is the child of two joints'),
+    (TWO + TIE.format('a', 'b') + TIE.format('b', 'a'), 'model m: link a is its own ancestor'),
+    (TWO + JOINT.format('a', 'b', 'revolute', '<axis><xyz>0 0 0</xyz></axis>'),
+     '<xyz> of joint a_b: got 0 0 0, expected a direction'),
+    (TWO + JOINT.format('a', 'b', 'revolute', '<axis><xyz>0 1</xyz></axis>'),
+     "<xyz> of joint a_b: got '0 1', expected 3 finite numbers"),
+    ('<link name="a"><pose relative_to="c">0 0 0 0 0 0</pose></link>',
+     'model m: a pose is relative to c, which does not exist'),
+    ('<link name="a"><pose relative_to="b"/></link><link name="b"><pose relative_to="a"/></link>',
+     'model m: the pose of a depends on itself'),
+    ('<link name="a"><inertial><mass>0</mass></inertial></link>',
+     '<mass> of link a: got 0 kg, expected more than 0'),
+    ('<link name="a"><inertial><mass>1e300</mass></inertial></link>',
+     '<mass> of link a: got 1e+300 kg, expected at most 1e+09'),
+    ('<link name="a"><inertial><inertia><izz>-5</izz></inertia></inertial></link>',
+     'link a has the inertia [1.0, 1.0, -5.0], expected positive moments about all axes'),
+    ('<link name="a"><inertial><inertia><ixy>2</ixy></inertia></inertial></link>',
+     'link a has the inertia [1.0, 1.0, 1.0], expected positive moments about all axes'),
+    ('<link name="a"><inertial><inertia><ixx>x</ixx></inertia></inertial></link>',
+     "<ixx> of link a: got 'x', expected 1 finite number")])
+def test_refuses_what_crashes_pybullet_or_stands_nowhere(inside, words):
+    assert words in refusal(inside)
+
+
+@pytest.mark.parametrize('surface, friction', [
+    ('', 1.0), ('<mu>0.25</mu>', 0.25), ('<mu>100</mu><mu2>50</mu2>', 1.0), ('<mu>0</mu>', 0.0)])
+def test_friction_is_that_of_the_first_collision_and_at_most_that_of_the_floor(surface, friction):
+    link = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{}</ode></friction>'
+                                        '</surface><geometry>'.format(surface))
+    world = load(link, LINK.format('b', '1 0 0 0 0 0'))
+    assert [pybullet.getDynamicsInfo(body.body_id, -1, physicsClientId=world.physics_client_id)[1]
+            for body in world.bodies] == pytest.approx([friction, 1.0])
+
+
+@pytest.mark.parametrize('mu, words', [
+    ('-1', '<mu> of link a: got -1, expected at least 0'),
+    ('much', "<mu> of link a: got 'much', expected 1 finite number")])
+def test_friction_that_is_refused(mu, words):
+    with pytest.raises(SimulationError) as error:
+        convert(LINK.format('a', '').replace(
+            '<geometry>', '<surface><friction><ode><mu>{}</mu></ode></friction></surface>'
+            '<geometry>'.format(mu)))
+    assert words in str(error.value)

@@ -1,0 +1,114 @@
+"""Shapes of an SDF link as those of a URDF."""
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from img_recog.simulation.descriptions import sdf_shapes
+from img_recog.simulation.descriptions.geometry import IDENTITY, from_rpy
+from img_recog.simulation.descriptions.sdf_shapes import Unsupported
+from img_recog.simulation.settings import SimulationError
+
+
+def convert(geometry, tag='collision', pose=IDENTITY, concave=True, material='',
+            find=lambda uri: None):
+    """Return the shape of a URDF, and what is missing."""
+    link = ElementTree.Element('link')
+    shape = ElementTree.fromstring('<{0} name="s"><geometry>{1}</geometry>{2}</{0}>'.format(
+        tag, geometry, material))
+    missing = sdf_shapes.add(link, shape, pose, find, concave)
+    added, = link
+    return added, missing
+
+
+@pytest.mark.parametrize('geometry, expected', [
+    ('<box><size>1 2 3</size></box>', ('box', {'size': '1.0 2.0 3.0'})),
+    ('<cylinder><radius>0.5</radius><length>2</length></cylinder>',
+     ('cylinder', {'radius': '0.5', 'length': '2.0'})),
+    ('<sphere><radius>0.25</radius></sphere>', ('sphere', {'radius': '0.25'}))])
+def test_primitive_shapes_are_where_they_were(geometry, expected):
+    shape, missing = convert(geometry, pose=from_rpy((1, 2, 3), (0.1, 0, 0)))
+    element, = shape.find('geometry')
+    assert (element.tag, element.attrib) == expected and missing == ''
+    assert shape.find('origin').get('xyz') == '1.0 2.0 3.0'
+    assert [float(word) for word in shape.find('origin').get('rpy').split()] == pytest.approx(
+        [0.1, 0, 0])
+
+
+@pytest.mark.parametrize('normal, place, size', [
+    ('0 0 1', (0, 0, -0.005), '4.0 2.0 0.01'), ('0 0 -2', (0, 0, 0.005), '4.0 2.0 0.01'),
+    ('1 0 0', (-0.005, 0, 0), '4.0 2.0 0.01')])
+def test_a_plane_is_the_upper_side_of_a_thin_box(normal, place, size):
+    shape, _ = convert('<plane><normal>{}</normal><size>4 2</size></plane>'.format(normal))
+    assert shape.find('geometry/box').get('size') == size
+    origin = shape.find('origin')
+    assert [float(word) for word in origin.get('xyz').split()] == pytest.approx(place, abs=1e-12)
+    upper = from_rpy((0, 0, 0), [float(word) for word in origin.get('rpy').split()])
+    direction = np.array([float(word) for word in normal.split()])
+    assert upper.rotation[:, 2] == pytest.approx(direction / np.linalg.norm(direction))
+
+
+@pytest.mark.parametrize('tag, concave, expected', [
+    ('collision', True, 'yes'), ('collision', False, None), ('visual', True, None)])
+def test_a_mesh(tmp_path, tag, concave, expected):
+    path = tmp_path / 'a.stl'
+    path.write_text('')
+    shape, missing = convert('<mesh><uri>model://m/a.stl</uri><scale>2 2 3</scale></mesh>', tag,
+                             concave=concave, find={'model://m/a.stl': str(path)}.get)
+    mesh = shape.find('geometry/mesh')
+    assert mesh.attrib == {'filename': str(path), 'scale': '2.0 2.0 3.0'}
+    assert shape.get('concave') == expected and missing == ''
+    assert shape.find('material') is None       # that of the file counts
+
+
+@pytest.mark.parametrize('geometry, words', [
+    ('', '<collision s> has no geometry'),
+    ('<heightmap><uri>a.png</uri></heightmap>', '<heightmap> of collision s'),
+    ('<mesh><uri>model://m/none.dae</uri></mesh>', 'mesh model://m/none.dae'),
+    ('<mesh><uri>model://m/folder</uri></mesh>', 'mesh model://m/folder'),
+    ('<mesh><uri>model://m/a.ply</uri></mesh>',
+     'mesh model://m/a.ply (.dae, .obj, .stl are read)')])
+def test_what_cannot_be_had_is_named(tmp_path, geometry, words):
+    path = tmp_path / 'a.ply'
+    path.write_text('')
+    with pytest.raises(Unsupported) as error:
+        convert(geometry, find={'model://m/a.ply': str(path),
+                                'model://m/folder': str(tmp_path)}.get)
+    assert str(error.value) == words
+
+
+@pytest.mark.parametrize('geometry, words', [
+    ('<box><size>1 2</size></box>', "<size> of collision s: got '1 2', expected 3 finite numbers"),
+    ('<box/>', '<size> of collision s: got None, expected 3 finite numbers'),
+    ('<box><size>1 0 1</size></box>', "<size> of collision s: got '1 0 1', expected more than 0"),
+    ('<sphere><radius>nan</radius></sphere>', "<radius> of collision s: got 'nan', expected 1"),
+    ('<plane><normal>0 0 0</normal></plane>', '<normal> of collision s: got 0 0 0, expected a')])
+def test_wrong_numbers_are_refused(geometry, words):
+    with pytest.raises(SimulationError) as error:
+        convert(geometry)
+    assert words in str(error.value)
+
+
+def test_a_visual_has_its_color():
+    shape, missing = convert('<box><size>1 1 1</size></box>', 'visual',
+                             material='<material><script><name>Gazebo/Orange</name></script>'
+                             '</material>')
+    color = shape.find('material/color').get('rgba')
+    assert (color, missing) == ('1.0 0.5088 0.0468 1.0', '')
+
+
+def test_materials_of_different_colors_have_different_names():
+    names = [convert('<box><size>1 1 1</size></box>', 'visual', material=(
+        '<material><diffuse>{} 0 0</diffuse></material>').format(red))[0].find('material').get(
+            'name') for red in (0.5, 0.6, 0.5)]
+    assert names[0] != names[1] and names[0] == names[2]
+
+
+def test_relative_paths(tmp_path):
+    (tmp_path / 'meshes').mkdir()
+    (tmp_path / 'meshes' / 'a.stl').write_text('')
+    find = sdf_shapes.find_relative(str(tmp_path), {'model://b': 'found'}.get)
+    assert find('meshes/a.stl') == str(tmp_path / 'meshes' / 'a.stl')
+    assert find('file://meshes') == str(tmp_path / 'meshes')
+    assert find('file://' + str(tmp_path / 'meshes')) == str(tmp_path / 'meshes')
+    assert (find('model://b'), find('none'), find('')) == ('found', None, None)

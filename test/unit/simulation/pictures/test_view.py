@@ -1,0 +1,258 @@
+"""Where the simulation is seen from, and the copy that the window shows."""
+import types
+
+import numpy as np
+import pybullet
+import pytest
+
+from img_recog.simulation.bodies.body import Pose
+from img_recog.simulation.bodies.loading import connect
+from img_recog.simulation.descriptions.geometry import from_rpy
+from img_recog.simulation.pictures import view, window
+from img_recog.simulation.pictures.scene import SceneCopy, poses_of
+from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, follow
+from img_recog_testing import robots
+from img_recog_testing.sdf import BUILT_IN, SHELF, sdf
+
+LEFT = (0.0, 0.0, np.sqrt(0.5), np.sqrt(0.5))       # a quarter turn
+
+
+class FakeHelper:
+    """A helper whose process is the test: `sent` is what it gets."""
+
+    made = []
+
+    def __init__(self, target, args, niceness):
+        self.target, self.args, self.niceness, self.ended = target, args, niceness, False
+        self.sent, self.is_sending, self.is_broken = [], False, False
+        self.made.append(self)
+
+    def send(self, message):
+        self.sent.append(message)
+
+    def end(self):
+        self.ended = True
+        return 0
+
+
+@pytest.fixture
+def helpers(monkeypatch, clock):
+    """The helpers that are made; time stands still but for `clock`."""
+    monkeypatch.setattr(FakeHelper, 'made', [])
+    monkeypatch.setattr(window, 'HelperProcess', FakeHelper)
+    monkeypatch.setattr(window, 'time', types.SimpleNamespace(monotonic=clock))
+    return FakeHelper.made
+
+
+def test_viewpoints():
+    assert ABOVE == ((0.8, 0.0, 0.0), 12.0, -90.0, -89.99)
+    viewpoint = follow(Pose((1.0, 2.0, 3.0), LEFT, ()))
+    assert viewpoint.target == (1.0, 2.0, 3.0)
+    assert viewpoint[1:] == pytest.approx((1.3, 0.0, -68.0))
+
+
+def in_world(tmp_path, *inside):
+    (tmp_path / 'hall.world').write_text(sdf(*inside))
+    return view.above(robots.assemble(str(tmp_path / 'hall.world'), x=50.0).simulator.world)
+
+
+@pytest.mark.parametrize('pose', [
+    (0.8, 0.0, 12.0, 0, 1.5708, 0), (0.0, 0.0, 17.0, 0, 1.5708, 0),
+    (2.7696, -1.93094, 6.71513, 0, 1.1618, 2.27182), (1, 2, 17, 0, 1.5708, 1.0)])
+def test_the_view_above_is_that_of_gazebos_user_camera(tmp_path, pose):
+    found = in_world(tmp_path, '<gui><camera name="user_camera"><pose>{} {} {} {} {} {}</pose>'
+                     '</camera></gui>'.format(*pose)).pose()
+    wanted = from_rpy(pose[:3], pose[3:])
+    assert found[:3, 3] == pytest.approx(wanted.translation, abs=0.01)
+    assert found[:3, :3] == pytest.approx(wanted.rotation, abs=1e-3)
+
+
+def test_a_user_camera_that_looks_upward_or_is_far_away(tmp_path):
+    camera = '<gui><camera name="user_camera"><pose>{}</pose></camera></gui>'
+    assert in_world(tmp_path, camera.format('0 0 1 0 -0.5 0')).distance == 50.0
+    assert in_world(tmp_path, camera.format('0 0 1e5 0 1.5708 0')).distance == 50.0
+    near = in_world(tmp_path, camera.format('0 0 5 0 1.5708 0'), SHELF)
+    assert near.distance == pytest.approx(6)
+    assert in_world(tmp_path, camera.format('0 0 5 0 1.5 0'), SHELF).distance < 5.1
+    assert in_world(tmp_path, camera.format('0 0 -1 0 1.5708 0')).distance == 0.5
+
+
+def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
+    def shelf(x, y):
+        return SHELF.replace('1 2 1 0 0 0', '{} {} 1 0 0 0'.format(x, y)).replace(
+            'shelf', 'shelf{}'.format(abs(x + y)))
+    assert in_world(tmp_path, BUILT_IN) == ABOVE
+    assert in_world(tmp_path, shelf(-3, 0), shelf(4, 5)) == ABOVE
+    found = in_world(tmp_path, shelf(-3, 0), shelf(9, 6))
+    assert found == ABOVE._replace(target=(pytest.approx(3.0, abs=0.1), pytest.approx(
+        3.0, abs=0.1), 0.0), distance=16.0)
+    assert in_world(tmp_path, shelf(-300, 0), shelf(90, 60)).distance == 50.0
+    plane = SHELF.replace('0.8 0.8 0.2', '99 99 0.01').replace('1 2 1 0 0 0', '0 0 0 0 0 0')
+    assert in_world(tmp_path, plane) == ABOVE
+
+
+def test_the_pose_of_a_viewpoint():
+    pose = ABOVE.pose()
+    # at (0.8, 0, 12); its x axis leads down, its z axis, upward in the image, along the world's x
+    assert pose[:3, 3] == pytest.approx([0.8, 0, 12], abs=0.01)
+    assert pose[:3, 0] == pytest.approx([0, 0, -1], abs=1e-3)
+    assert pose[:3, 2] == pytest.approx([1, 0, 0], abs=1e-3)
+    behind = follow(Pose((1.0, 2.0, 0.0), LEFT, ())).pose()
+    # it looks along the body's heading, the world's y, and down
+    assert behind[:3, 3] == pytest.approx(
+        [1, 2 - 1.3 * np.cos(np.radians(68)), 1.3 * np.sin(np.radians(68))], abs=1e-3)
+    assert behind[:3, 0] == pytest.approx([0, np.cos(np.radians(68)), -np.sin(np.radians(68))],
+                                          abs=1e-3)
+    assert behind[:3, 1] == pytest.approx([-1, 0, 0], abs=1e-3)
+
+
+def test_field_of_view_is_60_degrees_at_4_to_3():
+    assert np.degrees(view.horizontal_fov(640, 480)) == pytest.approx(60, abs=0.1)
+    assert np.degrees(view.horizontal_fov(480, 480)) == pytest.approx(46.8)
+
+
+class Requests:
+    """The end of a connection in a helper: gives requests, then ends."""
+
+    def __init__(self, *requests):
+        self._requests, self.sent = list(requests), []
+
+    def recv(self):
+        if not self._requests:
+            raise EOFError
+        return self._requests.pop(0)
+
+    def poll(self):
+        return bool(self._requests) and self._requests[0] is not None
+
+    def send(self, value):
+        self.sent.append(value)
+
+
+@pytest.mark.parametrize('floor', [False, True])
+def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
+    assembly = robots.assemble('turtlebot3_world', -2.0, -0.5)
+    poses, client = poses_of(assembly.simulator), connect()
+    assert len(poses) == 2 and poses[0].position[:2] == pytest.approx((-2.0, -0.5))
+    copy = SceneCopy(assembly.scene, client, floor)
+    assert pybullet.getNumBodies(physicsClientId=client) == 2 + floor
+    moved = [poses[0]._replace(position=(1.0, 2.0, 0.0)), poses[1]]
+    copy.place(moved)
+    assert [body.pose().position for body in copy._bodies] == [
+        pytest.approx(pose.position, abs=1e-6) for pose in moved]
+    for body in range(2):
+        shapes = pybullet.getVisualShapeData(body, physicsClientId=client)
+        assert len(shapes) > 5
+        # one color for each link
+        assert len({shape[1] for shape in shapes}) == len({(*shape[7], shape[1])
+                                                          for shape in shapes})
+
+
+def test_copy_of_another_scene_replaces_all_but_the_floor():
+    first, second = robots.assemble('turtlebot3_world', -2.0, -0.5), robots.assemble(x=3.0)
+    client = connect()
+    copy = SceneCopy(first.scene, client, True)
+    copy.load(second.scene)
+    assert pybullet.getNumBodies(physicsClientId=client) == 2
+    copy.place(poses_of(second.simulator))
+    assert [body.pose().position[:2] for body in copy._bodies] == [
+        pytest.approx((3.0, 0.0), abs=1e-6)]
+
+
+def test_window_gets_another_scene_before_its_poses(helpers, clock):
+    shown = window.Window('scene')
+    shown.set_scene('other')
+    shown.set_scene('newest')
+    for poses in ('poses', 'more'):
+        shown.show(poses)
+    assert helpers[0].sent == ['newest', 'poses', 'more']
+
+
+def test_window_never_places_poses_of_an_old_scene(monkeypatch):
+    first, second, client = robots.assemble('turtlebot3_world'), robots.assemble(), connect()
+    monkeypatch.setattr(window, 'connect', lambda *args: client)
+    done = []
+    for name in ('place', 'load'):
+        monkeypatch.setattr(SceneCopy, name, lambda _, value, name=name: done.append(
+            (name, value)))
+    window._show(Requests('old', second.scene, 'new', None, 'old', second.scene), first.scene,
+                 ABOVE)
+    assert done == [('load', first.scene), ('load', second.scene), ('place', 'new'),
+                    ('load', second.scene)]
+
+
+def test_floor_that_is_seen_is_grey_and_large():
+    client = connect()
+    SceneCopy(robots.assemble().scene, client, floor=True)
+    shapes = pybullet.getVisualShapeData(1, physicsClientId=client)
+    assert [shape[7] for shape in shapes] == [pytest.approx((0.72, 0.72, 0.72, 1.0))]
+    low, high = shapes[0][5][2] - shapes[0][3][2] / 2, shapes[0][5][2] + shapes[0][3][2] / 2
+    assert shapes[0][3] == pytest.approx((40.0, 40.0, 0.01))
+    assert (low, high) == pytest.approx((-0.01, 0.0))
+
+
+def test_no_part_of_a_copy_reflects_the_sun(monkeypatch):
+    changed = []
+    monkeypatch.setattr(pybullet, 'changeVisualShape',
+                        lambda *args, **kwargs: changed.append((args, kwargs)))
+    assembly, client = robots.assemble('turtlebot3_world', -2.0, -0.5), connect()
+    copy = SceneCopy(assembly.scene, client, False)
+    assert changed == [((body.body_id, link), {'specularColor': (0, 0, 0),
+                                               'physicsClientId': client})
+                       for body in copy._bodies for link in body.links]
+    assert len(changed) > 10
+
+
+def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
+    shown = window.Window('scene')
+    assert helpers[0].args == ('scene', ABOVE) and shown.due()
+    assert shown.show(['pose']) is None and helpers[0].sent == [['pose']]
+    clock.advance(0.03)
+    assert not shown.due()
+    clock.advance(0.004)
+    assert shown.due()
+    helpers[0].is_sending = True        # it opens slowly, or hangs
+    assert shown.show(['lost']) is None and helpers[0].sent == [['pose']]
+    helpers[0].is_broken = True
+    assert shown.show(['pose']) == 'closed' and helpers[0].ended
+    helpers[0].end = lambda: 1
+    assert shown.show(['pose']) == 'it could not be opened or broke'
+    closed = window.Window('scene')
+    closed.close()
+    assert helpers[1].ended
+
+
+def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
+    assembly, client, seen = robots.assemble(), connect(), {}
+    poses = poses_of(assembly.simulator)
+    monkeypatch.setattr(window, 'connect', lambda *args: seen.update(connected=args) or client)
+    monkeypatch.setattr(pybullet, 'configureDebugVisualizer', lambda *args, **kwargs:
+                        seen.setdefault('configured', []).append((args, kwargs)))
+    monkeypatch.setattr(pybullet, 'resetDebugVisualizerCamera', lambda **kwargs:
+                        seen.update(camera=kwargs))
+    placed = []
+    monkeypatch.setattr(SceneCopy, 'place', lambda _, poses: placed.append(poses))
+    window._show(Requests('old', poses, None), assembly.scene, ABOVE)
+    assert placed == [poses, None]
+    assert seen['connected'][0] == pybullet.GUI
+    assert seen['connected'][1].split() == [
+        '--background_color_red=0.7', '--background_color_green=0.7',
+        '--background_color_blue=0.7', '--width=1024', '--height=768']
+    assert seen['configured'] == [
+        ((pybullet.COV_ENABLE_GUI, 0), {'physicsClientId': client}),
+        ((), dict(window._LIGHT, physicsClientId=client))]
+    factor = 1.25 * np.tan(np.radians(FIELD_OF_VIEW / 2))
+    assert seen['camera'] == {
+        'cameraDistance': pytest.approx(12.0 * factor), 'cameraYaw': -90.0,
+        'cameraPitch': -89.99, 'cameraTargetPosition': (0.8, 0.0, 0.0),
+        'physicsClientId': client}
+    assert pybullet.getNumBodies(physicsClientId=client) == 2
+
+
+def test_window_ends_when_it_is_closed(monkeypatch):
+    assembly, client = robots.assemble(), connect()
+    monkeypatch.setattr(window, 'connect', lambda *args: client)
+    monkeypatch.setattr(pybullet, 'isConnected', lambda **kwargs: False)
+    window._show(None, assembly.scene._replace(world=assembly.scene.world._replace(
+        has_floor=False)), ABOVE)
+    assert pybullet.getNumBodies(physicsClientId=client) == 1      # the robot

@@ -1,0 +1,230 @@
+"""The visuals of a simulation, and the poses of the parts that carry them."""
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from img_recog.rendering import matrices
+from img_recog.simulation.pictures import visual_scene
+from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.sensors import robot_camera
+from img_recog.simulation.sensors.robot_camera import RobotCamera
+from img_recog.simulation.settings import CameraSettings, SimulationError
+from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape
+from img_recog_testing.robots import assemble, burger
+from img_recog_testing.sdf import BUILT_IN, CRATE, SHELF, sdf
+
+ROOT = '<link name="base_footprint">'
+
+
+@pytest.fixture
+def hall(tmp_path):
+    """The path of a world with a static shelf and a crate."""
+    path = tmp_path / 'hall.world'
+    path.write_text(sdf(SHELF.replace('</link>', '<visual name="v"><pose>0 0 0.5 0 0 0</pose>'
+                                      '<geometry><sphere><radius>0.1</radius></sphere></geometry>'
+                                      '</visual></link>'), CRATE.format('-1 0 0.1 0 0 0')))
+    return str(path)
+
+
+def read(built):
+    parts = Parts(built.simulator)
+    return visual_scene.read(built.scene, parts), parts
+
+
+def with_visual(built, inside):
+    """Return the scene with another visual in the root link of the robot, before the others."""
+    robot = built.scene.robots[0]
+    urdf = robot.urdf.replace(ROOT, ROOT + '<visual>{}</visual>'.format(inside), 1)
+    assert urdf != robot.urdf
+    return built.scene._replace(robots=[dataclasses.replace(robot, urdf=urdf)])
+
+
+def test_parts_are_the_links_of_robots_and_world(hall):
+    scene, parts = read(assemble(hall, x=0.5, y=0.25, yaw=1.0))
+    numbers = parts.numbers()
+    assert [sorted(each.values()) for each in numbers] == [
+        list(range(len(numbers[0]))), [len(numbers[0])], [len(numbers[0]) + 1]]
+    assert {'base_footprint', 'wheel_left_link'} <= set(numbers[0]) and list(numbers[1]) == ['l']
+    assert scene.moving == (True,) * len(numbers[0]) + (False, True)
+    poses = parts.poses()
+    assert poses.shape == (len(scene.moving), 7)
+    assert poses[0] == pytest.approx([0.5, 0.25, 0, 0, 0, math.sin(0.5), math.cos(0.5)], abs=1e-6)
+    assert poses[-2, :3] == pytest.approx([1, 2, 1]) and poses[-1, :3] == pytest.approx(
+        [-1, 0, 0.1])
+
+
+def test_poses_are_those_of_now(hall):
+    built = assemble(hall)
+    _, parts = read(built)
+    before = parts.poses()
+    built.simulator.vehicles[0].command(0.2, 0.0)
+    built.simulator.advance(2000)
+    after = parts.poses()
+    assert after[0, 0] == pytest.approx(built.simulator.vehicles[0].robot.pose().position[0])
+    assert after[0, 0] > before[0, 0] + 0.2
+    wheel = parts.numbers()[0]['wheel_left_link']
+    assert after[wheel, :3] - after[0, :3] == pytest.approx(before[wheel, :3] - before[0, :3],
+                                                            abs=2e-3)
+    assert abs(after[wheel, 3:] - before[wheel, 3:]).max() > 0.1      # it has turned
+    assert np.array_equal(after[-2], before[-2])
+
+
+def test_a_simulation_without_bodies_has_no_poses():
+    sim = assemble().simulator
+    sim.remove(sim.vehicles[0])
+    assert Parts(sim).poses().shape == (0, 7)
+
+
+def test_visuals_of_the_world(hall):
+    scene, parts = read(assemble(hall))
+    shelf = parts.numbers()[1]['l']
+    visual, = [each for each in scene.visuals if each.part == shelf]
+    assert visual.shape == Shape(SPHERE, (0.1,)) and visual.pose[:3, 3].tolist() == [0, 0, 0.5]
+    assert visual.material == Material((0.7, 0.7, 0.7, 1.0))
+
+
+def test_visuals_of_the_burger():
+    scene, parts = read(assemble())
+    numbers = parts.numbers()[0]
+    wheel = [each for each in scene.visuals if each.part == numbers['wheel_left_link']]
+    assert wheel[0].shape == Shape(CYLINDER, (0.033, 0.018))
+    assert wheel[0].material == Material((0.06, 0.06, 0.06, 1.0))
+    assert len(wheel) == 5 and len(scene.visuals) > 30
+
+
+def test_the_floor_is_seen_where_the_world_has_it(tmp_path):
+    (tmp_path / 'a.world').write_text(sdf(BUILT_IN))
+    (tmp_path / 'b.world').write_text(sdf())
+    for world, has_floor in (('empty', True), (str(tmp_path / 'a.world'), True),
+                             (str(tmp_path / 'b.world'), False)):
+        assert read(assemble(world))[0].light.floor is has_floor
+
+
+@pytest.mark.parametrize('inside, shape, material', [
+    ('<geometry><box size="1 2 3"/></geometry>', Shape(BOX, (1.0, 2.0, 3.0)), None),
+    ('<geometry><mesh filename="/a.stl"/></geometry>', Shape(MESH, (1.0, 1.0, 1.0), '/a.stl'),
+     None),
+    ('<geometry><mesh filename="/a.dae" scale="1 2 3"/></geometry><material name="plate"/>',
+     Shape(MESH, (1.0, 2.0, 3.0), '/a.dae'), Material((0.25, 0.25, 0.26, 1.0))),
+    ('<geometry><sphere radius="2"/></geometry><material name="m"><color rgba="1 0 0 0.5"/>'
+     '<texture filename="/a.png"/></material>', Shape(SPHERE, (2.0,)),
+     Material((1.0, 0.0, 0.0, 0.5), '/a.png')),
+    ('<geometry><sphere radius="2"/></geometry><material name="unknown"/>', Shape(SPHERE, (2.0,)),
+     None)])
+def test_shapes_and_materials(inside, shape, material):
+    built = assemble()
+    visual = visual_scene.read(with_visual(built, inside), Parts(built.simulator)).visuals[0]
+    assert (visual.part, visual.shape, visual.material) == (0, shape, material)
+
+
+@pytest.mark.parametrize('shape, material, prefers_file', [
+    ('<mesh filename="/a.dae"/>', '<material name="plate"/>', True),
+    ('<mesh filename="/a.dae"/>', '', False), ('<sphere radius="1"/>', '<material name="plate"/>',
+                                               False)])
+def test_a_material_of_a_urdf_is_that_of_what_has_none_in_the_mesh(shape, material, prefers_file):
+    built, inside = assemble(), '<geometry>{}</geometry>{}'.format(shape, material)
+    visual = visual_scene.read(with_visual(built, inside), Parts(built.simulator)).visuals[0]
+    assert visual.prefers_file is prefers_file
+
+
+def test_a_plane_is_the_upper_side_of_its_box(tmp_path):
+    plane = ('<visual name="v"><pose>0 0 0.5 0 0 1</pose><geometry><plane><normal>1 0 0</normal>'
+             '<size>4 2</size></plane></geometry></visual>')
+    (tmp_path / 'a.world').write_text(sdf(SHELF.replace('</link>', plane + '</link>')))
+    visual, = [each for each in read(assemble(str(tmp_path / 'a.world')))[0].visuals
+               if each.shape.kind == PLANE]
+    assert visual.shape.size == (4.0, 2.0)
+    assert visual.pose[:3, 3] == pytest.approx([0, 0, 0.5], abs=1e-9)
+    assert visual.pose[:3, 2] == pytest.approx([math.cos(1), math.sin(1), 0])
+
+
+def test_a_material_of_gazebo_or_of_an_sdf_replaces_that_of_the_mesh(tmp_path):
+    (tmp_path / 'a.obj').write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\n')
+    visual = ('<visual name="v"><geometry><mesh><uri>a.obj</uri></mesh></geometry><material>'
+              '<diffuse>0 0 1 1</diffuse></material></visual>')
+    (tmp_path / 'hall.world').write_text(sdf(SHELF.replace('</link>', visual + '</link>')))
+    tag = '<gazebo reference="base_footprint"><material>Gazebo/Blue</material></gazebo></robot>'
+    mesh = '<visual><geometry><mesh filename="a.obj"/></geometry></visual>'
+    built = assemble(str(tmp_path / 'hall.world'), urdf=burger().replace('</robot>', tag).replace(
+        '<link name="base_footprint"/>', '<link name="base_footprint">' + mesh + '</link>'),
+        find_mesh=lambda uri: str(tmp_path / uri))
+    meshes = [each for each in read(built)[0].visuals if each.shape.kind == MESH]
+    assert [(each.material, each.prefers_file) for each in meshes] == [
+        (Material((0.0, 0.0, 1.0, 1.0)), False)] * 2
+
+
+@pytest.mark.parametrize('inside, words', [
+    ('', 'has no geometry'), ('<geometry><ring/></geometry>', 'got the geometry ring'),
+    ('<geometry><box size="1 2"/></geometry>', "size of box: got '1 2', expected 3"),
+    ('<geometry><sphere radius="1"/></geometry><material name="m"><color rgba="red"/></material>',
+     "rgba of material m: got 'red'")])
+def test_refuses(inside, words):
+    built = assemble()
+    with pytest.raises(SimulationError) as error:
+        visual_scene.read(with_visual(built, inside), Parts(built.simulator))
+    assert words in str(error.value)
+
+
+def test_a_camera_on_the_robot_reads_its_pose_and_all_others():
+    built = assemble(x=1.0, y=2.0, yaw=math.pi / 2)
+    parts = Parts(built.simulator)
+    camera = RobotCamera(built.simulator.vehicles[0].robot, CameraSettings(
+        camera_frame='base_link', camera_x=0.1, camera_z=0.2, camera_pitch=math.pi / 2),
+        parts.poses)
+    exposure = camera.read()
+    # base_link is 0.01 m above base_footprint; the camera looks down
+    assert exposure.camera_pose[:3, 3] == pytest.approx([1.0, 2.1, 0.21], abs=1e-6)
+    assert exposure.camera_pose[:3, 0] == pytest.approx([0, 0, -1], abs=1e-6)
+    assert exposure.camera_pose[:3, 2] == pytest.approx([0, 1, 0], abs=1e-6)
+    assert np.array_equal(exposure.poses, parts.poses())
+
+
+def test_a_camera_needs_its_link():
+    built = assemble()
+    with pytest.raises(SimulationError, match='camera_frame: the robot has no link eye'):
+        RobotCamera(built.simulator.vehicles[0].robot, CameraSettings(camera_frame='eye'), list)
+
+
+@pytest.mark.parametrize('turn, is_warned', [
+    ('-1.57 0 -1.57', False), ('0 0 0', True), ('-1.57 0 1.57', True), (None, False)])
+def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
+    link = '' if turn is None else (
+        '<link name="lens"/><joint name="j" type="fixed"><parent link="base_scan"/><child '
+        'link="lens"/><origin rpy="{}"/></joint>'.format(turn))
+    robot = assemble(yaw=1.0, urdf=burger().replace(
+        '</robot>', link + '</robot>')).simulator.vehicles[0].robot
+    line = robot_camera.warning_about_frame(robot, CameraSettings(
+        camera_frame='base_scan', camera_optical_frame='lens'))
+    assert line.startswith('the images of the camera on base_scan have the frame lens, a link '
+                           'that is not turned like an image') is is_warned
+    same = CameraSettings(camera_frame='base_scan', camera_optical_frame='base_scan')
+    assert 'have the frame base_scan' in robot_camera.warning_about_frame(robot, same)
+
+
+def test_a_mounted_camera_is_read_at_its_rate_while_it_is_enabled():
+    built = assemble()
+    vehicle, parts = built.simulator.vehicles[0], Parts(built.simulator)
+    name = vehicle.mount_camera(CameraSettings(camera_frame='base_link', camera_rate=30.0),
+                                parts.poses)
+    second = vehicle.mount_camera(CameraSettings(camera_frame='base_link', camera_rate=10.0),
+                                  parts.poses)
+
+    def times(sensor, steps):
+        return [round(each.time_s, 6) for each in built.simulator.advance(steps)
+                if each.sensor == sensor]
+    assert (name, second) == ('camera_0', 'camera_1') and times(name, 100) == []
+    vehicle.set_sensor_enabled(name, True)
+    assert times(name, 100) == [0.132, 0.165, 0.198]
+    vehicle.set_sensor_enabled(name, False)
+    vehicle.set_sensor_enabled(second, True)
+    assert times(name, 1) == [] and times(second, 299) == [0.3, 0.4, 0.5]
+
+
+def test_matrices_of_poses_are_those_of_the_simulation():
+    built = assemble(x=1.0, y=-2.0, yaw=0.7)
+    _, parts = read(built)
+    matrix = matrices.from_poses(parts.poses())[0]
+    assert matrix[:3, 3] == pytest.approx([1, -2, 0], abs=1e-6)
+    assert matrix[:2, 0] == pytest.approx([math.cos(0.7), math.sin(0.7)], abs=1e-6)

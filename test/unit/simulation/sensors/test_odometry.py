@@ -1,0 +1,165 @@
+"""Odometry from the world and from the wheels, against the true motion of the burger."""
+import math
+
+import numpy as np
+import pytest
+
+from img_recog.settings import SettingError
+from img_recog.simulation.sensors.odometry import WheelOdometry
+from img_recog.simulation.settings import DriveSettings, OdometrySettings, SimulationError
+from img_recog_testing.robots import simulator
+
+ENCODER = OdometrySettings(odometry_source='encoder')
+SPAWNS = [(0.0, 0.0, 0.0), (3.0, -2.0, 0.0), (-1.0, 4.0, 2.5)]
+
+
+def last_odometry(sim, steps):
+    return [each.value for each in sim.advance(steps) if each.sensor == 'odometry'][-1]
+
+
+def yaw_of(motion):
+    x, y, z, w = motion.orientation
+    return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+
+def since(start, motion):
+    """Return x, y, yaw of a true motion as seen from the frame of a start."""
+    x, y = motion.position[:2] - start.position[:2]
+    yaw = yaw_of(start)
+    return (x * math.cos(yaw) + y * math.sin(yaw), y * math.cos(yaw) - x * math.sin(yaw),
+            math.remainder(yaw_of(motion) - yaw, 2 * math.pi))
+
+
+def planar(motion):
+    return (*motion.position[:2], yaw_of(motion))
+
+
+def test_world_is_the_true_pose_of_the_root_link_by_default():
+    sim = simulator(x=3.0, y=-2.0, yaw=0.5)
+    sim.vehicles[0].command(0.2, 0.5)
+    odometry, true = last_odometry(sim, 990), sim.vehicles[0].robot.motion('base_footprint')
+    for got, wanted in zip(odometry, true):
+        assert got == pytest.approx(wanted, abs=1e-12)
+    assert odometry.position[0] > 3.05
+
+
+def test_world_is_the_true_pose_of_base_frame():
+    settings = OdometrySettings(base_frame='base_scan')
+    sim = simulator(x=3.0, y=-2.0, yaw=math.pi / 2, odometry=settings)
+    # the scanner sits 0.032 m behind the root link's origin and 0.182 m above
+    position = last_odometry(sim, 33).position
+    assert position == pytest.approx([3.0, -2.032, 0.182], abs=0.002)
+    sim.vehicles[0].command(0.0, 1.0)
+    odometry = last_odometry(sim, 1980)
+    assert odometry.linear[1] == pytest.approx(-0.032, abs=0.003)   # it is swung to its right
+    assert odometry.angular[2] == pytest.approx(1.0, rel=0.02)
+
+
+def test_world_refuses_a_base_frame_that_is_not_there():
+    with pytest.raises(SimulationError) as error:
+        simulator(odometry=OdometrySettings(base_frame='chassis'))
+    assert ': base_frame: the robot has no link chassis (links: base_footprint' in str(error.value)
+    assert '\n' not in str(error.value)
+
+
+@pytest.mark.parametrize('x, y, yaw', SPAWNS)
+def test_encoder_starts_at_zero_wherever_the_robot_stands(x, y, yaw):
+    odometry = last_odometry(simulator(x=x, y=y, yaw=yaw, odometry=ENCODER), 33)
+    assert odometry.position == pytest.approx([0, 0, 0], abs=1e-3)
+    assert yaw_of(odometry) == pytest.approx(0, abs=1e-3)
+
+
+@pytest.mark.parametrize('x, y, yaw', SPAWNS)
+def test_encoder_counts_a_straight_metre(x, y, yaw):
+    sim = simulator(x=x, y=y, yaw=yaw, odometry=ENCODER)
+    start = sim.vehicles[0].robot.motion()
+    sim.vehicles[0].command(0.2, 0.0)
+    odometry = last_odometry(sim, 33 * 155)
+    true = since(start, sim.vehicles[0].robot.motion())
+    assert true[0] == pytest.approx(1.0, abs=0.03)
+    assert planar(odometry) == pytest.approx(true, abs=0.01)
+    assert odometry.position[2] == 0.0
+
+
+@pytest.mark.parametrize('speed, turn', [(0.2, 0.4), (0.2, -0.4), (-0.2, 0.4)])
+def test_encoder_follows_an_arc(speed, turn):
+    sim = simulator(x=1.0, y=2.0, yaw=-2.0, odometry=ENCODER)
+    start = sim.vehicles[0].robot.motion()
+    sim.vehicles[0].command(speed, turn)
+    odometry = last_odometry(sim, 33 * 150)         # not quite 2 rad, of a radius of 0.5 m
+    true = since(start, sim.vehicles[0].robot.motion())
+    assert math.copysign(1, true[2]) == math.copysign(1, turn) and abs(true[2]) > 1.7
+    assert planar(odometry) == pytest.approx(true, abs=0.05)     # the tyres slip a little
+
+
+class Wheels:
+    """A robot of which there is only how far its wheels have turned, in rad."""
+
+    def __init__(self, left, right):
+        self.turned = [left, right]
+
+    def wheel_positions(self):
+        return tuple(self.turned)
+
+    def drive(self, distance, turn, drive):
+        """Turn the wheels as if the robot drove on an arc: m, rad."""
+        for wheel, side in enumerate((-1, 1)):
+            rim = distance + side * turn * drive.wheel_separation / 2
+            self.turned[wheel] += rim / (drive.wheel_diameter / 2)
+
+
+@pytest.mark.parametrize('radius', [0.5, -0.5])
+def test_encoder_counts_a_circle_exactly_where_no_wheel_slips(radius):
+    drive, wheels = DriveSettings(wheel_separation=0.2, wheel_diameter=0.1), Wheels(7.0, -3.0)
+    odometry = WheelOdometry(wheels, drive, 0.05)
+    places = []
+    for _ in range(400):
+        turn = math.copysign(2 * math.pi / 400, radius)
+        wheels.drive(0.5 * 2 * math.pi / 400, turn, drive)
+        places.append(odometry.read())
+    assert planar(places[99]) == pytest.approx((0.5, radius, turn * 100), abs=1e-4)
+    assert planar(places[199])[:2] == pytest.approx((0.0, 2 * radius), abs=1e-4)
+    assert planar(places[399]) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+    assert places[399].linear == pytest.approx([0.5 * abs(turn) / 0.05, 0, 0])
+    assert places[399].angular == pytest.approx([0, 0, turn / 0.05])
+
+
+def test_encoder_twist_is_that_of_the_child_frame():
+    sim = simulator(yaw=2.0, odometry=ENCODER)
+    sim.vehicles[0].command(0.2, 0.5)
+    odometry = last_odometry(sim, 1980)
+    assert odometry.linear == pytest.approx([0.2, 0, 0], abs=0.003)
+    assert odometry.angular == pytest.approx([0, 0, 0.5], abs=0.01)
+    true = sim.vehicles[0].robot.motion()
+    assert odometry.linear[0] == pytest.approx(true.linear[0], rel=0.03)
+    assert np.linalg.norm(odometry.orientation) == pytest.approx(1.0)
+
+
+def test_encoder_misses_that_the_wheels_slip():
+    # a robot against a wall: the wheels turn on, and the true pose does not
+    sim = simulator('turtlebot3_world', x=2.0, y=-0.5, odometry=ENCODER)
+    sim.vehicles[0].command(0.22, 0.0)
+    odometry = last_odometry(sim, 33 * 240)
+    assert odometry.position[0] > since(
+        simulator(x=2.0, y=-0.5).vehicles[0].robot.motion(),
+        sim.vehicles[0].robot.motion())[0] + 0.3
+
+
+@pytest.mark.parametrize('reset', ['reset_world', 'reset_simulation'])
+def test_encoder_is_at_zero_after_a_reset(reset):
+    sim = simulator(x=1.0, yaw=1.0, odometry=ENCODER)
+    sim.vehicles[0].command(0.2, 0.5)
+    assert last_odometry(sim, 990).position[0] > 0.05
+    getattr(sim, reset)()
+    odometry = last_odometry(sim, 33)
+    assert planar(odometry) == pytest.approx((0, 0, 0), abs=1e-3)
+    assert odometry.linear == pytest.approx([0, 0, 0], abs=0.02)
+    assert odometry.angular == pytest.approx([0, 0, 0], abs=0.02)
+
+
+@pytest.mark.parametrize('source', ['wheels', 'World', ''])
+def test_refuses_a_source_it_does_not_know(source):
+    with pytest.raises(SettingError) as error:
+        OdometrySettings(odometry_source=source)
+    assert 'odometry_source' in str(error.value) and repr(source) in str(error.value)
+    assert 'encoder' in str(error.value) and 'world' in str(error.value)
