@@ -105,12 +105,15 @@ run_kind() {
     done
     return $code
   fi
-  local command=(-m pytest)       # as in CMakeLists.txt
-  # not when all tests run: it costs a third of the time of the unit tests
-  [ "$kind" != unit ] || command=(-m coverage run --source="$root/src/img_recog" -m pytest)
+  local command=(-m pytest) paths=("$root/test/$kind")        # as in CMakeLists.txt
+  if [ "$kind" = unit ]; then
+    # not when all tests run: it costs a third of the time of the unit tests
+    command=(-m coverage run --source="$root/src/img_recog" -m pytest)
+    paths+=(--doctest-modules "$root/src/img_recog")          # the examples in the docstrings
+  fi
   COVERAGE_FILE=$build/coverage.data "$venv/bin/python3" "${command[@]}" -p no:cacheprovider \
     --junit-xml="$results/pytest-$kind.xml" ${expression:+-k "$expression"} \
-    "$root/test/$kind" || code=$?
+    "${paths[@]}" || code=$?
   if [ $code -eq 5 ]; then         # pytest: no tests were collected
     rm -f "$results/pytest-$kind.xml"
     code=0
