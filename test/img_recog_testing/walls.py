@@ -4,7 +4,7 @@ import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'resources', 'robot_file',
-                'settings', 'signals', 'still_images', 'visuals')
+                'rotations', 'settings', 'signals', 'still_images', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -23,16 +23,16 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'helper_process', 'markup', 'settings', 'still_images',
-                'visuals') for folder in PURE},
+    **{folder: ('errors', 'files', 'helper_process', 'markup', 'rotations', 'settings',
+                'still_images', 'visuals') for folder in PURE},
     'markup': ('errors',),
-    '__init__': (), 'errors': (), 'helper_process': (), 'signals': (),
+    '__init__': (), 'errors': (), 'helper_process': (), 'rotations': (), 'signals': (),
     'visuals': (),
     'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'markup'), 'still_images': ('errors', 'settings'),
     'ros': ('errors', 'settings'),
-    'conversions': PURE + ('errors', 'settings', 'still_images'),
+    'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
     'graph': ('errors', 'files', 'signals'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),

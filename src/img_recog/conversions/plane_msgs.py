@@ -8,6 +8,7 @@ from geometry_msgs.msg import Point, PoseStamped, PoseWithCovariance
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from img_recog import rotations
 from img_recog.errors import UserError
 
 MAX_NUMBER = 1e6        # in m; physics engines compute NaN far beyond
@@ -42,7 +43,7 @@ def pose_to_msg(pose: PlanePose, header: Header) -> PoseStamped:
     """Return the message for a pose."""
     msg = PoseStamped(header=header)
     msg.pose.position.x, msg.pose.position.y = pose.x, pose.y
-    msg.pose.orientation.z, msg.pose.orientation.w = math.sin(pose.yaw / 2), math.cos(pose.yaw / 2)
+    _, _, msg.pose.orientation.z, msg.pose.orientation.w = rotations.of_yaw(pose.yaw)
     return msg
 
 
@@ -61,9 +62,7 @@ def pose_from_msg(msg: Union[PoseStamped, PoseWithCovariance]) -> PlanePose:
                         '{:g}), expected numbers up to {:g}'.format(*numbers, MAX_NUMBER))
     if not any(numbers[2:]):
         raise PoseError('got a pose with a quaternion of zeros, expected a rotation')
-    yaw = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y),
-                     turn.w ** 2 + turn.x ** 2 - turn.y ** 2 - turn.z ** 2)
-    return PlanePose(position.x, position.y, yaw)
+    return PlanePose(position.x, position.y, rotations.yaw(numbers[2:]))
 
 
 def outlines_to_msg(outlines: Sequence[np.ndarray], origin: PlanePose, frame_id: str,

@@ -4,20 +4,21 @@ from typing import Sequence, Union
 
 import numpy as np
 
+from img_recog import rotations
 from img_recog.visuals import BODY_TO_OPENGL
 
 Vector = Union[Sequence[float], np.ndarray]
 
 
 def from_poses(poses: np.ndarray) -> np.ndarray:
-    """Return the transforms (n, 4, 4) of poses (n, 7): x, y, z and a unit quaternion x, y, z, w.
+    """Return the transforms (n, 4, 4) of poses (n, 7): x, y, z and a quaternion x, y, z, w.
+
+    >>> from_poses(np.array([[1, 2, 3, 0, 0, 1, 1]])).tolist()     # a quarter turn to the left
+    [[[0.0, -1.0, 0.0, 1.0], [1.0, 0.0, 0.0, 2.0], [0.0, 0.0, 1.0, 3.0], [0.0, 0.0, 0.0, 1.0]]]
     """
-    x, y, z, w = np.asarray(poses, float)[:, 3:].T
     matrices = np.zeros((len(poses), 4, 4))
-    matrices[:, :3, :3] = np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]).transpose(2, 0, 1)
+    matrices[:, :3, :3] = np.array(rotations.elements(
+        *np.asarray(poses, float)[:, 3:].T)).T.reshape(-1, 3, 3)
     matrices[:, :3, 3] = np.asarray(poses)[:, :3]
     matrices[:, 3, 3] = 1
     return matrices

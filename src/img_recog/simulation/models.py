@@ -4,9 +4,10 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 import numpy as np
 import pybullet
 
-from img_recog.simulation.bodies.body import (Body, Motion, Pose, Quaternion, motion_of_frame,
-                                              rotation_matrix)
-from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, to_quaternion
+from img_recog import rotations
+from img_recog.rotations import Quaternion
+from img_recog.simulation.bodies.body import Body, Motion, Pose, motion_of_frame
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.simulator import Simulator
@@ -44,21 +45,22 @@ class _Model:
     def motion(self) -> Motion:
         """Return the motion of the frame of the model."""
         root = self.bodies[0].motion()
-        turn = rotation_matrix(root.orientation)
+        turn = rotations.matrix(root.orientation)
         pose = Transform(turn, root.position) @ self._root.inverse
         return motion_of_frame(
-            (pose.translation.tolist(), to_quaternion(pose.rotation)), root.position.tolist(),
-            (turn @ root.linear).tolist(), (turn @ root.angular).tolist())
+            (pose.translation.tolist(), rotations.quaternion_of(pose.rotation)),
+            root.position.tolist(), (turn @ root.linear).tolist(), (turn @ root.angular).tolist())
 
     def place(self, pose: Transform, linear: np.ndarray, angular: np.ndarray) -> None:
         """Move all bodies rigidly; pose, linear and angular: of the model in the world."""
         motion = self.motion()
-        now = Transform(rotation_matrix(motion.orientation), motion.position)
+        now = Transform(rotations.matrix(motion.orientation), motion.position)
         for body in self.bodies:
             old = body.pose()
-            new = pose @ now.inverse @ Transform(rotation_matrix(old.orientation),
+            new = pose @ now.inverse @ Transform(rotations.matrix(old.orientation),
                                                  np.array(old.position))
-            body.place(Pose(new.translation.tolist(), to_quaternion(new.rotation), old.joints))
+            body.place(Pose(new.translation.tolist(), rotations.quaternion_of(new.rotation),
+                            old.joints))
             if not body.fixed:
                 arm = new.translation - pose.translation
                 body.set_velocity((linear + np.cross(angular, arm)).tolist(), angular.tolist())
@@ -110,7 +112,7 @@ class Models:
         back = pybullet.invertTransform(origin.position, origin.orientation)
         position, orientation = pybullet.multiplyTransforms(*back, model.position,
                                                             model.orientation)
-        turn = rotation_matrix(back[1])
+        turn = rotations.matrix(back[1])
         return State(position, orientation,
                      turn @ np.subtract(model.linear, origin.linear),
                      turn @ np.subtract(model.angular, origin.angular))
@@ -176,7 +178,7 @@ class Models:
 
     def _state_in_world(self, name: str) -> State:
         motion = self._model(name).motion()
-        turn = rotation_matrix(motion.orientation)
+        turn = rotations.matrix(motion.orientation)
         return State(motion.position.tolist(), motion.orientation, turn @ motion.linear,
                      turn @ motion.angular)
 
@@ -193,9 +195,8 @@ def _grouped(trees: Sequence[Tree], bodies: Sequence[Body]) -> List[_Model]:
 
 
 def _transform(state: State) -> Transform:
-    norm = np.linalg.norm(state.orientation)
-    turn = (np.array(state.orientation) / norm).tolist() if norm > 1e-6 else (0, 0, 0, 1)
-    return Transform(rotation_matrix(turn), np.array(state.position, float))
+    turn = state.orientation if np.linalg.norm(state.orientation) > 1e-6 else (0, 0, 0, 1)
+    return Transform(rotations.matrix(turn), np.array(state.position, float))
 
 
 def _check(state: State) -> None:

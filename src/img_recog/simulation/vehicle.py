@@ -1,10 +1,10 @@
 """A robot with its drive and its sensors."""
 import dataclasses
-import math
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from img_recog import rotations
 from img_recog.simulation.bodies.body import Pose
 from img_recog.simulation.bodies.differential_drive import DifferentialDrive
 from img_recog.simulation.bodies.robot import JointStates, Robot
@@ -186,8 +186,7 @@ class Vehicle:
         """
         self._drive.reset()
         self.robot.place(Pose((x, y, self.settings.spawn.z_pos),
-                              (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
-                              self.robot.pose().joints))
+                              rotations.of_yaw(yaw), self.robot.pose().joints))
         self.robot.set_wheel_velocities((0.0, 0.0))
         self.notify_teleported()
 

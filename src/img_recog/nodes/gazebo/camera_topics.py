@@ -10,6 +10,7 @@ from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
+from img_recog import rotations
 from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
@@ -20,7 +21,6 @@ from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.process import Drawn, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import SettingError
-from img_recog.simulation.descriptions.geometry import to_quaternion
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
 from img_recog.simulation.settings import CameraSettings
 from img_recog.simulation.vehicle import Reading, Vehicle
@@ -187,5 +187,5 @@ def optical_transform(settings: CameraSettings) -> TransformStamped:
     transform = TransformStamped(child_frame_id=settings.camera_optical_frame)
     transform.header.frame_id = settings.camera_frame
     transform.transform.translation = Vector3(*optical.translation)
-    transform.transform.rotation = Quaternion(*to_quaternion(optical.rotation))
+    transform.transform.rotation = Quaternion(*rotations.quaternion_of(optical.rotation))
     return transform

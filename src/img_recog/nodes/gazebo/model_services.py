@@ -5,14 +5,13 @@ from typing import Any, Callable
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
 
-from img_recog import resources
+from img_recog import resources, rotations
 from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.simulation.descriptions import model_file, names
-from img_recog.simulation.descriptions.geometry import to_rpy
 from img_recog.simulation.models import WORLD, Models, State
 from img_recog.simulation.settings import SimulationError, SpawnSettings
 
@@ -104,7 +103,7 @@ class ModelServices:
         names.check('model', name)
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
         x, y, z = pose.translation.tolist()
-        roll, pitch, yaw = to_rpy(pose.rotation).tolist()
+        roll, pitch, yaw = rotations.to_rpy(pose.rotation).tolist()
         if max(abs(roll), abs(pitch)) > _MAX_TILT:
             raise SimulationError('a robot starts upright: got roll {:.3f} and pitch {:.3f} rad'
                                   .format(roll, pitch), 'tilt it with set_model_state')

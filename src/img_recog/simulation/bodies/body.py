@@ -2,14 +2,15 @@
 
 PyBullet itself uses the center of mass, in a frame aligned with the principal axes of inertia.
 """
-import math
-from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Dict, Iterable, NamedTuple, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
+from img_recog import rotations
+from img_recog.rotations import Quaternion
+
 Vector = Sequence[float]
-Quaternion = Tuple[float, float, float, float]      # x, y, z, w
 
 
 class Pose(NamedTuple):
@@ -52,8 +53,7 @@ class Motion(NamedTuple):
     @property
     def yaw(self) -> float:
         """The heading in rad, from -pi to pi."""
-        x, y, z, w = self.orientation
-        return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+        return rotations.yaw(self.orientation)
 
 
 class Body:
@@ -163,19 +163,6 @@ class Body:
                                    physicsClientId=self.physics_client_id)
 
 
-def rotation_matrix(orientation: Quaternion) -> np.ndarray:
-    """Return the matrix (3, 3) that turns vectors of the child frame into the parent's."""
-    return np.array(pybullet.getMatrixFromQuaternion(orientation)).reshape(3, 3)
-
-
-def into_frame(orientation: Quaternion, *vectors: Vector) -> List[Vector]:
-    """Return vectors of the parent frame in the child frame."""
-    # plain numbers: for three of them, arrays take several times as long
-    xx, yx, zx, xy, yy, zy, xz, yz, zz = pybullet.getMatrixFromQuaternion(orientation)
-    return [(xx * x + xy * y + xz * z, yx * x + yy * y + yz * z, zx * x + zy * y + zz * z)
-            for x, y, z in vectors]
-
-
 def velocity_at(position: Vector, point: Vector, linear: Vector, angular: Vector) -> Vector:
     """Return the velocity of a position that moves with a rigid part; all in the world.
 
@@ -197,4 +184,4 @@ def motion_of_frame(frame: Tuple[Vector, Quaternion], point: Vector, linear: Vec
     position, orientation = frame
     at_frame = velocity_at(position, point, linear, angular)
     return Motion(np.array(position), orientation,
-                  *np.array(into_frame(orientation, at_frame, angular)))
+                  *np.array(rotations.into_frame(orientation, at_frame, angular)))

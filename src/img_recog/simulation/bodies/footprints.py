@@ -5,7 +5,8 @@ from typing import Iterator, List, Optional
 import numpy as np
 import pybullet
 
-from img_recog.simulation.bodies.body import Body, rotation_matrix
+from img_recog import rotations
+from img_recog.simulation.bodies.body import Body
 from img_recog.simulation.bodies.world import World
 
 _CIRCLE_CORNERS = 24
@@ -33,7 +34,7 @@ def _outlines(body: Body) -> Iterator[np.ndarray]:
             if points is not None:
                 position, orientation = pybullet.multiplyTransforms(*frame, *shape[5:7])
                 yield _convex_hull(
-                    (points @ rotation_matrix(orientation).T + position)[:, :2])
+                    (points @ rotations.matrix(orientation).T + position)[:, :2])
 
 
 def _hull_points(shape_type: int, size: tuple) -> Optional[np.ndarray]:

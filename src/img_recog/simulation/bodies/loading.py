@@ -6,8 +6,9 @@ from typing import Dict, Iterator, Tuple
 
 import pybullet
 
+from img_recog import rotations
 from img_recog.simulation.descriptions import mesh_check, names
-from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, to_rpy
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.settings import SimulationError
 
 _NOTHING = '<visual><geometry><box size="0 0 0"/></geometry></visual>'
@@ -67,7 +68,7 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
         urdf = ElementTree.tostring(robot, 'unicode')
     for mesh in robot.findall('link/collision/geometry/mesh'):
         mesh_check.check(mesh.get('filename', ''))
-    orientation = pybullet.getQuaternionFromEuler(to_rpy(pose.rotation).tolist())
+    orientation = rotations.quaternion_of(pose.rotation)
     with _file(urdf) as path, _refusal('URDF'):
         body_id = pybullet.loadURDF(path, pose.translation.tolist(), orientation,
                                     useFixedBase=fixed, flags=_URDF_FLAGS,

@@ -3,11 +3,12 @@ from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 import pybullet
 
-from img_recog.simulation.bodies.body import (Body, FrameState, Motion, Pose, Quaternion, Vector,
+from img_recog import rotations
+from img_recog.rotations import Quaternion
+from img_recog.simulation.bodies.body import (Body, FrameState, Motion, Pose, Vector,
                                               motion_of_frame)
 from img_recog.simulation.bodies.loading import link_indices, load_urdf
 from img_recog.simulation.descriptions.description import FLOOR_FRICTION, Description
-from img_recog.simulation.descriptions.geometry import to_rpy
 from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
 
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
@@ -56,8 +57,7 @@ class Robot(Body):
         """Move the robot back to where it was spawned, at rest, its wheels at 0 rad."""
         spawn = self.spawn
         self.place(Pose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
-                        pybullet.getQuaternionFromEuler((0, 0, spawn.yaw)),
-                        [0.0] * len(self.joints)))
+                        rotations.of_yaw(spawn.yaw), [0.0] * len(self.joints)))
         self.set_wheel_velocities((0.0, 0.0))
 
     def wheel_positions(self) -> Tuple[float, float]:
@@ -119,8 +119,7 @@ class Robot(Body):
         if frame not in self._carriers:
             name, pose = self._frames[frame].link, self._frames[frame].pose
             link = self._link_indices[name]
-            turned = pybullet.getQuaternionFromEuler(to_rpy(pose.rotation).tolist())
-            in_link = pose.translation.tolist(), turned
+            in_link = pose.translation.tolist(), rotations.quaternion_of(pose.rotation)
             self._carriers[frame] = link, in_link if link != -1 else (
                 pybullet.multiplyTransforms(*pybullet.invertTransform(*self.mass_in_root),
                                             *in_link))

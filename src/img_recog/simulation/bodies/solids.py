@@ -8,7 +8,9 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 import pybullet
 
-from img_recog.simulation.bodies.body import Quaternion, Vector, rotation_matrix
+from img_recog import rotations
+from img_recog.rotations import Quaternion
+from img_recog.simulation.bodies.body import Vector
 from img_recog.simulation.bodies.loading import body_ids
 
 _BOX, _CYLINDER, _SPHERE, _PLANE = (pybullet.GEOM_BOX, pybullet.GEOM_CYLINDER,
@@ -140,7 +142,7 @@ class _Group:
                 position, orientation = pybullet.multiplyTransforms(
                     *poses[shape.part], shape.position, shape.orientation)
                 self._positions[number] = position
-                self._rotations[:, number] = rotation_matrix(orientation).T
+                self._rotations[:, number] = rotations.matrix(orientation).T
 
     def shorten(self, nearest: np.ndarray, bundles: Bundles) -> None:
         """Reduce distances (bundles, rays) to those of the shapes that the rays enter."""

@@ -13,11 +13,12 @@ from typing import Dict, NamedTuple, Optional, Sequence
 
 import numpy as np
 
+from img_recog import rotations
 from img_recog.files import FindFile, find_in
 from img_recog.markup import MarkupError, parse_xml
 from img_recog.simulation.descriptions import inertias, link_materials, urdf_shapes
 from img_recog.simulation.descriptions.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform,
-                                                        from_rpy, to_rpy)
+                                                        from_rpy)
 from img_recog.simulation.descriptions.meshes import resolve
 from img_recog.simulation.descriptions.numbers import read_coefficient, read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
@@ -255,6 +256,6 @@ def origin_of(element: ElementTree.Element) -> Transform:
 def _set_origin(element: ElementTree.Element, pose: Transform) -> None:
     for old in element.findall('origin'):
         element.remove(old)
-    values = {'xyz': pose.translation, 'rpy': to_rpy(pose.rotation)}
+    values = {'xyz': pose.translation, 'rpy': rotations.to_rpy(pose.rotation)}
     ElementTree.SubElement(element, 'origin', {
         key: ' '.join(repr(float(v)) for v in value) for key, value in values.items()})

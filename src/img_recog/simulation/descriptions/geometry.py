@@ -1,11 +1,11 @@
 """Rigid transforms and inertias as plain arrays: meters, radians, REP 103 axes."""
-import math
 from dataclasses import dataclass
-from typing import NamedTuple, Sequence, Tuple, Union
+from typing import NamedTuple
 
 import numpy as np
 
-Numbers = Union[Sequence[float], np.ndarray]
+from img_recog import rotations
+from img_recog.rotations import Numbers
 
 
 class Transform(NamedTuple):
@@ -39,37 +39,7 @@ IDENTITY = Transform(np.eye(3), np.zeros(3))
 
 def from_rpy(xyz: Numbers, rpy: Numbers) -> Transform:
     """Return the transform of a URDF <origin>: about fixed axes, roll, then pitch, then yaw."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
-    rotation = np.array([[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-                         [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-                         [-sp, cp * sr, cp * cr]])
-    return Transform(rotation, np.array(xyz, float))
-
-
-def to_rpy(rotation: np.ndarray) -> np.ndarray:
-    """Return roll, pitch and yaw of a rotation matrix, the inverse of `from_rpy`."""
-    horizontal = math.hypot(rotation[0, 0], rotation[1, 0])
-    pitch = math.atan2(-rotation[2, 0], horizontal)
-    if horizontal < 1e-9:       # gimbal lock: only the sum of roll and yaw is defined
-        return np.array([math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0])
-    return np.array([math.atan2(rotation[2, 1], rotation[2, 2]), pitch,
-                     math.atan2(rotation[1, 0], rotation[0, 0])])
-
-
-def to_quaternion(rotation: np.ndarray) -> Tuple[float, float, float, float]:
-    """Return the unit quaternion (x, y, z, w) of a rotation matrix (3, 3)."""
-    # 4 times the squares of w, x, y, z; the largest one is divided by
-    m = rotation
-    squares = (1 + m[0, 0] + m[1, 1] + m[2, 2], 1 + m[0, 0] - m[1, 1] - m[2, 2],
-               1 - m[0, 0] + m[1, 1] - m[2, 2], 1 - m[0, 0] - m[1, 1] + m[2, 2])
-    largest = int(np.argmax(squares))
-    rows = ((squares[0], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]),
-            (m[2, 1] - m[1, 2], squares[1], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]),
-            (m[0, 2] - m[2, 0], m[0, 1] + m[1, 0], squares[2], m[1, 2] + m[2, 1]),
-            (m[1, 0] - m[0, 1], m[0, 2] + m[2, 0], m[1, 2] + m[2, 1], squares[3]))
-    scale = 2 * math.sqrt(squares[largest])
-    w, x, y, z = (float(value) / scale for value in rows[largest])
-    return x, y, z, w
+    return Transform(rotations.from_rpy(rpy), np.array(xyz, float))
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,11 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from img_recog import rotations
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation.descriptions import sdf_frames, sdf_models
-from img_recog.simulation.descriptions.geometry import Transform, to_rpy
+from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.simulation.descriptions.numbers import read_numbers
 from img_recog.simulation.descriptions.sdf_models import Tree, Version
 from img_recog.simulation.descriptions.sdf_shapes import find_relative
@@ -223,8 +224,9 @@ def _apply_state(model: ElementTree.Element, state: Optional[ElementTree.Element
             pose = sdf_frames.pose_of(each)
             for old in model.findall('pose'):
                 model.remove(old)
+            values = (*pose.translation, *rotations.to_rpy(pose.rotation))
             ElementTree.SubElement(model, 'pose').text = ' '.join(
-                repr(float(value)) for value in (*pose.translation, *to_rpy(pose.rotation)))
+                repr(float(value)) for value in values)
 
 
 def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:

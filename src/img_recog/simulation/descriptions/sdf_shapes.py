@@ -5,9 +5,10 @@ from typing import Callable, Dict, Optional, Tuple
 
 import numpy as np
 
+from img_recog import rotations
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import link_materials, materials
-from img_recog.simulation.descriptions.geometry import Transform, to_rpy
+from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.simulation.descriptions.meshes import READABLE
 from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
@@ -48,7 +49,7 @@ def add(link: ElementTree.Element, shape: ElementTree.Element, pose: Transform, 
 def origin(pose: Transform) -> ElementTree.Element:
     """Return a URDF's <origin>."""
     return ElementTree.Element('origin', xyz=_words(pose.translation),
-                               rpy=_words(to_rpy(pose.rotation)))
+                               rpy=_words(rotations.to_rpy(pose.rotation)))
 
 
 def _geometry(shape: ElementTree.Element, find: FindFile) -> Geometry:

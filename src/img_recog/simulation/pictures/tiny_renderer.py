@@ -5,8 +5,9 @@ from typing import Any, List, Tuple
 import numpy as np
 import pybullet
 
+from img_recog import rotations
 from img_recog.simulation.bodies.loading import connect
-from img_recog.simulation.descriptions.geometry import Transform, to_quaternion
+from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.visuals import (BODY_TO_OPENGL, BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape,
                                Visual, VisualScene)
 
@@ -64,7 +65,7 @@ class TinyRenderer:
         for part, offset, body_id in self._bodies:
             position, orientation = poses[part, :3].tolist(), poses[part, 3:].tolist()
             turned = pybullet.multiplyTransforms(position, orientation, offset[:3, 3].tolist(),
-                                                 to_quaternion(offset))
+                                                 rotations.quaternion_of(offset))
             pybullet.resetBasePositionAndOrientation(body_id, *turned,
                                                      physicsClientId=self._client)
         pose = Transform(camera_pose[:3, :3], camera_pose[:3, 3])

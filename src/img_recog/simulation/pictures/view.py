@@ -5,9 +5,10 @@ from typing import NamedTuple, Tuple
 import numpy as np
 import pybullet
 
-from img_recog.simulation.bodies.body import Pose, rotation_matrix
+from img_recog import rotations
+from img_recog.simulation.bodies.body import Pose
 from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions.geometry import Transform, to_rpy
+from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.visuals import BODY_TO_OPENGL
 
 FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, like Gazebo's camera
@@ -82,7 +83,7 @@ def _shows(viewpoint: Viewpoint, low: np.ndarray, high: np.ndarray) -> bool:
 
 def follow(pose: Pose) -> Viewpoint:
     """Return a viewpoint behind and above a body that looks in the body's direction."""
-    heading = math.degrees(to_rpy(rotation_matrix(pose.orientation))[2])
+    heading = math.degrees(rotations.yaw(pose.orientation))
     x, y, z = pose.position
     # at yaw 0, PyBullet's camera looks along y
     return Viewpoint((x, y, z), _FOLLOW_DISTANCE_M, heading - 90.0, _FOLLOW_PITCH_DEG)

@@ -3,7 +3,8 @@ from typing import Iterator, List, NamedTuple, Optional
 
 import numpy as np
 
-from img_recog.simulation.bodies.body import Quaternion, Vector, into_frame, velocity_at
+from img_recog.rotations import Quaternion, into_frame
+from img_recog.simulation.bodies.body import Vector, velocity_at
 from img_recog.simulation.bodies.robot import Robot
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.settings import ImuSettings

@@ -4,7 +4,7 @@ from typing import List, Optional, Sequence
 import numpy as np
 import pybullet
 
-from img_recog.simulation.bodies.body import rotation_matrix
+from img_recog import rotations
 from img_recog.simulation.bodies.robot import Robot
 from img_recog.simulation.bodies.solids import Bundles, Solids
 from img_recog.simulation.sensors.sensor import Sensor
@@ -51,7 +51,7 @@ class LaserScanner(Sensor):
     def rays(self) -> Bundles:
         """Return the rays from where the scanner is now, a bundle."""
         motion = self._robot.motion(self._settings.scan_frame)
-        directions = (rotation_matrix(motion.orientation) @ self._directions).T
+        directions = (rotations.matrix(motion.orientation) @ self._directions).T
         return Bundles(motion.position[None], directions[None],
                        np.array([self._settings.scan_range_max]),
                        np.array([self._robot.body_id]))

@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 
+from img_recog import rotations
 from img_recog.simulation.bodies.body import Motion
 from img_recog.simulation.bodies.robot import Robot
 from img_recog.simulation.sensors.sensor import Sensor
@@ -48,7 +49,7 @@ class WheelOdometry(Sensor):
         self._y += distance * math.sin(self._yaw + turn / 2)
         self._yaw += turn
         return Motion(np.array([self._x, self._y, 0.0]),
-                      (0.0, 0.0, math.sin(self._yaw / 2), math.cos(self._yaw / 2)),
+                      rotations.of_yaw(self._yaw),
                       np.array([distance / self._period_s, 0.0, 0.0]),
                       np.array([0.0, 0.0, turn / self._period_s]))
 

@@ -4,7 +4,7 @@ from typing import Callable, NamedTuple
 
 import numpy as np
 
-from img_recog.simulation.bodies.body import rotation_matrix
+from img_recog import rotations
 from img_recog.simulation.bodies.robot import Robot
 from img_recog.simulation.descriptions.geometry import Transform, from_rpy
 from img_recog.simulation.sensors.sensor import Sensor
@@ -44,7 +44,7 @@ class RobotCamera(Sensor):
     def read(self) -> Exposure:
         """Return what an image of now shows."""
         motion = self._robot.motion(self.settings.camera_frame)
-        pose = Transform(rotation_matrix(motion.orientation), motion.position) @ self._in_link
+        pose = Transform(rotations.matrix(motion.orientation), motion.position) @ self._in_link
         return Exposure(pose.matrix(), self._poses())
 
 
@@ -61,7 +61,7 @@ def warning_about_frame(robot: Robot, settings: CameraSettings) -> str:
     link = settings.camera_optical_frame
     if not robot.has_frame(link):
         return ''
-    carrier, given = (rotation_matrix(robot.motion(each).orientation)
+    carrier, given = (rotations.matrix(robot.motion(each).orientation)
                       for each in (settings.camera_frame, link))
     cosine = (np.trace(given.T @ carrier @ optical_frame(settings).rotation) - 1) / 2
     if cosine > math.cos(_MAX_TURN):

@@ -4,7 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.simulation.bodies.body import Motion, Pose, motion_of_frame, rotation_matrix
+from img_recog import rotations
+from img_recog.simulation.bodies.body import Pose, motion_of_frame
 from img_recog_testing import robots
 
 TURNED = (0.0, 0.0, math.sin(0.4), math.cos(0.4))
@@ -34,7 +35,7 @@ def test_velocity_is_that_of_the_root_link(robot):
     robot.place(Pose((1.0, 2.0, 0.5), TURNED, [0.0, 0.0]))
     robot.set_velocity((0.3, -0.2, 0.1), (0.5, 0.6, -0.7))
     motion = robot.motion()
-    turn = rotation_matrix(motion.orientation)
+    turn = rotations.matrix(motion.orientation)
     assert turn @ motion.linear == pytest.approx([0.3, -0.2, 0.1], abs=1e-6)
     assert turn @ motion.angular == pytest.approx([0.5, 0.6, -0.7], abs=1e-6)
 
@@ -44,7 +45,7 @@ def test_velocity_of_a_wheel_of_a_turning_robot(robot):
     robot.set_velocity((0.3, 0.0, 0.0), (0.0, 0.0, 2.0))
     for frame, y in (('wheel_left_link', 0.08), ('wheel_right_link', -0.08)):
         motion = robot.motion(frame)
-        turn = rotation_matrix(motion.orientation)
+        turn = rotations.matrix(motion.orientation)
         assert turn @ motion.linear == pytest.approx([0.3 - 2.0 * y, 0.0, 0.0], abs=1e-6)
 
 
@@ -79,13 +80,3 @@ def test_a_point_of_a_turning_part_moves_across_its_arm():
                              (1.0, 2.0, 3.0), (7.0, 11.0, 13.0))
     assert list(motion.linear) == list(
         np.array((1.0, 2.0, 3.0)) + np.cross((7.0, 11.0, 13.0), (3.0, -1.0, 5.0)))
-
-
-@pytest.mark.parametrize('orientation, yaw', [
-    ((0.0, 0.0, 0.0, 1.0), 0.0), (TURNED, 0.8), ((1.0, 0.0, 0.0, 0.0), 0.0),
-    ((0.5, 0.5, 0.5, 0.5), math.pi / 2), ((0.0, 1.0, 0.0, 0.0), math.pi),
-    ((0.1, 0.2, 0.3, math.sqrt(0.86)), math.atan2(
-        2 * (0.3 * math.sqrt(0.86) + 0.02), 1 - 2 * (0.04 + 0.09)))])
-def test_yaw_of_any_orientation(orientation, yaw):
-    found = Motion(np.zeros(3), orientation, np.zeros(3), np.zeros(3)).yaw
-    assert math.cos(found - yaw) == pytest.approx(1.0)

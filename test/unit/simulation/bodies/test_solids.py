@@ -3,7 +3,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.simulation.bodies.body import rotation_matrix
+from img_recog import rotations
 from img_recog.simulation.bodies.solids import Bundles, Solids
 
 RAYS = 200
@@ -33,7 +33,7 @@ class Shape:
     def move(self, client, position, orientation=(0, 0, 0, 1)):
         pybullet.resetBasePositionAndOrientation(self.body, position, orientation,
                                                  physicsClientId=client)
-        self.position, self.rotation = np.array(position), rotation_matrix(orientation)
+        self.position, self.rotation = np.array(position), rotations.matrix(orientation)
 
     def contains(self, points, margin):
         """Return which points (n, 3) are inside, and farther than `margin` from the surface."""
