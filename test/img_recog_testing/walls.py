@@ -4,7 +4,7 @@ import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'resources', 'robot_file',
-                'rotations', 'settings', 'signals', 'still_images', 'visuals')
+                'rotations', 'settings', 'signals', 'still_images', 'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -27,14 +27,14 @@ ALLOWED = {
                 'still_images', 'visuals') for folder in PURE},
     'markup': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'rotations': (), 'signals': (),
-    'visuals': (),
+    'timed_xmlrpc': (), 'visuals': (),
     'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'markup'), 'still_images': ('errors', 'settings'),
-    'ros': ('errors', 'settings'),
+    'ros': ('errors', 'settings', 'timed_xmlrpc'),
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
-    'graph': ('errors', 'files', 'signals'),
+    'graph': ('errors', 'files', 'signals', 'timed_xmlrpc'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
 }
 WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('conversions', 'graph', 'replay')

@@ -1,6 +1,5 @@
 """Reads nodes, topics and rates of the running system, without a node."""
 import contextlib
-import http.client
 import time
 import xmlrpc.client
 from collections import Counter
@@ -9,16 +8,15 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Opt
 
 import rosgraph
 
+from img_recog import timed_xmlrpc
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.graph.system import Edge, System
 
 _CALLER_ID = '/img_recog_graph'
-_ANSWER_TIMEOUT_S = 1.0
 _THREADS = 8
 _URI_ADVICE = 'set it to the address of the master, like http://localhost:11311'
 _MASTER_ADVICE = 'start roscore or roslaunch first, or set ROS_MASTER_URI'
-_ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterException,
-           ValueError, TypeError, IndexError)
+_ERRORS = (*timed_xmlrpc.ERRORS, rosgraph.MasterException, ValueError, TypeError, IndexError)
 
 # for an edge, the number of messages on each of its connections
 Counts = Dict[Edge, Dict[int, int]]
@@ -36,9 +34,12 @@ class SystemReader:
     what getBusStats of the nodes' XML-RPC interface says in two calls of `read`.
     """
 
-    def __init__(self, now: Callable[[], float] = time.monotonic):
-        """now: returns the time in s.  Raises UserError if ROS_MASTER_URI is no address."""
-        self._now = now
+    def __init__(self, now: Callable[[], float] = time.monotonic, timeout_s: float = 1.0):
+        """now: returns the time in s. timeout_s: of a call to a node.
+
+        Raises UserError if ROS_MASTER_URI is no address.
+        """
+        self._now, self._timeout_s = now, timeout_s
         try:
             self._master = rosgraph.Master(_CALLER_ID)
         except (ValueError, OSError):       # OSError: of another protocol than HTTP
@@ -79,7 +80,7 @@ class SystemReader:
         """Return what a node says, None if it does not answer; runs in several threads."""
         if node not in self._uris:
             return None
-        proxy = xmlrpc.client.ServerProxy(self._uris[node], transport=_Transport())
+        proxy = timed_xmlrpc.server(self._uris[node], self._timeout_s)
         try:
             return _Sample(self._now(), counts_in(node, proxy.getBusStats(_CALLER_ID)))
         except xmlrpc.client.Fault:     # rospy's, when a count does not fit in 32 bits
@@ -162,12 +163,3 @@ def completed(edges: Iterable[Edge], rates_hz: Dict[Edge, float]) -> Dict[Edge, 
             for edge in subscribers:
                 result.setdefault(edge, sum(rate_hz for rate_hz in sent if rate_hz is not None))
     return result
-
-
-class _Transport(xmlrpc.client.Transport):
-    """With a time limit: a node that is stopped accepts connections and never answers."""
-
-    def make_connection(self, host):
-        connection = super().make_connection(host)
-        connection.timeout = _ANSWER_TIMEOUT_S
-        return connection

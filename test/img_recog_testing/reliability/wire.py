@@ -2,7 +2,6 @@
 
 They also do not depend on a master that has to stay alive, as a node of rospy does.
 """
-import http.client
 import io
 import socket
 import struct
@@ -12,29 +11,19 @@ from socketserver import ThreadingMixIn
 from typing import Dict, List, Optional, Tuple
 from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
 
+from img_recog import timed_xmlrpc
 from img_recog_testing.waiting import DEADLINE_S
 
 CALLER = '/reliability'
 _LENGTH = struct.Struct('<I')
 _MAX_HEADER_BYTES = 1 << 16
 # everything that a node or a master may do to a caller while it is stopped, started or killed
-ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, EOFError)
-
-
-class _Transport(xmlrpc.client.Transport):
-    def __init__(self, timeout_s: float):
-        super().__init__()
-        self._timeout_s = timeout_s
-
-    def make_connection(self, host):
-        connection = super().make_connection(host)
-        connection.timeout = self._timeout_s
-        return connection
+ERRORS = (*timed_xmlrpc.ERRORS, ValueError, EOFError)
 
 
 def call(uri: str, method: str, *arguments, timeout_s: float = DEADLINE_S):
     """Call a method of a master or node; return its value. Raises one of ERRORS."""
-    with xmlrpc.client.ServerProxy(uri, _Transport(timeout_s), allow_none=True) as server:
+    with timed_xmlrpc.server(uri, timeout_s) as server:
         code, text, value = getattr(server, method)(CALLER, *arguments)
     if code != 1:
         raise ValueError('{} of {}: {}'.format(method, uri, text))

@@ -1,29 +1,17 @@
 """The system as the master and the nodes tell it, by real XML-RPC on the loopback."""
 import threading
 import xmlrpc.client
-from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
 from img_recog.errors import UserError
-from img_recog.graph import reader
 from img_recog.graph.reader import SystemReader, completed, counts_in, new_messages
 from img_recog.graph.system import Edge
 from img_recog_testing.waiting import DEADLINE_S
+from img_recog_testing.xmlrpc_server import XmlRpcServer
 
 SENT, GOT = Edge('/cam', '/image', True), Edge('/eye', '/image', False)
 MORE = Edge('/other', '/image', True)
-
-
-class Server(SimpleXMLRPCServer):
-    """Answers with the methods that it is given."""
-
-    def __init__(self, **methods):
-        super().__init__(('127.0.0.1', 0), logRequests=False)
-        for name, method in methods.items():
-            self.register_function(method, name)
-        self.uri = 'http://127.0.0.1:{}/'.format(self.server_address[1])
-        threading.Thread(target=self.serve_forever, args=(0.01,), daemon=True).start()
 
 
 @pytest.fixture
@@ -31,12 +19,11 @@ def serve():
     servers = []
 
     def start(**methods):
-        servers.append(Server(**methods))
+        servers.append(XmlRpcServer(**methods))
         return servers[-1]
     yield start
     for server in servers:
-        server.shutdown()
-        server.server_close()
+        server.stop()
 
 
 class Clock:
@@ -49,10 +36,15 @@ class Clock:
 
 
 @pytest.fixture
-def read(serve, monkeypatch):
+def timeout_s():
+    """The time limit of a call; a busy machine needs longer than the usual one."""
+    return DEADLINE_S
+
+
+@pytest.fixture
+def read(serve, monkeypatch, timeout_s):
     """A function that reads the system of nodes with the given answers of getBusStats."""
     clock, uris = Clock(), {}
-    monkeypatch.setattr(reader, '_ANSWER_TIMEOUT_S', DEADLINE_S)    # a busy machine needs longer
 
     def lookup(_, node):
         return [1, '', uris[node]] if node in uris else [-1, 'unknown node', '']
@@ -60,7 +52,7 @@ def read(serve, monkeypatch):
     publishers = state[0][0][1]
     monkeypatch.setenv('ROS_MASTER_URI', serve(
         getSystemState=lambda _: [1, '', state], lookupNode=lookup).uri)
-    system_reader = SystemReader(clock)
+    system_reader = SystemReader(clock, timeout_s)
 
     def call(time_s, **answers):
         clock.time_s = time_s
@@ -108,8 +100,8 @@ def test_a_publisher_that_does_not_answer_has_no_connection(read):
     assert system.rates_hz == {SENT: 30.0, GOT: 30.0} and system.dead == {'/other'}
 
 
-def test_a_node_that_does_not_answer_is_dead(read, monkeypatch):
-    monkeypatch.setattr(reader, '_ANSWER_TIMEOUT_S', 0.05)
+@pytest.mark.parametrize('timeout_s', [0.05])
+def test_a_node_that_does_not_answer_is_dead(read):
     hold = threading.Event()
     system = read(0.0, cam=lambda _: hold.wait(10))
     hold.set()

@@ -1,9 +1,9 @@
 """What the master knows."""
-import http.client
-import xmlrpc.client
 from typing import List, Tuple
 
 import rospy
+
+from img_recog import timed_xmlrpc
 
 Users = List[Tuple[str, List[str]]]         # names, and the nodes that use each
 
@@ -19,7 +19,7 @@ def system_state() -> Tuple[Users, Users, Users]:
     """
     try:
         code, message, state = rospy.get_master().getSystemState()
-    except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
+    except timed_xmlrpc.ERRORS as error:
         raise MasterError('no master answers: {}'.format(error))
     if code != 1:
         raise MasterError(message)

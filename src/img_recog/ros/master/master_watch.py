@@ -1,5 +1,4 @@
 """Notices a new master and lost connections, and registers and connects the node again."""
-import http.client
 import threading
 import time
 import xmlrpc.client
@@ -8,9 +7,10 @@ from typing import Any, Callable, Dict, Mapping, Optional, Sequence, Set, Tuple
 import rosgraph
 import rospy
 
+from img_recog import timed_xmlrpc
 from img_recog.errors import one_line
 from img_recog.ros import parameters
-from img_recog.ros.master.kept_parameters import TimedTransport
+from img_recog.ros.master.calls import Master
 from img_recog.ros.transport import registration
 
 _PERIOD_S = 1.0
@@ -18,7 +18,6 @@ _MAX_TIMEOUTS = 3       # a busy master may miss one; a refused connection is re
 _STOP_TIMEOUT_S = 0.5
 _MAX_ANSWER_S = 0.5     # of a node
 _CHECK_POLLS = 5        # the master's list of publishers takes time; it is read every so many
-_GLOBAL = '/use_sim_time'
 
 
 class MasterWatch:
@@ -31,9 +30,11 @@ class MasterWatch:
     the new master has.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, timeout_s: float = 1.0) -> None:
+        """timeout_s: of a call to the master or a node."""
+        self._timeout_s = timeout_s
         self._uri, self._name = rosgraph.get_master_uri(), rospy.get_name()
-        self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=TimedTransport())
+        self._master = Master(self._uri, self._name, timeout_s)
         self._private: Dict[str, Any] = {}
         self._shared: Optional[Dict[str, Any]] = None
         self._unconnected: Set[str] = set()
@@ -43,6 +44,11 @@ class MasterWatch:
         self._is_gone = self._is_registering = self._is_unreadable = False
         self._ended = threading.Event()
         self._lock = threading.Lock()       # held during a poll
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether it watches no longer."""
+        return self._ended.is_set()
 
     def start(self) -> None:
         """Watch in a separate thread."""
@@ -55,16 +61,17 @@ class MasterWatch:
             self._lock.release()
 
     def _run(self) -> None:
-        while not self._ended.is_set():
+        while not self.has_ended:
             with self._lock:
-                if not self._ended.is_set() and not rospy.core.is_shutdown_requested():
-                    self._poll_safely()
+                if not self.has_ended and not rospy.core.is_shutdown_requested():
+                    self.poll()
             self._ended.wait(_PERIOD_S)
 
-    def _poll_safely(self) -> None:
+    def poll(self) -> None:
+        """Look once whether the master knows the node, and do what is needed."""
         try:
             self._poll()
-        except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
+        except timed_xmlrpc.ERRORS as error:
             self._failures += 1
             is_slow = isinstance(error, TimeoutError) or 'timed out' in str(error)
             if not self._is_gone and (not is_slow or self._failures >= _MAX_TIMEOUTS):
@@ -80,7 +87,7 @@ class MasterWatch:
         elif code == 1 and not self._is_registering and not self._is_gone:
             self._keep(private)
             if self._may_be_unconnected():
-                self._reconnect(dict(self._call('getSystemState')[0]))
+                self._reconnect(dict(self._master.call('getSystemState')[0]))
         else:
             # one that was gone may be a new one also if it has the node: rospy sends it what the
             # node has subscribed or advertised meanwhile, and nothing else
@@ -88,7 +95,7 @@ class MasterWatch:
 
     def _ask(self) -> Tuple[Any, Optional[Dict[str, Any]]]:
         """Return the answer to lookupNode, and the private parameters, None if unreadable."""
-        multi = xmlrpc.client.MultiCall(self._proxy)
+        multi = xmlrpc.client.MultiCall(self._master.proxy)
         multi.lookupNode(self._name, self._name)
         multi.getParam(self._name, self._name)
         try:
@@ -96,7 +103,7 @@ class MasterWatch:
             node, (has_private, _, private) = results
         except xmlrpc.client.Fault as fault:
             # the master has answered: it cannot send an integer of more than 32 bits, for example
-            node = self._proxy.lookupNode(self._name, self._name)
+            node = self._master.proxy.lookupNode(self._name, self._name)
             if not self._is_unreadable:
                 self._is_unreadable = True
                 rospy.logwarn('%s', parameters.unreadable(self._name, fault))
@@ -124,7 +131,7 @@ class MasterWatch:
         # in two polls: rospy itself is about to connect to a publisher that is new
         for topic in sorted(missing & self._unconnected):
             for publisher in publishers[topic]:
-                uri = self._get('lookupNode', publisher)
+                uri = self._master.ask('lookupNode', publisher)
                 if uri is not None and self._answers(uri):
                     registration.connect(topic, uri)
         self._unconnected = missing
@@ -136,9 +143,9 @@ class MasterWatch:
         """
         begin_s = time.monotonic()
         try:
-            with xmlrpc.client.ServerProxy(uri, transport=TimedTransport()) as node:
+            with timed_xmlrpc.server(uri, self._timeout_s) as node:
                 node.getPid(self._name)
-        except (OSError, http.client.HTTPException, xmlrpc.client.Error):
+        except timed_xmlrpc.ERRORS:
             return False
         return time.monotonic() - begin_s < _MAX_ANSWER_S
 
@@ -146,37 +153,16 @@ class MasterWatch:
         if private is not None:
             self._private = private
         if self._shared is None:
-            found = self._get('searchParam', 'robot_description')
-            names = [_GLOBAL, found] if found else [_GLOBAL]
-            values = {name: self._get('getParam', name) for name in names}
-            self._shared = {name: each for name, each in values.items() if each is not None}
+            self._shared = self._master.shared_parameters()
 
     def _register(self) -> None:
         self._is_registering = True         # until all of it has succeeded
         values = {'{}/{}'.format(self._name, key): value for key, value in self._private.items()}
-        values.update(self._shared or {})
-        missing = [name for name in values if not self._call('hasParam', name)]
-        for name in missing:
-            self._call('setParam', name, values[name])
-        registered = registration.register_again(self._call)
+        count = self._master.set_missing({**values, **(self._shared or {})})
+        registered = registration.register_again(self._master.call)
         self._is_registering = self._is_gone = False
         rospy.loginfo('a master answers at %s: registered again, topics %d, services %d, '
-                      'parameters %d', self._uri, registered.topics, registered.services,
-                      len(missing))
-
-    def _call(self, method: str, *arguments: Any) -> Any:
-        code, message, value = getattr(self._proxy, method)(self._name, *arguments)
-        if code != 1:
-            raise xmlrpc.client.Error('{}: {}'.format(method, message))
-        return value
-
-    def _get(self, method: str, name: str) -> Optional[Any]:
-        """Return a parameter's value or name, None if there is none that can be read."""
-        try:
-            code, _, value = getattr(self._proxy, method)(self._name, name)
-        except xmlrpc.client.Fault:
-            return None
-        return value if code == 1 else None
+                      'parameters %d', self._uri, registered.topics, registered.services, count)
 
 
 def start(on_shutdown: Callable[[Callable[[], None]], None]) -> None:

@@ -4,12 +4,12 @@ import itertools
 import signal
 import socket
 import subprocess
+import threading
 import time
 import xmlrpc.client
 
 import pytest
 
-from img_recog.ros.master import kept_parameters
 from img_recog.ros.master.kept_parameters import KeptParameters
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -81,29 +81,16 @@ def start_master(monkeypatch, tmp_path):
 @pytest.fixture
 def kept(monkeypatch):
     """A function that keeps the parameters of /ns/node as a master has them; and the lines."""
-    monkeypatch.setattr(kept_parameters, '_RETRY_S', 0.05)
-    monkeypatch.setattr(kept_parameters, '_TIMEOUT_S', DEADLINE_S)  # a busy machine needs longer
-
-    started = []
-
-    def keep(uri, is_complete=True):
+    def keep(uri, is_complete=True, timeout_s=DEADLINE_S):
         monkeypatch.setenv('ROS_MASTER_URI', uri)
         monkeypatch.setenv('ROS_NAMESPACE', '/ns')
         lines = []
-        kept = KeptParameters(['program', '__name:=node'], lines.append, SIGNALS)
-        started.append(kept)
+        kept = KeptParameters(['program', '__name:=node'], lines.append, SIGNALS, timeout_s, 0.05)
         kept.keep()
         if is_complete:
-            wait_for(lambda: kept._values is not None, 'the parameters')
+            wait_for(lambda: kept.are_known, 'the parameters')
         return kept, lines
-    yield keep
-    # a thread that still waits for its master would set the parameters of another test, whose
-    # master gets the same port
-    for each in started:
-        each._set, each._values = lambda: None, {}
-    for each in started:
-        each._thread.join(DEADLINE_S)
-        assert not each._thread.is_alive()
+    return keep
 
 
 def never():
@@ -152,33 +139,33 @@ def test_what_xmlrpc_cannot_transmit_is_skipped(start_master, kept):
     old.set_raw('/robot_description', '<i8>5000000000</i8>')
     kept, _ = kept(old.uri)
     old.stop()
-    kept._values.update({'/ns/node/none': None, '/ns/node/huge': 1 << 40})
     new = start_master()
     kept.set_again(never)
     assert new.get('/ns/node') == PRIVATE and new.get('/robot_description') is None
 
 
-def test_it_waits_for_a_master_and_says_so_once(start_master, kept, monkeypatch):
+def test_it_waits_for_a_master_and_says_so_once(start_master, kept):
     old = start_master(values())
     kept, lines = kept(old.uri)
     old.stop()
-    tries, set_values = [], kept._set
-    monkeypatch.setattr(kept, '_set', lambda: tries.append(1) or set_values())
-    kept.set_again(lambda: len(tries) > 3)
+    asked = itertools.count()
+    kept.set_again(lambda: next(asked) > 6)
     assert lines == ['waits for the master at {} to answer: Connection refused'.format(old.uri)]
+    waiting = threading.Thread(target=kept.set_again, args=(never,))
+    waiting.start()
     new = start_master()
-    wait_for(lambda: new.get('/ns/node') == PRIVATE, 'the parameters')
+    waiting.join(DEADLINE_S)
+    assert new.get('/ns/node') == PRIVATE
 
 
-def test_a_suspended_master_does_not_delay_an_end(kept, start_master, monkeypatch):
+def test_a_suspended_master_does_not_delay_an_end(kept, start_master):
     old = start_master(values())
-    kept, _ = kept(old.uri)
+    kept, _ = kept(old.uri, timeout_s=2 * DEADLINE_S)
     old.stop()
     with socket.socket() as suspended:
         suspended.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         suspended.bind(('127.0.0.1', old.port))
         suspended.listen(8)
-        monkeypatch.setattr(kept_parameters, '_TIMEOUT_S', 10 * DEADLINE_S)
         begin_s = time.monotonic()
         kept.set_again(lambda: time.monotonic() > begin_s + 0.2)
         assert time.monotonic() - begin_s < DEADLINE_S
@@ -195,7 +182,8 @@ def test_a_program_without_a_name_is_no_node(monkeypatch, start_master):
     monkeypatch.setenv('ROS_MASTER_URI', start_master().uri)
     kept = KeptParameters(['program'], print, SIGNALS)
     kept.keep()
-    assert not kept._thread.is_alive() and kept._values is None
+    kept.set_again(never)
+    assert not kept.node and not kept.are_known
 
 
 def test_no_address_of_a_master():
@@ -208,4 +196,4 @@ def test_no_address_of_a_master():
     ('/b/', ['__name:=a', '__ns:=/d'], '/d/a')])
 def test_the_name_of_the_node(monkeypatch, namespace, words, name):
     monkeypatch.setenv('ROS_NAMESPACE', namespace)
-    assert KeptParameters(words, print, SIGNALS)._node == name
+    assert KeptParameters(words, print, SIGNALS).node == name

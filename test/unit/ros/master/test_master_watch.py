@@ -1,6 +1,6 @@
 """The watch notices a new master, and sets the parameters that it does not have."""
-import errno
 import socket
+import threading
 import xmlrpc.client
 
 import pytest
@@ -8,23 +8,37 @@ import rospy
 
 from img_recog.ros.master import master_watch
 from img_recog.ros.master.master_watch import MasterWatch
+from img_recog_testing.waiting import DEADLINE_S
+from img_recog_testing.xmlrpc_server import XmlRpcServer
 
 URI = 'http://node:1/'
+PARAMETERS = {'/node/rate': 30, '/node/name': 'x', '/use_sim_time': True,
+              '/robot_description': '<robot/>', '/other': 1}
 
 
 class FakeMaster:
-    """The calls of a master that the watch uses."""
+    """The calls of a master that the watch uses, by real XML-RPC."""
 
-    def __init__(self, parameters=()):
-        self.parameters, self.nodes, self.failure = dict(parameters), {}, None
-        self.publishers = []
+    def __init__(self):
+        self.calls, self.free = [], threading.Event()
+        self.free.set()
+        self.renew(PARAMETERS, {'/node': URI})
+        self._server = XmlRpcServer(dispatch=self._call)
+        self.uri, self.port = self._server.uri, self._server.port
 
-    def __getattr__(self, method):
-        return lambda *arguments: self.call(method, *arguments)
+    def renew(self, parameters, nodes=()):
+        """Be another master from now on."""
+        self.parameters, self.nodes, self.publishers = dict(parameters), dict(nodes), []
 
-    def call(self, method, caller, name='', value=None):
-        if self.failure is not None:
-            raise self.failure
+    def stop(self):
+        self._server.stop()
+
+    def start(self):
+        self._server = XmlRpcServer(self.port, self._call)
+
+    def _call(self, method, caller, name='', value=None):
+        self.free.wait(DEADLINE_S)
+        self.calls.append(method)
         if method == 'lookupNode':
             return (1, '', self.nodes[name]) if name in self.nodes else (-1, 'unknown', '')
         if method == 'getSystemState':
@@ -45,19 +59,6 @@ class FakeMaster:
         raise AssertionError(method)
 
 
-class FakeMultiCall:
-    """Calls one after the other, as one request."""
-
-    def __init__(self, proxy):
-        self._proxy, self._calls = proxy, []
-
-    def __getattr__(self, method):
-        return lambda *arguments: self._calls.append((method, arguments))
-
-    def __call__(self):
-        return [self._proxy.call(method, *arguments) for method, arguments in self._calls]
-
-
 @pytest.fixture
 def lines(monkeypatch):
     """The log lines."""
@@ -68,157 +69,162 @@ def lines(monkeypatch):
 
 
 @pytest.fixture
-def watch(monkeypatch, lines):
-    """A watch whose master has the node and some parameters."""
-    monkeypatch.setenv('ROS_MASTER_URI', 'http://master:1')
+def master(monkeypatch):
+    """A master that has the node and some parameters."""
+    master = FakeMaster()
+    monkeypatch.setenv('ROS_MASTER_URI', master.uri)
+    yield master
+    master.free.set()
+    master.stop()
+
+
+@pytest.fixture
+def timeout_s():
+    """The time limit of a call; a busy machine needs longer than the usual one."""
+    return DEADLINE_S
+
+
+@pytest.fixture
+def watch(monkeypatch, lines, master, timeout_s):
+    """A watch that has looked once."""
     monkeypatch.setattr(rospy, 'get_name', lambda: '/node')
     monkeypatch.setattr(rospy, 'get_node_uri', lambda: URI)
-    monkeypatch.setattr(master_watch.xmlrpc.client, 'MultiCall', FakeMultiCall)
-    watch = MasterWatch()
-    watch._proxy = FakeMaster({'/node/rate': 30, '/node/name': 'x', '/use_sim_time': True,
-                               '/robot_description': '<robot/>', '/other': 1})
-    watch._proxy.nodes['/node'] = URI
 
     def register_again(call):
         call('hasParam', '/anything')
-        watch._proxy.nodes['/node'] = URI
+        master.nodes['/node'] = URI
         return master_watch.registration.Registered(5, 2)
     monkeypatch.setattr(master_watch.registration, 'register_again', register_again)
-    watch._poll_safely()
+    watch = MasterWatch(timeout_s)
+    watch.poll()
     return watch
 
 
+def registered(master, parameters):
+    return ('a master answers at {}: registered again, topics 5, services 2, parameters {}'
+            .format(master.uri, parameters))
+
+
 def test_a_known_node_is_not_registered_again(watch, lines):
-    watch._poll_safely()
+    watch.poll()
     assert lines == []
 
 
-def test_a_new_master_gets_the_parameters_it_does_not_have(watch, lines):
-    watch._proxy.parameters['/node/rate'] = 15      # changed while the node runs
-    watch._poll_safely()
-    watch._proxy = FakeMaster({'/node/name': 'y'})
-    watch._poll_safely()
-    assert watch._proxy.parameters == {
-        '/node/rate': 15, '/node/name': 'y', '/use_sim_time': True,
-        '/robot_description': '<robot/>'}
-    assert lines == ['a master answers at http://master:1: registered again, topics 5, '
-                     'services 2, parameters 3']
-    watch._poll_safely()
+def test_a_new_master_gets_the_parameters_it_does_not_have(watch, master, lines):
+    master.parameters['/node/rate'] = 15      # changed while the node runs
+    watch.poll()
+    master.renew({'/node/name': 'y'})
+    watch.poll()
+    assert master.parameters == {'/node/rate': 15, '/node/name': 'y', '/use_sim_time': True,
+                                 '/robot_description': '<robot/>'}
+    assert lines == [registered(master, 3)]
+    watch.poll()
     assert len(lines) == 1
 
 
-def test_a_master_that_is_gone_is_logged_once_and_so_is_its_return(watch, lines):
-    watch._proxy.failure = ConnectionRefusedError(errno.ECONNREFUSED, 'Connection refused')
+def test_a_master_that_is_gone_is_logged_once_and_so_is_its_return(watch, master, lines):
+    master.stop()
     for _ in range(3):
-        watch._poll_safely()
+        watch.poll()
     assert len(lines) == 1 and lines[0].startswith(
-        'the master at http://master:1 does not answer: Connection refused')
-    watch._proxy.failure = None
-    watch._poll_safely()
-    watch._poll_safely()
-    assert lines[1:] == ['a master answers at http://master:1: registered again, topics 5, '
-                         'services 2, parameters 0']
+        'the master at {} does not answer: Connection refused'.format(master.uri))
+    master.start()
+    watch.poll()
+    watch.poll()
+    assert lines[1:] == [registered(master, 0)]
 
 
-def test_a_busy_master_may_miss_a_poll(watch, lines):
-    watch._proxy.failure = socket.timeout('timed out')
+@pytest.mark.parametrize('timeout_s', [0.3])
+def test_a_busy_master_may_miss_a_poll(watch, master, lines):
+    master.free.clear()
     for _ in range(2):
-        watch._poll_safely()
+        watch.poll()
     assert lines == []
-    watch._poll_safely()
+    watch.poll()
     assert len(lines) == 1 and 'timed out' in lines[0]
 
 
-def test_parameters_that_cannot_be_read_are_not_silence_of_the_master(watch, lines, monkeypatch):
-    def fault(_):
-        raise xmlrpc.client.Fault(1, 'int exceeds XML-RPC limits')
-    with monkeypatch.context() as patch:
-        patch.setattr(FakeMultiCall, '__call__', fault)
-        for _ in range(3):
-            watch._poll_safely()
+def test_parameters_that_cannot_be_read_are_not_silence_of_the_master(watch, master, lines):
+    master.parameters['/node/wide'] = 1 << 40
+    for _ in range(3):
+        watch.poll()
     assert len(lines) == 1 and 'rosparam delete /node/NAME' in lines[0]
     assert 'parameters in /node' in lines[0] and 'int exceeds XML-RPC limits' in lines[0]
-    assert watch._polls == 4        # as of a master that answers
-    watch._proxy = FakeMaster()
-    watch._poll_safely()
-    assert watch._proxy.parameters['/node/rate'] == 30
+    master.renew({})
+    watch.poll()
+    assert master.parameters['/node/rate'] == 30
 
 
-def test_a_registration_that_fails_is_repeated(watch, lines, monkeypatch):
+def test_a_registration_that_fails_is_repeated(watch, master, lines, monkeypatch):
     register_again, failures = master_watch.registration.register_again, [xmlrpc.client.Error('x')]
 
     def failing(call):
         if failures:
-            watch._proxy.nodes['/node'] = URI       # a part of it has succeeded
+            master.nodes['/node'] = URI       # a part of it has succeeded
             raise failures.pop()
         return register_again(call)
     monkeypatch.setattr(master_watch.registration, 'register_again', failing)
-    watch._proxy = FakeMaster()
-    watch._poll_safely()
-    watch._poll_safely()
-    assert 'registered again' in lines[-1] and watch._proxy.parameters['/node/rate'] == 30
+    master.renew({})
+    watch.poll()
+    watch.poll()
+    assert 'registered again' in lines[-1] and master.parameters['/node/rate'] == 30
 
 
-def test_a_node_that_was_replaced_is_not_registered_again(watch, lines):
-    watch._proxy.nodes['/node'] = 'http://other:1/'
-    watch._poll_safely()
-    assert watch._ended.is_set() and lines == []
+def test_a_node_that_was_replaced_is_not_registered_again(watch, master, lines):
+    master.nodes['/node'] = 'http://other:1/'
+    watch.poll()
+    assert watch.has_ended and lines == []
 
 
 @pytest.fixture
-def connected(watch, monkeypatch):
-    """What the watch connects; /image is published by a node that runs and one that does not."""
+def connected(watch, master, monkeypatch):
+    """What the watch connects; of the publishers of /image, only /camera answers in time."""
     connected = []
     monkeypatch.setattr(master_watch.registration, 'connections', lambda: {'/image': 0})
     monkeypatch.setattr(master_watch.registration, 'unconnected_topics',
                         lambda publishers: {'/image'} & set(publishers))
     monkeypatch.setattr(master_watch.registration, 'connect',
                         lambda *words: connected.append(words))
-    monkeypatch.setattr(MasterWatch, '_answers', lambda self, uri: uri == 'http://camera:1/')
-    watch._proxy.nodes.update({'/camera': 'http://camera:1/', '/dead': 'http://dead:1/'})
-    watch._proxy.publishers = [['/image', ['/unknown', '/dead', '/camera']], ['/clock', ['/sim']]]
-    return connected
+    camera = XmlRpcServer(getPid=lambda _: [1, '', 1])
+    with socket.socket() as suspended:
+        suspended.bind(('127.0.0.1', 0))
+        suspended.listen(1)
+        master.nodes.update({
+            '/camera': camera.uri, '/dead': 'http://127.0.0.1:1/',
+            '/suspended': 'http://127.0.0.1:{}/'.format(suspended.getsockname()[1])})
+        master.publishers = [['/image', ['/unknown', '/dead', '/suspended', '/camera']],
+                             ['/clock', ['/sim']]]
+        yield [connected, [('/image', camera.uri)]]
+    camera.stop()
 
 
+@pytest.mark.parametrize('timeout_s', [1.0])
 def test_a_lost_connection_is_made_again(watch, connected):
-    watch._poll_safely()
+    connected, wanted = connected
+    watch.poll()
     assert connected == []          # rospy may be about to connect
-    watch._poll_safely()
-    assert connected == [('/image', 'http://camera:1/')]
+    watch.poll()
+    assert connected == wanted
 
 
-def test_a_connection_that_is_back_is_left_alone(watch, connected):
-    watch._poll_safely()
-    publishers, watch._proxy.publishers = watch._proxy.publishers, []
-    watch._poll_safely()
-    watch._proxy.publishers = publishers
-    watch._poll_safely()
-    assert connected == []
+def test_a_connection_that_is_back_is_left_alone(watch, master, connected):
+    watch.poll()
+    publishers, master.publishers = master.publishers, []
+    watch.poll()
+    master.publishers = publishers
+    watch.poll()
+    assert connected[0] == []
 
 
 def test_publishers_are_read_if_a_connection_may_be_missing_and_from_time_to_time(
-        watch, connected, monkeypatch):
-    read = []
-    call = watch._proxy.call
-
-    def counted(method, *arguments):
-        read.append(method == 'getSystemState')
-        return call(method, *arguments)
-    monkeypatch.setattr(watch._proxy, 'call', counted)
+        watch, master, monkeypatch):
     monkeypatch.setattr(master_watch.registration, 'unconnected_topics', lambda _: set())
 
     def is_read(count):
         monkeypatch.setattr(master_watch.registration, 'connections', lambda: {'/image': count})
-        del read[:]
-        watch._poll_safely()
-        return any(read)
+        del master.calls[:]
+        watch.poll()
+        return 'getSystemState' in master.calls
     # the fixture has polled once
     assert [is_read(count) for count in (0, 1, 2, 2, 1, 1, 1, 1, 1, 1)] == [
         True, False, False, True, True, False, False, False, True, False]
-
-
-def test_a_node_that_does_not_answer_is_not_connected(watch):
-    with socket.socket() as suspended:
-        suspended.bind(('127.0.0.1', 0))
-        suspended.listen(1)
-        assert not watch._answers('http://127.0.0.1:{}/'.format(suspended.getsockname()[1]))
