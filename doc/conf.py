@@ -7,9 +7,8 @@ copyright = author
 extensions = ['myst_parser', 'sphinx.ext.autodoc', 'sphinx.ext.viewcode']
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
 root_doc = 'index'
-# doc/contents.rst is here as index.rst, and in the place of doc/index.md
-exclude_patterns = ['bench', 'config', 'doc/contents.rst', 'doc/index.md', 'launch', 'src', 'test',
-                    'urdf']
+# doc/contents.rst is here as index.rst
+exclude_patterns = ['bench', 'config', 'doc/contents.rst', 'launch', 'src', 'test', 'urdf']
 
 myst_heading_anchors = 3
 smartquotes = False         # options are written with two hyphens

@@ -1,4 +1,4 @@
-"""Tables of what was measured, as Markdown that fits into doc/reliability.md."""
+"""Tables of what was measured, as Markdown."""
 import statistics
 from typing import Iterable, List, Sequence
 
