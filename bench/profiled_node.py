@@ -22,9 +22,8 @@ from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
 # where the parts are: name of the part, owner and name of the function
 PARTS = (
-    ('receive', image_subscriber, '_receive'), ('message', image_subscriber, '_image'),
-    ('convert', cv2, 'cvtColor'), ('masks', Masks, 'begin'), ('masks', Masks, 'advance'),
-    ('masks', Masks, 'finish'), ('log', RecurringLine, 'write'),
+    ('receive', image_subscriber, '_fill'), ('message', image_subscriber, '_image'),
+    ('convert', cv2, 'cvtColor'), ('masks', Masks, 'compute'), ('log', RecurringLine, 'write'),
     ('commands', ColorExtract, '_publish_commands'), ('images', ImagePublisher, 'publish_drawn'),
     ('send', image_publisher.Outboxes, 'put'))
 

@@ -43,7 +43,7 @@ class ImageFormatError(UserError):
     """An image has a format that is not allowed where it came from."""
 
 
-def check_size(width: float, height: float, max_pixels: int) -> None:
+def check_size(width: float, height: float, max_pixels: float) -> None:
     """Raise ImageTooLarge if an image of this size, in pixels, must not be decoded."""
     if width * height > max_pixels:
         raise ImageTooLarge('{:.0f}x{:.0f} are {:.0f} pixels, more than max_image_pixels = {}'

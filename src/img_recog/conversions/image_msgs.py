@@ -1,8 +1,9 @@
 """Conversion of sensor_msgs/Image to and from arrays, by cv_bridge."""
 import contextlib
 import functools
+import math
 import sys
-from typing import Any, Iterator, Optional, Tuple
+from typing import Any, Iterator, Tuple
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from img_recog.errors import UserError, one_line, shortened
+from img_recog.still_images import ImageTooLarge, check_size
 
 # The conversions of cv_bridge to bgr8: encoding -> (channels, code of cv2.cvtColor). Those that
 # are not listed are done by cv_bridge itself.
@@ -62,26 +64,15 @@ def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:
         return _bridge().imgmsg_to_cv2(_normalized(msg), encoding)
 
 
-def color_view(msg: Image) -> Optional[np.ndarray]:
-    """Return the image of a message with an encoding of 8-bit colors; None for any other encoding.
-
-    The image is uint8 of shape (height, width, channels); it shares the memory of the message,
-    which need not be complete yet. Raises ImageError naming the size, encoding and reason.
-    """
-    channels = _COLOR_CHANNELS.get(msg.encoding)
-    if channels is None:
-        return None
-    with _image_errors(msg, 'bgr8'):
-        return _view(msg, channels)
-
-
 class ColorImages:
     """Converts messages of any encoding to color images, without a copy where possible.
 
     Images that need a conversion share one buffer, which is reused for the next image.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, max_pixels: float = math.inf):
+        """Refuse images with more than `max_pixels` pixels."""
+        self._max_pixels = max_pixels
         self._converted = np.empty((0, 0, 3), np.uint8)
 
     def from_msg(self, msg: Image) -> Tuple[np.ndarray, str]:
@@ -91,10 +82,13 @@ class ColorImages:
         rgb8, bgra8, rgba8. It shares the memory of the message or is overwritten by the next call.
         Raises ImageError naming the size, encoding and reason.
         """
-        image = color_view(msg)
-        if image is not None:
-            return image, msg.encoding
+        try:
+            check_size(msg.width, msg.height, self._max_pixels)
+        except ImageTooLarge as error:
+            raise ImageError(str(error))
         with _image_errors(msg, 'bgr8'):
+            if msg.encoding in _COLOR_CHANNELS:
+                return _view(msg, _COLOR_CHANNELS[msg.encoding]), msg.encoding
             if msg.encoding in _CONVERSIONS:
                 return self._convert(msg, *_CONVERSIONS[msg.encoding]), 'bgr8'
         return from_msg(msg, 'bgr8'), 'bgr8'

@@ -1,5 +1,5 @@
 """Areas, masks, masked images and centroids of colors."""
-from typing import Dict, Iterator, List, Optional, Set, Tuple
+from typing import Dict, List, Optional, Set, Tuple
 
 import cv2
 import numpy as np
@@ -47,16 +47,6 @@ class ColorExtractor:
         image: uint8 of shape (height, width, 3 or 4); its rows need not be contiguous.
         encoding: one of ENCODINGS, the order of its channels.
         """
-        self.begin(image, encoding)
-        return self.finish()
-
-    def begin(self, image: np.ndarray, encoding: str) -> Iterator[int]:
-        """Begin to measure an image that is not complete yet, for example while it arrives.
-
-        Returns an iterator, which does a part of the work at each step and yields the number of
-        rows, from the top, that must be there before the next step. The arguments are those of
-        `measure`, and `finish` returns what it does.
-        """
         self._image, self._encoding, self._bgr = image, encoding, None
         height, width = image.shape[:2]
         is_new, self._settings = self._next_settings is not self._settings, self._next_settings
@@ -65,24 +55,13 @@ class ColorExtractor:
         height, width = part.shape[:2]
         if is_new or self._masks.shape != (height, width):
             self._masks = Masks((height, width), self._settings.colors)
-        self._masks.begin(part, _TO_HSV[encoding])
-        return self._steps(self._masks)
-
-    def finish(self) -> List[int]:
-        """Do what remains to be done for the image of `begin`, which is complete now."""
-        self._masks.finish()
+        self._masks.compute(part, _TO_HSV[encoding])
         self._areas_px = list(self._masks.areas_px)
         self._changed.clear()
         self._drop_outside()
         if self._settings.min_blob_size > 1 and 0 not in self._masks.shape:
             self._drop_small_blobs()
         return list(self._areas_px)
-
-    def _steps(self, masks: Masks) -> Iterator[int]:
-        top = self._region[0].start
-        for rows in masks.ends[:-1]:        # `finish` does the last part
-            yield top + rows
-            masks.advance(rows)
 
     @property
     def shape(self) -> Tuple[int, int, int]:

@@ -33,7 +33,6 @@ class Masks:
     """Computes the masks of images of one shape, in reused buffers.
 
     areas_px: for each color, the number of pixels inside the range.
-    ends: numbers of rows, from the top, after which `advance` can do a further part.
 
     The conversion to HSV takes most of the time, so only the groups of pixels that need it are
     converted and tested, and their results are put into a mask when it is asked for. A color that
@@ -48,9 +47,7 @@ class Masks:
         size_px = max(_MIN_STRIP_PX, min(height * width // _STRIPS, _MAX_STRIP_PX))
         rows = max(GROUP_PX, size_px // max(1, width) // GROUP_PX * GROUP_PX)   # whole groups
         tops = range(0, height if width and tested else 0, rows)
-        self.ends = [min(height, top + rows) for top in tops]
-        self._strips = [slice(top, end) for top, end in zip(tops, self.ends)]
-        self._next_strip = 0
+        self._strips = [slice(top, min(height, top + rows)) for top in tops]
         flat = [np.zeros(padded(height * width), np.uint8) for _ in colors]
         self._masks = [mask[:height * width].reshape(shape) for mask in flat]
         self._mask_groups = [mask.view(GROUP) for mask in flat]
@@ -60,15 +57,13 @@ class Masks:
         self._groups = _Groups(height * width, self._tester, len(tested))
         self._search = Search(strip_px, tested)
         self._is_searching, self._frames_without_search = False, 0
-        self._image, self._conversion = np.empty((0, 0, 3), np.uint8), cv2.COLOR_BGR2HSV
 
-    def begin(self, image: np.ndarray, conversion: int) -> None:
-        """Begin with an image of which `advance` says what it already contains.
+    def compute(self, image: np.ndarray, conversion: int) -> None:
+        """Compute the masks of an image.
 
         image: uint8 of shape (height, width, 3 or 4).
         conversion: the code for cv2.cvtColor that converts it to HSV.
         """
-        self._image, self._conversion, self._next_strip = image, conversion, 0
         self._is_searching = (bool(self._tested) and self._search.is_useful
                               and self._frames_without_search == 0)
         self._frames_without_search = max(0, self._frames_without_search - 1)
@@ -76,28 +71,15 @@ class Masks:
         self._is_written = [False] * len(self._masks)
         self.areas_px = [0 if number in self._tested else mask.size
                          for number, mask in enumerate(self._masks)]
-
-    def advance(self, rows: int) -> None:
-        """Do what is possible.
-
-        rows: the first ones of the image, which are there and will not change.
-        """
-        for strip in self._strips[self._next_strip:]:
-            if strip.stop > rows:
-                break
-            self._next_strip += 1
+        for strip in self._strips:
             if self._is_searching:
-                groups = self._search.find(self._image[strip])
+                groups = self._search.find(image[strip])
                 self._groups.add(self._search, groups, strip.start * self.shape[1] // GROUP_PX,
-                                 self._conversion)
+                                 conversion)
             else:
-                self._test_all(strip)
-
-    def finish(self) -> None:
-        """Do the rest; the image is complete."""
-        self.advance(self.shape[0])
+                self._test_all(image, strip, conversion)
         if self._is_searching:
-            self._groups.test(self._conversion)
+            self._groups.test(conversion)
             for number, area_px in zip(self._tested, self._groups.areas_px):
                 self.areas_px[number] = area_px
             if self._groups.count * GROUP_PX > (1 - MIN_SAVED) * self._masks[0].size:
@@ -122,9 +104,9 @@ class Masks:
             return None
         return self._groups.inside(self._tested.index(number))
 
-    def _test_all(self, strip: slice) -> None:
+    def _test_all(self, image: np.ndarray, strip: slice, conversion: int) -> None:
         masks = [self._masks[number][strip] for number in self._tested]
-        self._tester.test(self._image[strip], self._conversion, masks)
+        self._tester.test(image[strip], conversion, masks)
         for number, mask in zip(self._tested, masks):
             self.areas_px[number] += cv2.countNonZero(mask)
 

@@ -91,3 +91,17 @@ def test_invalid_message_is_refused(change, text):
     with pytest.raises(ImageError) as caught:
         ColorImages().from_msg(msg)
     assert text in str(caught.value) and '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize('size', [(4, 3), (12, 1), (1, 12)])
+def test_an_image_up_to_the_limit_is_converted(size):
+    assert ColorImages(12).from_msg(message('bgr8', 3, *size))[0].shape == size + (3,)
+
+
+@pytest.mark.parametrize('width, height', [(13, 1), (1, 13), (70000, 70000)])
+def test_an_image_above_the_limit_is_refused(width, height):
+    msg = message('bgr8', 3, 1, 1)
+    msg.width, msg.height = width, height
+    with pytest.raises(ImageError, match='{}x{} are {} pixels, more than max_image_pixels = 12'
+                       .format(width, height, width * height)):
+        ColorImages(12).from_msg(msg)

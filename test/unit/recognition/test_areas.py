@@ -213,17 +213,51 @@ def test_results_do_not_depend_on_earlier_images():
     assert found.measure(black) == [0, 0] and not found.masked(0).any()
 
 
-def test_nothing_is_allocated_in_the_steady_state():
+def test_buffers_are_reused():
     image, found = random_image(8), extractor()
-    for _ in range(2):
+
+    def addresses():
         found.measure(image, 'rgb8')
-        addresses = {number: found.masked(number).ctypes.data for number in (0, 1)}
-    buffers = dict(found._buffers)
-    for _ in range(3):
-        found.measure(image, 'rgb8')
-        assert {number: found.masked(number).ctypes.data for number in (0, 1)} == addresses
-    assert all(found._buffers[key] is buffer for key, buffer in buffers.items())
-    assert len(found._buffers) == len(buffers)
+        return [array.ctypes.data for array in (
+            found.masked(0), found.masked(1), found.mask(0), found.bgr())]
+    before = addresses()
+    assert addresses() == before and len(set(before)) == 4
+
+
+def scene(seed, encoding, shape):
+    """Return an image with a grey background and colored rectangles, in an encoding and bgr8."""
+    random = np.random.RandomState(seed)
+    image = np.full(shape + (3,), 120, np.uint8)
+    for color in ((215, 70, 25), (60, 25, 215), (25, 200, 60)):
+        top, left = random.randint(0, shape[0]), random.randint(0, shape[1])
+        image[top:top + random.randint(0, 12), left:left + random.randint(0, 30)] = color
+    return {'bgr8': image, 'rgb8': np.ascontiguousarray(image[..., ::-1]),
+            'bgra8': np.dstack([image, image[..., 0]]),
+            'rgba8': np.dstack([image[..., ::-1], image[..., 0]])}[encoding], image
+
+
+@pytest.mark.parametrize('values', [
+    {}, {'roi_x_offset': 8, 'roi_width': 40}, {'blue_column_min': 0.25}, {'min_blob_size': 9}])
+@pytest.mark.parametrize('shape', [(48, 64), (7, 9)])
+@pytest.mark.parametrize('encoding', ENCODINGS)
+def test_images_drawn_one_over_the_other(encoding, shape, values):
+    """Each one is drawn into the memory of one of the last three, with the note about it."""
+    found = extractor(**values)
+    plain = extractor(**values)
+    memories = [(np.full(shape + (3,), 77, np.uint8), None) for _ in range(3)]
+    for seed in range(60):
+        image, bgr = scene(seed, encoding, shape)
+        if seed % 20 == 13:
+            image = bgr = random_image(seed, shape + (3,))      # is processed as a whole
+        kind = 'bgr8' if image is bgr else encoding
+        found.measure(image, kind)
+        plain.measure(bgr)
+        for number in range(2):
+            memory, note = memories.pop(0)
+            note = found.draw_masked(number, memory, note)
+            memories.append((memory, note))
+            assert np.array_equal(memory, cv2.bitwise_and(bgr, bgr, mask=plain.mask(number)))
+            assert np.array_equal(memory, found.masked(number))
 
 
 def test_other_settings_apply_from_the_next_image_on():

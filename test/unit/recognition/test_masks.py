@@ -17,13 +17,8 @@ def colors(**values):
         'any_' + name: value for name, value in values.items()}).colors
 
 
-def compute(masks, image, conversion):
-    masks.begin(image, conversion)
-    masks.finish()
-
-
 def assert_equal_to_plain_opencv(masks, image, given):
-    compute(masks, image, cv2.COLOR_BGR2HSV)
+    masks.compute(image, cv2.COLOR_BGR2HSV)
     expected = [plain_opencv.mask(image, color) for color in given]
     assert masks.areas_px == [cv2.countNonZero(mask) for mask in expected]
     for number, plain in enumerate(expected):
@@ -113,7 +108,7 @@ def test_a_fourth_channel_is_ignored():
     image[10:20, 10:30] = BLUE
     for alpha in (0, 128, 255):
         masks = Masks((48, 64), ARTICLE)
-        compute(masks, np.dstack([image, np.full((48, 64), alpha, np.uint8)]), cv2.COLOR_BGR2HSV)
+        masks.compute(np.dstack([image, np.full((48, 64), alpha, np.uint8)]), cv2.COLOR_BGR2HSV)
         assert masks.areas_px == [200, 0]
 
 
@@ -127,18 +122,18 @@ def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
     image = np.full((480, 640, 3), 128, np.uint8)
     image[100:110, 300:330] = BLUE
     monkeypatch.setattr(cv2, 'cvtColor', recorded)
-    compute(masks, image, cv2.COLOR_BGR2HSV)
+    masks.compute(image, cv2.COLOR_BGR2HSV)
     assert sum(height * width for height, width in converted) == 10 * 40    # in groups of 8
     assert masks.areas_px == [300, 0]
     converted.clear()
     image[:] = BLUE
     for _ in range(3):
-        compute(masks, image, cv2.COLOR_BGR2HSV)
+        masks.compute(image, cv2.COLOR_BGR2HSV)
     assert sum(height * width for height, width in converted) == 3 * 480 * 640
     image[:, 30:] = 128
     for _ in range(100):
         converted.clear()
-        compute(masks, image, cv2.COLOR_BGR2HSV)
+        masks.compute(image, cv2.COLOR_BGR2HSV)
         assert masks.areas_px == [480 * 30, 0]
         if sum(height * width for height, width in converted) == 480 * 32:
             break
@@ -160,42 +155,11 @@ def test_a_color_of_all_pixels_needs_no_conversion(monkeypatch):
         for _ in range(2):
             masks.mask(given.index(everything))[:5] = 0         # like a part that does not count
             del converted[:]
-            compute(masks, image, cv2.COLOR_BGR2HSV)
+            masks.compute(image, cv2.COLOR_BGR2HSV)
             assert masks.areas_px == [
                 2400 if color is everything else 30 if color is blue else 0 for color in given]
             assert converted == ([(1, 120, 3)] if blue in given else [])
         assert_equal_to_plain_opencv(masks, image, given)
-
-
-@pytest.mark.parametrize('shape', [(480, 640), (47, 31), (500, 1001), (0, 5), (5, 0)])
-@pytest.mark.parametrize('given', [ARTICLE, colors(saturation_min=0, value_min=3)])
-def test_an_image_that_arrives_in_parts(monkeypatch, shape, given):
-    """What is below the rows that are there is the image before."""
-    set_strip_px(monkeypatch, 1 << 12)
-    masks, random = Masks(shape, given), np.random.RandomState(0)
-    memory = np.empty(shape + (3,), np.uint8)
-    for number in range(4):
-        image = grey_room(number, shape)
-        image[:, :shape[1] // 3] = random.randint(0, 256, (shape[0], shape[1] // 3, 3))
-        masks.begin(memory, cv2.COLOR_BGR2HSV)
-        there = 0
-        for rows in sorted(random.randint(0, shape[0] + 1, 5)):
-            memory[there:rows] = image[there:rows]
-            there = rows
-            masks.advance(there)
-        memory[there:] = image[there:]
-        masks.finish()
-        expected = [plain_opencv.mask(image, color) if image.size else image[..., 0]
-                    for color in given]
-        assert masks.areas_px == [cv2.countNonZero(mask) if mask.size else 0 for mask in expected]
-        for index, plain in enumerate(expected):
-            assert np.array_equal(masks.mask(index), plain)
-
-
-def test_all_rows_are_tested_when_their_end_is_there():
-    masks = Masks((1000, 640), ARTICLE)
-    assert masks.ends == [200, 400, 600, 800, 1000]
-    assert Masks((10, 640), ARTICLE).ends == [10] and Masks((0, 640), ARTICLE).ends == []
 
 
 @pytest.mark.parametrize('conversion', [cv2.COLOR_BGR2HSV, cv2.COLOR_RGB2HSV])
@@ -204,7 +168,7 @@ def test_the_groups_of_a_color(conversion, channels):
     masks, bgr = Masks((48, 64), ARTICLE), np.full((48, 64, 3), 128, np.uint8)
     bgr[10, 20], bgr[11, 0:9], bgr[40, 63] = BLUE, BLUE, RED
     image = bgr if conversion == cv2.COLOR_BGR2HSV else bgr[..., ::-1]
-    compute(masks, np.dstack([image, bgr[..., :channels - 3]]), conversion)
+    masks.compute(np.dstack([image, bgr[..., :channels - 3]]), conversion)
     for number, wanted in enumerate(([10 * 8 + 2, 11 * 8, 11 * 8 + 1], [40 * 8 + 7])):
         indices, pixels = masks.groups_inside(number)
         assert indices.tolist() == wanted
@@ -219,7 +183,7 @@ def test_the_groups_of_a_color_are_known_if_they_are_few(rows, are_few):
     masks, image = Masks((512, 640), ARTICLE), np.full((512, 640, 3), 128, np.uint8)
     image[:300] = 0, 255, 255       # as saturated as a color, and more than are tested at once
     image[280:280 + rows] = BLUE
-    compute(masks, image, cv2.COLOR_BGR2HSV)
+    masks.compute(image, cv2.COLOR_BGR2HSV)
     assert masks.areas_px == [rows * 640, 0]
     groups = masks.groups_inside(0)
     if are_few:
@@ -233,6 +197,6 @@ def test_the_groups_of_a_color_are_known_if_they_are_few(rows, are_few):
 def test_no_groups_of_an_image_that_was_converted_as_a_whole():
     everything, = colors(saturation_min=0, value_min=0)
     masks = Masks((48, 64), [everything, *colors(saturation_min=0, value_min=3)])
-    compute(masks, np.zeros((48, 64, 3), np.uint8), cv2.COLOR_BGR2HSV)
+    masks.compute(np.zeros((48, 64, 3), np.uint8), cv2.COLOR_BGR2HSV)
     assert masks.groups_inside(0) is None and masks.groups_inside(1) is None
     assert masks.areas_px == [48 * 64, 0]

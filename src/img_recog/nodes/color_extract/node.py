@@ -19,7 +19,7 @@ import threading
 import time
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Callable, Iterator, List, Optional, Sequence, Union
+from typing import List, Optional, Sequence, Union
 
 import cv2
 import rospy
@@ -94,13 +94,12 @@ class ColorExtract:
         self._overlay = ImagePublisher('color_overlay', leave_large=True)
         self._is_shutdown = threading.Event()
         self._frame_lock = threading.Lock()
-        self._begun: Optional[Image] = None     # the message that the extractor has begun with
         self._failure: Optional[Exception] = None       # of another thread, for the loop
         lifecycle.on_shutdown(self._shutdown)
         self._reconfigurable = Reconfigurable(settings, lambda _: None)
         with self._frame_lock:      # images may come before it returns
             self._input = inputs.subscribe(transport, _CAMERA, counts, given.max_image_pixels,
-                                           self.work_ahead, self.process)
+                                           self.process)
         lifecycle.on_shutdown(self._input.wake)
         NodeDiagnostics('recognition', 'none', counts.report)
 
@@ -124,63 +123,28 @@ class ColorExtract:
 
         Returns whether it was processed, which it is not after the shutdown.
         """
-        return self._try(self._process, msg, blocking=True) is not None
-
-    def work_ahead(self, msg: Image) -> Iterator[int]:
-        """Compute masks of a frame that is not complete; see `begin` of ImageSubscriber."""
-        steps = self._try(self._begin, msg)
-        rows = self._try(self._next_rows, msg, steps)
-        while rows is not None:
-            yield rows * msg.step
-            rows = self._try(self._next_rows, msg, steps)
-
-    def _try(self, work: Callable[..., Any], *arguments: Any, blocking: bool = False) -> Any:
-        """Return what `work` returns; None after the shutdown.
-
-        blocking: whether to wait while another thread is at work; None is returned if not.
-        """
-        if not self._frame_lock.acquire(blocking=blocking):
-            return None
-        try:
-            return None if self._is_shutdown.is_set() else work(*arguments)
-        except Exception as error:
-            self._failure = error
-            self._input.wake()
-            return None
-        finally:
-            self._frame_lock.release()
-
-    def _begin(self, msg: Image) -> Optional[Iterator[int]]:
-        self._configure(self._reconfigurable.settings)
-        try:
-            image = self._input.view(msg)
-        except ImageError:      # `handle` says it
-            return None
-        if image is None:
-            return None
-        self._begun = msg
-        return self._extractor.begin(image, msg.encoding)
-
-    def _next_rows(self, msg: Image, steps: Optional[Iterator[int]]) -> Optional[int]:
-        """Do a step; return the number of rows for the next one, None if there is none."""
-        # meanwhile, another thread may have used the extractor
-        return next(steps, None) if steps is not None and self._begun is msg else None
-
-    def _process(self, msg: Union[Image, CompressedImage]) -> bool:
-        begin_s = time.perf_counter()
-        if self._begun is not msg:
-            self._configure(self._reconfigurable.settings)
-        self.handle(msg)
-        self._input.done(msg)
-        self._input.took(time.perf_counter() - begin_s)
+        with self._frame_lock:
+            if self._is_shutdown.is_set():
+                return False
+            try:
+                self._process(msg)
+            except Exception as error:
+                self._failure = error
+                self._input.wake()
+                return False
         return True
+
+    def _process(self, msg: Union[Image, CompressedImage]) -> None:
+        begin_s = time.perf_counter()
+        self._configure(self._reconfigurable.settings)
+        self.handle(msg)
+        self._input.done(msg, time.perf_counter() - begin_s)
 
     def handle(self, msg: Union[Image, CompressedImage]) -> None:
         """Recognize the colors in a frame and publish the results."""
         begin_s = time.perf_counter()
-        begun, self._begun = self._begun, None
         try:
-            areas_px = self._extractor.finish() if begun is msg else self._measure(msg)
+            areas_px = self._extractor.measure(*self._input.decode(msg))
         except ImageError as error:
             self._counts.refused.add(error)
             self._warn('frame skipped: %s', error)
@@ -197,9 +161,6 @@ class ColorExtract:
         self._publish_images(msg.header, areas_px, commands)
         self._counts.processed.add()
         self._counts.processing.add(time.perf_counter() - begin_s)
-
-    def _measure(self, msg: Union[Image, CompressedImage]) -> List[int]:
-        return self._extractor.measure(*self._input.decode(msg))
 
     def _publish_images(self, header: Header, areas_px: Sequence[int],
                         commands: Sequence[Command]) -> None:
@@ -230,7 +191,7 @@ class ColorExtract:
 
     def _configure(self, settings: RecognitionSettings) -> None:
         if settings is not self._settings:
-            self._settings, self._begun = settings, None
+            self._settings = settings
             self._extractor.configure(settings)
             self._commander.configure(settings)
 

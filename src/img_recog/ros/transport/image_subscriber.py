@@ -5,7 +5,7 @@ import socket
 import struct
 import termios
 from collections import deque
-from typing import Callable, Deque, Iterable, Iterator, Optional
+from typing import Callable, Deque, Optional
 
 import genpy
 import numpy as np
@@ -26,21 +26,18 @@ _EMPTY = np.empty(0, np.uint8)
 _MAX_OVERSIZE = 4       # a buffer more than this many times larger than an image is dropped
 _MAX_LENGTH = (1 << 32) - 1
 _SCRATCH_BYTES = 1 << 16
-# of a message that is worked on while it arrives; its header with usual texts is shorter
-_MIN_BYTES_IN_PARTS, _HEADER_BYTES = 1 << 17, 256
+_MAX_KEPT_BYTES = 256       # of the fields that are kept from image to image: usual texts
 _PLAIN_BUFFER_BYTES = 1 << 26       # larger than a message: rospy reads this much at once
 
 
 class _BufferedImage(Image):
     """An image whose data is in the reused buffer `memory`.
 
-    data_start: the number of bytes before the data, on the wire.
-    sock: that it came from.
+    waiting: how many complete images of its size are behind it in the socket.
     """
 
     memory: Optional[np.ndarray] = None
-    sock: Optional[socket.socket] = None
-    data_start = 0
+    waiting = 0
 
 
 class ImageSubscriber:
@@ -57,21 +54,15 @@ class ImageSubscriber:
     """
 
     def __init__(self, name: str, callback: Callable[[Image], None], max_bytes: int = _MAX_LENGTH,
-                 refuse: Callable[[str], None] = lambda reason: None,
-                 begin: Callable[[Image], Iterable[int]] = lambda msg: ()):
+                 refuse: Callable[[str], None] = lambda reason: None):
         """Subscribe to `name`; `callback` is called with each image, in a thread of rospy.
 
         The data of an image may be a memoryview, which does not change until `release`.
         max_bytes: a longer message is read and dropped, so that a wrong length takes no memory;
         not with plain rospy.
         refuse: is called with the reason for each message that is dropped.
-        begin: may work on an image while it arrives: it is called when the header is there, with
-        the image, whose data is not complete; each number that it yields is how many bytes of the
-        data must be there before it goes on. Not with plain rospy, nor with small images.
         """
         self._callback, self._max_bytes, self._refuse = callback, max_bytes, refuse
-        self._begin = begin
-        self._first_bytes = 0, 0
         self._free: Deque[np.ndarray] = deque()
         self._warn = ThrottledWarning()
         if is_plain('image_subscriber'):
@@ -130,49 +121,19 @@ class ImageSubscriber:
                 buffer.seek(0)
                 return
             memory = self._memory(length)
-            arrival = _Arrival(sock, memoryview(memory)[:length],
-                               buffer.getbuffer()[_LENGTH.size:received])
+            view = memoryview(memory)[:length]
+            view[:received - _LENGTH.size] = buffer.getbuffer()[_LENGTH.size:received]
             buffer.seek(0)
+            _fill(sock, view[received - _LENGTH.size:])
             try:
-                msg = self._receive(arrival, memory)
+                msg = _image(memory, view)
             except (genpy.DeserializationError, struct.error, ValueError) as error:
                 self._free.append(memory)
                 self._drop(connection, length, 'no sensor_msgs/Image: ' + one_line(error))
             else:
-                self._deliver(msg, arrival.view, connection, messages)
+                msg.waiting = _waiting_bytes(sock) // (len(msg.data) or 1)
+                self._deliver(msg, view, connection, messages)
         protocol.read_messages = read_messages
-
-    def _receive(self, arrival: '_Arrival', memory: np.ndarray) -> _BufferedImage:
-        """Return the message when it is complete; meanwhile let `begin` work on it."""
-        length = len(arrival.view)
-        if length < _MIN_BYTES_IN_PARTS:
-            arrival.wait_for(length)
-            return _image(memory, arrival.view)
-        # with the header, what the first step wanted of the last image of this length
-        last_length, first_bytes = self._first_bytes
-        arrival.wait_for(first_bytes if last_length == length else _HEADER_BYTES)
-        try:
-            msg = _image(memory, arrival.view, arrival.count)
-        except (genpy.DeserializationError, struct.error, ValueError):  # long texts, or no image
-            arrival.wait_for(length)
-            return _image(memory, arrival.view)
-        is_first = True
-        for wanted in self._steps(msg):
-            end = msg.data_start + min(max(0, wanted), len(msg.data))
-            if is_first:
-                self._first_bytes, is_first = (length, end), False
-            arrival.wait_for(end)
-        arrival.wait_for(length)
-        return msg
-
-    def _steps(self, msg: _BufferedImage) -> Iterator[int]:
-        """Yield what `begin` yields; log an error of it like rospy logs those of a callback."""
-        try:
-            yield from self._begin(msg)
-        except Exception as error:
-            def fail(_, error=error):
-                raise error
-            self._topic._invoke_callback(msg, fail, None)
 
     def _drop(self, connection, length: int, reason: str) -> None:
         reason = 'image of {} skipped: {} bytes, {}'.format(
@@ -186,7 +147,7 @@ class ImageSubscriber:
             messages.append(Image().deserialize(bytes(view)))
         else:
             connection.stat_num_msg += 1        # rospy counts only those in `messages`
-        msg._connection_header, msg.sock = connection.header, connection.socket
+        msg._connection_header = connection.header
         self._call(msg)
 
     def _call(self, msg: Image) -> None:
@@ -203,82 +164,50 @@ class ImageSubscriber:
         return np.empty(size, np.uint8)
 
 
-def backlog(msg: Image) -> int:
-    """Return how many complete images of this size wait in the socket that it came from.
-
-    To be called in the callback of an ImageSubscriber. 0 with plain rospy, and after the
-    connection is closed.
-    """
-    sock = getattr(msg, 'sock', None)
-    if sock is None:
-        return 0
+def _waiting_bytes(sock: socket.socket) -> int:
+    """Return how many bytes wait in a socket; 0 after the connection is closed."""
     try:
-        waiting, = _WAITING.unpack(fcntl.ioctl(sock, termios.FIONREAD, _WAITING.pack(0)))
+        return _WAITING.unpack(fcntl.ioctl(sock, termios.FIONREAD, _WAITING.pack(0)))[0]
     except (OSError, ValueError):
         return 0
-    return waiting // (len(msg.data) or 1)
 
 
-class _Arrival:
-    """A message while it arrives.
-
-    view: the memory for all of it; count: how many bytes of it are there.
-    """
-
-    def __init__(self, sock, view: memoryview, begun: memoryview):
-        self.view, self.count = view, len(begun)
-        self._sock = sock
-        view[:self.count] = begun
-
-    def wait_for(self, count: int) -> None:
-        """Wait until the first `count` bytes are there."""
-        while self.count < count:
-            self.count += _receive(self._sock, self.view[self.count:count])
+def _fill(sock: socket.socket, view: memoryview) -> None:
+    """Fill a view from a socket. Raises TransportTerminated when the connection ends."""
+    while view:
+        try:
+            count = sock.recv_into(view, 0, socket.MSG_WAITALL)     # less only after a signal
+        except OSError as error:
+            raise TransportTerminated(str(error))
+        if count == 0:
+            raise TransportTerminated('the publisher has closed the connection')
+        view = view[count:]
 
 
-def _receive(sock, view: memoryview) -> int:
-    """Fill a view from a socket; return the number of bytes, which is less only after a signal.
-
-    Raises TransportTerminated when the connection ends.
-    """
-    try:
-        count = sock.recv_into(view, 0, socket.MSG_WAITALL)
-    except OSError as error:
-        raise TransportTerminated(str(error))
-    if count == 0:
-        raise TransportTerminated('the publisher has closed the connection')
-    return count
-
-
-def _discard(sock, count: int) -> None:
+def _discard(sock: socket.socket, count: int) -> None:
     """Read so many bytes from a socket and forget them."""
     scratch = memoryview(bytearray(min(count, _SCRATCH_BYTES)))
     while count > 0:
-        count -= _receive(sock, scratch[:count])
+        _fill(sock, scratch[:count])
+        count -= len(scratch)
 
 
-def _image(memory: np.ndarray, view: memoryview, count: Optional[int] = None) -> _BufferedImage:
-    """Return the message that is serialized in `view`, without copying its data.
-
-    count: how many bytes of it are there, at least all before the data; None for all.
-    """
-    there = view[:count]
-    end = _after_text(there, _STAMP_END) + _SIZE_BYTES      # frame_id, height and width
-    end = _after_text(there, end) + _STEP_BYTES             # encoding, is_bigendian and step
-    size, = _LENGTH.unpack_from(there, end)
-    seq, secs, nsecs = _NUMBERS.unpack_from(there, 0)
-    serialized = bytes(there[_STAMP_END:end])
-    # long texts are not kept
-    frame_id, *fields = (_kept_fields(serialized) if end < _HEADER_BYTES
+def _image(memory: np.ndarray, view: memoryview) -> _BufferedImage:
+    """Return the message that is serialized in `view`, a part of `memory`; share its data."""
+    end = _after_text(view, _STAMP_END) + _SIZE_BYTES       # frame_id, height and width
+    end = _after_text(view, end) + _STEP_BYTES              # encoding, is_bigendian and step
+    size, = _LENGTH.unpack_from(view, end)
+    seq, secs, nsecs = _NUMBERS.unpack_from(view, 0)
+    serialized = bytes(view[_STAMP_END:end])
+    frame_id, *fields = (_kept_fields(serialized) if end < _MAX_KEPT_BYTES
                          else _fields(serialized))
-    data_start = end + _LENGTH.size
-    data = view[data_start:]
+    data = view[end + _LENGTH.size:]
     if len(data) < size:
         raise ValueError('its data ends early')
     stamp = genpy.Time()
     stamp.secs, stamp.nsecs = secs, nsecs       # as they are, like genpy
     msg = _BufferedImage(Header(seq, stamp, frame_id), *fields, data[:size])
-    msg.data_start, msg.memory = data_start, memory
+    msg.memory = memory
     return msg
 
 

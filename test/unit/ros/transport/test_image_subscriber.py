@@ -135,6 +135,21 @@ def test_small_images_that_were_read_with_the_handshake(fast, name, receiver, pu
     assert_equal(receiver.receive(), image(3))
 
 
+def test_the_images_that_wait_in_the_socket_are_counted(fast, name, publish_to):
+    counts, may_go_on = queue.Queue(), threading.Event()
+
+    def handle(msg):
+        counts.put((msg.waiting, msg.header.seq))
+        may_go_on.wait(DEADLINE_S)
+    ImageSubscriber(name, handle)
+    publisher = publish_to(name, Image)
+    publisher.send(image(0))
+    assert counts.get(timeout=DEADLINE_S) == (0, 0)
+    publisher.sock.sendall(b''.join(packet(image(number)) for number in range(1, 4)))
+    may_go_on.set()
+    assert [counts.get(timeout=DEADLINE_S) for _ in range(3)] == [(2, 1), (1, 2), (0, 3)]
+
+
 # Reused buffers, which plain rospy does not have
 
 def test_a_buffer_is_reused_only_after_release(fast, name, receiver, publish_to):
