@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog import markup, robot_file
-from img_recog.camera import calibration_file
+from img_recog.camera import calibration
 from img_recog.errors import UserError
 from img_recog.recognition import parameter_file
 from img_recog.simulation import assembly
@@ -127,7 +127,7 @@ def test_hostile_yaml_is_one_line_wherever_it_is_read(tmp_path, text):
     path = tmp_path / 'hostile.yaml'
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     assert str(path) in refusal(parameter_file.read, str(path))
-    assert str(path) in refusal(calibration_file.load, str(path))
+    assert str(path) in refusal(calibration.load, str(path))
 
 
 def test_yaml_that_is_too_deep_for_python():

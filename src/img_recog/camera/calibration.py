@@ -1,11 +1,36 @@
-"""Camera calibrations: their model, what makes one usable, and scaling to another image size."""
+"""Camera calibrations: their YAML files (of camera_calibration_parsers), and other image sizes."""
 import dataclasses
+import errno
 import math
+import os
 import reprlib
+import stat
 from dataclasses import dataclass
-from typing import NamedTuple, Optional, Tuple
+from typing import Any, Mapping, Optional, Tuple
 
-from img_recog.errors import UserError
+import yaml
+
+from img_recog.errors import UserError, one_line, shortened
+from img_recog.files import atomic_write
+from img_recog.markup import MarkupError, load_yaml, read_bytes
+
+_MAX_BYTES = 1 << 20        # a calibration file has some 2,000 bytes
+_MODE = 0o644
+# by the field of Calibration: its key in the file, rows, and columns, None for any number of them
+_MATRICES = {
+    'camera_matrix': ('camera_matrix', 3, 3),
+    'distortion': ('distortion_coefficients', 1, None),
+    'rectification': ('rectification_matrix', 3, 3),
+    'projection': ('projection_matrix', 3, 4),
+}
+# models: sensor_msgs/distortion_models.h; the numbers of coefficients that OpenCV accepts for each
+_COEFFICIENT_COUNTS = {
+    'equidistant': (4,),
+    'plumb_bob': (5, 4),
+    'rational_polynomial': (8, 12, 14),
+}
+# Cameras round image sizes, such as 854x480 for 16:9: the aspect ratio is off by less than this.
+_ASPECT_TOLERANCE = 0.01
 
 
 class CalibrationError(UserError):
@@ -31,39 +56,17 @@ class Calibration:
     projection: Tuple[float, ...]
 
 
-class Matrix(NamedTuple):
-    """How a matrix is stored in a calibration file; columns is None for any number of them."""
-
-    key: str
-    rows: int
-    columns: Optional[int]
-
-
-# by the field of Calibration
-MATRICES = {
-    'camera_matrix': Matrix('camera_matrix', 3, 3),
-    'distortion': Matrix('distortion_coefficients', 1, None),
-    'rectification': Matrix('rectification_matrix', 3, 3),
-    'projection': Matrix('projection_matrix', 3, 4),
-}
-
-# models: sensor_msgs/distortion_models.h; the numbers of coefficients that OpenCV accepts for each
-_COEFFICIENT_COUNTS = {
-    'equidistant': (4,),
-    'plumb_bob': (5, 4),
-    'rational_polynomial': (8, 12, 14),
-}
-
-# Cameras round image sizes, such as 854x480 for 16:9: the aspect ratio is off by less than this.
-_ASPECT_TOLERANCE = 0.01
-
-
 def scaled(calibration: Calibration, width: int, height: int) -> Calibration:
     """Return the calibration for images of another size with the same field of view.
 
     Focal lengths and principal points are in pixels and scale with the image
     (sensor_msgs/CameraInfo); the distortion coefficients have no unit.
     Raises CalibrationError when the aspect ratio differs: the images may be cropped anywhere.
+
+    >>> k, p = (500, 0, 320, 0, 500, 240, 0, 0, 1), (500, 0, 320, 0, 0, 500, 240, 0, 0, 0, 1, 0)
+    >>> small = scaled(Calibration('', 640, 480, 'plumb_bob', (0,) * 5, k, (0,) * 9, p), 320, 240)
+    >>> small.camera_matrix
+    (250.0, 0.0, 160.0, 0.0, 250.0, 120.0, 0.0, 0.0, 1.0)
     """
     if (width, height) == (calibration.width, calibration.height):
         return calibration
@@ -74,10 +77,13 @@ def scaled(calibration: Calibration, width: int, height: int) -> Calibration:
         raise CalibrationError(
             'the calibration is for {}x{}, the images are {}x{}, another aspect ratio'.format(
                 calibration.width, calibration.height, width, height))
-    return dataclasses.replace(
-        calibration, width=width, height=height,
-        camera_matrix=_scale_rows(calibration.camera_matrix, 3, x_factor, y_factor),
-        projection=_scale_rows(calibration.projection, 4, x_factor, y_factor))
+
+    def rows(matrix: Tuple[float, ...], columns: int) -> Tuple[float, ...]:
+        factors = [x_factor] * columns + [y_factor] * columns + [1.0] * columns
+        return tuple(value * factor for value, factor in zip(matrix, factors))
+    return dataclasses.replace(calibration, width=width, height=height,
+                               camera_matrix=rows(calibration.camera_matrix, 3),
+                               projection=rows(calibration.projection, 4))
 
 
 def check(calibration: Calibration) -> None:
@@ -85,51 +91,139 @@ def check(calibration: Calibration) -> None:
 
     The error names the entry of the file, what it has and what is wanted.
     """
-    problem = find_problem(calibration)
-    if problem is not None:
-        raise CalibrationError('the calibration has no usable entry ' + problem)
+    try:
+        _check(calibration)
+    except ValueError as error:
+        raise CalibrationError('the calibration has no usable entry {}'.format(error))
 
 
-def find_problem(calibration: Calibration) -> Optional[str]:
-    """Return the first entry that is not usable, what is wanted and what it has; None if all are.
+def load(path: str) -> Calibration:
+    """Read a calibration file.
+
+    Raises FileNotFoundError when it does not exist, and CalibrationError naming the file and the
+    entry when it is not a calibration, or not one that `check` accepts.
     """
+    try:
+        _refuse_special(path)       # opening a pipe would wait for its writer
+        content = load_yaml(read_bytes(path, _MAX_BYTES))
+    except FileNotFoundError:
+        raise
+    except (OSError, MarkupError) as error:
+        raise CalibrationError('cannot read calibration {}: {}'.format(path, one_line(error)))
+    if not isinstance(content, Mapping):
+        raise CalibrationError(
+            'calibration {} has no camera_matrix and other entries'.format(path),
+            'write one with camera_calibration')
+    try:
+        loaded = _parse(content)
+        _check(loaded)
+    except ValueError as error:
+        raise CalibrationError('calibration {} has no usable entry {}'.format(path, error))
+    return loaded
+
+
+def save(path: str, calibration: Calibration) -> None:
+    """Write a calibration file atomically; a symlink stays, and its target is written.
+
+    Raises CalibrationError naming the file when it cannot be written.
+    """
+    content: dict = {
+        'image_width': calibration.width,
+        'image_height': calibration.height,
+        'camera_name': calibration.camera_name,
+        'distortion_model': calibration.distortion_model,
+    }
+    for field, (key, rows, columns) in _MATRICES.items():
+        data = [float(value) for value in getattr(calibration, field)]
+        content[key] = {'rows': rows, 'cols': columns or len(data), 'data': data}
+    target = os.path.realpath(path)
+    try:
+        _refuse_special(target)
+        os.makedirs(os.path.dirname(target), exist_ok=True)
+        with atomic_write((target,), advice='') as (file,):
+            text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
+            file.write(text.encode())
+            os.fchmod(file.fileno(), _MODE)
+    except (OSError, UserError) as error:
+        # atomic_write names the file itself; its cause is the error of the system
+        raise CalibrationError('cannot write calibration {}: {}'.format(
+            path, one_line(error.__cause__ or error)))
+
+
+def _refuse_special(path: str) -> None:
+    """Raise OSError for a device, pipe, folder or the like."""
+    if os.path.lexists(path) and not stat.S_ISREG(os.stat(path).st_mode):
+        raise OSError(errno.EINVAL, 'not a regular file')
+
+
+def _check(calibration: Calibration) -> None:
+    """Raise the problem of the first entry that is not usable."""
     for key, size in (('image_width', calibration.width), ('image_height', calibration.height)):
         if size <= 0:
-            return '{} (wants a whole number above 0, has {})'.format(key, size)
-    for field, matrix in MATRICES.items():
+            raise _problem(key, 'a whole number above 0', size)
+    for field, (key, _, _) in _MATRICES.items():
         for value in getattr(calibration, field):
             if not math.isfinite(value):
-                return '{} (wants finite numbers, has {})'.format(matrix.key, value)
+                raise _problem(key, 'finite numbers', value)
     model, count = calibration.distortion_model, len(calibration.distortion)
     if model not in _COEFFICIENT_COUNTS:
-        return 'distortion_model (wants one of {}, has {})'.format(
-            ', '.join(sorted(_COEFFICIENT_COUNTS)), short_repr(model))
+        raise _problem('distortion_model', 'one of ' + ', '.join(sorted(_COEFFICIENT_COUNTS)),
+                       model)
     if count not in _COEFFICIENT_COUNTS[model]:
-        return 'distortion_coefficients (wants {} numbers for {}, has {})'.format(
-            ' or '.join(map(str, _COEFFICIENT_COUNTS[model])), model, count)
-    for name, value in (('fx', calibration.camera_matrix[0]),
-                        ('fy', calibration.camera_matrix[4])):
-        if value <= 0.0:
-            return 'camera_matrix (wants a focal length {} above 0, has {:g})'.format(name, value)
-    return None
+        raise _problem('distortion_coefficients', '{} numbers for {}'.format(
+            ' or '.join(map(str, _COEFFICIENT_COUNTS[model])), model), count)
+    for name, index in (('fx', 0), ('fy', 4)):
+        if calibration.camera_matrix[index] <= 0.0:
+            raise _problem('camera_matrix', 'a focal length {} above 0'.format(name),
+                           calibration.camera_matrix[index])
 
 
-def short_repr(value: object) -> str:
-    """Return the representation of a value from a file, short whatever the value is."""
-    return _REPR.repr(value)
+def _parse(content: Mapping[str, Any]) -> Calibration:
+    """Return the calibration in a file; raise the problem of the first entry that is wrong."""
+    name = content.get('camera_name')
+    if isinstance(name, (list, dict, set)):
+        raise _problem('camera_name', 'a text', name)
+    return Calibration(
+        camera_name='' if name is None else str(name),
+        width=_entry(content, 'image_width', int, 'a whole number'),
+        height=_entry(content, 'image_height', int, 'a whole number'),
+        distortion_model=_entry(content, 'distortion_model', str, 'a text'),
+        **{field: _values(content, *matrix) for field, matrix in _MATRICES.items()})
 
 
-def _scale_rows(matrix: Tuple[float, ...], columns: int, x_factor: float,
-                y_factor: float) -> Tuple[float, ...]:
-    factors = [x_factor] * columns + [y_factor] * columns + [1.0] * columns
-    return tuple(value * factor for value, factor in zip(matrix, factors))
+def _entry(content: Mapping[str, Any], key: str, wanted_type: type, wanted: str) -> Any:
+    value = content.get(key)
+    # bool is a subclass of int, so isinstance would accept True for a width of 1
+    if type(value) is not wanted_type:
+        raise _problem(key, wanted, value)
+    return value
 
 
-def _limited_repr() -> reprlib.Repr:
-    limited = reprlib.Repr()
-    limited.maxlevel, limited.maxlist, limited.maxdict = 2, 3, 3
-    limited.maxstring = limited.maxlong = limited.maxother = 60
-    return limited
+def _values(content: Mapping[str, Any], key: str, rows: int,
+            columns: Optional[int]) -> Tuple[float, ...]:
+    entry = _entry(content, key, dict, 'rows, cols and data')
+    data = _entry(entry, 'data', list, 'the numbers of {}'.format(key))
+    count = len(data)
+    if columns is not None and count != rows * columns:
+        raise _problem(key, '{} numbers'.format(rows * columns), count)
+    # a vector may be a row or a column
+    shapes = [(1, count), (count, 1)] if columns is None else [(rows, columns)]
+    shape = entry.get('rows', shapes[0][0]), entry.get('cols', shapes[0][1])
+    if shape not in shapes:
+        raise _problem(key, 'rows: {}, cols: {}'.format(*shapes[0]), shape)
+    return tuple(_number(key, value) for value in data)
 
 
-_REPR = _limited_repr()
+def _number(key: str, value: Any) -> float:
+    try:
+        if isinstance(value, bool):
+            raise TypeError
+        # yaml-cpp writes 1e-05, which is a string in YAML 1.1
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise _problem(key, 'numbers', value)
+
+
+def _problem(key: str, wanted: str, value: object) -> ValueError:
+    # an alias can make a small text a value of any size
+    return ValueError('{} (wants {}, has {})'.format(key, wanted, shortened(reprlib.repr(value))))

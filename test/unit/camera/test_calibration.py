@@ -1,105 +1,274 @@
-"""Calibrations: which are usable, and scaling to another image size."""
+"""Calibrations: which are usable, other image sizes, and their files."""
 import dataclasses
+import os
+import stat
 
 import pytest
+import yaml
 
 from img_recog.camera import calibration
-from img_recog.camera.calibration import Calibration, CalibrationError
-from img_recog_testing.calibrations import BROKEN, KNOWN
+from img_recog.camera.calibration import CalibrationError
+from img_recog_testing.calibrations import KNOWN, OTHER
+
+NAN, INF = float('nan'), float('inf')
+# fields of KNOWN to replace, the entry of the error, what it wants and has
+BROKEN = [
+    ({'width': 0}, 'image_width', 'a whole number above 0', '0'),
+    ({'height': -480}, 'image_height', 'a whole number above 0', '-480'),
+    ({'camera_matrix': (NAN,) * 9}, 'camera_matrix', 'finite numbers', 'nan'),
+    ({'projection': KNOWN.projection[:-1] + (INF,)}, 'projection_matrix', 'finite numbers', 'inf'),
+    *(({'camera_matrix': (value, 0.0, 320.0, 0.0, 500.0, 240.0, 0.0, 0.0, 1.0)}, 'camera_matrix',
+       'a focal length fx above 0', str(value)) for value in (0.0, -1.0)),
+    *(({'camera_matrix': (500.0, 0.0, 320.0, 0.0, value, 240.0, 0.0, 0.0, 1.0)}, 'camera_matrix',
+       'a focal length fy above 0', str(value)) for value in (0.0, -1.0)),
+    *(({'distortion_model': name}, 'distortion_model',
+       'one of equidistant, plumb_bob, rational_polynomial', repr(name))
+      for name in ('plum_bob', '')),
+    ({'distortion': ()}, 'distortion_coefficients', '5 or 4 numbers for plumb_bob', '0'),
+    ({'distortion': (0.1,) * 3}, 'distortion_coefficients', '5 or 4 numbers for plumb_bob', '3'),
+    ({'distortion_model': 'equidistant'}, 'distortion_coefficients', '4 numbers for equidistant',
+     '5')]
+# as written by camera_calibration_parsers with yaml-cpp: numbers such as 1e-05 have no point
+FOREIGN = """\
+image_width: 640
+image_height: 480
+camera_name: narrow
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [500, 0, 320, 0, 501, 240, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [1e-05, -2E-3, 0, 0, 0]}
+rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+projection_matrix: {rows: 3, cols: 4, data: [500, 0, 320, 0, 0, 501, 240, 0, 0, 0, 1, 0]}
+"""
 
 
-@pytest.mark.parametrize('broken, words', BROKEN)
-def test_calibration_that_cannot_rectify_is_refused(broken, words):
-    given = dataclasses.replace(KNOWN, **broken)
-    with pytest.raises(CalibrationError, match='^the calibration has no usable entry ' + words):
+@pytest.fixture
+def path(tmp_path):
+    return str(tmp_path / 'head_camera.yaml')
+
+
+def write(path, content):
+    """Write text, or FOREIGN with some entries replaced."""
+    if isinstance(content, dict):
+        content = yaml.safe_dump({**yaml.safe_load(FOREIGN), **content})
+    with open(path, 'wb') as file:
+        file.write(content if isinstance(content, bytes) else content.encode())
+
+
+def refused_load(path, content):
+    """Return the error line of loading a file with this content."""
+    write(path, content)
+    with pytest.raises(CalibrationError) as refused:
+        calibration.load(path)
+    assert path in str(refused.value) and '\n' not in str(refused.value)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize('fields, key, wanted, has', BROKEN)
+def test_calibration_that_cannot_rectify_is_refused(path, fields, key, wanted, has):
+    given = dataclasses.replace(KNOWN, **fields)
+    problem = ' has no usable entry {} (wants {}, has {})'.format(key, wanted, has)
+    with pytest.raises(CalibrationError) as refused:
         calibration.check(given)
+    assert str(refused.value) == 'the calibration' + problem
+    calibration.save(path, given)
+    with pytest.raises(CalibrationError) as refused:
+        calibration.load(path)
+    assert str(refused.value) == 'calibration ' + path + problem
 
 
-@pytest.mark.parametrize('model, count', [
-    ('plumb_bob', 5), ('plumb_bob', 4), ('rational_polynomial', 8), ('rational_polynomial', 12),
-    ('rational_polynomial', 14), ('equidistant', 4)])
-def test_models_have_the_coefficients_that_opencv_accepts(model, count):
-    calibration.check(dataclasses.replace(
-        KNOWN, distortion_model=model, distortion=(0.1,) * count))
+@pytest.mark.parametrize('fields', [
+    {'width': 1, 'height': 1},
+    {'camera_matrix': (0.5, 0.0, 320.0, 0.0, 0.5, 240.0, 0.0, 0.0, 1.0)},
+    # the numbers of coefficients that OpenCV accepts
+    *({'distortion_model': model, 'distortion': (0.1,) * count} for model, count in (
+        ('plumb_bob', 5), ('plumb_bob', 4), ('rational_polynomial', 8),
+        ('rational_polynomial', 12), ('rational_polynomial', 14), ('equidistant', 4))),
+    # names that YAML could read as another type
+    *({'camera_name': name} for name in ('', 'yes', '12', 'a: b', 'カメラ'))])
+def test_calibration_that_is_usable_is_saved_and_loaded_exactly(path, fields):
+    given = dataclasses.replace(KNOWN, **fields)
+    calibration.check(given)
+    calibration.save(path, given)
+    assert calibration.load(path) == given
 
 
-def test_scaled_to_half_the_size():
+def test_scaled_to_half_the_size_and_to_its_own():
     small = calibration.scaled(KNOWN, 320, 240)
-    assert (small.width, small.height) == (320, 240)
-    assert small.camera_matrix == (250.25, 0.0, 160.0, 0.0, 250.625, 120.0, 0.0, 0.0, 1.0)
-    assert small.projection == (250.25, 0.0, 160.0, -5e-18, 0.0, 250.625, 120.0, 0.0, 0.0, 0.0,
-                                1.0, 0.0)
-    assert (small.distortion, small.rectification, small.camera_name) == (
-        KNOWN.distortion, KNOWN.rectification, KNOWN.camera_name)
-
-
-def test_scaled_to_its_own_size_is_itself():
+    assert small == dataclasses.replace(
+        KNOWN, width=320, height=240,
+        camera_matrix=(250.25, 0.0, 160.0, 0.0, 250.625, 120.0, 0.0, 0.0, 1.0),
+        projection=(250.25, 0.0, 160.0, -5e-18, 0.0, 250.625, 120.0, 0.0, 0.0, 0.0, 1.0, 0.0))
     assert calibration.scaled(KNOWN, 640, 480) is KNOWN
 
 
-def test_scaled_to_a_rounded_size():
-    wide = Calibration('wide', 1920, 1080, 'plumb_bob', (0.0,) * 5, KNOWN.camera_matrix,
-                       KNOWN.rectification, KNOWN.projection)
-    assert calibration.scaled(wide, 854, 480).width == 854
+@pytest.mark.parametrize('own, size', [
+    ((1920, 1080), (854, 480)), ((640, 480), (646, 480)), ((640, 480), (640, 484))])
+def test_aspect_ratio_may_differ_by_one_percent(own, size):
+    given = dataclasses.replace(KNOWN, width=own[0], height=own[1])
+    scaled = calibration.scaled(given, *size)
+    assert (scaled.width, scaled.height) == size
+    assert scaled.camera_matrix[0] == pytest.approx(500.5 * size[0] / own[0])
 
 
-@pytest.mark.parametrize('size', [(640, 360), (480, 640), (640, 470), (1, 480)])
-def test_another_aspect_ratio_is_refused(size):
-    with pytest.raises(CalibrationError, match='^the calibration is for 640x480, the images are '
-                                               '{}x{}, another aspect ratio$'.format(*size)):
-        calibration.scaled(KNOWN, *size)
+@pytest.mark.parametrize('own, size', [
+    *(((640, 480), size) for size in ((640, 360), (480, 640), (640, 470), (1, 480), (647, 480),
+                                      (640, 485), (0, 480), (640, 0))),
+    *((own, (320, 240)) for own in ((0, 0), (0, 480), (640, 0), (-640, -480), (-640, 480))),
+    ((640, 0), (640, 240))])
+def test_another_aspect_ratio_is_refused(own, size):
+    with pytest.raises(CalibrationError, match='^the calibration is for {}x{}, the images are '
+                                               '{}x{}, another aspect ratio$'.format(*own, *size)):
+        calibration.scaled(dataclasses.replace(KNOWN, width=own[0], height=own[1]), *size)
 
 
-def test_calibration_without_a_size_is_refused():
-    empty = Calibration('x', 0, 0, 'plumb_bob', (), KNOWN.camera_matrix, KNOWN.rectification,
-                        KNOWN.projection)
-    with pytest.raises(CalibrationError):
-        calibration.scaled(empty, 640, 480)
+def test_file_of_another_program_is_read(path):
+    write(path, FOREIGN)
+    loaded = calibration.load(path)
+    assert (loaded.camera_name, loaded.width, loaded.height) == ('narrow', 640, 480)
+    assert loaded.distortion == (1e-05, -2e-3, 0.0, 0.0, 0.0)
+    assert loaded.camera_matrix == (500.0, 0.0, 320.0, 0.0, 501.0, 240.0, 0.0, 0.0, 1.0)
+    assert type(loaded.camera_matrix[0]) is float
+    write(path, {'camera_name': None, 'camera_matrix': {'data': [1] * 9},
+                 'distortion_coefficients': {'rows': 5, 'cols': 1, 'data': [0] * 5}})
+    loaded = calibration.load(path)
+    assert loaded.camera_name == '' and loaded.distortion == (0,) * 5
+    write(path, FOREIGN.replace('camera_name: narrow\n', ''))
+    assert calibration.load(path).camera_name == ''
 
 
-@pytest.mark.parametrize('size, usable', [
-    ((646, 480), True), ((647, 480), False), ((640, 484), True), ((640, 485), False)])
-def test_aspect_ratio_may_differ_by_one_percent(size, usable):
-    if usable:
-        matrix = calibration.scaled(KNOWN, *size).camera_matrix
-        assert matrix[0] == pytest.approx(500.5 * size[0] / 640)
-    else:
-        with pytest.raises(CalibrationError):
-            calibration.scaled(KNOWN, *size)
+def test_missing_file_is_a_separate_error(path):
+    with pytest.raises(FileNotFoundError):
+        calibration.load(path)
 
 
-@pytest.mark.parametrize('width, height', [(0, 480), (640, 0), (-640, -480), (-640, 480)])
-def test_calibration_with_half_a_size_is_refused(width, height):
-    with pytest.raises(CalibrationError, match='another aspect ratio'):
-        calibration.scaled(dataclasses.replace(KNOWN, width=width, height=height), 320, 240)
-    with pytest.raises(CalibrationError, match='another aspect ratio'):
-        calibration.scaled(dataclasses.replace(KNOWN, height=0), KNOWN.width, 240)
-    with pytest.raises(CalibrationError):
-        calibration.scaled(KNOWN, 0, 480)
-    with pytest.raises(CalibrationError):
-        calibration.scaled(KNOWN, 640, 0)
+@pytest.mark.parametrize('content', [
+    'a: [1, 2', 'a: b: c', '\tx: 1', b'\x00\x01\x02', b'\x89PNG\r\n\x1a\n\xff\xfe', b'\xff' * 99,
+    FOREIGN.replace('narrow', '2020-13-45')])
+def test_file_that_is_not_yaml(path, content):
+    assert refused_load(path, content).startswith('cannot read calibration ' + path + ': ')
 
 
-@pytest.mark.parametrize('index, name', [(0, 'fx'), (4, 'fy')])
-@pytest.mark.parametrize('value, usable', [(0.0, False), (-1.0, False), (0.5, True)])
-def test_both_focal_lengths_are_above_zero(index, name, value, usable):
-    matrix = list(KNOWN.camera_matrix)
-    matrix[index] = value
-    problem = calibration.find_problem(dataclasses.replace(KNOWN, camera_matrix=tuple(matrix)))
-    assert problem == (None if usable else 'camera_matrix (wants a focal length {} above 0, has '
-                       '{:g})'.format(name, value))
+@pytest.mark.parametrize('content', ['', 'just words', '[1, 2]', '5'])
+def test_yaml_without_entries(path, content):
+    assert 'has no camera_matrix and other entries; write one with ' in refused_load(path, content)
 
 
-def test_one_pixel_is_a_size():
-    assert calibration.find_problem(dataclasses.replace(KNOWN, width=1, height=1)) is None
+@pytest.mark.parametrize('key, value, problem', [
+    *((key, None, '') for key in (
+        'image_width', 'image_height', 'distortion_model', 'camera_matrix',
+        'rectification_matrix', 'distortion_coefficients', 'projection_matrix')),
+    ('image_width', 'wide', "wants a whole number, has 'wide'"), ('image_width', 640.5, ''),
+    ('image_width', True, ''), ('image_height', INF, ''), ('image_height', [480], ''),
+    ('camera_name', [1], 'wants a text, has [1]'),
+    ('distortion_model', 5, 'wants a text, has 5'), ('distortion_model', ['plumb_bob'], ''),
+    ('camera_matrix', 5, 'wants rows, cols and data, has 5'), ('camera_matrix', [1.0] * 9, ''),
+    ('camera_matrix', 'none', ''),
+    *(('camera_matrix', {'data': [value] * 9}, 'wants numbers, has {!r}'.format(value))
+      for value in ('one', None, True, [500])),
+    ('projection_matrix', {'data': [[1, 2, 3, 4]] * 12}, 'wants numbers, has [1, 2, 3, 4]'),
+    ('distortion_coefficients', {'data': [10 ** 400]}, 'wants numbers, has 1000'),
+    *((key, {'data': [1.0] * has}, 'wants {} numbers, has {})'.format(wanted, has))
+      for key, wanted, has in (('camera_matrix', 9, 8), ('camera_matrix', 9, 10),
+                               ('rectification_matrix', 9, 0), ('projection_matrix', 12, 9))),
+    *((key, {'rows': rows, 'cols': cols, 'data': [0] * count}, 'wants {}, has ({!r}, {!r})'.format(
+        wanted, rows, cols)) for key, rows, cols, count, wanted in (
+            ('camera_matrix', 4, 7, 9, 'rows: 3, cols: 3'),
+            ('camera_matrix', 9, 1, 9, 'rows: 3, cols: 3'),
+            ('camera_matrix', 'x', None, 9, 'rows: 3, cols: 3'),
+            ('projection_matrix', 4, 3, 12, 'rows: 3, cols: 4'),
+            ('distortion_coefficients', 1, 7, 5, 'rows: 1, cols: 5')))])
+def test_entry_that_is_wrong_is_named(path, key, value, problem):
+    assert ' has no usable entry {} ({}'.format(key, problem) in refused_load(path, {key: value})
 
 
-@pytest.mark.parametrize('value, shown', [
-    ([1, 2, 3, 4], '[1, 2, 3, ...]'), ([1, 2, 3], '[1, 2, 3]'),
-    ({number: 0 for number in range(4)}, '{0: 0, 1: 0, 2: 0, ...}'),
-    ({1: 0, 2: 0, 3: 0}, '{1: 0, 2: 0, 3: 0}'), ([[[[]]]], '[[[...]]]'), ([[[]]], '[[[]]]'),
-    ('a' * 58, repr('a' * 58)), ('a' * 59, repr('a' * 27 + '...' + 'a' * 28)),
-    (10 ** 59, '1' + '0' * 59), (10 ** 60, '1' + '0' * 27 + '...' + '0' * 29),
-    (b'x' * 57, repr(b'x' * 57)), (b'x' * 58, "b'" + 'x' * 26 + '...' + 'x' * 28 + "'")])
-def test_values_are_shortened(value, shown):
-    assert calibration.short_repr(value) == shown
+def test_matrix_without_data_is_named_by_what_it_lacks(path):
+    for value in ({'rows': 3}, {'data': '123456789'}):
+        assert ' has no usable entry data (wants the numbers of camera_matrix, has ' in (
+            refused_load(path, {'camera_matrix': value}))
+
+
+def bomb(key):
+    """Return a few lines of YAML that expand to a list of millions, as the entry `key`."""
+    lines = ['a0: &a0 [{}]'.format(', '.join(['xxxxxxxx'] * 9))]
+    lines += ['a{}: &a{} [{}]'.format(n, n, ', '.join(['*a{}'.format(n - 1)] * 9))
+              for n in range(1, 8)]
+    return '\n'.join(lines) + '\n' + '{}: *a7\n'.format(key) + ''.join(
+        line for line in FOREIGN.splitlines(True) if not line.startswith(key))
+
+
+@pytest.mark.parametrize('content', [
+    bomb('image_width'), bomb('camera_name'), FOREIGN.replace('plumb_bob', 'p' * 9999),
+    FOREIGN.replace('[500', '[' + 'x' * 9999), '[' * 500, 'a: ' + '{' * 500, '%' + 'x' * 5000,
+    '&' + 'y' * 9999 + ' a: ['], ids=lambda content: content[:20])
+def test_error_line_is_short_for_any_content(path, content):
+    assert len(refused_load(path, content)) - len(path) < 400
+
+
+def test_file_that_is_too_large_is_refused(path):
+    largest = '# ' + 'a' * ((1 << 20) - 2)
+    assert 'has no camera_matrix' in refused_load(path, largest)
+    assert refused_load(path, largest + 'a') == (
+        'cannot read calibration {}: larger than 1048576 bytes'.format(path))
+
+
+def test_file_has_the_layout_of_camera_calibration_parsers(path):
+    calibration.save(path, KNOWN)
+    with open(path) as file:
+        content = yaml.safe_load(file)
+    assert list(content) == [
+        'image_width', 'image_height', 'camera_name', 'distortion_model', 'camera_matrix',
+        'distortion_coefficients', 'rectification_matrix', 'projection_matrix']
+    assert content['projection_matrix'] == {'rows': 3, 'cols': 4, 'data': list(KNOWN.projection)}
+    assert content['distortion_coefficients']['cols'] == 5
+    assert stat.S_IMODE(os.stat(path).st_mode) == 0o644
+
+
+@pytest.mark.parametrize('link', ['', 'kept/real.yaml'])
+def test_saving_makes_the_folder_replaces_the_old_file_and_follows_a_symlink(tmp_path, link):
+    path = tmp_path / 'ros' / 'camera_info' / 'head_camera.yaml'
+    if link:
+        path.parent.mkdir(parents=True)
+        path.symlink_to(link)
+    calibration.save(str(path), KNOWN)
+    calibration.save(str(path), OTHER)
+    assert calibration.load(str(path)) == OTHER and path.is_symlink() == bool(link)
+    target = path.resolve()
+    assert not target.is_symlink() and os.listdir(str(target.parent)) == [target.name]
+
+
+@pytest.mark.parametrize('call', ['os.replace', 'os.fchmod', 'yaml.safe_dump'])
+def test_failure_leaves_the_old_file_and_nothing_else(path, monkeypatch, call):
+    def fail(*_, **__):
+        raise OSError(28, 'No space left on device')
+    calibration.save(path, KNOWN)
+    with monkeypatch.context() as patched:
+        patched.setattr('img_recog.camera.calibration.' + call, fail)
+        with pytest.raises(CalibrationError) as refused:
+            calibration.save(path, OTHER)
+    assert str(refused.value) == (
+        'cannot write calibration {}: No space left on device'.format(path))
+    assert calibration.load(path) == KNOWN
+    assert os.listdir(os.path.dirname(path)) == ['head_camera.yaml']
+
+
+def test_saving_below_a_file_is_refused(path):
+    calibration.save(path, KNOWN)
+    with pytest.raises(CalibrationError, match='/head_camera.yaml/deeper.yaml: '):
+        calibration.save(path + '/deeper.yaml', OTHER)
+    assert calibration.load(path) == KNOWN
+
+
+@pytest.mark.parametrize('make', [os.mkfifo, os.mkdir, lambda path: os.symlink('/dev/null', path)])
+def test_special_file_is_neither_read_nor_replaced(path, make, monkeypatch):
+    make(path)
+    # if the check is gone, the device node of this machine must not be replaced
+    monkeypatch.setattr('img_recog.camera.calibration.os.replace', pytest.fail)
+    for verb, call in (('write', lambda: calibration.save(path, KNOWN)),
+                       ('read', lambda: calibration.load(path))):
+        with pytest.raises(CalibrationError, match='^cannot {} calibration .*: not a regular file$'
+                           .format(verb)):
+            call()
+    assert os.listdir(os.path.dirname(path)) == ['head_camera.yaml']

@@ -10,7 +10,7 @@ from sensor_msgs.srv import SetCameraInfo, SetCameraInfoRequest, SetCameraInfoRe
 from std_msgs.msg import Header
 
 from img_recog import files
-from img_recog.camera import calibration, calibration_file
+from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.conversions import camera_info_msgs
@@ -77,7 +77,7 @@ class CameraCalibration:
                 raise calibration.CalibrationError(
                     'the calibration is for {}x{}, the images are {}x{}'.format(
                         given.width, given.height, *size))
-            calibration_file.save(self._path, given)
+            calibration.save(self._path, given)
         except calibration.CalibrationError as error:
             rospy.logerr('set_camera_info: %s', error)
             return SetCameraInfoResponse(success=False, status_message=str(error))
@@ -119,7 +119,7 @@ def path_of_url(url: str, camera_name: str) -> str:
 
 def _load(path: str, camera_name: str) -> Optional[Calibration]:
     try:
-        loaded = calibration_file.load(path)
+        loaded = calibration.load(path)
     except FileNotFoundError:
         rospy.loginfo('camera is not calibrated: there is no file %s', path)
         return None

@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo
 from sensor_msgs.srv import SetCameraInfoRequest
 from std_msgs.msg import Header
 
-from img_recog.camera import calibration_file
+from img_recog.camera import calibration
 from img_recog.camera.calibration import Calibration
 from img_recog.camera.settings import CameraSettings
 from img_recog.nodes.usb_cam import calibration as camera_calibration
@@ -23,15 +23,18 @@ GIVEN = {
 
 
 class FakeRos:
-    """Records the lines of the log."""
+    """Records the lines of the log, and the services by their names."""
 
     def __init__(self):
-        self.lines = []
+        self.lines, self.services = [], {}
         for level in ('info', 'warn', 'err'):
             setattr(self, 'log' + level, self._logger(level))
 
     def _logger(self, level):
         return lambda text, *values: self.lines.append((level, text % values))
+
+    def Service(self, name, _, handler):        # noqa: N802
+        self.services[name] = handler
 
     def levels(self):
         return [level for level, _ in self.lines]
@@ -53,9 +56,18 @@ def make(ros, tmp_path, monkeypatch):
         monkeypatch.setattr(parameters, 'rospy', SimpleNamespace(
             get_param=lambda *_: {'camera_info_url': url},
             resolve_name=lambda name: name.replace('~', '/usb_cam/')))
-        return camera_calibration.CameraCalibration(
+        calibration = camera_calibration.CameraCalibration(
             CameraSettings(camera_info_url=url, **settings))
+        calibration.serve()
+        return calibration
     return made
+
+
+@pytest.fixture
+def answer(ros):
+    """A function that calls the service with the calibration GIVEN, of which fields differ."""
+    return lambda **fields: ros.services['~set_camera_info'](
+        SetCameraInfoRequest(CameraInfo(**dict(GIVEN, **fields))))
 
 
 def saved(tmp_path, **fields):
@@ -64,12 +76,8 @@ def saved(tmp_path, **fields):
                   distortion=GIVEN['D'], camera_matrix=GIVEN['K'], rectification=GIVEN['R'],
                   projection=GIVEN['P'])
     values.update(fields)
-    calibration_file.save(path, Calibration(**values))
+    calibration.save(path, Calibration(**values))
     return path
-
-
-def answer(made, **fields):
-    return made._set_camera_info(SetCameraInfoRequest(CameraInfo(**dict(GIVEN, **fields))))
 
 
 def test_calibration_of_the_file_is_published(make, ros, tmp_path):
@@ -98,8 +106,26 @@ def test_calibration_of_another_camera_is_used_with_one_warning(make, ros, tmp_p
     assert "is for camera 'narrow_stereo', but camera_name is head_camera" in ros.lines[0][1]
 
 
+def test_calibration_urls(monkeypatch, tmp_path):
+    monkeypatch.setenv('ROS_HOME', str(tmp_path))
+    path_of_url, default = camera_calibration.path_of_url, str(tmp_path / 'camera_info/front.yaml')
+    for url, path in (('', default), ('file://${ROS_HOME}/camera_info/${NAME}.yaml', default),
+                      ('file:///a/b.yaml', '/a/b.yaml')):
+        assert path_of_url(url, 'front') == path
+    package = path_of_url('package://sensor_msgs/c/d.yaml', 'front')
+    assert path_of_url('package://sensor_msgs/x/../c/d.yaml', 'front') == package
+    assert package.endswith('sensor_msgs/c/d.yaml') and os.path.isabs(package)
+
+
 @pytest.mark.parametrize('url, words', [
-    ('http://x', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
+    ('http://x/y', 'allowed is file:///PATH, package://PACKAGE/PATH or empty'),
+    ('file://relative', ''),
+    ('package://sensor_msgs/../a.yaml', 'the path leaves the package sensor_msgs'),
+    ('package://sensor_msgs/a/../../sensor_msgs2/a.yaml', 'the path leaves the package'),
+    ('package://sensor_msgs//etc/a.yaml', 'the path leaves the package'),
+    ('package://sensor_msgs/', 'the path leaves the package'),
+    ('package:///etc/a.yaml', 'there is no package '),
+    ('package://../etc/a.yaml', 'there is no package ..'),
     ('package://no_such_package/x', 'there is no package no_such_package')])
 def test_refused_url_names_the_parameter_with_its_namespace(make, url, words):
     with pytest.raises(ParameterError) as refused:
@@ -111,19 +137,19 @@ def test_refused_url_names_the_parameter_with_its_namespace(make, url, words):
 
 @pytest.mark.parametrize('fields, words', [
     ({'K': [float('nan')] * 9}, 'camera_matrix (wants finite numbers, has nan)'),
-    ({'K': [0.0] * 9}, 'camera_matrix (wants a focal length fx above 0, has 0)'),
+    ({'K': [0.0] * 9}, 'camera_matrix (wants a focal length fx above 0, has 0.0)'),
     ({'distortion_model': ''}, "has ''"),
     ({'distortion_model': 'plum_bob'}, "has 'plum_bob'"),
     ({'D': []}, 'distortion_coefficients (wants 5 or 4 numbers for plumb_bob, has 0)'),
     ({'width': 0, 'height': 0}, 'image_width (wants a whole number above 0, has 0)'),
     ({'width': 320}, 'the calibration is for 320x480, the images are 640x480')])
-def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fields, words):
+def test_bad_calibration_is_refused_and_the_file_stays(make, answer, ros, tmp_path, fields, words):
     path = saved(tmp_path)
     with open(path) as file:
         before = file.read()
     made = make()
     made.set_image_size(640, 480)
-    response = answer(made, **fields)
+    response = answer(**fields)
     assert not response.success and words in response.status_message
     assert ros.levels() == ['err']
     with open(path) as file:
@@ -131,20 +157,20 @@ def test_bad_calibration_is_refused_and_the_file_stays(make, ros, tmp_path, fiel
     assert list(made.to_msg(Header()).K) == GIVEN['K']
 
 
-def test_good_calibration_is_written_and_published(make, tmp_path):
+def test_good_calibration_is_written_and_published(make, answer, tmp_path):
     made = make()
     made.set_image_size(640, 480)
-    response = answer(made)
+    response = answer()
     assert (response.success, response.status_message) == (
         True, str(tmp_path / 'calibration.yaml'))
     assert list(made.to_msg(Header()).K) == GIVEN['K']
 
 
-def test_size_that_is_not_known_yet_is_reported_as_unchecked(make, tmp_path):
+def test_size_that_is_not_known_yet_is_reported_as_unchecked(make, answer, tmp_path):
     made = make()
-    assert not answer(made, width=0, height=0).success
+    assert not answer(width=0, height=0).success
     assert not os.path.exists(str(tmp_path / 'calibration.yaml'))
-    response = answer(made)
+    response = answer()
     assert response.success
     assert response.status_message.endswith(
         'its size 640x480 could not be checked: the camera has not been opened yet')
@@ -152,13 +178,13 @@ def test_size_that_is_not_known_yet_is_reported_as_unchecked(make, tmp_path):
     assert made.to_msg(Header()).K[0] == 250.0
 
 
-def test_size_of_the_synthetic_scene_is_known_before_it_is_open(make, tmp_path):
-    made = make(video_device='synthetic', image_width=320, image_height=240)
-    response = answer(made)
+def test_size_of_the_synthetic_scene_is_known_before_it_is_open(make, answer, tmp_path):
+    make(video_device='synthetic', image_width=320, image_height=240)
+    response = answer()
     assert not response.success
     assert response.status_message == (
         'the calibration is for 640x480, the images are 320x240')
-    assert answer(made, width=320, height=240).success
+    assert answer(width=320, height=240).success
     with open(str(tmp_path / 'calibration.yaml')) as file:
         assert yaml.safe_load(file)['image_width'] == 320
 
@@ -173,9 +199,10 @@ def test_camera_names_that_could_be_paths_are_refused(name):
 
 
 @pytest.mark.parametrize('name', ['head_camera', '0', '_Front2'])
-def test_a_calibration_is_written_nowhere_else(make, ros, tmp_path, monkeypatch, name):
+def test_a_calibration_is_written_nowhere_else(make, answer, tmp_path, monkeypatch, name):
     monkeypatch.setenv('ROS_HOME', str(tmp_path / 'home'))
-    answer(make(url='', camera_name=name))
+    make(url='', camera_name=name)
+    answer()
     written = [path for path in tmp_path.rglob('*') if not path.is_dir()]
     assert written == [tmp_path / 'home' / 'camera_info' / (name + '.yaml')]
 
