@@ -1,44 +1,59 @@
 """The tab with the bounds, limits and commands of the colors."""
 import json
-from typing import Any, Dict, List, Sequence
+from typing import Any, Dict, List
 
 from nicegui import ui
 
+from img_recog.nodes.web.color_tuning import color_names_in
 from img_recog.nodes.web.elements import OneCall, Slider, card, paragraph, picture
-from img_recog.nodes.web.system import PictureTopic, Robot
-from img_recog.nodes.web.texts import Texts
-from img_recog.nodes.web.tuning import color_names_in
+from img_recog.nodes.web.visit import Visit
 
+TEXTS = {
+    'colors': ('Colors', '色'),
+    'hue_min': ('Lowest hue (0 to 180)', '色相の下限 (0〜180)'),
+    'hue_max': ('Highest hue (0 to 180)', '色相の上限 (0〜180)'),
+    'saturation_min': ('Lowest saturation (0 to 255)', '彩度の下限 (0〜255)'),
+    'saturation_max': ('Highest saturation (0 to 255)', '彩度の上限 (0〜255)'),
+    'value_min': ('Lowest value (0 to 255)', '明度の下限 (0〜255)'),
+    'value_max': ('Highest value (0 to 255)', '明度の上限 (0〜255)'),
+    'area_limit': ('Command above (pixels)', '指令を出す面積の下限（画素数）'),
+    'linear_x': ('Speed (m/s)', '速度 (m/s)'),
+    'angular_z': ('Turn rate (rad/s)', '旋回速度 (rad/s)'),
+    'pick': ('Choose a color here, then click it in the camera picture: that sets its bounds.',
+             'ここで色を選び、カメラ画像でその色をクリックすると、範囲が設定されます。'),
+    'proposed': ('Bounds of {} from the picture: hue {} to {}', '{} の範囲を画像から設定: 色相 {}〜{}'),
+    'save': ('Save as a file', 'ファイルに保存'),
+    'saved': ('Saved. To use it: ./run demo colors:={}', '保存しました。使い方: ./run demo colors:={}'),
+    'no_recognition': ('The node color_extract does not answer.',
+                       'ノード color_extract が応答しません。')}
 _PICTURES = 3
 
 
 class ColorsTab:
     """The tab of one visitor."""
 
-    def __init__(self, robot: Robot, texts: Texts, pictures: List[PictureTopic]):
+    def __init__(self, visit: Visit):
         """Add its elements; the sliders follow as soon as the node answers."""
-        self._robot, self._t, self._calls = robot, texts, OneCall()
+        self._colors, self._t, self._calls = visit.robot.colors, visit.texts, OneCall()
         self._sliders: Dict[str, Slider] = {}
         self._revision = -1
         self._picked = ''
         with ui.element('div').classes('tuning'):
             with ui.element('div').classes('column-cards'):
-                for topic, title, color in pictures[:_PICTURES]:
-                    picture(topic, texts(title, color), texts('no_image'),
-                            'pick' if title == 'camera' else '')
+                for each in visit.pictures[:_PICTURES]:
+                    picture(self._t, each, 'pick' if each.title == 'camera' else '')
             self._tuning = ui.element('div').classes('column-cards')
         self._build({}, [])
         ui.on('pick', self._on_pick, throttle=0.2)
 
     def update(self) -> None:
         """Show what other pages and nodes have changed."""
-        revision = self._robot.colors.revision
+        revision = self._colors.revision
         if revision == self._revision:
             return
-        self._revision, values = revision, self._robot.colors.values()
+        self._revision, values = revision, self._colors.values()
         names = color_names_in(values)
-        if [name + '_hue_min' for name in names] != [
-                each for each in self._sliders if each.endswith('_hue_min')]:
+        if names != self._names:
             self._build(values, names)
         ui.run_javascript('window.limits = {}'.format(json.dumps(
             {name: values[name + '_area_limit'] for name in names})))
@@ -46,8 +61,9 @@ class ColorsTab:
             if parameter in values and not slider.follow(values[parameter]):
                 self._revision = -1     # later
 
-    def _build(self, values: Dict[str, Any], names: Sequence[str]) -> None:
+    def _build(self, values: Dict[str, Any], names: List[str]) -> None:
         """Make the sliders of all colors."""
+        self._names = names
         self._tuning.clear()
         self._sliders.clear()
         with self._tuning:
@@ -79,7 +95,7 @@ class ColorsTab:
         is_whole = isinstance(values[parameter], int)
 
         def change(value: float) -> None:
-            self._robot.colors.change(**{parameter: int(value) if is_whole else float(value)})
+            self._colors.change(**{parameter: int(value) if is_whole else float(value)})
         self._sliders[parameter] = Slider(title, low, high, step, values[parameter], change,
                                           classes, '{}: {}'.format(color, title))
 
@@ -89,11 +105,11 @@ class ColorsTab:
         except (TypeError, ValueError, KeyError):
             return
         color = self._picked
-        bounds = await self._calls.wait_for(self._robot.propose, topic, x, y, color)
+        bounds = await self._calls.wait_for(self._colors.propose, topic, x, y, color)
         if bounds:
             ui.notify(self._t('proposed', color, bounds['hue_min'], bounds['hue_max']))
 
     async def _save(self) -> None:
-        path = await self._calls.wait_for(self._robot.save_colors)
+        path = await self._calls.wait_for(self._colors.save)
         if path:
             ui.notify(self._t('saved', path), multi_line=True, timeout=10000)

@@ -6,6 +6,8 @@ from typing import Any, Callable
 from nicegui import run, ui
 
 from img_recog.errors import UserError, one_line
+from img_recog.nodes.web.shown_robot import PictureTopic
+from img_recog.nodes.web.texts import Texts
 
 _SLIDER_THROTTLE_S = 0.05
 _SETTLE_S = 1.0         # a slider that is moved is ahead of its value for this time
@@ -27,13 +29,14 @@ def paragraph(text: str) -> None:
         ui.label(text)
 
 
-def picture(topic: str, title: str, empty: str, classes: str = '') -> None:
-    """Add the picture of a topic; empty: what it says before the first image."""
+def picture(texts: Texts, shown: PictureTopic, classes: str = '') -> None:
+    """Add the picture of a topic."""
+    title = texts(shown.title, shown.color)
     with card(title), ui.element('div').classes('picture'):
         ui.element('canvas').classes(classes).props(
-            'data-picture="{}" role=img aria-label="{}"'.format(topic, title))
+            'data-picture="{}" role=img aria-label="{}"'.format(shown.topic, title))
         with ui.element('div').classes('empty'):
-            ui.label(empty)
+            ui.label(texts('no_image'))
         ui.element('div').classes('age').props('aria-live=off')
 
 
@@ -52,7 +55,7 @@ class _LocalSlider(ui.slider):
 
 
 class Slider:
-    """A slider with its title and value."""
+    """A slider with its title and value. element: NiceGUI's."""
 
     def __init__(self, title: str, low: float, high: float, step: float, value: float,
                  change: Callable[[float], None], classes: str = '', label: str = ''):
@@ -62,10 +65,10 @@ class Slider:
         with ui.element('div').classes('slider-row'):
             ui.label(title)
             shown = ui.label()
-            self._slider = _LocalSlider(min=low, max=high, step=step, value=value).classes(
+            self.element = _LocalSlider(min=low, max=high, step=step, value=value).classes(
                 classes).props('aria-label="{}"'.format(label or title))
-            shown.bind_text_from(self._slider, 'value', _number_text)
-            self._slider.on('update:model-value', lambda event: self._move(event.args),
+            shown.bind_text_from(self.element, 'value', _number_text)
+            self.element.on('update:model-value', lambda event: self._move(event.args),
                             throttle=_SLIDER_THROTTLE_S)
 
     def follow(self, value: float) -> bool:
@@ -74,9 +77,9 @@ class Slider:
             return False
         if self._is_ahead:      # the browser must know its own value to notice another one
             self._is_ahead = False
-            self._slider.update()
-            return self._slider.value == value
-        self._slider.value = value
+            self.element.update()
+            return self.element.value == value
+        self.element.value = value
         return True
 
     def _move(self, value: float) -> None:

@@ -1,108 +1,44 @@
 """Sends pictures and measurements to the pages, and takes what their visitors do.
 
-Independent of ROS. One WebSocket a page. A page asks for the next news when it has drawn the last:
-a slow browser misses frames, and slows nobody down.
+One WebSocket a page. A page asks for the next message when it has drawn the last: a slow browser
+misses frames, and slows nobody down.
 """
 import asyncio
 import json
 import math
 import re
 import struct
-from typing import (Any, Callable, Dict, Hashable, Iterable, List, NamedTuple, Optional, Protocol,
-                    Set, Tuple)
+import time
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
-RATE_HZ = 15.0
-_MAX_PICTURES, _MAX_NAME = 32, 300      # live.js asks for no more
+from starlette.websockets import WebSocket
+
+from img_recog.nodes.web.measurements import Topics
+from img_recog.nodes.web.pictures import RATE_HZ, PictureTopics
+from img_recog.nodes.web.shown_robot import ShownRobot
+
+_MAX_PICTURES, _MAX_NAME = 32, 300      # page.js asks for no more
 _MAX_MALFORMED = 20             # messages, until the connection is closed
 _REFUSED, _FAILED = 1008, 1011  # close codes of RFC 6455
-_CACHE_SIZE = 8
 _TOPIC = re.compile('(/[A-Za-z][A-Za-z0-9_]*)+')        # the full name of one
 _LENGTH = struct.Struct('>I')
-
-
-class Picture(NamedTuple):
-    """An encoded image; number: of the image, to see whether it is a new one."""
-
-    number: int
-    jpeg: bytes
-
-
-class Pictures(Protocol):
-    """Where the pictures come from."""
-
-    def watch(self, names: Set[str]) -> None:
-        """Get images of these names from now on, and of no others."""
-
-    def latest(self, name: str) -> Optional[Picture]:
-        """Return the newest picture."""
-
-
-class Measurements(Protocol):
-    """Where the measurements come from."""
-
-    def watch(self, is_watched: bool) -> None:
-        """Start or stop to measure."""
-
-    def since(self, cursor: Any) -> Tuple[Hashable, Dict[str, Any]]:
-        """Return what is new since a call that returned this cursor, and the next cursor.
-
-        cursor: None for all that there is.
-        """
-
-
-class Driver(Protocol):
-    """Who drives the robot."""
-
-    def hold(self, owner: object, linear: float, angular: float) -> bool:
-        """Drive with these shares of the highest speeds, -1 to 1, for a moment.
-
-        Return False if another owner drives.
-        """
-
-    def release(self, owner: object) -> None:
-        """Stop the robot, if this owner drives it."""
-
-
-class Socket(Protocol):
-    """A WebSocket of Starlette."""
-
-    async def receive_text(self) -> str:
-        """Return the next message; raise an error when the connection ends."""
-
-    async def send_bytes(self, data: bytes) -> None:
-        """Send a message, and wait while the browser does not read."""
-
-    async def close(self, code: int = 1000) -> None:
-        """Close the connection."""
-
-
-class Robot(Protocol):
-    """What a page shows, and drives."""
-
-    @property
-    def measurements(self) -> Measurements:
-        """What is measured; robots may share it."""
-
-    @property
-    def driving(self) -> Driver:
-        """Who drives it."""
 
 
 class _Viewer:
     """A page that is connected."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: ShownRobot) -> None:
         self.robot = robot
         self.names: Tuple[str, ...] = ()
-        self.is_looking = False
-        self.is_ready = asyncio.Event()
-        self.cursor: Any = None         # of the measurements that it has got
-        self.numbers: Dict[str, int] = {}       # of the pictures that it has got
+        self.is_looking, self.is_ready = asyncio.Event(), asyncio.Event()
+        # what it has got: of the measurements, and of the pictures
+        self.cursors: Dict[Topics, Optional[int]] = dict.fromkeys(robot.topics)
+        self.numbers: Dict[str, int] = {}
         self.malformed = 0
         self.is_refused = False         # another page drives
 
 
-async def _received(socket: Socket) -> str:
+async def _received(socket: WebSocket) -> str:
     """Return the next message; '', which makes no sense, for one that is not a text."""
     try:
         return await socket.receive_text()
@@ -113,22 +49,19 @@ async def _received(socket: Socket) -> str:
 class Feed:
     """Serves all pages; to be used in one event loop."""
 
-    def __init__(self, pictures: Pictures, failed: Callable[[Exception], None]):
+    def __init__(self, pictures: PictureTopics, failed: Callable[[Exception], None]):
         """Serve nobody yet; failed: is called with an unexpected error, which ends a page."""
         self._pictures, self._failed = pictures, failed
-        self._measured: List[Measurements] = []         # that are watched
+        self._watched: Set[Topics] = set()
         self._viewers: Set[_Viewer] = set()
-        self._tick = asyncio.Event()
-        self._ticking: Optional[asyncio.Task] = None
-        self._composed: Dict[tuple, Tuple[Hashable, Dict[str, int], bytes]] = {}
 
     @property
     def viewers(self) -> int:
         """The number of pages that somebody looks at."""
         # a copy: the event loop changes it
-        return sum(viewer.is_looking for viewer in list(self._viewers))
+        return sum(viewer.is_looking.is_set() for viewer in list(self._viewers))
 
-    async def serve(self, socket: Socket, robot: Robot) -> None:
+    async def serve(self, socket: WebSocket, robot: ShownRobot) -> None:
         """Serve a page until its connection ends; the errors of the connection are raised."""
         viewer = _Viewer(robot)
         self._viewers.add(viewer)
@@ -163,7 +96,7 @@ class Feed:
                 and all(isinstance(name, str) and len(name) <= _MAX_NAME
                         and _TOPIC.fullmatch(name) for name in names)):
             raise ValueError(names)
-        viewer.is_looking = names is not None
+        (viewer.is_looking.clear if names is None else viewer.is_looking.set)()
         viewer.names = tuple(names or ())
         viewer.numbers = {}
         self._update()
@@ -184,40 +117,24 @@ class Feed:
 
     def _update(self) -> None:
         """Get only what somebody looks at."""
-        looking = [viewer for viewer in self._viewers if viewer.is_looking]
+        looking = [viewer for viewer in self._viewers if viewer.is_looking.is_set()]
         self._pictures.watch({name for viewer in looking for name in viewer.names})
-        measured: List[Measurements] = []
-        for viewer in looking:
-            if viewer.robot.measurements not in measured:
-                measured.append(viewer.robot.measurements)
-        for each in self._measured:
-            if each not in measured:
-                each.watch(False)
-        for each in measured:
-            each.watch(True)
-        self._measured = measured
-        if looking and self._ticking is None:
-            self._ticking = asyncio.ensure_future(self._run())
-        elif not looking and self._ticking is not None:
-            self._ticking.cancel()
-            self._ticking = None
+        watched = {topics for viewer in looking for topics in viewer.robot.topics}
+        for topics in self._watched - watched:
+            topics.watch(False)
+        for topics in watched:
+            topics.watch(True)
+        self._watched = watched
 
-    async def _run(self) -> None:
-        while True:
-            await asyncio.sleep(1 / RATE_HZ)
-            self._composed.clear()
-            self._tick.set()
-            self._tick = asyncio.Event()
-
-    async def _send(self, viewer: _Viewer, socket: Socket) -> None:
+    async def _send(self, viewer: _Viewer, socket: WebSocket) -> None:
+        due_s = 0.0
         while True:
             await viewer.is_ready.wait()
-            await self._tick.wait()
+            await viewer.is_looking.wait()
+            await asyncio.sleep(max(0.0, due_s - time.monotonic()))
+            due_s = max(due_s + 1 / RATE_HZ, time.monotonic())
             try:
-                if viewer.is_refused:
-                    viewer.is_refused, data = False, _message({'busy': True}, [], [])
-                else:
-                    data = self._news(viewer) if viewer.is_looking else b''
+                data = self._message(viewer) if viewer.is_looking.is_set() else b''
             except Exception as error:
                 self._failed(error)
                 await socket.close(_FAILED)
@@ -226,39 +143,29 @@ class Feed:
                 viewer.is_ready.clear()
                 await socket.send_bytes(data)
 
-    def _news(self, viewer: _Viewer) -> bytes:
-        """Return what a viewer has not got yet, b'' if there is nothing new."""
-        measurements = viewer.robot.measurements
-        key = (id(measurements), viewer.names, viewer.cursor,
-               tuple(sorted(viewer.numbers.items())))
-        found = self._composed.get(key)
-        if found is None:
-            found = self._compose(measurements, viewer.names, viewer.cursor, viewer.numbers)
-            if len(self._composed) < _CACHE_SIZE:
-                self._composed[key] = found
-        viewer.cursor, viewer.numbers, data = found
-        return data
+    def _message(self, viewer: _Viewer) -> bytes:
+        """Return what a viewer has not got yet, b'' if there is nothing new.
 
-    def _compose(self, measurements: Measurements, names: Iterable[str], cursor: Any,
-                 numbers: Dict[str, int]) -> Tuple[Hashable, Dict[str, int], bytes]:
-        """Return cursor, numbers and message for those who are at this cursor and these numbers.
-
-        The message: the length of a JSON text, the text, and the pictures that it lists.
+        The length of a JSON text, the text, and the pictures that it lists.
         """
-        next_cursor, measured = measurements.since(cursor)
-        next_numbers, listed, jpegs = dict(numbers), [], []
-        for name in names:
+        if viewer.is_refused:
+            viewer.is_refused = False
+            return _encoded({'busy': True}, [], [])
+        measured: Dict[str, Any] = {}
+        for topics, cursor in viewer.cursors.items():
+            viewer.cursors[topics], found = topics.updates.since(cursor)
+            measured.update(found)
+        listed, jpegs = [], []
+        for name in viewer.names:
             picture = self._pictures.latest(name)
-            if picture is not None and picture.number != numbers.get(name):
-                next_numbers[name] = picture.number
+            if picture is not None and picture.number != viewer.numbers.get(name):
+                viewer.numbers[name] = picture.number
                 listed.append([name, len(picture.jpeg)])
                 jpegs.append(picture.jpeg)
-        if not listed and not measured:
-            return next_cursor, next_numbers, b''
-        return next_cursor, next_numbers, _message(measured, listed, jpegs)
+        return _encoded(measured, listed, jpegs) if listed or measured else b''
 
 
-def _message(measured: Dict[str, Any], listed: List[list], jpegs: List[bytes]) -> bytes:
+def _encoded(measured: Dict[str, Any], listed: List[list], jpegs: List[bytes]) -> bytes:
     text = json.dumps({'pictures': listed, 'measured': measured},
                       separators=(',', ':'), allow_nan=False).encode()
     return b''.join([_LENGTH.pack(len(text)), text, *jpegs])

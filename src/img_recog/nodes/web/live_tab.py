@@ -1,15 +1,58 @@
 """The tab with pictures, charts, map, drive buttons and the simulation."""
 import math
 from functools import partial
-from typing import Any, Dict, Iterable, List, Sequence, Tuple
+from typing import Any, Dict, Iterable, Sequence, Tuple
 
 from nicegui import ui
 
+from img_recog.nodes.web import simulation
 from img_recog.nodes.web.elements import (
     OneCall, Slider, button, card, paragraph, picture, wait_for)
-from img_recog.nodes.web.system import PictureTopic, Robot, System
-from img_recog.nodes.web.texts import Texts
+from img_recog.nodes.web.visit import Visit
 
+TEXTS = {
+    'live': ('Live', 'ライブ'),
+    'map': ('Map', '地図'),
+    'map_help': ('Click: move the robot here. Drag: also set its heading.',
+                 'クリック: ロボットをここへ移動。ドラッグ: 向きも指定。'),
+    'map_label': ('Map of the world with robot, path and laser scan',
+                  'ロボット、経路、レーザスキャンを示す地図'),
+    'position': ('Position', '位置'),
+    'heading': ('Heading', '向き'),
+    'drive': ('Drive', '操縦'),
+    'drive_help': ('Hold a button, or the keys W A X D or the arrows; S stops. Let go to '
+                   'stop; 0.5 s later, the colors command again.',
+                   'ボタン、または W A X D・矢印キーを押している間だけ動きます。S は停止です。'
+                   '離すと止まり、0.5 秒後に色による指令に戻ります。'),
+    'forward': ('Forward', '前進'),
+    'backward': ('Backward', '後退'),
+    'left': ('Turn left', '左旋回'),
+    'right': ('Turn right', '右旋回'),
+    'stop': ('Stop', '停止'),
+    'max_linear': ('Highest speed (m/s)', '最高速度 (m/s)'),
+    'max_angular': ('Highest turn rate (rad/s)', '最高旋回速度 (rad/s)'),
+    'areas': ('Areas of the colors (pixels); dashed: limits', '色の面積（画素数）。破線はしきい値'),
+    'speeds': ('Speed (m/s)', '速度 (m/s)'),
+    'asked': ('asked', '指令'),
+    'driven': ('driven', '実際'),
+    'seconds': ('Time (s); now is 0', '時間 (秒)、現在は 0'),
+    'simulation': ('Simulation', 'シミュレーション'),
+    'pause': ('Pause', '一時停止'),
+    'paused': ('paused', '一時停止中'),
+    'resume': ('Resume', '再開'),
+    'reset_world': ('Back to the start', 'スタートに戻す'),
+    'viewpoint': ('Viewpoint', '視点'),
+    'above': ('from above', '上から'),
+    'follow': ('behind the robot', 'ロボットの後ろから'),
+    'factor': ('Real time factor', '実時間比'),
+    'measured_factor': ('Measured real time factor', '実時間比の実測値'),
+    'fastest': ('as fast as possible', '最速'),
+    'record': ('Record', '記録'),
+    'stop_recording': ('Stop recording', '記録を終了'),
+    'recording_to': ('Recording to {}', '{} に記録中'),
+    'recorded': ('Recorded: {}', '記録しました: {}'),
+    'busy': ('Another page drives or has stopped the robot: let go, and press again.',
+             '別のページがロボットを操縦しているか停止させました。一度離してから、もう一度押してください。')}
 _FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 0.0)
 # readable on a light and on a dark card
 _CHART_TEXT, _CHART_LINES = '#8b919c', '#8b919c44'
@@ -25,20 +68,19 @@ _PAD: Sequence[Tuple[str, str, str]] = (      # text, icon, direction; by rows o
 class LiveTab:
     """The tab of one visitor."""
 
-    def __init__(self, system: System, robot: Robot, texts: Texts,
-                 pictures: List[PictureTopic]):
+    def __init__(self, visit: Visit):
         """Add its elements."""
-        self._system, self._robot, self._t = system, robot, texts
+        self._system, self._robot, self._t = visit.system, visit.robot, visit.texts
         self._recording_call, self._is_recording = OneCall(), False     # what the button says
         with ui.element('div').classes('board'):
             with ui.element('div').classes('column-cards'):
                 with ui.element('div').classes('pictures'):
-                    for topic, title, color in pictures:
-                        picture(topic, texts(title, color), texts('no_image'))
-                self._chart('areas', texts('areas'))
+                    for each in visit.pictures:
+                        picture(self._t, each)
+                self._chart('areas')
             with ui.element('div').classes('column-cards'):
                 self._map()
-                self._chart('speeds', texts('speeds'))
+                self._chart('speeds')
             with ui.element('div').classes('column-cards'):
                 self._drive()
                 self._simulation()
@@ -46,7 +88,7 @@ class LiveTab:
 
     def update(self) -> None:
         """Show what other pages and nodes have changed."""
-        self._is_recording = is_recording = bool(self._system.recording())
+        self._is_recording = is_recording = bool(self._system.recorder.path)
         self._record_button.props('color=' + ('negative' if is_recording else 'primary'))
         self._record_button.text = self._t('stop_recording' if is_recording else 'record')
         simulator = self._system.simulator.values()
@@ -59,7 +101,8 @@ class LiveTab:
         for field, slider in self._limits.items():
             slider.follow(limits[field])
 
-    def _chart(self, name: str, title: str) -> None:
+    def _chart(self, name: str) -> None:
+        title = self._t(name)
         with card(title):
             axis = {'type': 'value', 'axisLabel': {'hideOverlap': True, 'color': _CHART_TEXT},
                     'splitNumber': 4, 'splitLine': {'lineStyle': {'color': _CHART_LINES}},
@@ -109,7 +152,7 @@ class LiveTab:
                 for action, key, icon in (('pause_physics', 'pause', 'pause'),
                                           ('unpause_physics', 'resume', 'play_arrow'),
                                           ('reset_world', 'reset_world', 'replay')):
-                    button(icon, self._t(key), partial(wait_for, self._system.act, action))
+                    button(icon, self._t(key), partial(wait_for, simulation.call, action))
                 self._record_button = button('fiber_manual_record', self._t('record'),
                                              self._record)
             with ui.element('p'):
@@ -136,11 +179,11 @@ class LiveTab:
             x, y, yaw = (float(event.args[key]) for key in ('x', 'y', 'yaw'))
         except (TypeError, ValueError, KeyError):
             return
-        await wait_for(self._robot.set_pose, x, y, yaw)
+        await wait_for(self._robot.pose.publish, x, y, yaw)
 
     async def _record(self) -> None:
         is_running = self._is_recording         # or else two who stop would start one
-        path = await self._recording_call.wait_for(self._system.record, not is_running)
+        path = await self._recording_call.wait_for(self._system.recorder.record, not is_running)
         if path:
             ui.notify(self._t('recorded' if is_running else 'recording_to', path),
                       multi_line=True)

@@ -18,7 +18,7 @@ import secrets
 import sys
 import time
 import traceback
-from typing import List, Optional, Set
+from typing import Optional, Set
 
 import cv2
 import rospy
@@ -29,16 +29,18 @@ from fastapi.concurrency import run_in_threadpool
 
 from img_recog import files
 from img_recog.errors import UserError, one_line
-from img_recog.nodes.web import page, simulation
-from img_recog.nodes.web.doors import Doors
+from img_recog.nodes.web import page
+from img_recog.nodes.web.authentication import Authentication
 from img_recog.nodes.web.feed import Feed
-from img_recog.nodes.web.graph_pictures import GraphPictures
+from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
-from img_recog.nodes.web.robot import Robot, resolve
-from img_recog.nodes.web.robots import Robots
 from img_recog.nodes.web.server import Server, address, listen, report_errors
 from img_recog.nodes.web.settings import WebSettings
+from img_recog.nodes.web.shown_robot import resolve
+from img_recog.nodes.web.shown_robots import ShownRobots
+from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
+from img_recog.nodes.web.visit import System
 from img_recog.ros import bag_recording, lifecycle, parameters
 from img_recog.ros.bag_recording import BagRecording, Recorder
 from img_recog.ros.diagnostics import NodeDiagnostics
@@ -53,7 +55,7 @@ _TRY_AGAIN = 1013               # a close code of IANA's registry of WebSocket c
 
 
 class Web:
-    """The parts of the page; `page.System` for it."""
+    """Serves the page, and looks for robots and for the end of a recording meanwhile."""
 
     def __init__(self) -> None:
         settings = parameters.read(WebSettings)
@@ -61,13 +63,11 @@ class Web:
         parameters.warn_of_unknown(WebSettings, VelocityLimits)
         self._warn = ThrottledWarning()
         self._failure: Optional[Exception] = None
-        self._watching: Set[object] = set()
-        self._graphs = GraphPictures()
+        self._pictures = PictureTopics(_MAX_IMAGE_BYTES)
+        topics = SystemTopics(tab.topics for tab in TABS if tab.topics is not None)
+        self._robots = ShownRobots(limits, self._pictures, topics)
         self._recorder = Recorder(self._start_recording)
         lifecycle.on_shutdown(self._end_recording)
-        self.simulator = Tuning(rospy.resolve_name('gazebo'))
-        self._pictures = PictureTopics(_MAX_IMAGE_BYTES)
-        self._robots = Robots(limits, self._pictures)
         self._feed = Feed(self._pictures, self._warn_of)
         sock = listen(settings.web_host, settings.web_port)
         port = sock.getsockname()[1]
@@ -76,8 +76,8 @@ class Web:
         report_errors(self._warn_of)
         token = secrets.token_urlsafe(16)
         self._address = address(sock, token)
-        self._server = Server(
-            Doors(self._application(), token, port, self._warn_of), sock, self._fail)
+        self._server = Server(Authentication(self._application(), token, port, self._warn_of),
+                              sock, self._fail)
         NodeDiagnostics('web', 'none', self._report)
 
     def _application(self) -> FastAPI:
@@ -89,14 +89,15 @@ class Web:
             # the end of a connection is nothing to report, in the middle of a message too
             with contextlib.suppress(WebSocketDisconnect, RuntimeError):
                 name = socket.query_params.get('robot', '')
-                robot = await run_in_threadpool(self.robot, name)
+                robot = await run_in_threadpool(self._robots.get, name)
                 if robot.name != name:      # never show and drive another one instead
                     await socket.close(_TRY_AGAIN)
                     return
-                self._pictures.allow(topic for topic, _, _ in await run_in_threadpool(
+                self._pictures.allow(each.topic for each in await run_in_threadpool(
                     robot.picture_topics))
                 await self._feed.serve(socket, robot)
-        page.build(app, self)
+        page.build(app, System(self._robots, Tuning(rospy.resolve_name('gazebo')),
+                               self._recorder))
         return app
 
     def spin(self) -> None:
@@ -129,41 +130,9 @@ class Web:
         status.summary(DiagnosticStatus.OK, 'serving')
         status.add('pages', str(self._feed.viewers))
 
-    # what the page shows and does, see page.System
-
-    def robots(self) -> List[str]:
-        """Return the names of the robots, at least one; '' for one without a namespace."""
-        return self._robots.names
-
-    def robot(self, name: str) -> Robot:
-        """Return the robot of this name, or the first one if there is none.
-
-        Waits: not for the event loop.
-        """
-        if name not in self.robots():
-            self._robots.update()
-        return self._robots.get(name)
-
-    def watch(self, page_: object, is_watched: bool) -> None:
-        """Begin or end to follow the simulator's parameters for a page."""
-        (self._watching.add if is_watched else self._watching.discard)(page_)
-        self.simulator.watch(bool(self._watching))
-
-    def act(self, action: str) -> None:
-        """Call a service of the simulator; raise UserError if that fails."""
-        simulation.call(action)
-
-    def record(self, is_wanted: bool) -> str:
-        """Start or stop a recording; return its path."""
-        return self._recorder.record(is_wanted)
-
-    def recording(self) -> str:
-        """Return the path of the recording that runs, '' if there is none."""
-        return self._recorder.path
-
     def _start_recording(self) -> BagRecording:
         topics = {name for topic in bag_recording.TOPICS for name in (
-            rospy.resolve_name(topic), *(resolve(robot, topic) for robot in self.robots()))}
+            rospy.resolve_name(topic), *(resolve(robot, topic) for robot in self._robots.names))}
         return BagRecording(files.free_output_path('recording', '.bag'), sorted(topics))
 
     def _check_recording(self) -> None:
@@ -178,10 +147,6 @@ class Web:
     def _end_recording(self) -> None:
         with contextlib.suppress(UserError):
             self._recorder.record(False)
-
-    def graph(self, is_dark: bool, leaves: bool) -> bytes:
-        """Return the graph of nodes and topics as SVG; raise UserError if that fails."""
-        return self._graphs.draw(is_dark, leaves)
 
 
 def _wait_for_other_nodes() -> None:

@@ -1,7 +1,7 @@
 """Images of topics as JPEG, each encoded once for all viewers."""
 import threading
 import time
-from typing import Dict, Iterable, Optional, Set
+from typing import Dict, Iterable, NamedTuple, Optional, Set
 
 import cv2
 import numpy as np
@@ -10,15 +10,22 @@ from sensor_msgs.msg import Image
 
 from img_recog.conversions.image_msgs import ColorImages, ImageError
 from img_recog.errors import one_line
-from img_recog.nodes.web.feed import RATE_HZ, Picture
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
+RATE_HZ = 15.0
 _MAX_WIDTH = 640
 _RETRY_PERIOD_S = 1.0
 _QUALITY = 80
 _TO_BGR = {'rgb8': cv2.COLOR_RGB2BGR, 'rgba8': cv2.COLOR_RGBA2BGR, 'bgra8': cv2.COLOR_BGRA2BGR}
+
+
+class Picture(NamedTuple):
+    """An encoded image; number: of the image, to see whether it is a new one."""
+
+    number: int
+    jpeg: bytes
 
 
 class PictureTopics:
@@ -58,18 +65,18 @@ class PictureTopics:
         return topic.picture if topic is not None else None
 
     def _run(self) -> None:
-        """Encode the newest images at the rate of the feed, while somebody looks."""
+        """Encode the newest images at RATE_HZ, while somebody looks."""
         while not rospy.is_shutdown():
-            begin_s = time.monotonic()
+            start_s = time.monotonic()
             with self._lock:
                 wanted = self._wanted
                 if not wanted and not self._topics:
                     self._thread = None
                     return
             for name in wanted | set(self._topics):
-                if begin_s >= self._retry_s.get(name, 0.0):
+                if start_s >= self._retry_s.get(name, 0.0):
                     self._update(name, name in wanted)
-            time.sleep(max(0.0, begin_s + 1 / RATE_HZ - time.monotonic()))
+            time.sleep(max(0.0, start_s + 1 / RATE_HZ - time.monotonic()))
 
     def _update(self, name: str, is_wanted: bool) -> None:
         """Subscribe to a topic, encode its newest image, or unsubscribe."""

@@ -9,7 +9,7 @@ from typing import Any, Callable, Optional
 import uvicorn
 
 from img_recog.errors import UserError, one_line
-from img_recog.nodes.web.doors import MAX_BODY_BYTES
+from img_recog.nodes.web.authentication import MAX_BODY_BYTES
 
 _PORTS = 11             # tried, from the first one on
 _MAX_PORT = 65535

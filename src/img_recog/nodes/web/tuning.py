@@ -1,7 +1,7 @@
 """Changes parameters of other nodes by dynamic_reconfigure, without waiting for them."""
 import contextlib
 import threading
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, Optional, Set
 
 import rospy
 from dynamic_reconfigure import DynamicReconfigureCallbackException
@@ -13,12 +13,6 @@ _CONNECT_TIMEOUT_S = 2.0
 _RETRY_PERIOD_S = 1.0
 
 
-def color_names_in(values: Mapping[str, Any]) -> List[str]:
-    """Return the names of the colors for which there are parameters, in their order."""
-    ending = '_hue_min'
-    return [name[:-len(ending)] for name in values if name.endswith(ending)]
-
-
 class Tuning:
     """Parameters of a node that can be changed while it runs.
 
@@ -28,21 +22,21 @@ class Tuning:
 
     def __init__(self, node: str):
         """Do nothing yet; node: the resolved name of the node."""
-        self._node = node
+        self.node = node
         self._is_told = False       # that the node does not answer
         self._condition = threading.Condition()
-        self._is_watched = False
+        self._watching: Set[object] = set()
         self._thread: Optional[threading.Thread] = None
         self._changes: Dict[str, Any] = {}
         self._is_sending = False
         self._values: Dict[str, Any] = {}
         self.revision = 0
 
-    def watch(self, is_watched: bool) -> None:
-        """Connect or disconnect, soon and in another thread."""
+    def watch(self, page: object, is_watched: bool) -> None:
+        """Connect for a page, or disconnect after the last one, soon and in another thread."""
         with self._condition:
-            self._is_watched = is_watched
-            if is_watched and self._thread is None:
+            (self._watching.add if is_watched else self._watching.discard)(page)
+            if self._watching and self._thread is None:
                 self._thread = threading.Thread(target=self._run, daemon=True)
                 self._thread.start()
             self._condition.notify()
@@ -76,13 +70,13 @@ class Tuning:
                         self._send(client)
             except Exception as error:      # rospy raises more than it documents
                 if not self._is_told:
-                    rospy.logwarn('the parameters of %s: %s', self._node, one_line(error))
+                    rospy.logwarn('the parameters of %s: %s', self.node, one_line(error))
                 self._is_told = True
                 with self._condition:
-                    self._condition.wait_for(lambda: not self._is_watched, _RETRY_PERIOD_S)
+                    self._condition.wait_for(lambda: not self._watching, _RETRY_PERIOD_S)
 
     def _is_wanted(self) -> bool:
-        return self._is_watched and not rospy.is_shutdown()
+        return bool(self._watching) and not rospy.is_shutdown()
 
     def _goes_on(self) -> bool:
         """Return whether the thread is still needed; if not, the next `watch` starts another."""
@@ -96,7 +90,7 @@ class Tuning:
         # update_configuration would wait for ever without descriptions, and would not know the
         # parameters of those that are being read: the callback comes at their end
         described = threading.Event()
-        client = Client(self._node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received,
+        client = Client(self.node, timeout=_CONNECT_TIMEOUT_S, config_callback=self._received,
                         description_callback=lambda _: described.set())
         if not described.wait(_CONNECT_TIMEOUT_S):
             client.close()
@@ -106,7 +100,7 @@ class Tuning:
     def _send(self, client: Client) -> None:
         """Send the changes that wait, or wait for some."""
         with self._condition:
-            self._condition.wait_for(lambda: self._changes or not self._is_watched,
+            self._condition.wait_for(lambda: self._changes or not self._watching,
                                      _RETRY_PERIOD_S)
             changes, self._changes = self._changes, {}
             self._is_sending = bool(changes)

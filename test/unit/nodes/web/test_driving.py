@@ -1,5 +1,6 @@
 """Who drives, and until when."""
 import threading
+import time
 from types import SimpleNamespace
 
 import pytest
@@ -11,102 +12,48 @@ from img_recog.teleoperation.settings import VelocityLimits
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
-class Clock:
+# each step: the time in HOLD_S, who, its linear speed or None for a release, whether that is
+# accepted, and what drives the robot then
+WHO_DRIVES = {
+    'a command holds for a moment': [
+        (0, 'page', 1, True, 1), (0.9, 'other', None, None, 1), (1, 'other', None, None, None)],
+    'a release ends it at once, but only for its owner': [
+        (0, 'page', 1, True, 1), (0, 'other', None, None, 1), (0, 'page', None, None, None)],
+    'the first who holds drives until the end': [
+        (0, 'page', 1, True, 1), (0, 'other', -1, False, 1), (1, 'third', -1, True, -1),
+        (1, 'page', None, None, -1)],
+    'who was refused does not drive until it has let go': [
+        (0, 'page', 1, True, 1), (0, 'other', -1, False, 1), (2, 'other', -1, False, None),
+        (2, 'page', 1, True, 1), (2, 'page', None, None, None), (2, 'other', -1, False, None),
+        (2, 'other', None, None, None), (2, 'other', -1, True, -1)],
+    'anybody can stop the robot': [
+        (0, 'page', 1, True, 1), (0, 'other', 0, True, 0), (0, 'other', None, None, None),
+        (0, 'page', 1, False, None), (0, 'page', None, None, None), (0, 'page', 1, True, 1)],
+    'who was refused can stop the robot too': [
+        (0, 'page', 1, True, 1), (0, 'other', -1, False, 1), (0, 'other', 0, True, 0),
+        (0, 'other', -1, False, 0), (0, 'page', 1, False, 0), (0, 'other', None, None, None),
+        (0, 'page', 1, False, None)],
+    **{'who pauses does not drive again after another one: {}'.format(linear): [
+        (0, 'page', 1, True, 1), (2, 'other', linear, True, linear),
+        (2, 'other', None, None, None), (2, 'page', 1, False, None),
+        (2, 'page', None, None, None), (2, 'page', 1, True, 1)] for linear in (0, -1)},
+    'who pauses may go on if nobody else has driven': [
+        (0, 'page', 1, True, 1), (2, 'other', None, None, None), (2, 'page', 1, True, 1)],
+}
+
+
+@pytest.mark.parametrize('steps', WHO_DRIVES.values(), ids=list(WHO_DRIVES))
+def test_who_drives(steps):
     time_s = 0.0
-
-    def __call__(self):
-        return self.time_s
-
-
-def test_a_command_holds_for_a_moment():
-    clock = Clock()
-    speeds = Speeds(clock)
+    speeds = Speeds(lambda: time_s)
     assert speeds.current() is None
-    assert speeds.hold('page', 1.0, -0.5)
-    clock.time_s = HOLD_S * 0.9
-    assert speeds.current() == (1.0, -0.5)
-    clock.time_s = HOLD_S
-    assert speeds.current() is None
-
-
-def test_a_release_ends_it_at_once_but_only_for_its_owner():
-    speeds = Speeds(Clock())
-    speeds.hold('page', 1.0, 0.0)
-    speeds.release('other')
-    assert speeds.current() == (1.0, 0.0)
-    speeds.release('page')
-    assert speeds.current() is None
-
-
-def test_the_first_who_holds_drives_until_the_end():
-    clock = Clock()
-    speeds = Speeds(clock)
-    assert speeds.hold('page', 1.0, 0.0)
-    assert not speeds.hold('other', -1.0, 0.0)
-    assert speeds.current() == (1.0, 0.0)
-    clock.time_s = HOLD_S
-    assert speeds.hold('third', -1.0, 0.0)          # the first one has stopped sending
-    speeds.release('page')
-    assert speeds.current() == (-1.0, 0.0)
-
-
-def test_who_was_refused_does_not_drive_until_it_has_let_go():
-    clock = Clock()
-    speeds = Speeds(clock)
-    assert speeds.hold('page', 1.0, 0.0)
-    assert not speeds.hold('other', -1.0, 0.0)
-    clock.time_s = 2 * HOLD_S                       # the browser of the first one was busy
-    assert speeds.current() is None
-    assert not speeds.hold('other', -1.0, 0.0) and speeds.current() is None
-    assert speeds.hold('page', 1.0, 0.0)
-    speeds.release('page')
-    assert not speeds.hold('other', -1.0, 0.0)
-    speeds.release('other')
-    assert speeds.hold('other', -1.0, 0.0)
-
-
-def test_anybody_can_stop_the_robot():
-    speeds = Speeds(Clock())
-    assert speeds.hold('page', 1.0, 0.0)
-    assert speeds.hold('other', 0.0, 0.0)
-    assert speeds.current() == (0.0, 0.0)
-    speeds.release('other')
-    assert not speeds.hold('page', 1.0, 0.0) and speeds.current() is None
-    speeds.release('page')
-    assert speeds.hold('page', 1.0, 0.0)
-
-
-def test_who_was_refused_can_stop_the_robot_too():
-    speeds = Speeds(Clock())
-    assert speeds.hold('page', 1.0, 0.0)
-    assert not speeds.hold('other', -1.0, 0.0)
-    assert speeds.hold('other', 0.0, 0.0) and speeds.current() == (0.0, 0.0)
-    assert not speeds.hold('other', -1.0, 0.0) and not speeds.hold('page', 1.0, 0.0)
-    assert speeds.current() == (0.0, 0.0)
-    speeds.release('other')
-    assert speeds.current() is None and not speeds.hold('page', 1.0, 0.0)
-
-
-@pytest.mark.parametrize('linear', [0.0, -1.0])
-def test_who_pauses_does_not_drive_again_after_another_one(linear):
-    clock = Clock()
-    speeds = Speeds(clock)
-    assert speeds.hold('page', 1.0, 0.0)
-    clock.time_s = 2 * HOLD_S           # its connection pauses
-    assert speeds.current() is None
-    assert speeds.hold('other', linear, 0.0)
-    speeds.release('other')
-    assert not speeds.hold('page', 1.0, 0.0) and speeds.current() is None
-    speeds.release('page')
-    assert speeds.hold('page', 1.0, 0.0)
-
-
-def test_who_pauses_may_go_on_if_nobody_else_has_driven():
-    clock = Clock()
-    speeds = Speeds(clock)
-    assert speeds.hold('page', 1.0, 0.0)
-    clock.time_s = 2 * HOLD_S
-    assert speeds.hold('page', 1.0, 0.0) and speeds.current() == (1.0, 0.0)
+    for time_in_holds, owner, linear, is_accepted, driven in steps:
+        time_s = time_in_holds * HOLD_S
+        if linear is None:
+            speeds.release(owner)
+        else:
+            assert speeds.hold(owner, linear, 0.5 * linear) is is_accepted
+        assert speeds.current() == (None if driven is None else (driven, 0.5 * driven))
 
 
 def test_the_services_of_other_publishers(monkeypatch):
@@ -120,9 +67,10 @@ def test_the_services_of_other_publishers(monkeypatch):
 
 
 @pytest.fixture
-def node(monkeypatch):
-    """A stand-in for the node: sent speeds, its shutdown hook, and the services that yield."""
-    found = SimpleNamespace(sent=[], hooks=[], services={}, has_ended=False)
+def node(monkeypatch, wait_for_threads):
+    """A stand-in for the node: sent speeds, its shutdown hook, services that yield, who was asked.
+    """
+    found = SimpleNamespace(sent=[], hooks=[], services={}, asked=[], has_ended=False)
     monkeypatch.setattr(stopping_publisher, 'DirectPublisher', lambda *_: SimpleNamespace(
         publish=lambda msg: found.sent.append(msg.linear.x)))
     monkeypatch.setattr(stopping_publisher.lifecycle, 'on_shutdown', found.hooks.append)
@@ -130,25 +78,35 @@ def node(monkeypatch):
     monkeypatch.setattr(driving, 'yield_services', lambda _: sorted(found.services))
     monkeypatch.setattr(driving.rospy, 'ServiceProxy', lambda name, _: found.services[name])
     monkeypatch.setattr(driving, '_YIELD_PERIOD_S', 0.01)
+    monkeypatch.setattr(driving, '_READ_PERIOD_S', 0.05)
     monkeypatch.setattr(driving, '_POLL_PERIOD_S', 0.05)
-    before = set(threading.enumerate())
+
+    def answer(name):
+        found.services[name] = lambda: found.asked.append(name) or SimpleNamespace(success=True)
+    found.answer = answer
     yield found
     found.has_ended = True
-    wait_for(lambda: set(threading.enumerate()) <= before, 'the end of the threads')
+    wait_for_threads()
+
+
+def hold_until(driven, condition, what):
+    """Hold as a page does, until a condition is true."""
+    wait_for(lambda: driven.hold('page', 0.5, 0.0) and condition(), what)
+
+
+def wait_for_the_end_of_a_hold():
+    end_s = time.monotonic() + 2 * HOLD_S
+    wait_for(lambda: time.monotonic() > end_s, 'the end of the hold')
 
 
 def test_the_robot_is_stopped_when_the_node_ends_meanwhile(node):
     driven = Driving(VelocityLimits(), '/cmd_vel')
-
-    def drives():
-        driven.hold('page', 0.5, 0.0)
-        return node.sent and node.sent[-1] == 0.11
-    wait_for(drives, 'a command')
+    hold_until(driven, lambda: node.sent and node.sent[-1] == 0.11, 'a command')
     node.hooks[0]()
     assert node.sent[-1] == 0.0
     count = len(node.sent)
     driven.hold('page', 1.0, 0.0)
-    wait_for(lambda: driven._speeds.current() is None, 'the end of the hold')
+    wait_for_the_end_of_a_hold()
     assert len(node.sent) == count
 
 
@@ -159,43 +117,31 @@ def test_nothing_is_sent_when_the_node_ends_and_nobody_drives(node):
 
 
 def test_who_is_refused_does_not_keep_the_other_nodes_from_driving(node):
+    node.answer('/a/yield')
     driven = Driving(VelocityLimits(), '/cmd_vel')
-    driven._speeds.hold('page', 1.0, 0.0)
-    assert not driven.hold('other', 1.0, 0.0) and not driven._driven.is_set()
-    driven._speeds.release('page')
-    assert not driven.hold('other', 1.0, 0.0) and not driven._driven.is_set()
+    hold_until(driven, lambda: node.asked, 'the node to yield')
+    assert not driven.hold('other', 1.0, 0.0)
+    driven.release('page')
+    wait_for(lambda: node.sent[-3:] == [0.0, 0.0, 0.0], 'the stop')
+    wait_for_the_end_of_a_hold()
+    node.sent.clear(), node.asked.clear()
+    assert not driven.hold('other', 1.0, 0.0)
+    wait_for_the_end_of_a_hold()
+    assert node.sent == [] and node.asked == []
     driven.release('other')
-    assert driven.hold('other', 1.0, 0.0) and driven._driven.is_set()
+    assert driven.hold('other', 1.0, 0.0)
+    wait_for(lambda: node.asked and 0.22 in node.sent, 'the other one to drive')
 
 
-def test_nodes_that_start_meanwhile_yield_too(node, monkeypatch):
-    monkeypatch.setattr(driving, '_READ_PERIOD_S', 0.05)
-    asked = []
-
-    def answer(name):
-        return lambda: asked.append(name) or SimpleNamespace(success=True)
-    node.services = {'/a/yield': answer('a')}
-    driven = Driving(VelocityLimits(), '/cmd_vel')
-
-    def hold(name):
-        driven.hold('page', 1.0, 0.0)
-        return name in asked
-    wait_for(lambda: hold('a'), 'the first node to yield')
-    node.services['/b/yield'] = answer('b')
-    wait_for(lambda: hold('b'), 'the second node to yield')
-
-
-def test_nodes_yield_although_another_one_does_not_answer(node):
-    hangs, asked = threading.Event(), []
+def test_all_nodes_yield_also_those_that_start_meanwhile(node):
+    hangs = threading.Event()
 
     def fail():
         raise RuntimeError('closed')
-    node.services = {'/a/yield': lambda: hangs.wait(DEADLINE_S), '/b/yield': fail,
-                     '/c/yield': lambda: asked.append(1) or SimpleNamespace(success=True)}
+    node.services = {'/a/yield': lambda: hangs.wait(DEADLINE_S), '/b/yield': fail}
+    node.answer('/c/yield')
     driven = Driving(VelocityLimits(), '/cmd_vel')
-
-    def hold():
-        driven.hold('page', 1.0, 0.0)
-        return len(asked) > 3
-    wait_for(hold, 'the answers')
+    hold_until(driven, lambda: node.asked.count('/c/yield') > 3, 'the answers')
+    node.answer('/d/yield')
+    hold_until(driven, lambda: '/d/yield' in node.asked, 'the node that has started')
     hangs.set()

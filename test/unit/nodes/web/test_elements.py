@@ -16,7 +16,7 @@ class Visitor:
         self.changes, self.told = [], []
         with Client(ui.page('/test')) as client:
             self.slider = Slider('hue', 0, 180, 1, 10, self.changes.append)
-        self._client, self._element = client, self.slider._slider
+        self._client, self._element = client, self.slider.element
         monkeypatch.setattr(self._element, 'update',
                             lambda: self.told.append(self._element.value))
 

@@ -15,6 +15,7 @@ class Client:
 
     opened, open_now, most_open = 0, 0, 0
     updates, descriptions, block, fails, fails_to_update = [], [{'name': 'a'}], None, 0, None
+    is_updating = False
 
     def __init__(self, node, timeout, config_callback, description_callback):
         cls = Client
@@ -28,6 +29,7 @@ class Client:
             description_callback(Client.descriptions)
 
     def update_configuration(self, changes):
+        Client.is_updating = True
         if Client.block is not None:
             assert Client.block.wait(DEADLINE_S)
         if Client.fails_to_update is not None:
@@ -41,11 +43,11 @@ class Client:
 
 
 @pytest.fixture
-def node(monkeypatch):
+def node(monkeypatch, wait_for_threads):
     """Tuning of a node that answers."""
     for name, value in (('opened', 0), ('open_now', 0), ('most_open', 0), ('updates', []),
                         ('descriptions', [{'name': 'a'}]), ('block', None), ('fails', 0),
-                        ('fails_to_update', None)):
+                        ('fails_to_update', None), ('is_updating', False)):
         monkeypatch.setattr(Client, name, value)
     monkeypatch.setattr(tuning, 'Client', Client)
     monkeypatch.setattr(tuning, '_RETRY_PERIOD_S', 0.05)
@@ -53,8 +55,8 @@ def node(monkeypatch):
     monkeypatch.setattr(rospy, 'is_shutdown', lambda: False)
     parameters = Tuning('/color_extract')
     yield parameters
-    parameters.watch(False)
-    wait_for(lambda: parameters._thread is None, 'the end of the thread')
+    parameters.watch('page', False)
+    wait_for_threads()
     assert Client.open_now == 0
 
 
@@ -68,19 +70,23 @@ def warnings(monkeypatch):
 
 def test_values_are_there_while_somebody_looks(node):
     assert node.values() == {}
-    node.watch(True)
+    node.watch('page', True)
     revision = wait_for(lambda: node.values() == {'a': 1} and node.revision, 'the values')
     node.change(a=2)
     wait_for(lambda: node.values() == {'a': 2} and node.revision > revision, 'the change')
     assert Client.updates == [{'a': 2}]
-    node.watch(False)
+    node.watch('other', True)
+    node.watch('page', False)
+    node.change(a=3)
+    wait_for(lambda: node.values() == {'a': 3}, 'the change of the other page')
+    node.watch('other', False)
     wait_for(lambda: node.values() == {}, 'the end')
     assert Client.open_now == 0
 
 
 def test_a_node_that_does_not_answer_is_told_once_until_it_has_answered(node, warnings):
     Client.fails = 4
-    node.watch(True)
+    node.watch('page', True)
     wait_for(node.values, 'the values')
     assert warnings == [
         'the parameters of /color_extract: timeout exceeded while waiting for service']
@@ -90,15 +96,16 @@ def test_a_node_that_does_not_answer_is_told_once_until_it_has_answered(node, wa
     assert warnings[1:] == ['the parameters of /color_extract: gone']
 
 
-def test_a_change_that_could_not_be_sent_is_forgotten_when_nobody_looks_any_more(node):
+def test_a_change_that_could_not_be_sent_is_forgotten_when_nobody_looks_any_more(
+        node, wait_for_threads):
     Client.fails = 1000
-    node.watch(True)
+    node.watch('page', True)
     wait_for(lambda: Client.fails < 1000, 'a try to connect')
     node.change(a=10)
-    node.watch(False)
-    wait_for(lambda: node._thread is None, 'the end of the thread')
+    node.watch('page', False)
+    wait_for_threads()
     Client.fails = 0
-    node.watch(True)
+    node.watch('page', True)
     wait_for(lambda: node.values() == {'a': 1}, 'the values')
     node.change(b=3)
     wait_for(lambda: Client.updates, 'a change')
@@ -107,10 +114,10 @@ def test_a_change_that_could_not_be_sent_is_forgotten_when_nobody_looks_any_more
 
 def test_of_several_changes_that_wait_the_last_is_sent(node):
     Client.block = threading.Event()
-    node.watch(True)
+    node.watch('page', True)
     wait_for(node.values, 'the values')
     node.change(a=2)
-    wait_for(lambda: not node._changes, 'the first change to be taken')
+    wait_for(lambda: Client.is_updating, 'the first change to be taken')
     assert not node.is_settled()
     for value in (3, 4, 5):
         node.change(a=value, b=value)
@@ -123,10 +130,10 @@ def test_of_several_changes_that_wait_the_last_is_sent(node):
 def test_there_is_never_a_second_client(node):
     """rospy would not give it the latched messages."""
     for _ in range(20):
-        node.watch(True)
+        node.watch('page', True)
         wait_for(node.values, 'the values')
-        node.watch(False)
-        node.watch(True)
+        node.watch('page', False)
+        node.watch('page', True)
     assert Client.most_open == 1
 
 
@@ -135,7 +142,7 @@ def test_it_connects_again_until_the_node_answers(node, problem, warnings):
     for name, value in problem.items():
         setattr(Client, name, value)
     node.change(a=7)
-    node.watch(True)
+    node.watch('page', True)
     wait_for(lambda: warnings, 'a warning')
     assert '/color_extract' in warnings[0]
     Client.descriptions = [{'name': 'a'}]
@@ -146,7 +153,7 @@ def test_it_connects_again_until_the_node_answers(node, problem, warnings):
                                    rospy.ROSException('unavailable'), OSError('broken pipe')])
 def test_a_change_whose_call_fails_is_sent_again(node, error):
     Client.fails_to_update = error
-    node.watch(True)
+    node.watch('page', True)
     wait_for(node.values, 'the values')
     node.change(a=8)
     wait_for(lambda: Client.updates == [{'a': 8}], 'the change')

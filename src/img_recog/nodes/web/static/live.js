@@ -1,17 +1,11 @@
-// Shows what the server sends over one WebSocket, and sends what the visitor holds and points at.
+// The tab with charts, the map and driving.
 'use strict';
 
 (() => {
   const HISTORY_S = 20;
   const DRIVE_PERIOD_MS = 100;
-  const RETRY_MS = 1000;
-  const MAX_LOG = 500;
   const PATH_POINTS = 4000;
   const MAP_LINES = 12;           // of its grid, in each direction
-  const MAX_PICTURES = 32;        // that the server sends
-  const STALE_MS = 5000;          // of the state of a node, which comes once a second
-  const OLD_MS = 2000;            // of a picture
-  const LEVELS = ['debug', 'info', 'warn', 'error', 'fatal'];
   const KEYS = {
     w: [1, 0], arrowup: [1, 0], x: [-1, 0], arrowdown: [-1, 0],
     a: [0, 1], arrowleft: [0, 1], d: [0, -1], arrowright: [0, -1], s: [0, 0],
@@ -19,118 +13,12 @@
   // of colors with these names; readable on a light and on a dark card
   const LINES = { blue: '#4f7df3', red: '#e5484d', green: '#30a46c', yellow: '#d9a800',
     orange: '#f2751a', purple: '#8e4ec6', pink: '#d6409f' };
-  const decoder = new TextDecoder();
-  const all = (selector) => [...document.querySelectorAll(selector)];
-  const text = (key) => (window.texts || {})[key] || key;
-  const css = (name) => getComputedStyle(document.body).getPropertyValue(name).trim();
-
-  // ---- what is shown
-  const visible = new Set();
-  const state = { areas: [], asked: [], driven: [], path: [], log: [], nodes: {}, colors: [],
-    lines: 0 };
-  const observer = new IntersectionObserver((entries) => {
-    for (const entry of entries) {
-      if (entry.isIntersecting) visible.add(entry.target); else visible.delete(entry.target);
-      if (entry.isIntersecting && entry.target.matches('[data-graph]')) loadGraph(entry.target);
-    }
-    look();
-  });
-  const observed = new WeakSet();
-  // elements of the page come and go with its tabs
-  new MutationObserver(() => adopt()).observe(document.documentElement,
-    { childList: true, subtree: true });
-
-  function adopt() {
-    for (const element of all('canvas[data-picture], canvas.map, [data-graph]')) {
-      if (!observed.has(element)) { observed.add(element); observer.observe(element); }
-    }
-    for (const element of visible) {
-      if (!element.isConnected) { visible.delete(element); look(); }
-    }
-    // a tab that was not open has missed lines
-    for (const box of all('[data-log]')) if (box.lines !== state.lines) fillLog(box);
-  }
-
-  // ---- the connection
-  let socket = null;
-  let looked = '';
-
-  function connect() {
-    const scheme = location.protocol === 'https:' ? 'wss://' : 'ws://';
-    socket = new WebSocket(`${scheme}${location.host}/live?robot=`
-      + encodeURIComponent(window.robot || ''));
-    socket.binaryType = 'arraybuffer';
-    socket.onopen = () => {
-      looked = '';
-      reset();
-      look();
-      send({ ready: 1 });
-    };
-    socket.onmessage = async (event) => {
-      try { await take(event.data); } finally { send({ ready: 1 }); }
-    };
-    socket.onclose = () => {
-      release();      // who was stopped by another page must not drive with the next connection
-      setTimeout(connect, RETRY_MS);
-    };
-  }
-
-  function send(message) {
-    if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
-  }
-
-  function look() {
-    const names = document.hidden ? null
-      : [...new Set([...visible].map((each) => each.dataset.picture).filter(Boolean))].sort()
-        .slice(0, MAX_PICTURES);
-    const wanted = JSON.stringify(names);
-    if (wanted === looked) return;
-    if (looked === 'null') state.path.push(null);       // what came meanwhile is not known
-    looked = wanted;
-    send({ look: names });
-  }
-  document.addEventListener('visibilitychange', () => { release(); look(); });
-
-  async function take(buffer) {
-    const length = new DataView(buffer).getUint32(0);
-    const news = JSON.parse(decoder.decode(new Uint8Array(buffer, 4, length)));
-    let start = 4 + length;
-    const drawn = [];
-    for (const [name, size] of news.pictures) {
-      drawn.push(draw(name, new Blob([new Uint8Array(buffer, start, size)],
-        { type: 'image/jpeg' })));
-      start += size;
-    }
-    measure(news.measured);
-    await Promise.all(drawn);
-  }
-
-  async function draw(name, blob) {
-    const bitmap = await createImageBitmap(blob);
-    for (const canvas of all('canvas[data-picture]')) {
-      if (canvas.dataset.picture !== name || !visible.has(canvas)) continue;
-      if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
-        canvas.width = bitmap.width;
-        canvas.height = bitmap.height;
-        canvas.parentElement.style.aspectRatio = bitmap.width + ' / ' + bitmap.height;
-      }
-      canvas.getContext('2d').drawImage(bitmap, 0, 0);
-      canvas.drawn = performance.now();
-      canvas.parentElement.classList.add('there');
-    }
-    bitmap.close();
-  }
-
-  function showAge(canvas) {
-    const age = performance.now() - canvas.drawn;       // NaN before the first image
-    canvas.parentElement.querySelector('.age').textContent = age > OLD_MS
-      ? text('age').replace('{}', Math.round(age / 1000)) : '';
-  }
+  const { all, css, send, show, text, visible } = page;
+  const state = { areas: [], asked: [], driven: [], path: [], colors: [] };
 
   // ---- measurements
   function reset() {
-    Object.assign(state, { areas: [], asked: [], driven: [], path: [], log: [], nodes: {} });
-    all('[data-log]').forEach(fillLog);
+    Object.assign(state, { areas: [], asked: [], driven: [], path: [] });
   }
 
   function measure(measured) {
@@ -151,20 +39,6 @@
       const [x, y, yaw] = measured.pose;
       show('[data-bind=pose]', `${text('position')}: x ${x.toFixed(2)} m, y ${y.toFixed(2)} m; `
         + `${text('heading')}: ${Math.round(yaw * 180 / Math.PI) + 0}°`);
-    }
-    const nodes = Object.entries(measured).filter(([kind]) => kind.startsWith('node '));
-    // by the clock of the server: a new page gets old states too
-    const now = Math.max(...nodes.map(([, node]) => node.time_s));
-    for (const [kind, node] of nodes) {
-      state.nodes[kind.slice(5)] = { ...node,
-        heard: performance.now() - 1000 * (now - node.time_s) };
-    }
-    if (measured.log) log(measured.log);
-  }
-
-  function show(selector, value) {
-    for (const element of all(selector)) {
-      if (element.textContent !== value) element.textContent = value;
     }
   }
 
@@ -370,14 +244,6 @@
     canvas.target = null;
   });
   document.addEventListener('pointercancel', (event) => { event.target.target = null; });
-  document.addEventListener('click', (event) => {
-    const canvas = event.target.closest && event.target.closest('canvas.pick');
-    if (!canvas) return;
-    const box = canvas.getBoundingClientRect();
-    emitEvent('pick', { topic: canvas.dataset.picture, x: (event.clientX - box.left) / box.width,
-      y: (event.clientY - box.top) / box.height });
-  });
-
   // ---- driving
   const held = new Map();         // a key or a pointer, and its direction
 
@@ -454,119 +320,17 @@
     }
   }, true);
 
-  // ---- log and nodes
-  function log(entries) {
-    const known = state.lines;
-    state.log.push(...entries);
-    state.log.splice(0, Math.max(0, state.log.length - MAX_LOG));
-    state.lines += entries.length;
-    for (const box of all('[data-log]')) {
-      if (box.lines !== known) { fillLog(box); continue; }
-      box.lines = state.lines;
-      const isAtEnd = box.scrollHeight - box.scrollTop - box.clientHeight < 30;
-      box.append(...entries.map(logLine));
-      while (box.childElementCount > MAX_LOG) box.firstElementChild.remove();
-      filterLog(box);
-      if (isAtEnd) box.scrollTop = box.scrollHeight;
-    }
-  }
-
-  function fillLog(box) {
-    box.lines = state.lines;
-    box.replaceChildren(...state.log.map(logLine));
-    filterLog(box);
-    box.scrollTop = box.scrollHeight;
-  }
-
-  function logLine([time, level, node, message]) {
-    const row = document.createElement('div');
-    row.dataset.level = level;
-    const name = document.createElement('span');
-    name.className = `level level-${level}`;
-    name.textContent = level.toUpperCase();
-    row.append(name, ` ${time.toFixed(2)} s ${node}: ${message}`);
-    return row;
-  }
-
-  function filterLog(box) {
-    const lowest = LEVELS.indexOf(box.dataset.log);
-    for (const row of box.children) row.hidden = LEVELS.indexOf(row.dataset.level) < lowest;
-  }
-  window.filterLog = (level) => all('[data-log]').forEach((box) => {
-    box.dataset.log = level;
-    fillLog(box);
+  page.add({
+    selector: 'canvas.map',
+    measured: measure,
+    reset,
+    pause: release,     // who was stopped by another page must not drive with the next connection
+    resume: () => state.path.push(null),        // what came meanwhile is not known
+    draw: () => {
+      show('[data-bind=busy]', isBusy() ? text('busy') : '');
+      mark();
+      for (const element of visible) if (element.matches('canvas.map')) drawMap(element);
+      plot();
+    },
   });
-
-  function listNodes() {
-    const levels = ['ok', 'warn', 'error', 'stale'];
-    for (const body of all('[data-nodes]')) {
-      body.replaceChildren(...Object.keys(state.nodes).sort().map((name) => {
-        const node = state.nodes[name];
-        const rates = node.values.filter(([key]) => key.endsWith('(Hz)'))
-          .map(([key, value]) => `${key.slice(0, -5)} ${value} Hz`).join(', ');
-        const row = document.createElement('tr');
-        const isStale = performance.now() - node.heard > STALE_MS;
-        const level = isStale ? 'stale' : levels[node.level] || 'error';
-        const told = [level.toUpperCase(), node.message].filter(Boolean).join(': ');
-        for (const value of [node.name, told, isStale ? '' : rates]) {
-          const cell = document.createElement('td');
-          cell.textContent = value;
-          row.append(cell);
-        }
-        row.children[1].className = `level-${level}`;
-        return row;
-      }));
-    }
-  }
-
-  // ---- the graph
-  const loading = new Map();      // the images of graphs, and whether each is to be loaded again
-
-  function loadGraph(image) {
-    if (loading.has(image)) { loading.set(image, true); return; }
-    loading.set(image, false);
-    const next = new Image();
-    const end = () => {
-      const isOld = loading.get(image);
-      loading.delete(image);
-      if (isOld) loadGraph(image);
-    };
-    next.onload = () => { image.src = next.src; show('[data-bind=graph]', ''); end(); };
-    next.onerror = async () => {
-      try {
-        const answer = await fetch(next.src);
-        if (!answer.ok) show('[data-bind=graph]', await answer.text());
-      } catch (error) { /* not connected, which the page says elsewhere */ }
-      end();
-    };
-    next.src = `/graph.svg?dark=${document.body.classList.contains('body--dark') ? 1 : 0}`
-      + `&leaves=${image.dataset.graph}&t=${Date.now()}`;
-  }
-  window.loadGraph = () => all('[data-graph]').forEach(loadGraph);
-
-  setInterval(() => {
-    if (document.hidden) return;
-    show('[data-bind=connection]', text(
-      socket && socket.readyState === WebSocket.OPEN ? 'connected' : 'disconnected'));
-    show('[data-bind=busy]', isBusy() ? text('busy') : '');
-    mark();
-    for (const element of visible) if (element.matches('canvas.map')) drawMap(element);
-    plot();
-  }, 100);
-  setInterval(() => {
-    if (document.hidden) return;
-    listNodes();
-    for (const element of visible) if (element.matches('canvas[data-picture]')) showAge(element);
-    for (const element of visible) {
-      if (element.matches('[data-graph]') && !loading.has(element)) loadGraph(element);
-    }
-  }, 2000);
-  document.addEventListener('DOMContentLoaded', () => {
-    adopt();
-    // NiceGUI's own, which is in the language of the server
-    all('#popup > span').forEach((line, index) => {
-      line.textContent = text(['connection_lost', 'reconnecting'][index]);
-    });
-  });
-  connect();
 })();

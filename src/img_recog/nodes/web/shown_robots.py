@@ -7,9 +7,9 @@ import rosgraph
 import rospy
 
 from img_recog.errors import one_line
-from img_recog.nodes.web.measurements import Measurements, SystemTopics
+from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
-from img_recog.nodes.web.robot import Robot
+from img_recog.nodes.web.shown_robot import ShownRobot
 from img_recog.ros.master import master
 from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
@@ -20,21 +20,22 @@ _PARTS = re.compile('([0-9]+)')
 TopicUsers = Iterable[Tuple[str, List[str]]]
 
 
-class Robots:
-    """Finds the robots by their cmd_vel, and makes the parts of those that somebody looks at."""
+class ShownRobots:
+    """Finds the robots by their cmd_vel, and makes the parts of those that somebody looks at.
 
-    def __init__(self, limits: VelocityLimits, pictures: PictureTopics):
-        """Make nothing yet; limits: the highest speeds."""
-        self._limits, self._pictures = limits, pictures
-        self._system = SystemTopics()
-        self._watched: List[Measurements] = []
+    names: at least one; '' for a robot without a namespace.
+    """
+
+    def __init__(self, limits: VelocityLimits, pictures: PictureTopics, system: SystemTopics):
+        """Make nothing yet; limits: the highest speeds; system: what all robots share."""
+        self._limits, self._pictures, self._system = limits, pictures, system
         self._lock = threading.Lock()
-        self._made: Dict[str, Robot] = {}
+        self._made: Dict[str, ShownRobot] = {}
         self._warn = ThrottledWarning()
         self.names: List[str] = ['']
 
     def update(self) -> None:
-        """Look for the robots; names: those that were found, '' for one without a namespace."""
+        """Look for the robots. Waits for the master: not for the event loop."""
         try:
             published, subscribed, _ = master.system_state()
         except master.MasterError as error:
@@ -45,14 +46,18 @@ class Robots:
         others = self.names if len(self.names) > 1 else []
         self._system.follow({name: rospy.resolve_name(name + '/odom') for name in others if name})
 
-    def get(self, name: str) -> Robot:
-        """Return the robot of this name, or the first one if there is none."""
+    def get(self, name: str) -> ShownRobot:
+        """Return the robot of this name, or the first one if there is none.
+
+        Waits for the master if it is not known: not for the event loop.
+        """
+        if name not in self.names:
+            self.update()
         names = self.names
         name = name if name in names else names[0]
         with self._lock:
             if name not in self._made:
-                self._made[name] = Robot(name, self._limits, self._pictures, self._system,
-                                         self._watched)
+                self._made[name] = ShownRobot(name, self._limits, self._pictures, self._system)
             return self._made[name]
 
 

@@ -6,41 +6,45 @@ import hmac
 import re
 import time
 import urllib.parse
-from typing import Any, Awaitable, Callable, Dict, List, Optional, Tuple
+from typing import Callable, List, Optional
+
+from starlette.requests import HTTPConnection
+from starlette.responses import HTMLResponse, PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
 
 MAX_BODY_BYTES = 1 << 16        # of a request; also of a message on a WebSocket
 MAX_CONNECTIONS = 200
 _MESSAGES_HZ, _MESSAGES_BURST = 200.0, 400.0    # of one WebSocket
-_TOO_BIG, _TOO_MANY = 1009, 1008                # close codes of RFC 6455
+_TOO_MANY = 1008                # a close code of RFC 6455
 _SAFE_METHODS = ('GET', 'HEAD')
 # of NiceGUI's socket.io, which could also poll by requests, where messages are not limited
 _SOCKETS = '/_nicegui_ws/'
-
-Scope = Dict[str, Any]
-Message = Dict[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
-App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 # Sent with the cookie, in place of a redirect: a browser that comes from a link in another site
 # would not send a SameSite=Strict cookie with a redirected request.
 _ENTER = ('<!doctype html><html lang="en"><meta charset="utf-8"><title>img_recog</title>'
           '<meta http-equiv="refresh" content="0;url={0}"><a href="{0}">img_recog</a></html>')
 _ROBOT = re.compile('[A-Za-z][A-Za-z0-9_/]{0,255}')
-_REFUSED = ('This page needs the address with the token that the terminal shows after it has '
-            'started: http://.../?token=...\n')
+_REFUSALS = {
+    400: 'Only WebSockets are served here.\n',
+    403: 'This page needs the address with the token that the terminal shows after it has '
+         'started: http://.../?token=...\n',
+    413: 'The request is too large.\n',
+    503: 'Too many connections: close other pages.\n'}
 _HEADERS = [(b'x-frame-options', b'DENY'), (b'x-content-type-options', b'nosniff'),
             (b'referrer-policy', b'no-referrer')]
 
 
-class Doors:
+class Authentication:
     """Lets requests to an ASGI application pass only with the token.
 
     A request with ?token=... gets the token as a cookie. All others need this cookie, and must
     not come from a page of another origin.
     """
 
-    def __init__(self, app: App, token: str, port: int, failed: Callable[[Exception], None]):
+    def __init__(self, app: ASGIApp, token: str, port: int,
+                 failed: Callable[[Exception], None]):
         """Guard `app`.
 
         port: of the page, as browsers share cookies between ports. failed: is called with an
@@ -55,36 +59,53 @@ class Doors:
         if scope['type'] not in ('http', 'websocket'):
             await self._app(scope, receive, send)
             return
-        headers = {name.decode('latin-1').lower(): value.decode('latin-1')
-                   for name, value in scope['headers']}
-        problem = self._problem(scope, headers)
-        if problem == 0:
-            await self._enter(scope, send)
-        elif problem is not None:
-            await _refuse(scope, receive, send, problem)
-        else:
-            self._connections += 1
-            visit = _Visit(scope, receive)
-            try:
-                await self._app(scope, visit.receive, _with_headers(send))
-            except Exception as error:
-                if not visit.has_ended:
-                    self._failed(error)
-            finally:
-                self._connections -= 1
+        send = _with_headers(send)
+        answer = self._answer(HTTPConnection(scope))
+        if answer is not None:
+            await answer(scope, receive, send)
+            return
+        self._connections += 1
+        visit = _Visit(scope, receive)
+        try:
+            await self._app(scope, visit.receive, send)
+        except Exception as error:
+            if not visit.has_ended:
+                self._failed(error)
+        finally:
+            self._connections -= 1
 
-    def _problem(self, scope: Scope, headers: Dict[str, str]) -> Optional[int]:
-        """Return the HTTP status of a refusal, 0 for a visitor with the token, None if allowed."""
-        if _is_foreign(scope, headers):
+    def _answer(self, request: HTTPConnection) -> Optional[ASGIApp]:
+        """Return what is answered in place of the application, None for who may pass."""
+        status = self._status(request)
+        if status == 200:
+            return self._entrance(request.query_params.get('robot', ''))
+        if status is None:
+            return None
+        if request.scope['type'] == 'websocket':    # closing before it is accepted answers 403
+            return WebSocketClose(_TOO_MANY)
+        return PlainTextResponse(_REFUSALS[status], status)
+
+    def _entrance(self, robot: str) -> HTMLResponse:
+        """Return the page that sets the cookie and leads to that of a robot."""
+        page = '/?robot=' + robot if _ROBOT.fullmatch(robot) else '/'
+        response = HTMLResponse(_ENTER.format(page), headers={'cache-control': 'no-store'})
+        response.set_cookie(self._cookie, self._token, httponly=True, samesite='strict')
+        return response
+
+    def _status(self, request: HTTPConnection) -> Optional[int]:
+        """Return the HTTP status of a refusal, 200 for a visitor with the token, None if allowed.
+        """
+        if _is_foreign(request):
             return 403
-        query = _query(scope)
-        if scope['type'] == 'http' and scope['path'] == '/' and 'token' in query:
-            return 0 if self._is_token(query['token'][0]) else 403
-        if not any(map(self._is_token, _cookies(headers.get('cookie', ''), self._cookie))):
+        is_http, path = request.scope['type'] == 'http', request.scope['path']
+        if is_http and path == '/' and 'token' in request.query_params:
+            return 200 if self._is_token(request.query_params['token']) else 403
+        cookies = _cookies(request.headers.get('cookie', ''), self._cookie)
+        if not any(map(self._is_token, cookies)):
             return 403
-        if scope['type'] == 'http' and scope['path'].startswith(_SOCKETS):
+        if is_http and path.startswith(_SOCKETS):
             return 400
-        length = headers.get('content-length', '0')
+        length = request.headers.get('content-length', '0')
         if not length.isdecimal() or int(length) > MAX_BODY_BYTES:
             return 413
         return 503 if self._connections >= MAX_CONNECTIONS else None
@@ -92,31 +113,20 @@ class Doors:
     def _is_token(self, given: str) -> bool:
         return hmac.compare_digest(given.encode(), self._token.encode())
 
-    async def _enter(self, scope: Scope, send: Send) -> None:
-        robot = _query(scope).get('robot', [''])[0]
-        page = '/?robot=' + robot if _ROBOT.fullmatch(robot) else '/'
-        cookie = '{}={}; Path=/; HttpOnly; SameSite=Strict'.format(self._cookie, self._token)
-        await _answer(send, 200, _ENTER.format(page).encode(), b'text/html; charset=utf-8',
-                      [(b'set-cookie', cookie.encode()), (b'cache-control', b'no-store')])
 
-
-def _query(scope: Scope) -> Dict[str, List[str]]:
-    return urllib.parse.parse_qs(scope.get('query_string', b'').decode('latin-1'))
-
-
-def _is_foreign(scope: Scope, headers: Dict[str, str]) -> bool:
+def _is_foreign(request: HTTPConnection) -> bool:
     """Return whether the request comes from a page of another origin.
 
     Browsers send Origin with each WebSocket and each request that can change something, and
     Sec-Fetch-Site with all others; links in other pages may open the page itself.
     """
-    origin = headers.get('origin')
+    headers, origin = request.headers, request.headers.get('origin')
     if origin is not None and _host(origin) != headers.get('host'):
         return True
     if headers.get('sec-fetch-site') in ('cross-site', 'same-site'):
         return (headers.get('sec-fetch-mode') != 'navigate'
-                or scope.get('method') not in _SAFE_METHODS)
-    return scope['type'] == 'websocket' and origin is None
+                or request.scope.get('method') not in _SAFE_METHODS)
+    return request.scope['type'] == 'websocket' and origin is None
 
 
 def _host(origin: str) -> Optional[str]:
@@ -130,29 +140,10 @@ def _cookies(text: str, name: str) -> List[str]:
     """Return the values of the cookies of this name.
 
     Other programs on this computer may have set cookies of any form: http.cookies drops all after
-    the first one that it does not understand.
+    the first one that it does not understand, and Starlette's keep the last one of a name.
     """
     pairs = (part.strip().partition('=') for part in text.split(';'))
     return [value for key, _, value in pairs if key == name]
-
-
-async def _refuse(scope: Scope, receive: Receive, send: Send, status: int) -> None:
-    if scope['type'] == 'websocket':
-        await receive()                 # the request; closing before it is accepted answers 403
-        await send({'type': 'websocket.close', 'code': _TOO_MANY})
-        return
-    texts = {400: 'Only WebSockets are served here.\n', 403: _REFUSED,
-             413: 'The request is too large.\n',
-             503: 'Too many connections: close other pages.\n'}
-    await _answer(send, status, texts[status].encode(), b'text/plain; charset=utf-8')
-
-
-async def _answer(send: Send, status: int, body: bytes, content_type: bytes,
-                  headers: Optional[List[Tuple[bytes, bytes]]] = None) -> None:
-    await send({'type': 'http.response.start', 'status': status, 'headers': [
-        (b'content-type', content_type), (b'content-length', str(len(body)).encode()),
-        *_HEADERS, *(headers or [])]})
-    await send({'type': 'http.response.body', 'body': body})
 
 
 def _with_headers(send: Send) -> Send:
@@ -166,7 +157,8 @@ def _with_headers(send: Send) -> Send:
 class _Visit:
     """What comes in over a connection, until it ends or too much is sent.
 
-    has_ended: whether the visitor has left.
+    A message of a WebSocket that is too large ends it before, in uvicorn. has_ended: whether the
+    visitor has left.
     """
 
     def __init__(self, scope: Scope, receive: Receive):
@@ -182,11 +174,8 @@ class _Visit:
             self._body_bytes += len(message.get('body', b''))
             if self._body_bytes > MAX_BODY_BYTES:
                 message = {'type': 'http.disconnect'}
-        elif message['type'] == 'websocket.receive':
-            if len(message.get('text') or message.get('bytes') or '') > MAX_BODY_BYTES:
-                message = {'type': 'websocket.disconnect', 'code': _TOO_BIG}
-            elif not self._allowance.take():
-                message = {'type': 'websocket.disconnect', 'code': _TOO_MANY}
+        elif message['type'] == 'websocket.receive' and not self._allowance.take():
+            message = {'type': 'websocket.disconnect', 'code': _TOO_MANY}
         self.has_ended = self.has_ended or message['type'].endswith('.disconnect')
         return message
 

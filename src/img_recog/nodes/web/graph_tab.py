@@ -1,17 +1,49 @@
-"""The graph of the running system as SVG."""
+"""The tab with the graph of nodes and topics, and its pictures as SVG."""
 import threading
 import time
 from typing import Dict, Optional, Tuple
 
 import rospy
+from fastapi import FastAPI, Response
+from nicegui import ui
 
+from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import Choice, System, visible
+from img_recog.nodes.web.visit import Visit
 
+TEXTS = {
+    'graph': ('Graph', 'グラフ'),
+    'leaves': ('Topics without subscribers too', '購読されていないトピックも表示'),
+    'graph_label': ('Graph of nodes and topics', 'ノードとトピックのグラフ')}
 _PERIOD_S = 1.0         # a graph that was read is shown to all pages for this time
 _LIGHT = dot.Colors('transparent', '#111827', '#ffffff', '#eff6ff', '#b91c1c')
 _DARK = dot.Colors('transparent', '#e5e7eb', '#1f2937', '#1e3a5f', '#f87171')
+
+
+def add(visit: Visit) -> None:
+    """Add the elements of the tab."""
+    with ui.element('section').classes('card'):
+        ui.checkbox(visit.texts('leaves'), value=True, on_change=lambda event: ui.run_javascript(
+            'document.querySelector("[data-graph]").dataset.graph = {}; loadGraph()'.format(
+                int(event.value)))).props('dense')
+        with ui.element('div').classes('graph'):
+            ui.element('img').props('data-graph=1 alt="{}"'.format(visit.texts('graph_label')))
+            ui.element('p').props('data-bind=graph role=status')
+
+
+def serve(app: FastAPI) -> None:
+    """Add the pictures to the application."""
+    pictures = GraphPictures()
+
+    @app.get('/graph.svg')
+    def graph(dark: bool = False, leaves: bool = False) -> Response:
+        try:
+            return Response(pictures.draw(dark, leaves), media_type='image/svg+xml',
+                            headers={'Cache-Control': 'no-store'})
+        except UserError as error:
+            return Response(one_line(error), status_code=503)
 
 
 class GraphPictures:

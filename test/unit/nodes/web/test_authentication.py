@@ -1,10 +1,10 @@
-"""Who gets in: requests to the ASGI middleware, one by one."""
+"""Who may use the page: requests to the ASGI middleware, one by one."""
 import asyncio
 
 import pytest
 
-from img_recog.nodes.web import doors
-from img_recog.nodes.web.doors import MAX_BODY_BYTES, Allowance, Doors
+from img_recog.nodes.web import authentication
+from img_recog.nodes.web.authentication import MAX_BODY_BYTES, Allowance, Authentication
 
 TOKEN, PORT = 'a-secret', 8080
 COOKIE = 'img_recog_8080=' + TOKEN
@@ -32,11 +32,11 @@ class App:
         await send({'type': 'http.response.body', 'body': b'ok'})
 
 
-def visit(path='/', query='', messages=None, kind='http', method='GET', door=None, **headers):
+def visit(path='/', query='', messages=None, kind='http', method='GET', app=None, guard=None,
+          **headers):
     """Return the application, what is sent to the visitor, and the reported errors."""
-    app, sent, errors = App(), [], []
-    guard = door or Doors(app, TOKEN, PORT, errors.append)
-    guard._app = app if door is None else guard._app
+    app, sent, errors = app or App(), [], []
+    guard = guard or Authentication(app, TOKEN, PORT, errors.append)
     scope = {'type': kind, 'path': path, 'query_string': query.encode(), 'method': method,
              'headers': [(name.replace('_', '-').encode(), value.encode())
                          for name, value in {'host': 'localhost:8080', **headers}.items()]}
@@ -83,8 +83,10 @@ def test_the_cookie_opens():
 def test_the_token_becomes_a_cookie_that_scripts_and_other_sites_do_not_get():
     app, sent, _ = visit(query='token=' + TOKEN)
     assert app.visits == 0 and status(sent) == 200
-    assert dict(sent[0]['headers'])[b'set-cookie'] == (
-        COOKIE + '; Path=/; HttpOnly; SameSite=Strict').encode()
+    headers = dict(sent[0]['headers'])
+    assert headers[b'cache-control'] == b'no-store' and headers[b'x-frame-options'] == b'DENY'
+    assert headers[b'set-cookie'] == (
+        COOKIE + '; HttpOnly; Path=/; SameSite=strict').encode()
     assert TOKEN.encode() not in sent[1]['body']
 
 
@@ -150,43 +152,36 @@ def test_a_request_that_is_larger_than_it_says_ends():
     assert app.received[-1] == {'type': 'http.disconnect'} and sent == []
 
 
-def messages_of(*texts):
-    return [{'type': 'websocket.connect'}] + [
-        {'type': 'websocket.receive', 'text': text} for text in texts]
-
-
-def test_a_large_message_ends_a_web_socket():
-    for large in ('x' * (MAX_BODY_BYTES + 1), ):
-        app, _, _ = visit('/live', kind='websocket', cookie=COOKIE, origin=OWN,
-                          messages=messages_of('a', large, 'b'))
-        assert [message.get('text') for message in app.received] == [None, 'a', None]
-
-
 def test_thousands_of_messages_end_a_web_socket(monkeypatch):
-    monkeypatch.setattr(doors, '_MESSAGES_BURST', 3.0)
-    monkeypatch.setattr(doors, '_MESSAGES_HZ', 0.001)
-    app, _, _ = visit('/live', kind='websocket', cookie=COOKIE, origin=OWN,
-                      messages=messages_of(*'abcdef'))
+    monkeypatch.setattr(authentication, '_MESSAGES_BURST', 3.0)
+    monkeypatch.setattr(authentication, '_MESSAGES_HZ', 0.001)
+    messages = [{'type': 'websocket.connect'}] + [
+        {'type': 'websocket.receive', 'text': text} for text in 'abcdef']
+    app, _, _ = visit('/live', kind='websocket', cookie=COOKIE, origin=OWN, messages=messages)
     assert [message.get('text') for message in app.received] == [None, 'a', 'b', 'c', None]
     assert app.received[-1]['code'] == 1008
 
 
-def test_too_many_connections():
-    guard = Doors(App(), TOKEN, PORT, lambda _: None)
-    guard._connections = doors.MAX_CONNECTIONS
-    assert status(visit(cookie=COOKIE, door=guard)[1]) == 503
-    guard._connections -= 1
-    assert status(visit(cookie=COOKIE, door=guard)[1]) == 200
-    assert status(visit(cookie=COOKIE, door=guard)[1]) == 200       # the last one has ended
+def test_too_many_connections(monkeypatch):
+    monkeypatch.setattr(authentication, 'MAX_CONNECTIONS', 1)
+    codes = []
+
+    async def visited_meanwhile(scope, receive, send):
+        async def send_code(message):
+            codes.append(message.get('status'))
+        await guard(scope, receive, send_code)
+    guard = Authentication(visited_meanwhile, TOKEN, PORT, lambda _: None)
+    for _ in range(2):          # the first one has ended
+        visit(cookie=COOKIE, guard=guard)
+    assert codes == [503, None, 503, None]
 
 
 @pytest.mark.parametrize('messages, is_reported', [(None, True), ([], False)])
 def test_an_error_of_the_application_is_reported_unless_the_visitor_is_gone(messages,
                                                                             is_reported):
-    app, errors = App(), []
+    app = App()
     app.error = ValueError('a mistake')
-    guard = Doors(app, TOKEN, PORT, errors.append)
-    visit(cookie=COOKIE, messages=messages, door=guard)
+    errors = visit(cookie=COOKIE, messages=messages, app=app)[2]
     assert errors == ([app.error] if is_reported else [])
 
 

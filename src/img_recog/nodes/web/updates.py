@@ -1,16 +1,17 @@
-"""What is new since a page got the last news. Independent of ROS."""
+"""What is new since the last message to a page. Independent of ROS."""
 import math
 import threading
 from collections import deque
 from typing import Any, Deque, Dict, List, Optional, Tuple
 
+MAX_STATES = 300
 _MAX_EVENTS = 900       # about 10 s of a demo
 _MAX_PATH = 4000        # points
 _PATH_STEP_M = 0.02
 _JUMP_M = 0.5           # between two positions that follow one another: the robot was moved
 
 
-class News:
+class Updates:
     """Events, of which each is sent once, and states, of which only the last counts.
 
     A cursor is the number of the last change that somebody got. All methods may be called by any
@@ -32,11 +33,14 @@ class News:
             self._number += 1
             self._events.append((self._number, kind, value))
 
-    def set(self, kind: str, value: Any) -> None:
-        """Set a state."""
+    def set(self, kind: str, value: Any) -> bool:
+        """Set a state; return False if there are too many already."""
         with self._lock:
-            self._number += 1
-            self._states[kind] = self._number, value
+            is_known = kind in self._states or len(self._states) < MAX_STATES
+            if is_known:
+                self._number += 1
+                self._states[kind] = self._number, value
+            return is_known
 
     def extend_path(self, x: float, y: float) -> None:
         """Add a position to the path, in m, if it is far enough from the last one.
@@ -55,7 +59,7 @@ class News:
                 self._path.append((self._number, point))
 
     def clear(self) -> None:
-        """Forget everything: what was measured before is not the beginning of what follows."""
+        """Forget everything: what was measured before is no start of what follows."""
         with self._lock:
             self._events.clear()
             self._states.clear()
@@ -70,19 +74,19 @@ class News:
         """
         cursor = cursor or 0
         with self._lock:
-            news: Dict[str, Any] = {kind: value for kind, (number, value) in self._states.items()
-                                    if number > cursor}
+            found: Dict[str, Any] = {kind: value for kind, (number, value) in self._states.items()
+                                     if number > cursor}
             events: Dict[str, List[Any]] = {}
             for number, kind, value in reversed(self._events):
                 if number <= cursor:
                     break
                 events.setdefault(kind, []).append(value)
-            news.update({kind: values[::-1] for kind, values in events.items()})
+            found.update({kind: values[::-1] for kind, values in events.items()})
             path: Deque[Any] = deque()
             for number, point in reversed(self._path):
                 if number <= cursor:
                     break
                 path.appendleft(point)
             if path:
-                news['path'] = list(path)
-            return self._number, news
+                found['path'] = list(path)
+            return self._number, found

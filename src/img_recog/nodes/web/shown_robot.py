@@ -1,0 +1,74 @@
+"""A robot that pages show and drive."""
+from typing import List, NamedTuple, Set
+
+import rosgraph
+import rospy
+
+from img_recog.errors import one_line
+from img_recog.nodes.web.color_tuning import ColorTuning
+from img_recog.nodes.web.driving import Driving
+from img_recog.nodes.web.measurements import RobotTopics, Topics
+from img_recog.nodes.web.pictures import PictureTopics
+from img_recog.nodes.web.simulation import PosePublisher
+from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
+from img_recog.recognition.settings import DEFAULT_COLORS, color_names
+from img_recog.ros.throttle import ThrottledWarning
+from img_recog.settings import SettingError
+from img_recog.teleoperation.settings import VelocityLimits
+
+
+def resolve(robot: str, name: str) -> str:
+    """Return the full name of a topic or node of a robot."""
+    is_relative = robot and not name.startswith('/')
+    return rospy.resolve_name('{}/{}'.format(robot, name) if is_relative else name)
+
+
+class PictureTopic(NamedTuple):
+    """A topic with images; title: the key of its title, which may have a color in it."""
+
+    topic: str
+    title: str
+    color: str = ''
+
+
+class ShownRobot:
+    """A robot that pages show and drive.
+
+    name: its namespace, below that of the node; '' for the only robot. topics: what is measured,
+    of the system and of the robot.
+    """
+
+    def __init__(self, name: str, limits: VelocityLimits, pictures: PictureTopics,
+                 system: Topics):
+        """Advertise its topics; pictures and system: those of all robots."""
+        self.name = name
+        self._warn = ThrottledWarning()
+        own = RobotTopics(self.resolve)
+        self.topics = system, own
+        self.driving = Driving(limits, self.resolve('cmd_vel'))
+        self.colors = ColorTuning(self.resolve('color_extract'), pictures)
+        self.pose = PosePublisher(self.name, lambda: own.frame_id)
+
+    def resolve(self, name: str) -> str:
+        """Return the full name of a topic or node of this robot."""
+        return resolve(self.name, name)
+
+    def picture_topics(self) -> List[PictureTopic]:
+        """Return the pictures of the robot and of the simulator. Waits for the master."""
+        published: Set[str] = set()
+        names, topics = list(DEFAULT_COLORS), {}
+        try:
+            published = {name for name, _ in rospy.get_published_topics()}
+            given = rospy.get_param(self.resolve('color_extract'), {})
+            names = list(color_names(given.get(COLORS, names)))
+            topics = {name: given.get(IMAGE_TOPIC.format(name)) for name in names}
+        except (OSError, rospy.ROSException, rosgraph.MasterException, AttributeError,
+                SettingError) as error:
+            self._warn('the colors of color_extract: %s', one_line(error))
+        camera = self.resolve('camera/rgb/image_raw')
+        return [
+            PictureTopic(self.resolve('usb_cam/image_raw'), 'camera'),
+            *(PictureTopic(self.resolve(topics.get(name) or name + '_image'), 'mask', name)
+              for name in names),
+            PictureTopic(rospy.resolve_name('gazebo/view/image_raw'), 'view'),
+            *([PictureTopic(camera, 'robot_camera')] if camera in published else [])]

@@ -1,0 +1,38 @@
+"""The tabs of the page. A new one is its module and a row of TABS."""
+from typing import Any, Callable, NamedTuple, Optional
+
+from fastapi import FastAPI
+
+from img_recog.nodes.web import colors_tab, graph_tab, live_tab, log_tab, nodes_tab, texts
+from img_recog.nodes.web.measurements import Source
+from img_recog.nodes.web.visit import Visit
+
+
+def _always(_: Visit) -> bool:
+    return True
+
+
+class Tab(NamedTuple):
+    """A tab.
+
+    name: the key of its title, and the name of its script static/NAME.js. texts: its own.
+    add: adds its elements to a page. update: shows what other pages and nodes have changed, every
+    0.4 s; is called with what `add` has returned. exists: whether a visitor gets it. topics: those
+    that only it shows. serve: adds what its elements load.
+    """
+
+    name: str
+    texts: texts.TextTable
+    add: Callable[[Visit], Any]
+    update: Optional[Callable[[Any], None]] = None
+    exists: Callable[[Visit], bool] = _always
+    topics: Optional[Source] = None
+    serve: Optional[Callable[[FastAPI], None]] = None
+
+
+TABS = (
+    Tab('live', live_tab.TEXTS, live_tab.LiveTab, live_tab.LiveTab.update),
+    Tab('colors', colors_tab.TEXTS, colors_tab.ColorsTab, colors_tab.ColorsTab.update),
+    Tab('graph', graph_tab.TEXTS, graph_tab.add, serve=graph_tab.serve),
+    Tab('nodes', nodes_tab.TEXTS, nodes_tab.add, topics=nodes_tab.topics),
+    Tab('log', log_tab.TEXTS, log_tab.add, topics=log_tab.topics))

@@ -1,0 +1,25 @@
+"""What the tabs of a page get to know."""
+from typing import List, NamedTuple
+
+from img_recog.nodes.web.shown_robot import PictureTopic, ShownRobot
+from img_recog.nodes.web.shown_robots import ShownRobots
+from img_recog.nodes.web.texts import Texts
+from img_recog.nodes.web.tuning import Tuning
+from img_recog.ros.bag_recording import Recorder
+
+
+class System(NamedTuple):
+    """What all pages share. simulator: its parameters."""
+
+    robots: ShownRobots
+    simulator: Tuning
+    recorder: Recorder
+
+
+class Visit(NamedTuple):
+    """A page of a visitor, for one robot. pictures: those that it can show."""
+
+    system: System
+    robot: ShownRobot
+    texts: Texts
+    pictures: List[PictureTopic]

@@ -1,0 +1,89 @@
+"""What pages get of the messages of topics, without a master."""
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import LaserScan
+
+from img_recog.nodes.web import log_tab, measurements, nodes_tab, updates
+from img_recog.nodes.web.measurements import RobotTopics, SystemTopics
+from img_recog.nodes.web.updates import Updates
+
+
+def callbacks(topics):
+    """Return the callbacks by the names of their topics."""
+    return {name: callback for name, _, callback in topics}
+
+
+def odometry(x, y):
+    msg = Odometry()
+    msg.pose.pose.position.x, msg.pose.pose.position.y = x, y
+    msg.pose.pose.orientation.w = 1.0
+    return msg
+
+
+def test_places_of_the_robots_that_are_there(monkeypatch):
+    monkeypatch.setattr(measurements, '_PLACES_PERIOD_S', 0.0)
+    system = SystemTopics([])
+    system.follow({'a': '/a/odom', 'b': '/b/odom'})
+    place = callbacks(system.topics())
+    place['/a/odom'](odometry(1.0, 2.0))
+    place['/b/odom'](odometry(3.0, 4.0))
+    assert system.updates.since(None)[1]['robots'] == {'a': [1.0, 2.0, 0.0], 'b': [3.0, 4.0, 0.0]}
+    system.follow({'b': '/b/odom'})
+    assert system.updates.since(None)[1]['robots'] == {'b': [3.0, 4.0, 0.0]}
+    assert '/a/odom' not in callbacks(system.topics())
+
+
+def test_the_topics_of_the_tabs_are_among_those_of_the_system():
+    system = SystemTopics([log_tab.topics, nodes_tab.topics])
+    assert set(callbacks(system.topics())) == {
+        '/gazebo/real_time_factor', '/gazebo/world_outlines', '/rosout_agg', '/diagnostics'}
+    callbacks(system.topics())['/rosout_agg'](Log(level=Log.WARN, name='/a', msg='hot'))
+    assert system.updates.since(None)[1] == {'log': [[0.0, 'warn', '/a', 'hot']]}
+
+
+@pytest.mark.parametrize('field', ['angle_min', 'angle_increment'])
+@pytest.mark.parametrize('value', [float('nan'), float('inf')])
+def test_a_scan_without_angles_is_dropped(field, value):
+    robot = RobotTopics('/{}'.format)
+    scanned = callbacks(robot.topics())['/scan']
+    scanned(LaserScan(ranges=[1.0], range_max=2.0, **{field: value}))
+    assert robot.updates.since(None)[1] == {}
+    scanned(LaserScan(ranges=[1.0, float('nan')], range_max=2.0, angle_increment=0.5))
+    assert robot.updates.since(None)[1]['scan'] == {
+        'pose': None, 'angle_min': 0.0, 'angle_increment': 0.5, 'ranges': [1.0, None]}
+
+
+def test_a_scan_has_the_pose_of_its_moment():
+    robot = RobotTopics('/{}'.format)
+    called = callbacks(robot.topics())
+    for x in (1.0, 2.0):
+        called['/odom'](odometry(x, 3.0))
+        called['/scan'](LaserScan(ranges=[1.0], range_max=2.0))
+    called['/odom'](odometry(4.0, 3.0))
+    assert robot.updates.since(None)[1]['scan']['pose'] == [2.0, 3.0, 0.0]
+    assert robot.updates.since(None)[1]['pose'] == [4.0, 3.0, 0.0]
+
+
+def test_states_of_nodes_up_to_a_number(monkeypatch):
+    monkeypatch.setattr(updates, 'MAX_STATES', 2)
+    found = Updates()
+    (_, _, diagnosed), = nodes_tab.topics(found)
+    for name in ('a', 'b', 'c', 'a'):
+        diagnosed(DiagnosticArray(status=[DiagnosticStatus(
+            name=name, level=b'\1', message='slow', values=[KeyValue('rate (Hz)', '3')])]))
+    states = found.since(None)[1]
+    assert sorted(states) == ['node a', 'node b']
+    del states['node a']['time_s']
+    assert states['node a'] == {
+        'name': 'a', 'level': 1, 'message': 'slow', 'values': [['rate (Hz)', '3']]}
+
+
+def test_log_lines_that_differ_only_in_numbers_are_sent_once_a_second(monkeypatch):
+    found, times = Updates(), iter([0.0, 0.5, 0.6, 0.7, 1.1])
+    monkeypatch.setattr(log_tab.time, 'monotonic', lambda: next(times))
+    (_, _, logged), = log_tab.topics(found)
+    for text in ('blue=1', 'blue=2', 'red=2', 'blue=3', 'blue=4'):
+        logged(Log(level=Log.INFO, name='/a', msg=text))
+    assert [line[3] for line in found.since(None)[1]['log']] == ['blue=1', 'red=2', 'blue=4']

@@ -1,0 +1,45 @@
+"""The page as a browser gets it, with stand-ins for the robot and the system."""
+from types import SimpleNamespace
+
+from fastapi import FastAPI
+from fastapi.testclient import TestClient
+from nicegui import ui
+
+from img_recog.nodes.web import page
+from img_recog.nodes.web.shown_robot import PictureTopic
+from img_recog.nodes.web.tabs import Tab
+from img_recog.nodes.web.visit import System
+from img_recog.teleoperation.settings import VelocityLimits
+
+
+def add_sonar(visit):
+    ui.label('{} of {}'.format(visit.texts('distance'), visit.robot.name))
+
+
+def serve_sonar(app):
+    @app.get('/sonar.svg')
+    def sonar():
+        return 'echo'
+
+
+SONAR = Tab('sonar', {'sonar': ('Sonar', 'ソナー'), 'distance': ('Distance', '距離')}, add_sonar,
+            serve=serve_sonar)
+
+
+def test_a_tab_is_a_row_of_the_table(monkeypatch):
+    absent = SONAR._replace(name='absent', exists=lambda visit: visit.robot.name == 'other')
+    monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR, absent._replace(serve=None)))
+    limits = VelocityLimits()
+    robot = SimpleNamespace(
+        name='tb3_1', pose=None, colors=SimpleNamespace(revision=0, values=dict),
+        picture_topics=lambda: [PictureTopic('/usb_cam/image_raw', 'camera')],
+        driving=SimpleNamespace(settings=limits, limits=vars(limits), limit=print))
+    robots = SimpleNamespace(names=['tb3_1'], get=lambda name: robot)
+    app = FastAPI()
+    page.build(app, System(robots, robot.colors, SimpleNamespace(path='')))
+    with TestClient(app) as client:
+        text = client.get('/', headers={'accept-language': 'ja'}).text
+        assert client.get('/sonar.svg').json() == 'echo'
+    for words in ('/static/sonar.js', 'ソナー', '距離 of tb3_1', '/static/live.js'):
+        assert words in text
+    assert 'absent' not in text

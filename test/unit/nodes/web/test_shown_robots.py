@@ -1,0 +1,62 @@
+"""Which robots the page finds."""
+import pytest
+
+from img_recog.nodes.web import shown_robots
+from img_recog.nodes.web.measurements import SystemTopics
+from img_recog.nodes.web.pictures import PictureTopics
+from img_recog.nodes.web.shown_robots import ShownRobots, names_in
+from img_recog.teleoperation.settings import VelocityLimits
+
+WEB = '/web'
+
+
+def users(*rows):
+    """Return a list of topics with their nodes, as the master does, of rows TOPIC NODE."""
+    found = {}
+    for row in rows:
+        topic, node = row.split()
+        found.setdefault(topic, []).append(node)
+    return list(found.items())
+
+
+@pytest.mark.parametrize('published, subscribed, names', [
+    ([], [], []),
+    (['/cmd_vel /color_extract', '/odom /gazebo'], ['/cmd_vel /gazebo'], ['']),
+    # in the order of their numbers
+    (['/tb3_10/odom /gazebo', '/tb3_9/odom /gazebo'],
+     ['/tb3_10/cmd_vel /gazebo', '/tb3_9/cmd_vel /gazebo'], ['tb3_9', 'tb3_10']),
+    # a recording or an echo, and a robot that is gone
+    (['/a/odom /gazebo'], ['/a/cmd_vel /gazebo', '/cmd_vel /record', '/b/cmd_vel /echo'], ['a']),
+    # a teleop without a robot
+    (['/cmd_vel /teleop'], ['/a/cmd_vel /gazebo'], ['a']),
+    (['/a/cmd_vel /teleop'], [], ['a']),
+    # what the page itself has advertised or subscribes to is no robot
+    (['/a/cmd_vel /web'], ['/a/cmd_vel /web'], []),
+    (['/a/cmd_vel /web'], ['/b/cmd_vel /web', '/b/cmd_vel /base'], ['b']),
+    ([], ['/lab/a/cmd_vel /x', '/my_cmd_vel /x', '/odom /x'], ['lab/a']),
+    ([], ['/<script>/cmd_vel /x'], [])])
+def test_robots_are_found_by_who_takes_commands(published, subscribed, names):
+    assert names_in(users(*published), users(*subscribed), '/', WEB) == names
+    # and only those in the namespace of the node
+    published, subscribed = (['/lab' + row for row in rows] for rows in (published, subscribed))
+    subscribed.append('/z/cmd_vel /x')
+    assert names_in(users(*published), users(*subscribed), '/lab/', WEB) == names
+
+
+def test_the_robots_stay_while_a_new_master_knows_none(monkeypatch):
+    monkeypatch.setattr(shown_robots.rospy, 'get_namespace', lambda: '/')
+    monkeypatch.setattr(shown_robots.rospy, 'get_name', lambda: WEB)
+    found = ShownRobots(VelocityLimits(), PictureTopics(100), SystemTopics([]))
+    assert found.names == ['']
+    for subscribed, names in ((['/a/cmd_vel /x', '/b/cmd_vel /x'], ['a', 'b']), ([], ['a', 'b']),
+                              (['/b/cmd_vel /x'], ['b'])):
+        monkeypatch.setattr(shown_robots.master, 'system_state', lambda: (
+            [], users(*subscribed), []))
+        found.update()
+        assert found.names == names
+
+    def fail():
+        raise shown_robots.master.MasterError('no master answers')
+    monkeypatch.setattr(shown_robots.master, 'system_state', fail)
+    found.update()
+    assert found.names == ['b']
