@@ -7,8 +7,10 @@ import signal
 import urllib.error
 import urllib.request
 
+import psutil
 import pytest
 
+from img_recog_testing.process_table import command_lines
 from img_recog_testing.waiting import wait_for
 
 try:
@@ -119,14 +121,10 @@ class Browser:
 
     def kill(self):
         """End the browser without a farewell, as when its computer is switched off."""
-        for pid in filter(str.isdigit, os.listdir('/proc')):
-            try:
-                with open('/proc/{}/cmdline'.format(pid), 'rb') as file:
-                    is_ours = self._folder.encode() in file.read()
-                if is_ours:
-                    os.kill(int(pid), signal.SIGKILL)
-            except OSError:         # it has ended meanwhile
-                continue
+        for pid, line in command_lines(psutil.process_iter()).items():
+            if self._folder in line:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
 
     def close(self):
         """End the browser."""

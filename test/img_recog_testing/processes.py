@@ -1,16 +1,22 @@
 """Programs under test, with a separate ROS master on a free port."""
+import contextlib
+import copy
 import ctypes
 import os
+import pathlib
 import re
 import signal
 import socket
 import subprocess
 import threading
+import uuid
 import xmlrpc.client
 
+from img_recog_testing import process_table
 from img_recog_testing.waiting import stretch, wait_for
 
 
+_END_S = 20.0               # until a program that is interrupted is killed
 _LAST_OUTPUT_S = 30.0       # of a program that has ended; a child may keep the pipe open
 _PROGRAMS = os.environ['CMAKE_PREFIX_PATH'].split(os.pathsep)[0] + '/lib/img_recog/'
 
@@ -28,7 +34,7 @@ class Process:
         self._popen = subprocess.Popen(
             [str(word) for word in command], env=env, stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT, **{'stdin': subprocess.DEVNULL, **popen})
-        self.pid = self._popen.pid
+        self.pid, self.stdin = self._popen.pid, self._popen.stdin
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -43,10 +49,16 @@ class Process:
 
     def wait(self):
         """Wait until the program ends by itself; return its exit code."""
-        wait_for(lambda: self._popen.poll() is not None,
-                 lambda: 'the end of:\n' + self.output)
+        wait_for(lambda: not self.is_running(), lambda: 'the end of:\n' + self.output)
         self._reader.join(_LAST_OUTPUT_S * stretch())
         return self._popen.returncode
+
+    def fatal_line(self):
+        """Wait for the end of a program that refuses its input; return its one FATAL line."""
+        code = self.wait()
+        lines = [line for line in self.output.splitlines() if '[FATAL]' in line]
+        assert code == 1 and len(lines) == 1 and 'Traceback' not in self.output, self.output
+        return lines[0]
 
     def is_running(self):
         """Return whether the program has not ended."""
@@ -68,33 +80,68 @@ class Process:
 
     def interrupt(self):
         """Send SIGINT, as Ctrl-C does; wait for the end and return the exit code."""
-        self._popen.send_signal(signal.SIGINT)
+        self.send_signal(signal.SIGINT)
         return self.wait()
 
-    def close(self):
-        """Send SIGINT, and SIGKILL if that does not end the program."""
-        if self._popen.poll() is None:
-            self._popen.send_signal(signal.SIGINT)
-            try:
-                self._popen.wait(20 * stretch())
-            except subprocess.TimeoutExpired:
-                self._popen.kill()
+    def close(self, is_interrupted=False):
+        """Send SIGINT, unless that is done, and SIGKILL if that does not end the program."""
+        if not is_interrupted:
+            self.send_signal(signal.SIGINT)
+        try:
+            self._popen.wait(_END_S * stretch())
+        except subprocess.TimeoutExpired:
+            self._popen.kill()
 
 
 class Ros:
-    """Starts programs that share one ROS master."""
+    """Starts programs that share one ROS master; use it in a with statement.
 
-    def __init__(self, tmp_path):
+    marker: an entry of the environment of all these programs, and of what they start.
+    master_uri: of the master, which `start_master` or roslaunch starts.
+    """
+
+    def __init__(self, folder):
+        """folder: for the logs, and what else ROS keeps."""
         # bound until the end: no other program gets the port before a master listens on it
         self._reserved = socket.socket()
         self._reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         self._reserved.bind(('127.0.0.1', 0))
         self.port = self._reserved.getsockname()[1]
-        self.env = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:{}'.format(self.port),
-                        ROS_HOSTNAME='localhost', ROS_HOME=str(tmp_path / 'ros'),
-                        PYTHONUNBUFFERED='1')
+        self.master_uri = 'http://127.0.0.1:{}'.format(self.port)
+        self.marker = 'IMG_RECOG_UNDER_TEST=' + uuid.uuid4().hex
+        self.env = dict([*os.environ.items(), self.marker.split('=')],
+                        ROS_MASTER_URI=self.master_uri, ROS_HOSTNAME='localhost',
+                        ROS_HOME=str(pathlib.Path(folder, 'ros')), PYTHONUNBUFFERED='1')
         self.env.pop('DISPLAY', None)
-        self._processes = []
+        self.core = None
+        self.processes = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def beside(self):
+        """Return a Ros with the same master; its end ends only what it has started itself."""
+        other = copy.copy(self)
+        other.processes = []
+        return other
+
+    def start_master(self):
+        """Start a master, wait until it and rosout answer, and return its Process."""
+        self.core = self.start('roscore', '-p', self.port)
+        self.core.wait_output('started core service')
+        return self.core
+
+    def kill_master(self, signum=signal.SIGKILL):
+        """End the master and rosout by a signal."""
+        pids = [self.core.pid, *process_table.descendants(self.core.pid)]
+        for pid in pids:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signum)
+        self.core.wait()
+        wait_for(lambda: not any(map(process_table.is_alive, pids)), 'the end of the master')
 
     def start(self, *command, **popen):
         """Start a program and return its Process.
@@ -105,7 +152,7 @@ class Ros:
         if command[:2] == ('rosrun', 'img_recog'):
             command = (_PROGRAMS + command[2], *command[3:])
         process = Process(command, popen.pop('env', self.env), **popen)
-        self._processes.append(process)
+        self.processes.append(process)
         return process
 
     def demo(self, *arguments):
@@ -137,7 +184,7 @@ class Ros:
 
     def master(self):
         """Return the XML-RPC API of the master."""
-        return xmlrpc.client.ServerProxy(self.env['ROS_MASTER_URI'])
+        return xmlrpc.client.ServerProxy(self.master_uri)
 
     def set_parameters(self, name, value=None):
         """Replace a parameter or a namespace of them, by default by nothing.
@@ -151,7 +198,12 @@ class Ros:
             master.setParam('/test', name, value)
 
     def close(self):
-        """End all programs, in reverse order."""
-        for process in reversed(self._processes):
-            process.close()
+        """End all programs: the master after the others, which unregister."""
+        others = [process for process in self.processes if process is not self.core]
+        for process in others:
+            process.send_signal(signal.SIGINT)      # at once: each takes half a second
+        for process in others:
+            process.close(is_interrupted=True)
+        if self.core in self.processes and self.core.is_running():
+            self.kill_master()
         self._reserved.close()

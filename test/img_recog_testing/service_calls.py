@@ -42,7 +42,7 @@ class ServiceCalls:
 
     def _call(self, service, request):
         """Return the response as text; that of an error begins with ERROR."""
-        stdin = self._process._popen.stdin
+        stdin = self._process.stdin
         stdin.write((json.dumps([service, request]) + '\n').encode())
         stdin.flush()
         self._answers += 1
@@ -55,5 +55,5 @@ class ServiceCalls:
 
     def close(self):
         """End the process."""
-        self._process._popen.stdin.close()
+        self._process.stdin.close()
         assert self._process.wait() == 0, self._process.output

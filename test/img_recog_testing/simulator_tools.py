@@ -4,6 +4,7 @@ import os
 import re
 import sys
 
+from img_recog_testing.process_table import descendants
 from img_recog_testing.waiting import wait_for
 
 # what these warn of, each test notices by itself if it matters: images or messages are missing
@@ -65,41 +66,9 @@ def complaints(node):
             if not any(words in line for words in _OF_A_BUSY_MACHINE)]
 
 
-def descendants(pid):
-    """Return the process ids below `pid` and their command lines."""
-    parents, found = {}, {}
-    for entry in filter(str.isdigit, os.listdir('/proc')):
-        try:
-            with open('/proc/{}/stat'.format(entry)) as file:
-                parents[int(entry)] = int(file.read().rpartition(')')[2].split()[1])
-            with open('/proc/{}/cmdline'.format(entry)) as file:
-                found[int(entry)] = file.read().replace('\0', ' ')
-        except OSError:
-            continue            # the process has ended
-    below = {pid}
-    for _ in parents:
-        below |= {child for child, parent in parents.items() if parent in below}
-    return {child: found[child] for child in below - {pid} if child in found}
-
-
 def drawing(node):
     """Return the id of the drawing process of a simulator, or None."""
     return next((pid for pid, line in descendants(node.pid).items() if 'spawn_main' in line), None)
-
-
-def cpu_ticks(pid):
-    with open('/proc/{}/stat'.format(pid)) as file:
-        fields = file.read().rpartition(')')[2].split()
-    return int(fields[11]) + int(fields[12])
-
-
-def alive(pid):
-    """Return whether a process runs; a zombie does not."""
-    try:
-        with open('/proc/{}/stat'.format(pid)) as file:
-            return file.read().rpartition(')')[2].split()[0] != 'Z'
-    except OSError:
-        return False
 
 
 IMAGES = '''

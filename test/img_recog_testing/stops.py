@@ -1,5 +1,4 @@
 """Stops of real recognitions whose images have just stopped."""
-import pathlib
 import random
 import signal
 import tempfile
@@ -15,13 +14,10 @@ _AT_ONCE = 8
 def stop_many(count, seed, deadline_s):
     """Stop at least `count` recognitions, some at a time; return the longest time, in s."""
     with tempfile.TemporaryDirectory(prefix='img_recog_stops_') as folder:
-        ros = Ros(pathlib.Path(folder))
-        try:
-            ros.start('roscore', '-p', ros.port).wait_output('started core service')
+        with Ros(folder) as ros:
+            ros.start_master()
             return max(stop_after_the_images(ros, _AT_ONCE, seed + first, deadline_s)
                        for first in range(0, count, _AT_ONCE))
-        finally:
-            ros.close()
 
 
 def stop_after_the_images(ros, count, seed, deadline_s):

@@ -1,8 +1,4 @@
 """Fixtures for tests that run whole processes."""
-import copy
-import os
-import signal
-
 import pytest
 
 from img_recog_testing.processes import Ros
@@ -12,31 +8,23 @@ from img_recog_testing.simulator_tools import burger
 @pytest.fixture
 def ros(tmp_path):
     """A separate master address for one test."""
-    ros = Ros(tmp_path)
-    yield ros
-    ros.close()
+    with Ros(tmp_path) as ros:
+        yield ros
 
 
 @pytest.fixture(scope='module')
 def roscore(tmp_path_factory):
     """A running master, shared by the tests of one module."""
-    ros = Ros(tmp_path_factory.mktemp('roscore'))
-    core = ros.start('roscore', '-p', ros.port)
-    core.wait_output('started core service')
-    yield ros
-    ros.close()
+    with Ros(tmp_path_factory.mktemp('roscore')) as ros:
+        ros.start_master()
+        yield ros
 
 
 @pytest.fixture
 def shared_ros(roscore):
     """The master of a module; processes that a test starts are stopped after it."""
-    ros = copy.copy(roscore)
-    ros._processes = []
-    yield ros
-    for process in ros._processes:
-        if process._popen.poll() is None:
-            os.kill(process.pid, signal.SIGINT)         # in parallel: each takes half a second
-    ros.close()
+    with roscore.beside() as ros:
+        yield ros
 
 
 @pytest.fixture

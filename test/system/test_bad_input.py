@@ -5,23 +5,7 @@ import re
 import pytest
 import yaml
 
-BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
-
-
-def burger():
-    with open(BURGER) as file:
-        return file.read()
-
-
-def fatal_line(process):
-    """Return the one FATAL line of a program that ended with an error."""
-    code = process.wait()
-    lines = [line for line in process.output.splitlines() if '[FATAL]' in line]
-    assert code == 1, process.output
-    assert len(lines) == 1, process.output
-    assert 'Traceback' not in process.output, process.output
-    return lines[0]
-
+from img_recog_testing.simulator_tools import BURGER, burger
 
 CAMERA_CASES = {
     'missing path': ('_video_device:=/no/such.mp4', '/no/such.mp4: no such file', 'synthetic'),
@@ -46,7 +30,7 @@ def test_camera(roscore, parameter, named, advice):
     arguments = [parameter]
     if 'video_device' not in parameter:
         arguments.append('_video_device:=synthetic')
-    line = fatal_line(roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', *arguments))
+    line = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', *arguments).fatal_line()
     assert named in line and advice in line, line
 
 
@@ -101,8 +85,8 @@ SIMULATOR_CASES = {
 def test_simulator(roscore, urdf, parameter, named, advice):
     roscore.set_parameters('/gazebo')
     roscore.set_parameters('/robot_description', urdf and urdf())
-    line = fatal_line(roscore.start('rosrun', 'img_recog', 'pybullet_sim.py',
-                                    *filter(None, [parameter])))
+    line = roscore.start('rosrun', 'img_recog', 'pybullet_sim.py',
+                         *filter(None, [parameter])).fatal_line()
     assert named in line and advice in line, line
 
 
@@ -139,7 +123,7 @@ def recognition(roscore, tmp_path, text):
 
 @pytest.mark.parametrize('text, named, advice', list(COLOR_CASES.values()), ids=list(COLOR_CASES))
 def test_colors(roscore, tmp_path, text, named, advice):
-    line = fatal_line(recognition(roscore, tmp_path, text))
+    line = recognition(roscore, tmp_path, text).fatal_line()
     assert named in line and advice in line, line
 
 

@@ -4,6 +4,7 @@ import re
 import signal
 
 from img_recog.ros.bag_recording import TOPICS
+from img_recog_testing.process_table import is_alive
 from img_recog_testing.waiting import wait_for
 
 NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_keyboard',
@@ -16,14 +17,6 @@ def node_pids(ros):
     return {name: ros.node_pid('/' + name) for name in NODES}
 
 
-def alive(pid):
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 def test_log_and_names_are_as_expected_and_ctrl_c_ends_everything(ros):
     demo = ros.demo()
     demo.wait_output(r'camera: synthetic scene, 640x480, 30 Hz')
@@ -34,7 +27,7 @@ def test_log_and_names_are_as_expected_and_ctrl_c_ends_everything(ros):
     assert demo.interrupt() == 0
     for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]'):
         assert words not in demo.output, demo.output
-    assert [name for name, pid in pids.items() if alive(pid)] == []
+    assert [name for name, pid in pids.items() if is_alive(pid)] == []
 
 
 def check_names(ros):
@@ -84,7 +77,7 @@ def test_after_the_camera_is_killed_the_robot_stops_and_the_others_run(ros):
     demo.wait_output(r'usb_cam-\d+\] process has died')
     wait_for(lambda: demo.output.rfind('the robot stands') > demo.output.rfind('drives'),
              lambda: 'the robot to stand in:\n' + demo.output)
-    assert [name for name, pid in pids.items() if not alive(pid)] == ['usb_cam']
+    assert [name for name, pid in pids.items() if not is_alive(pid)] == ['usb_cam']
 
 
 def test_second_simulator_replaces_the_first(simulate, shared_ros):

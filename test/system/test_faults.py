@@ -8,7 +8,7 @@ import yaml
 
 from img_recog.ros.transport.switch import is_plain
 from img_recog_testing.processes import Ros
-from img_recog_testing.simulator_tools import alive, descendants
+from img_recog_testing.process_table import descendants, is_alive
 from img_recog_testing.waiting import wait_for
 
 # with plain rospy, nodes do not know whether there is a master
@@ -22,20 +22,9 @@ class Demo:
 
     def __init__(self, ros):
         self.ros = ros
-        self.start_master()
+        ros.start_master()
         self.process = ros.demo()
         self.wait('the robot drives forward')
-
-    def start_master(self):
-        """Start a master."""
-        self.core = self.ros.start('roscore', '-p', self.ros.port)
-        self.core.wait_output('started core service')
-
-    def kill_master(self):
-        """Kill the master, and rosout."""
-        for pid in [self.core.pid, *descendants(self.core.pid)]:
-            os.kill(pid, signal.SIGKILL)
-        self.core.wait()
 
     def node(self, name):
         """Return the process id of a node."""
@@ -61,11 +50,8 @@ class Demo:
 @pytest.fixture(scope='module')
 def demo(tmp_path_factory):
     """One demo for all tests of this module: each leaves it running."""
-    ros = Ros(tmp_path_factory.mktemp('faults'))
-    try:
+    with Ros(tmp_path_factory.mktemp('faults')) as ros:
         yield Demo(ros)
-    finally:
-        ros.close()
 
 
 def test_robot_stands_while_recognition_and_teleop_give_no_sign(demo):
@@ -116,10 +102,10 @@ def test_new_master_knows_nodes_and_parameters(demo):
     demo.wait_chain(len(demo.output))
     before = demo.ros.run('rosparam', 'get', '/usb_cam')
     after = len(demo.output)
-    demo.kill_master()
+    demo.ros.kill_master()
     # the connection is refused, or ends if a node was just asking
     demo.wait(r'the master at \S+ does not answer: ', after, len(PROGRAMS))
-    demo.start_master()
+    demo.ros.start_master()
     demo.wait(r'a master answers at \S+: registered again', after, len(PROGRAMS))
     assert set(demo.ros.run('rosnode', 'list').split()) >= {'/' + name for name in PROGRAMS}
     assert demo.ros.run('rosparam', 'get', '/usb_cam') == before and 'synthetic' in before
@@ -142,12 +128,12 @@ def test_nodes_that_die_without_a_master_come_back_with_their_parameters(demo):
     before, after = parameters(), len(demo.output)
     assert before['usb_cam']['video_device'] == 'synthetic'
     assert before['gazebo']['cmd_vel_timeout'] == 0.5
-    demo.kill_master()
+    demo.ros.kill_master()
     for name in PROGRAMS:
         os.kill(demo.node(name), signal.SIGKILL)
     demo.wait(r'\[respawn\] \S+: waits for the master at \S+ to answer: ', after, len(PROGRAMS))
     back = len(demo.output)
-    demo.start_master()
+    demo.ros.start_master()
     demo.wait('the robot is at the start: x -2.00 m, y -0.50 m', back)
     demo.wait('camera: synthetic scene', back)
     demo.wait_chain(back)
@@ -160,12 +146,13 @@ def test_nodes_that_die_without_a_master_come_back_with_their_parameters(demo):
 @WATCHED
 def test_nodes_end_while_the_master_does_not_answer(demo):
     pids = [demo.node(name) for name in PROGRAMS]
-    master = next(pid for pid, line in descendants(demo.core.pid).items() if 'rosmaster' in line)
+    master = next(pid for pid, line in descendants(demo.ros.core.pid).items()
+                  if 'rosmaster' in line)
     os.kill(master, signal.SIGSTOP)         # it accepts connections, and that is all
     try:
         for pid in pids:
             os.kill(pid, signal.SIGINT)
-        wait_for(lambda: not any(map(alive, pids)), lambda: 'the end of {} in:\n{}'.format(
-            [pid for pid in pids if alive(pid)], demo.output), 30.0)
+        wait_for(lambda: not any(map(is_alive, pids)), lambda: 'the end of {} in:\n{}'.format(
+            [pid for pid in pids if is_alive(pid)], demo.output), 30.0)
     finally:
         os.kill(master, signal.SIGCONT)

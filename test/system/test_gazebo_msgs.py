@@ -87,7 +87,7 @@ def newest(echo):
 
 @pytest.mark.skipif(INSTALLED, reason='gazebo_msgs is installed here')
 def test_without_the_package_the_simulator_logs_one_line(ros):
-    ros.start('roscore', '-p', ros.port).wait_output('started core service')
+    ros.start_master()
     node = simulate(ros)
     lines = [line for line in node.output.splitlines() if 'gazebo_msgs' in line]
     assert len(lines) == 1 and lines[0].startswith('[INFO]'), node.output

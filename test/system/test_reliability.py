@@ -9,12 +9,13 @@ import sys
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.reliability import (chaos, endings, figures, images, soak, surroundings,
-                                           twists, usage)
-from img_recog_testing.reliability.demo import Demo
+from img_recog_testing.pages import ROOT
+from img_recog_testing.reliability import (chaos, cutting, endings, figures, images, soak,
+                                           surroundings, twists)
+from img_recog_testing.reliability.demo import NODES, START_LIMIT_S, STOP_LIMIT_S, Demo
 from img_recog_testing.reliability.faults import KINDS, Fault, possible
 from img_recog_testing.reliability.parts import PARTS
-from img_recog_testing.reliability.processes import ROOT, Nodes
+from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import DEADLINE_S, stretch
 
 # with plain rospy, a subscriber that gets damaged bytes loses its connection, and a node may wait
@@ -38,14 +39,11 @@ def disk():
 @pytest.fixture(scope='module')
 def demo(disk, tmp_path_factory):
     """A running demo for all tests of this module, with a small disk for its logs."""
-    demo = Demo(str(tmp_path_factory.mktemp('demo')))
-    demo.env['ROS_LOG_DIR'] = disk.path
-    try:
-        demo.start()
-        demo.chain.wait(chaos.START_LIMIT_S * factor())
+    with Demo(str(tmp_path_factory.mktemp('demo'))) as demo:
+        demo.env['ROS_LOG_DIR'] = disk.path
+        demo.start_all()
+        demo.chain.wait(START_LIMIT_S * factor())
         yield demo
-    finally:
-        demo.close()
 
 
 @pytest.fixture(scope='module')
@@ -56,7 +54,7 @@ def nodes():
 
 def test_a_short_soak(demo):
     result = soak.observe(demo, 3.0, factor())
-    assert set(result.growth) == set(chaos.NODES) and len(result.chain_s) >= 1
+    assert set(result.growth) == set(NODES) and len(result.chain_s) >= 1
 
 
 FAULTS = (
@@ -88,7 +86,7 @@ def test_a_full_disk_is_not_repeated(demo, disk):
 
 
 def test_the_demo_ends_and_leaves_nothing(demo):
-    assert demo.stop(chaos.STOP_LIMIT_S * factor()) > 0
+    assert demo.stop(STOP_LIMIT_S * factor()) > 0
 
 
 def test_hostile_twists_and_images_in_process():
@@ -138,8 +136,8 @@ def test_a_fault_that_is_not_survived_is_a_failure(tmp_path):
 
 
 def test_a_cut_is_seen_at_both_ends():
-    if usage.why_not_cut():
-        pytest.skip(usage.why_not_cut())
+    if cutting.why_not_cut():
+        pytest.skip(cutting.why_not_cut())
     program = ('import socket, sys\n'
                'sock = socket.create_connection(("127.0.0.1", int(sys.argv[1])))\n'
                'try:\n    sys.stdout.write("end" if not sock.recv(1) else "data")\n'
@@ -149,7 +147,7 @@ def test_a_cut_is_seen_at_both_ends():
             child = subprocess.Popen([sys.executable, '-c', program,
                                       str(server.getsockname()[1])], stdout=subprocess.PIPE)
             sock, _ = server.accept()
-            assert usage.cut(child.pid, reset) == 1
+            assert cutting.cut(child.pid, reset) == 1
             sock.settimeout(DEADLINE_S)
             try:
                 assert sock.recv(1) == b'' and not reset

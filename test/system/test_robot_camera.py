@@ -124,15 +124,11 @@ def test_a_camera_whose_frames_do_not_fit(ros, simulate, world, link, frame, wor
         warning, = complaints(node)
         assert 'have the frame camera_link, a link that is not turned like an image' in warning
     else:
-        assert node.wait() == 1
-        line, = [line for line in node.output.splitlines() if 'FATAL' in line]
-        assert words in line and 'Traceback' not in node.output
+        assert words in node.fatal_line()
 
 
 def test_two_cameras_with_the_same_topics(ros, simulate, world):
     node = simulate(world, urdf=burger(DEPTH.format(link='camera_link', frame='a')
                                        + DEPTH.format(link='base_scan', frame='b')))
-    assert node.wait() == 1
-    line, = [line for line in node.output.splitlines() if 'FATAL' in line]
     assert ('the topic camera/rgb/image_raw is camera_image_topic of the camera on camera_link '
-            'and camera_image_topic of the camera on base_scan') in line
+            'and camera_image_topic of the camera on base_scan') in node.fatal_line()

@@ -1,5 +1,4 @@
 """./run demo: it ends within seconds, leaves no process behind, and prints why it ended."""
-import contextlib
 import fcntl
 import os
 import re
@@ -8,15 +7,14 @@ import signal
 import subprocess
 import time
 import urllib.parse
-import uuid
 
+import psutil
 import pytest
 
-from img_recog_testing.sockets import listening, open_doors
+from img_recog_testing.process_table import end_all, marked, ports
 from img_recog_testing.waiting import wait_for
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
-MARK = 'IMG_RECOG_TEST_RUN'
 END_S = 10.0
 # so that also on a busy machine the nodes end by themselves, before the supervisor kills them
 PATIENT = {'IMG_RECOG_END_SCALE': '10'}
@@ -28,8 +26,7 @@ F_SETPIPE_SZ, PIPE_BYTES = 1031, 4096       # fcntl.h of Linux
 @pytest.fixture
 def run_demo(ros):
     """A function that starts ./run demo; `mark` of it is in the environment of all processes."""
-    mark = str(uuid.uuid4())
-    env = dict(ros.env, **{MARK: mark})
+    env = dict(ros.env)
     del env['ROS_HOSTNAME']         # ./run sets it
 
     def start(*arguments, **popen):
@@ -37,24 +34,9 @@ def run_demo(ros):
                          start_new_session=True,
                          env=env, **popen)
     start.env = env
-    start.mark = '{}={}'.format(MARK, mark).encode()
+    start.mark = ros.marker
     yield start
-    for pid in marked(start.mark):
-        with contextlib.suppress(ProcessLookupError):       # it ended with the one before
-            os.kill(pid, signal.SIGKILL)
-
-
-def marked(mark):
-    """Return the ids of the living processes with this variable in their environment."""
-    found = []
-    for pid in filter(str.isdigit, os.listdir('/proc')):
-        try:
-            with open('/proc/{}/environ'.format(pid), 'rb') as file:
-                if mark in file.read().split(b'\0'):        # a zombie's is empty
-                    found.append(int(pid))
-        except (FileNotFoundError, PermissionError, ProcessLookupError):
-            continue
-    return found
+    end_all(ros.marker)
 
 
 @pytest.mark.parametrize('signum, after_s', [
@@ -89,7 +71,7 @@ def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
     # like a roslaunch that was interrupted while it started a node, it ignores signals
-    roslaunch = int(re.search(r'PPid:\s+(\d+)', status_of(node(demo, 'gazebo'))).group(1))
+    roslaunch = psutil.Process(node(demo, 'gazebo')).ppid()
     os.kill(roslaunch, signal.SIGSTOP)
     os.killpg(demo.pid, signal.SIGINT)
     wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output, END_S)
@@ -113,8 +95,7 @@ def test_output_that_nobody_reads_does_not_keep_it_from_ending(run_demo, blockin
             env=run_demo.env,
             stdin=subprocess.DEVNULL, stdout=writer, stderr=writer, start_new_session=True)
         wait_for(lambda: not select.select([], [writer], [], 0)[1], 'a full pipe')
-        wait_for(lambda: any(b'pybullet_sim' in command_line(pid)
-                             for pid in marked(run_demo.mark)),
+        wait_for(lambda: any('pybullet_sim' in line for line in marked(run_demo.mark).values()),
                  'the simulator')
         os.kill(demo.pid, signum)
         wait_for(lambda: not marked(run_demo.mark),
@@ -123,14 +104,6 @@ def test_output_that_nobody_reads_does_not_keep_it_from_ending(run_demo, blockin
     finally:
         os.close(reader)
         os.close(writer)
-
-
-def command_line(pid):
-    try:
-        with open('/proc/{}/cmdline'.format(pid), 'rb') as file:
-            return file.read()
-    except OSError:
-        return b''
 
 
 def xml_rpc_port(ros, name):
@@ -153,8 +126,8 @@ def test_a_running_demo_is_closed_to_other_machines_and_ends_cleanly(run_demo, r
     # roscpp opens its XML-RPC port on all addresses, see doc/security.md
     known = {('tcp', xml_rpc_port(ros, name)) for name in ('/rosout', '/robot_state_publisher')}
     # the teleop may start later than the robot
-    wait_for(lambda: len(listening(marked(run_demo.mark))) >= 2 * len(NODES), 'all ports')
-    assert open_doors(marked(run_demo.mark)) == known
+    wait_for(lambda: len(ports(marked(run_demo.mark), 'tcp').all) >= 2 * len(NODES), 'all ports')
+    assert ports(marked(run_demo.mark)).open_to_others == known
     assert interrupt(demo) == 0
     for words in ('Traceback', 'has died', 'escalating', '[ERROR]', '[FATAL]', 'has ended'):
         assert words not in demo.output, demo.output
@@ -163,11 +136,6 @@ def test_a_running_demo_is_closed_to_other_machines_and_ends_cleanly(run_demo, r
 def node(demo, name):
     return int(demo.wait_output(r'process\[{}-\d+\]: started with pid \[(\d+)\]'.format(
         name)).group(1))
-
-
-def status_of(pid):
-    with open('/proc/{}/status'.format(pid)) as file:
-        return file.read()
 
 
 def last_line(demo):
@@ -241,7 +209,7 @@ def test_xacro_that_cannot_be_expanded_is_refused_before_anything_starts(run_dem
 def test_a_killed_master_is_reported_and_ends_the_demo(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')
-    master, = [pid for pid in marked(run_demo.mark) if b'rosmaster' in command_line(pid)]
+    master, = [pid for pid, line in marked(run_demo.mark).items() if 'rosmaster' in line]
     os.kill(master, signal.SIGKILL)
     assert demo.wait() == 1
     assert last_line(demo) == '[run] the ROS master (master) has ended: killed by SIGKILL'
@@ -276,8 +244,8 @@ def test_nodes_that_were_killed_come_back_and_are_not_reported_at_the_end(run_de
     # the process that roslaunch knows, and the node below it
     os.kill(node(demo, 'color_extract'), signal.SIGKILL)
     demo.wait_output(r'\[color_extract-\d+\] restarting process')
-    simulator, = children(node(demo, 'gazebo'))
-    os.kill(simulator, signal.SIGKILL)
+    simulator, = psutil.Process(node(demo, 'gazebo')).children()
+    simulator.kill()
     demo.wait_output(r'(?s)gazebo: killed by SIGKILL, started again.*the robot is at the start: '
                      r'x -2.00 m, y -0.50 m.*the robot drives')
     os.kill(node(demo, 'robot_state_publisher'), signal.SIGKILL)    # it has no respawn.py
@@ -287,8 +255,3 @@ def test_nodes_that_were_killed_come_back_and_are_not_reported_at_the_end(run_de
     before = len(demo.output)
     assert interrupt(demo) == 0
     assert 'has ended' not in demo.output[before:] and 'Traceback' not in demo.output, demo.output
-
-
-def children(pid):
-    with open('/proc/{0}/task/{0}/children'.format(pid)) as file:
-        return list(map(int, file.read().split()))

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.simulator_tools import (Echo, Images, alive, burger, call, complaints,
-                                               descendants, drawing, drive, standing)
+from img_recog_testing.process_table import descendants, is_alive
+from img_recog_testing.simulator_tools import (Echo, Images, burger, call, complaints, drawing,
+                                               drive, standing)
 from img_recog_testing.waiting import wait_for
 
 
@@ -48,10 +49,8 @@ REFUSED = {
                          ids=list(REFUSED))
 def test_refuses(simulate, parameter, urdf, named, advice):
     node = simulate(*filter(None, [parameter]), urdf=urdf())
-    assert node.wait() == 1, node.output
-    lines = [line for line in node.output.splitlines() if '[FATAL]' in line]
-    assert len(lines) == 1 and 'Traceback' not in node.output, node.output
-    assert named in lines[0] and advice in lines[0], lines[0]
+    line = node.fatal_line()
+    assert named in line and advice in line, line
 
 
 MESH = ('<link name="cover"><visual><geometry><mesh filename="package://no_such_package/x.stl"/>'
@@ -164,7 +163,7 @@ def test_a_second_simulator_takes_over(ros, simulate, tmp_path):
     second = simulate()
     assert first.wait() == 0
     assert 'Traceback' not in first.output
-    wait_for(lambda: not any(map(alive, children)), lambda: children)
+    wait_for(lambda: not any(map(is_alive, children)), lambda: children)
     assert list(folder.iterdir()) == []
     second.wait_output('simulating 1.0017 kg')
     for topic in ('/clock/clock', '/odom/pose/pose/position'):

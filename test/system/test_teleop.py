@@ -131,8 +131,7 @@ def test_closing_its_terminal_stops_the_robot(ros):
 
 
 def test_limits_are_parameters_and_checked(ros):
-    core = ros.start('roscore', '-p', ros.port)
-    core.wait_output('started core service')
+    ros.start_master()
     teleop = ros.start('rosrun', 'img_recog', 'teleop_key.py', '_max_linear_velocity:=fast')
     assert teleop.wait() == 1
     assert "max_linear_velocity: got 'fast', allowed is a finite number" in teleop.output

@@ -4,8 +4,8 @@ import signal
 
 import pytest
 
-from img_recog_testing.simulator_tools import (Echo, Images, complaints, cpu_ticks, descendants,
-                                               drawing, drive, standing)
+from img_recog_testing.process_table import cpu_s, descendants
+from img_recog_testing.simulator_tools import Echo, Images, complaints, drawing, drive, standing
 from img_recog_testing.waiting import wait_for
 
 
@@ -37,9 +37,9 @@ def test_the_view_is_drawn_only_with_subscribers(ros, simulate):
     ros.wait_run('Subscribers: None', 'rostopic', 'info', '/gazebo/view/image_raw')
 
     def idle():
-        before = cpu_ticks(drawer)
+        before = cpu_s(drawer)
         clock.wait_more(50)
-        return cpu_ticks(drawer) == before
+        return cpu_s(drawer) == before
     wait_for(idle, 'an end of the drawing')
 
 

@@ -23,8 +23,7 @@ from vivid import AUTO_GAIN, DRIVER, Vivid
 
 def run(report, ros, folder):
     """Run the checks of separate nodes, then those of one node that opens a symlink."""
-    core = ros.start('roscore', '-p', ros.port)
-    core.wait_output('started core service')
+    ros.start_master()
     os.environ.update(ros.env)
     rospy.init_node('v4l2_checks', disable_signals=True)
     vivid = Vivid()
@@ -55,14 +54,12 @@ def main():
     if not os.path.isdir(DRIVER):
         sys.exit('the driver vivid is not loaded; use the script run in this folder')
     report = Report()
-    with tempfile.TemporaryDirectory() as name:
-        ros = Ros(pathlib.Path(name))
+    with tempfile.TemporaryDirectory() as name, Ros(name) as ros:
         try:
             with report.check('all checks were run'):
                 run(report, ros, pathlib.Path(name))
         finally:
             rospy.signal_shutdown('done')
-            ros.close()
     print(report.summary(), flush=True)
     return 1 if report.failed else 0
 

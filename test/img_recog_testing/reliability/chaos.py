@@ -6,20 +6,19 @@ import tempfile
 import time
 from typing import Dict, Iterable, Iterator, List, Optional, Sequence
 
-from img_recog_testing.reliability import faults, figures, usage
+from img_recog_testing import process_table
+from img_recog_testing.process_table import Usage
+from img_recog_testing.reliability import cutting, faults, figures
 from img_recog_testing.reliability.chain import ChainError
-from img_recog_testing.reliability.demo import NODES, Demo
+from img_recog_testing.reliability.demo import (LIMIT_S, NODES, START_LIMIT_S, STOP_LIMIT_S, Demo,
+                                                node_name)
 from img_recog_testing.reliability.faults import Fault
 from img_recog_testing.signals import handle_ignored_signals
 from img_recog_testing.waiting import wait_for
 
-LIMIT_S = 5.0               # until the chain works again after any fault
-START_LIMIT_S = 60.0
-STOP_LIMIT_S = 15.0
 _SETTLE_S = 20.0            # until connections of before are gone
 # more than at the start: connections differ from run to run, a leak grows with each fault
 _EXTRA = {'threads': 10, 'descriptors': 10, 'rss_mb': 80.0}
-_LIMITS_BY_KIND = {kind: LIMIT_S for kind in faults.KINDS}
 
 
 class LeftOver(AssertionError):
@@ -38,7 +37,7 @@ class Chaos:
         self._demo, self._factor, self._say, self._all_colors = demo, factor, say, all_colors
         self.times_s: Dict[str, List[float]] = {}
         self.failures: List[str] = []
-        self._before: Dict[str, usage.Usage] = {}
+        self._before: Dict[str, Usage] = {}
         self._files: List[str] = []
 
     def begin(self) -> None:
@@ -49,7 +48,7 @@ class Chaos:
 
     def apply(self, fault: Fault) -> bool:
         """Apply a fault; return whether everything works again within its time."""
-        limit_s = _LIMITS_BY_KIND[fault.kind] * self._factor
+        limit_s = LIMIT_S * self._factor
         try:
             with faults.APPLY[fault.kind](self._demo, fault) as begin:
                 waited_s = time.monotonic() - begin
@@ -73,7 +72,7 @@ class Chaos:
             return False
         return True
 
-    def _all_nodes(self) -> Optional[Dict[str, usage.Usage]]:
+    def _all_nodes(self) -> Optional[Dict[str, Usage]]:
         found = self._demo.usage()
         return found if set(found) == set(NODES) else None
 
@@ -88,12 +87,13 @@ class Chaos:
             raise LeftOver('; '.join(problems))
 
     def _leftovers(self) -> List[str]:
-        marker, now = self._demo.marker, self._demo.usage()
+        now = self._demo.usage()
         problems = ['{} runs {} times'.format(name, len(pids))
-                    for name, pids in usage.nodes(marker).items() if len(pids) != 1]
+                    for name, pids in self._demo.pids().items() if len(pids) != 1]
         problems += [name + ' does not run' for name in NODES if name not in now]
-        problems += ['process: ' + line for line in usage.marked(marker).values()
-                     if usage.node_name(line) is None and not _belongs(line)]
+        problems += ['process: ' + line
+                     for line in process_table.marked(self._demo.marker).values()
+                     if node_name(line) is None and not _belongs(line)]
         for name, used in now.items():
             problems += ['{} has {:.0f} {}, {:.0f} at the start'.format(
                 name, getattr(used, what), what, getattr(self._before[name], what))
@@ -121,11 +121,10 @@ def run(sequence: Iterable[Fault], duration_s: float = float('inf'), factor: flo
     say: is called with each line of progress.
     arguments: of the launch file.
     """
-    with tempfile.TemporaryDirectory(prefix='img_recog_chaos_') as folder:
-        demo = Demo(folder)
+    with tempfile.TemporaryDirectory(prefix='img_recog_chaos_') as folder, Demo(folder) as demo:
         chaos = Chaos(demo, factor, say)
         try:
-            demo.start(*arguments)
+            demo.start_all(*arguments)
             chaos.begin()
             end = time.monotonic() + duration_s
             for fault in sequence:
@@ -135,17 +134,15 @@ def run(sequence: Iterable[Fault], duration_s: float = float('inf'), factor: flo
             chaos.times_s.setdefault('stop of the demo', []).append(took_s)
         except AssertionError as error:
             chaos.failures.append(str(error))
-        finally:
-            if chaos.failures:
-                say('last lines of the demo:\n' + demo.launch.output[-3000:])
-            demo.close()
+        if chaos.failures:
+            say('last lines of the demo:\n' + demo.launch.output[-3000:])
     return chaos
 
 
 def report(chaos: Chaos, factor: float) -> str:
     """Return the table of a run."""
     rows = [[kind, *figures.seconds(times_s),
-             '{:g}'.format(_LIMITS_BY_KIND.get(kind, STOP_LIMIT_S) * factor)]
+             '{:g}'.format((LIMIT_S if kind in faults.KINDS else STOP_LIMIT_S) * factor)]
             for kind, times_s in sorted(chaos.times_s.items())]
     return figures.table(['fault', 'count', 'median, s', 'maximum, s', 'limit, s'], rows)
 
@@ -165,20 +162,19 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     seed = random.SystemRandom().randrange(1 << 32) if options.seed is None else options.seed
     handle_ignored_signals()
     repeat = ''.join(' --only ' + kind for kind in options.only or ())
-    say = _say
-    say('chaos for {:g} min; repeat it with --seed {}{}'.format(options.minutes, seed, repeat))
+    _say('chaos for {:g} min; repeat it with --seed {}{}'.format(options.minutes, seed, repeat))
     kinds = options.only or faults.possible()
     if 'cut' not in kinds and not options.only:
-        say('cut is left out: this machine does not allow {}'.format(usage.why_not_cut()))
+        _say('cut is left out: this machine does not allow {}'.format(cutting.why_not_cut()))
     sequence = drawn(seed, kinds)
     if options.faults is not None:
         sequence = (fault for fault, _ in zip(sequence, range(options.faults)))
-    chaos = run(sequence, options.minutes * 60, options.factor, say)
-    say('\n{}\n'.format(report(chaos, options.factor)))
+    chaos = run(sequence, options.minutes * 60, options.factor, _say)
+    _say('\n{}\n'.format(report(chaos, options.factor)))
     for line in chaos.failures:
-        say('FAILED ' + line)
+        _say('FAILED ' + line)
     count = sum(len(times_s) for times_s in chaos.times_s.values())
-    say('{}: {} measurements, {} failures, seed {}'.format(
+    _say('{}: {} measurements, {} failures, seed {}'.format(
         'failed' if chaos.failures else 'passed', count, len(chaos.failures), seed))
     return 1 if chaos.failures else 0
 

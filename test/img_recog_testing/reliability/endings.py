@@ -11,9 +11,11 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from sensor_msgs.msg import Image
 
+from img_recog_testing import process_table
+from img_recog_testing.pages import ROOT
 from img_recog_testing.processes import Process
-from img_recog_testing.reliability import chain, usage, wire
-from img_recog_testing.reliability.processes import ROOT, Nodes
+from img_recog_testing.reliability import chain, wire
+from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import wait_for
 
 NODE_LIMIT_S, DEMO_LIMIT_S = 5.0, 12.0      # from the signal until nothing is left
@@ -92,7 +94,7 @@ def run(draw: Callable[[random.Random], Ending], count: int, seed: int, factor: 
                     endings.add(ending.program, _end(nodes, ending, factor))
                 except (AssertionError, OSError) as error:
                     endings.fail(ending, error)
-                    usage.end_all(nodes.marker)
+                    process_table.end_all(nodes.marker)
     threads = [threading.Thread(target=work) for _ in range(min(lanes, count))]
     for thread in threads:
         thread.start()
@@ -108,7 +110,7 @@ def _images(nodes: Nodes) -> Iterator[None]:
     image = chain.frame('blue')
     packet = wire.packet(Image(height=image.shape[0], width=image.shape[1], encoding='bgr8',
                                step=image.shape[1] * 3, data=image.tobytes()))
-    publisher = wire.RawPublisher(nodes.master, '/usb_cam/image_raw', Image, '/images')
+    publisher = wire.RawPublisher(nodes.master_uri, '/usb_cam/image_raw', Image, '/images')
     ended = threading.Event()
 
     def publish():
@@ -131,14 +133,14 @@ def _end(nodes: Nodes, ending: Ending, factor: float) -> float:
     view = _wait(nodes, ending)
     is_up = _is_up(nodes, ending, process)
     begin = time.monotonic()
-    if process._popen.poll() is None:
+    if process.is_running():
         send = os.killpg if ending.program == 'demo' and ending.signum == signal.SIGINT \
             else os.kill                    # a terminal sends Ctrl-C to all
         send(process.pid, ending.signum)
     limit_s = (DEMO_LIMIT_S if ending.program == 'demo' else NODE_LIMIT_S) * factor
     try:
-        wait_for(lambda: not usage.marked(nodes.marker),
-                 lambda: 'the end of {}\n{}'.format(usage.marked(nodes.marker),
+        wait_for(lambda: not process_table.marked(nodes.marker),
+                 lambda: 'the end of {}\n{}'.format(process_table.marked(nodes.marker),
                                                     process.output[-2000:]), limit_s)
         took_s = time.monotonic() - begin
         code = process.wait()
@@ -155,16 +157,17 @@ def _end(nodes: Nodes, ending: Ending, factor: float) -> float:
 
 def _start(nodes: Nodes, ending: Ending) -> Process:
     if ending.program == 'demo':
-        return nodes.start_command(
-            [sys.executable, os.path.join(ROOT, 'tools', 'demo.py'),
-             os.path.join(ROOT, 'launch', 'demo.launch'), 'camera:=synthetic', 'world:=empty',
-             'gui:=false', 'image_view:=false', 'web:=false'], start_new_session=True)
+        return nodes.start(
+            sys.executable, os.path.join(ROOT, 'tools', 'demo.py'),
+            os.path.join(ROOT, 'launch', 'demo.launch'), 'camera:=synthetic', 'world:=empty',
+            'gui:=false', 'image_view:=false', 'web:=false', start_new_session=True)
     if ending.program == 'replay.py':
         film = os.path.join(nodes.folder, 'film.avi')
         if not os.path.exists(film):
             chain.write_film(film)
-        return nodes.start('replay.py', film, '--output', os.path.join(nodes.folder, 'replay'))
-    return nodes.start(ending.program, *_SCRIPTS[ending.program])
+        return nodes.start_node('replay.py', film, '--output',
+                                os.path.join(nodes.folder, 'replay'))
+    return nodes.start_node(ending.program, *_SCRIPTS[ending.program])
 
 
 def _wait(nodes: Nodes, ending: Ending) -> Optional[wire.Subscription]:
@@ -173,7 +176,7 @@ def _wait(nodes: Nodes, ending: Ending) -> Optional[wire.Subscription]:
     while time.monotonic() < end:
         if view is None and ending.viewed and ending.program == 'pybullet_sim.py':
             with contextlib.suppress(*wire.ERRORS):
-                view = wire.Subscription(nodes.master, '/gazebo', _VIEW, Image)
+                view = wire.Subscription(nodes.master_uri, '/gazebo', _VIEW, Image)
         time.sleep(min(0.05, max(0.0, end - time.monotonic())))
     return view
 
@@ -197,7 +200,7 @@ def _check_stop(nodes: Nodes, ending: Ending, process: Process, code: int, is_up
         assert 'Traceback' not in process.output, text
         uri = None
         with contextlib.suppress(*wire.ERRORS):
-            uri = wire.node_uri(nodes.master, _NODES[ending.program][0])
+            uri = wire.node_uri(nodes.master_uri, _NODES[ending.program][0])
         # it waits no longer for a master that is busy; its name stays then
         assert uri is None or took_s > MASTER_LIMIT_S, (
             'it is still registered, at {}\n{}'.format(uri, text))
@@ -206,8 +209,8 @@ def _check_stop(nodes: Nodes, ending: Ending, process: Process, code: int, is_up
 
 def _check_replay(nodes: Nodes) -> None:
     """Run a replay to its end: it has to remove what a killed one has left."""
-    done = nodes.start('replay.py', os.path.join(nodes.folder, 'film.avi'), '--output',
-                       os.path.join(nodes.folder, 'replay'))
+    done = nodes.start_node('replay.py', os.path.join(nodes.folder, 'film.avi'), '--output',
+                            os.path.join(nodes.folder, 'replay'))
     code = done.wait()
     nodes.forget(done)
     assert code == 0, done.output[-2000:]

@@ -10,7 +10,8 @@ import time
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.reliability import chain, usage, wire
+from img_recog_testing import process_table
+from img_recog_testing.reliability import chain, cutting, wire
 from img_recog_testing.reliability.demo import NODES, Demo
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -47,16 +48,16 @@ def kill(demo: Demo, fault: Fault) -> Undo:
     """
     pid, (how,) = demo.pid(fault.node), fault.details
     if fault.node in demo.killed:
-        time.sleep(max(0.0, _LONG_LIFE_S - usage.age_s(pid)))
+        time.sleep(max(0.0, _LONG_LIFE_S - process_table.age_s(pid)))
     demo.killed.add(fault.node)
     begin = time.monotonic()
     if how == 'rosnode':
-        uri = wire.node_uri(demo.master, '/' + fault.node)
+        uri = wire.node_uri(demo.master_uri, '/' + fault.node)
         with contextlib.suppress(*wire.ERRORS):         # it may end before it answers
             wire.call(uri, 'shutdown', 'by chaos')
     else:
         os.kill(pid, getattr(signal, how))
-    wait_for(lambda: not usage.is_alive(pid), 'the end of ' + fault.node)
+    wait_for(lambda: not process_table.is_alive(pid), 'the end of ' + fault.node)
     yield begin
 
 
@@ -104,7 +105,7 @@ def _pin(pid: int, cores) -> None:
 def cut(demo: Demo, fault: Fault) -> Undo:
     """Cut all connections of a node, from outside."""
     how, = fault.details
-    usage.cut(demo.pid(fault.node), how == 'reset')
+    cutting.cut(demo.pid(fault.node), how == 'reset')
     yield time.monotonic()
 
 
@@ -115,7 +116,7 @@ def master(demo: Demo, fault: Fault) -> Undo:
     roscpp never registers again, so robot_state_publisher has to be started again.
     """
     how, down_s = fault.details
-    demo.stop_master(getattr(signal, how))
+    demo.kill_master(getattr(signal, how))
     time.sleep(down_s)
     demo.start_master()
     os.kill(demo.pid('robot_state_publisher'), signal.SIGTERM)
@@ -129,7 +130,7 @@ def readers(demo: Demo, fault: Fault) -> Undo:
     connections: List[wire.Subscription] = []
     try:
         for _ in range(count):
-            connections.append(wire.Subscription(demo.master, stream.node, stream.topic,
+            connections.append(wire.Subscription(demo.master_uri, stream.node, stream.topic,
                                                  stream.data_class, DEADLINE_S,
                                                  buffer_bytes=4096))
         yield time.monotonic()
@@ -181,9 +182,9 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
 def _addresses(demo: Demo, node: str) -> List[Tuple[str, int]]:
     """Return the addresses of the XML-RPC server and of the data of a node."""
     stream = _TOPICS[node]
-    host, _, port = wire.node_uri(demo.master, stream.node).strip('/').rpartition('/')[2] \
+    host, _, port = wire.node_uri(demo.master_uri, stream.node).strip('/').rpartition('/')[2] \
         .partition(':')
-    return [(host, int(port)), wire.data_address(demo.master, stream.node, stream.topic)]
+    return [(host, int(port)), wire.data_address(demo.master_uri, stream.node, stream.topic)]
 
 
 APPLY: Dict[str, Callable] = {each.__name__: each for each in (
@@ -194,7 +195,7 @@ KINDS = tuple(APPLY)
 def possible() -> Tuple[str, ...]:
     """Return the kinds of faults that this machine allows and the transport in use survives."""
     left_out = set()
-    if usage.why_not_cut():
+    if cutting.why_not_cut():
         left_out.add('cut')
     if is_plain('registration'):
         left_out |= {'cut', 'master'}

@@ -19,8 +19,9 @@ from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
 from img_recog.ros.transport import image_subscriber
 from img_recog_testing import plain_opencv
-from img_recog_testing.reliability import chain, hostile, usage, wire
-from img_recog_testing.reliability.processes import Nodes
+from img_recog_testing.process_table import Usage, usage
+from img_recog_testing.reliability import chain, hostile, wire
+from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import wait_for
 
 _ENCODINGS = ('bgr8', 'rgb8', 'bgra8', 'rgba8', 'mono8', 'mono16', 'bgr16', 'rgb16', 'bayer_rggb8',
@@ -170,10 +171,10 @@ def over_the_wire(count: int, seed: int, nodes: Nodes) -> Dict[str, int]:
     for namespace, transport, data_class, topic in (
             ('raw', 'raw', Image, '/usb_cam/image_raw'),
             ('compressed', 'compressed', CompressedImage, '/usb_cam/image_raw/compressed')):
-        processes.append(nodes.start('color_img_recog.py', '__ns:=' + namespace,
-                                     '_image_transport:=' + transport))
-        publishers.append(wire.RawPublisher(nodes.master, '/' + namespace + topic, data_class,
-                                            '/camera_' + namespace))
+        processes.append(nodes.start_node('color_img_recog.py', '__ns:=' + namespace,
+                                          '_image_transport:=' + transport))
+        publishers.append(wire.RawPublisher(nodes.master_uri, '/' + namespace + topic,
+                                            data_class, '/camera_' + namespace))
     try:
         for publisher in publishers:
             wait_for(publisher.get_num_connections, lambda: nodes.output()[-2000:])
@@ -213,7 +214,7 @@ def _good(data_class: type, color: str):
     return CompressedImage(format='png', data=cv2.imencode('.png', image)[1].tobytes())
 
 
-def _recognizes(nodes: Nodes, publisher: wire.RawPublisher, process) -> usage.Usage:
+def _recognizes(nodes: Nodes, publisher: wire.RawPublisher, process) -> Usage:
     """Wait until a node gives the command for each color; return what it uses."""
     namespace = publisher.topic.split('/')[1]
     data_class = CompressedImage if namespace == 'compressed' else Image
@@ -229,4 +230,4 @@ def _recognizes(nodes: Nodes, publisher: wire.RawPublisher, process) -> usage.Us
             wait_for(recognized, lambda: '{}\n{}'.format(color, process.output[-2000:]))
     finally:
         commands.close()
-    return usage.of(nodes.pid(process))
+    return usage(process.pid)

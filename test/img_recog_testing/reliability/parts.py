@@ -4,7 +4,7 @@ from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 from img_recog_testing import stops
 from img_recog_testing.reliability import endings, figures, images, soak, surroundings, twists
-from img_recog_testing.reliability.processes import Nodes
+from img_recog_testing.reliability.nodes import Nodes
 
 # at full length
 TWISTS, WIRE_TWISTS = 1000000, 60000

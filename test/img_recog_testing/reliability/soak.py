@@ -1,15 +1,14 @@
 """Soak: a demo that runs for a long time must not use more and more."""
 import statistics
-import tempfile
 import time
 from typing import Dict, List, NamedTuple
 
-from img_recog_testing.reliability.demo import NODES, Demo
-from img_recog_testing.reliability.usage import Usage
+from img_recog_testing.process_table import Usage
+from img_recog_testing.reliability import demo as demos
+from img_recog_testing.reliability.demo import LIMIT_S, NODES, Demo
 
 _SAMPLE_S = 1.0
 _CHECK_SHARE = 10           # the chain is checked after so many samples
-_CHAIN_LIMIT_S, _START_LIMIT_S, _STOP_LIMIT_S = 5.0, 60.0, 15.0
 # from the second quarter of the samples to the last one
 MAX_GROWTH_MB = 10.0
 MAX_EXTRA = 2       # threads or descriptors: connections of the master come and go
@@ -35,16 +34,8 @@ class Soak(NamedTuple):
 
 def run(duration_s: float, factor: float = 1.0) -> Soak:
     """Run a demo and observe it; raise AssertionError if it fails or uses more and more."""
-    with tempfile.TemporaryDirectory(prefix='img_recog_soak_') as folder:
-        demo = Demo(folder)
-        try:
-            demo.start()
-            demo.chain.wait(_START_LIMIT_S * factor)
-            result = observe(demo, duration_s, factor)
-            demo.stop(_STOP_LIMIT_S * factor)
-        finally:
-            demo.close()
-    return result
+    with demos.running(factor) as demo:
+        return observe(demo, duration_s, factor)
 
 
 def observe(demo: Demo, duration_s: float, factor: float = 1.0) -> Soak:
@@ -55,7 +46,7 @@ def observe(demo: Demo, duration_s: float, factor: float = 1.0) -> Soak:
     end, count = time.monotonic() + duration_s, 0
     while time.monotonic() < end:
         if count % _CHECK_SHARE == 0:
-            chain_s.append(demo.chain.wait(_CHAIN_LIMIT_S * factor).recovered_s)
+            chain_s.append(demo.chain.wait(LIMIT_S * factor).recovered_s)
         count += 1
         time.sleep(_SAMPLE_S)
         for name, used in demo.usage().items():

@@ -11,14 +11,14 @@ from typing import Dict, List
 import genpy
 from rosgraph_msgs.msg import Clock
 
-from img_recog_testing.reliability import chain, faults, usage, wire
-from img_recog_testing.reliability.demo import Demo
+from img_recog_testing.process_table import Usage
+from img_recog_testing.reliability import chain, faults, wire
+from img_recog_testing.reliability import demo as demos
+from img_recog_testing.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
 from img_recog_testing.reliability.faults import Fault
-from img_recog_testing.reliability.processes import Nodes
+from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import wait_for
 
-LIMIT_S = 5.0
-_START_LIMIT_S, _STOP_LIMIT_S = 60.0, 15.0
 _DISK_KB = 1024
 _MAX_CLOCK_S = 4294967295.0       # of a time in ROS 1
 _MAX_TRACEBACKS, _MAX_OUTPUT_LINES = 3, 40      # of all nodes, about the full disk
@@ -32,20 +32,20 @@ def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> Lis
     Camera and recognition use the time of /clock, which no simulator publishes here.
     """
     rng = random.Random(seed)
-    nodes.set_parameter('/use_sim_time', True)
+    nodes.set_parameters('/use_sim_time', True)
     film = os.path.join(nodes.folder, 'film.avi')
     chain.write_film(film)
-    clock = wire.RawPublisher(nodes.master, '/clock', Clock, '/clock_source')
-    scripts = [nodes.start('usb_cam_node.py', '_video_device:=' + film),
-               nodes.start('color_img_recog.py', '_blue_linear_x:={}'.format(chain.SPEED),
-                           '_red_linear_x:={}'.format(-chain.SPEED)),
-               nodes.start('teleop_key.py')]
-    check = chain.Chain(nodes.master, chain.RECOGNITION + (chain.TELEOP,))
+    clock = wire.RawPublisher(nodes.master_uri, '/clock', Clock, '/clock_source')
+    scripts = [nodes.start_node('usb_cam_node.py', '_video_device:=' + film),
+               nodes.start_node('color_img_recog.py', '_blue_linear_x:={}'.format(chain.SPEED),
+                                '_red_linear_x:={}'.format(-chain.SPEED)),
+               nodes.start_node('teleop_key.py')]
+    check = chain.Chain(nodes.master_uri, chain.RECOGNITION + (chain.TELEOP,))
     try:
         wait_for(lambda: clock.get_num_connections() >= len(scripts), nodes.output)
         now_s, times_s = 1000.0, []
         clock.publish(Clock(genpy.Time.from_sec(now_s)))
-        check.wait(_START_LIMIT_S * factor)
+        check.wait(START_LIMIT_S * factor)
         for _ in range(count):
             now_s = rng.choice((0.0, 1.0, now_s + 3600.0, now_s - 3600.0, _MAX_CLOCK_S,
                                 rng.uniform(0, 1e9)))
@@ -55,8 +55,7 @@ def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> Lis
                 now_s = min(now_s + 0.01, _MAX_CLOCK_S)
             times_s.append(check.wait(LIMIT_S * factor).recovered_s)
         for each in scripts:
-            nodes.check_alive(each)
-            assert 'Traceback' not in each.output, each.output[-3000:]
+            assert each.is_running() and 'Traceback' not in each.output, each.output[-3000:]
     finally:
         clock.close()
     return times_s
@@ -114,45 +113,29 @@ def endure_full_disk(demo: Demo, disk: SmallDisk, duration_s: float, factor: flo
 
 def full_disk(duration_s: float, factor: float = 1.0) -> Dict[str, float]:
     """Run a demo, fill its disk; return how the chain works and what is printed."""
-    with tempfile.TemporaryDirectory(prefix='img_recog_full_') as folder, SmallDisk() as disk:
-        demo = Demo(folder)
-        demo.env['ROS_LOG_DIR'] = disk.path
-        try:
-            demo.start()
-            demo.chain.wait(_START_LIMIT_S * factor)
-            result = endure_full_disk(demo, disk, duration_s, factor)
-            demo.stop(_STOP_LIMIT_S * factor)
-        finally:
-            demo.close()
-    return result
+    with SmallDisk() as disk, demos.running(factor, ROS_LOG_DIR=disk.path) as demo:
+        return endure_full_disk(demo, disk, duration_s, factor)
 
 
 def silent_connections(count: int, factor: float = 1.0) -> Dict[str, float]:
     """Open connections that never read to each node; return the slowest answer of the chain."""
     slowest_s = 0.0
-    with tempfile.TemporaryDirectory(prefix='img_recog_silent_') as folder:
-        demo = Demo(folder)
-        try:
-            demo.start()
-            demo.chain.wait(_START_LIMIT_S * factor)
-            before = demo.usage()
-            with contextlib.ExitStack() as opened:
-                for node in faults.OURS:
-                    opened.enter_context(faults.readers(demo, Fault('readers', node, (count,))))
-                    opened.enter_context(faults.idle(demo, Fault('idle', node, (count // 10,))))
-                for _ in range(3):
-                    slowest_s = max(slowest_s, demo.chain.wait(LIMIT_S * factor).recovered_s)
-                during = demo.usage()
-            wait_for(lambda: not _more(before, demo.usage()),
-                     lambda: _more(before, demo.usage()), _SETTLE_S * factor)
-            demo.stop(_STOP_LIMIT_S * factor)
-        finally:
-            demo.close()
+    with demos.running(factor) as demo:
+        before = demo.usage()
+        with contextlib.ExitStack() as opened:
+            for node in faults.OURS:
+                opened.enter_context(faults.readers(demo, Fault('readers', node, (count,))))
+                opened.enter_context(faults.idle(demo, Fault('idle', node, (count // 10,))))
+            for _ in range(3):
+                slowest_s = max(slowest_s, demo.chain.wait(LIMIT_S * factor).recovered_s)
+            during = demo.usage()
+        wait_for(lambda: not _more(before, demo.usage()),
+                 lambda: _more(before, demo.usage()), _SETTLE_S * factor)
     return {'max_s': slowest_s, 'rss_growth_mb': round(max(
         during[name].rss_mb - before[name].rss_mb for name in faults.OURS))}
 
 
-def _more(before: Dict[str, usage.Usage], after: Dict[str, usage.Usage]) -> List[str]:
+def _more(before: Dict[str, Usage], after: Dict[str, Usage]) -> List[str]:
     return ['{} has {} threads and {} descriptors, {} and {} before'.format(
         name, after[name].threads, after[name].descriptors, used.threads, used.descriptors)
         for name, used in before.items()

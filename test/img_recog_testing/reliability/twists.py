@@ -15,8 +15,9 @@ from img_recog.conversions import twist_msgs
 from img_recog.conversions.twist_msgs import TwistError
 from img_recog.simulation.settings import DriveSettings
 from img_recog_testing import robots
-from img_recog_testing.reliability import hostile, usage, wire
-from img_recog_testing.reliability.processes import Nodes
+from img_recog_testing.process_table import usage
+from img_recog_testing.reliability import hostile, wire
+from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import wait_for
 
 _FIELDS = tuple((part, axis) for part in ('linear', 'angular') for axis in 'xyz')
@@ -81,13 +82,13 @@ def in_process(count: int, seed: int) -> Dict[str, int]:
 def over_the_wire(count: int, seed: int, nodes: Nodes) -> Dict[str, int]:
     """Send `count` messages of any bytes to a running simulator, which has to obey afterwards."""
     rng = random.Random(seed)
-    simulator = nodes.start('pybullet_sim.py', '_world:=empty', '_max_linear_velocity:=0.2')
-    nodes.wait_for_node('/gazebo')
-    publisher = wire.RawPublisher(nodes.master, '/cmd_vel', Twist)
+    simulator = nodes.start_node('pybullet_sim.py', '_world:=empty', '_max_linear_velocity:=0.2')
+    nodes.node_pid('/gazebo')
+    publisher = wire.RawPublisher(nodes.master_uri, '/cmd_vel', Twist)
     try:
         wait_for(publisher.get_num_connections, 'the subscription of the simulator')
         _obey(nodes, publisher, 0.2)
-        before = usage.of(nodes.pid(simulator))
+        before = usage(simulator.pid)
         for begin in range(0, count, _BATCH):
             for _ in range(_BATCH * 2 // 3):
                 assert publisher.send(_packet(_hostile(rng))) == 1, 'it has hung up'
@@ -95,13 +96,13 @@ def over_the_wire(count: int, seed: int, nodes: Nodes) -> Dict[str, int]:
             if begin % (4 * _BATCH) == 0:
                 _obey(nodes, publisher, rng.choice((0.2, -0.2)))
         _obey(nodes, publisher, -0.2)
-        wait_for(lambda: usage.of(simulator.pid).threads <= before.threads + 5,
-                 lambda: 'the end of threads: {}'.format(usage.of(simulator.pid)))
-        after = usage.of(nodes.pid(simulator))
+        wait_for(lambda: usage(simulator.pid).threads <= before.threads + 5,
+                 lambda: 'the end of threads: {}'.format(usage(simulator.pid)))
+        after = usage(simulator.pid)
         assert after.rss_mb < before.rss_mb + 50, after
     finally:
         publisher.close()
-    nodes.check_alive(simulator)
+    assert simulator.is_running(), simulator.output[-3000:]
     return {'sent': count, 'rss_growth_mb': round(after.rss_mb - before.rss_mb)}
 
 
@@ -120,7 +121,7 @@ def _noise(nodes: Nodes, rng: random.Random, count: int) -> None:
     rospy does not find the next message after one that is too short: it drops the connection or
     what comes by it, but must not drop others.
     """
-    publisher = wire.RawPublisher(nodes.master, '/cmd_vel', Twist, '/noise')
+    publisher = wire.RawPublisher(nodes.master_uri, '/cmd_vel', Twist, '/noise')
     try:
         wait_for(publisher.get_num_connections, 'the subscription of the simulator')
         for _ in range(count):

@@ -1,0 +1,56 @@
+"""Single nodes with a master of their own, for programs that treat them badly."""
+import os
+import tempfile
+
+from img_recog_testing import process_table
+from img_recog_testing.processes import Process, Ros
+from img_recog_testing.reliability import wire
+from img_recog_testing.simulator_tools import burger
+from img_recog_testing.waiting import DEADLINE_S, wait_for
+
+
+class Nodes(Ros):
+    """A running master, and nodes that are started on it; use it in a with statement.
+
+    folder: where programs may write; temporary: for their temporary files.
+    """
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix='img_recog_nodes_')
+        super().__init__(self._folder.name)
+        self.folder = self._folder.name
+        self.temporary = self.env['TMPDIR'] = os.path.join(self.folder, 'tmp')
+        os.mkdir(self.temporary)
+        # without the marker: it is not under test
+        self.core = self.start('rosmaster', '--core', '-p', self.port,
+                               env={**self.env, self.marker.partition('=')[0]: ''})
+        wait_for(lambda: wire.answers(self.master_uri), self.output)
+
+    def close(self) -> None:
+        process_table.end_all(self.marker)
+        super().close()
+        self._folder.cleanup()
+
+    def start_node(self, script: str, *arguments: str) -> Process:
+        """Start a script of this package; a simulator gets the robot's description."""
+        if script == 'pybullet_sim.py':
+            self.set_parameters('/robot_description', burger())
+        return self.start('rosrun', 'img_recog', script, *arguments)
+
+    def forget(self, process: Process) -> None:
+        """Drop a process that has ended, and its output."""
+        self.processes.remove(process)
+
+    def subscribe(self, node: str, topic: str, data_class: type) -> wire.Subscription:
+        """Subscribe to a topic once the node publishes it."""
+        def subscription():
+            try:
+                return wire.Subscription(self.master_uri, node, topic, data_class, DEADLINE_S)
+            except wire.ERRORS:
+                return None
+        return wait_for(subscription, lambda: '{} of {}\n{}'.format(
+            topic, node, self.output()[-3000:]))
+
+    def output(self) -> str:
+        """Return what the programs have printed, one after the other."""
+        return ''.join(process.output for process in self.processes)
