@@ -9,7 +9,7 @@ import pybullet
 from img_recog import resources
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import with_colors
-from img_recog.replay import cli, scenario
+from img_recog.replay import scenario
 from img_recog.replay.chain import SECOND_NS, Chain, Recorder, measure
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.simulation.models import Models, State
@@ -66,7 +66,7 @@ class Drive(Recorder):
         """Drive; at_frame is called with the time of each frame, before it is processed."""
         width, height = self._size
         frames = RobotFrames(self._built, dataclasses.replace(
-            cli.camera_settings(self._built), camera_width=width, camera_height=height), seconds)
+            scenario.camera_settings(self._built), camera_width=width, camera_height=height), seconds)
         frames.follow(self._chain.simulate_until)
         self._chain.run(measure(self._late(frames, at_frame), self._settings))
         return self

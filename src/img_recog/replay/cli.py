@@ -7,11 +7,9 @@ from img_recog import resources, still_images
 from img_recog.errors import UserError
 from img_recog.replay.inputs import DEFAULT_TOPICS
 from img_recog.settings import SettingError
-from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.settings import CameraSettings, SpawnSettings
+from img_recog.simulation.settings import SpawnSettings
 
 _MAX_SECONDS = 1e6
-_CAMERA_LINK, _CAMERA_FRAME = 'camera_link', 'head_camera'     # those of the demo
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
@@ -39,20 +37,6 @@ def spawn_settings(options: argparse.Namespace) -> SpawnSettings:
     except SettingError as error:
         raise UserError('--{}: got {}, allowed is {}'.format(
             error.name.replace('_', '-'), error.got, error.allowed))
-
-
-def camera_settings(built: Assembly) -> CameraSettings:
-    """Return the camera of the robot: the first in its URDF, else one on its link camera_link.
-
-    Raises UserError if it has neither.
-    """
-    if built.cameras[0]:
-        return built.cameras[0][0]
-    if built.simulator.vehicles[0].robot.has_frame(_CAMERA_LINK):
-        return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)
-    raise UserError('--camera robot: the robot has no camera: neither a <sensor type="camera"> in '
-                    'its URDF nor a link ' + _CAMERA_LINK, 'add one of them, or set --urdf to a '
-                    'robot that has one')
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -23,23 +23,26 @@ _LEGEND_COLUMNS = 4             # legends with more entries do not fit beside th
 
 
 class ReplayFigure:
-    """A figure and its axes, which are created before there is data to draw."""
+    """A figure and its axes, which are created before there is data to draw.
+
+    figure: that of matplotlib.
+    """
 
     def __init__(self) -> None:
         with _style():
-            self._figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
-            FigureCanvasAgg(self._figure)
+            self.figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
+            FigureCanvasAgg(self.figure)
             # fixed positions: computing a layout takes as long as drawing
-            grid = self._figure.add_gridspec(4, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
-                                             hspace=0.32)
-            self._over_time = [self._figure.add_subplot(grid[row]) for row in range(4)]
-            self._map = self._figure.add_axes((0.67, 0.43, 0.31, 0.49))
-            self._close_up = self._figure.add_axes((0.67, 0.07, 0.31, 0.27))
+            grid = self.figure.add_gridspec(4, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
+                                            hspace=0.32)
+            self._over_time = [self.figure.add_subplot(grid[row]) for row in range(4)]
+            self._map = self.figure.add_axes((0.67, 0.43, 0.31, 0.49))
+            self._close_up = self.figure.add_axes((0.67, 0.07, 0.31, 0.27))
 
     def draw(self, file: IO[bytes], title: str, data: PlotData) -> None:
         """Draw the data and write the figure as PNG; to be called only once."""
         with _style():
-            self._figure.suptitle(title, x=0.06, y=0.98, ha='left')
+            self.figure.suptitle(title, x=0.06, y=0.98, ha='left')
             areas, commands, speed, position = self._over_time
             _draw_areas(areas, data.rows, data.colors)
             _draw_commands(commands, data.recognition, data.teleop)
@@ -51,7 +54,7 @@ class ReplayFigure:
             position.set_xlabel('simulated time (s)')
             _draw_map(self._map, data.rows, data.outlines)
             _draw_close_up(self._close_up, data.rows, data.outlines)
-            self._figure.savefig(file, format='png')
+            self.figure.savefig(file, format='png')
 
 
 def _style() -> ContextManager[Any]:
@@ -62,7 +65,7 @@ def _style() -> ContextManager[Any]:
 def _draw_areas(axes: Axes, rows: np.ndarray, colors: Sequence[Color]) -> None:
     limits: Dict[int, List[str]] = {}
     for number, color in enumerate(colors):
-        axes.plot(rows[:, TIME], rows[:, AREAS + number], color=_line_color(color),
+        axes.plot(rows[:, TIME], rows[:, AREAS + number], color=line_color(color.hue),
                   label=color.name)
         limits.setdefault(color.area_limit_px, []).append(color.name)
     for limit_px, names in limits.items():
@@ -182,8 +185,12 @@ def _finish(axes: Axes, lines: Sequence = ()) -> None:
                     frameon=False, fontsize=9, borderaxespad=0.1)
 
 
-def _line_color(color: Color) -> Tuple[float, float, float]:
-    """Return the middle of a range of hues as RGB from 0 to 1."""
-    low, high = color.hue
+def line_color(hue: Tuple[int, int]) -> Tuple[float, float, float]:
+    """Return the middle of a range of hues as RGB from 0 to 1.
+
+    >>> [round(part, 2) for part in line_color((170, 10))]
+    [0.8, 0.12, 0.12]
+    """
+    low, high = hue
     middle = (low + (high if high >= low else high + 180)) / 2 % 180
     return colorsys.hsv_to_rgb(middle / 180, 0.85, 0.8)

@@ -1,17 +1,28 @@
-"""A film of the system: camera, masked images, map and charts side by side."""
+"""A film of the system: camera, masked images, map and charts side by side, encoded by ffmpeg."""
+import contextlib
+import errno
 import io
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
 from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 
+from img_recog.errors import UserError, one_line
+from img_recog.files import DISK_ERRORS
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.replay.chain import SECOND_NS, CommandSent, FrameResult, Recorder
 from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture, FilmState
-from img_recog.replay.film_writer import FilmWriter
 
 RATE_HZ = 30
 _NO_SCAN = np.empty((0, 2))
+_END_TIMEOUT_S = 60.0
+_ADVICE = 'install the package ffmpeg'
+_ENCODER_ADVICE = 'see whether ffmpeg works and has the encoder libx264: ffmpeg -encoders'
 
 
 class Film:
@@ -80,3 +91,85 @@ class FilmRecorder(Recorder):
 
     def on_command(self, sent: CommandSent) -> None:
         self._film.asked = sent.command[0]
+
+
+class FilmWriter:
+    """Encodes pictures as H.264 in an MP4 file, which browsers and all players show.
+
+    OpenCV's own writer has no codec that browsers show and that is fast.
+    """
+
+    def __init__(self, file: io.BufferedRandom, width: int, height: int, rate_hz: float,
+                 path: str = ''):
+        """Start; file: where to write, which is empty. width and height are even numbers.
+
+        path: of the film in messages, if the file has another name until it is complete.
+        Raises UserError if there is no ffmpeg.
+        """
+        self._name, self._path = file.name, path or str(file.name)
+        program = shutil.which('ffmpeg')
+        if program is None:
+            raise UserError('cannot write {}: there is no program ffmpeg'.format(self._path),
+                            _ADVICE)
+        self._errors = tempfile.TemporaryFile()
+        descriptor = file.fileno()
+        self._inherited = '/dev/fd/{}'.format(descriptor)
+        self._process: subprocess.Popen = subprocess.Popen(
+            [program, '-loglevel', 'error', '-y', '-f', 'rawvideo', '-pix_fmt', 'bgr24',
+             '-video_size', '{}x{}'.format(width, height), '-framerate', '{:.6f}'.format(rate_hz),
+             '-i', '-', '-c:v', 'libx264', '-preset', 'veryfast', '-crf', '20', '-pix_fmt',
+             'yuv420p', '-movflags', '+faststart', '-f', 'mp4',
+             self._inherited],
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors,
+            pass_fds=(descriptor,))
+        self._input: Any = self._process.stdin
+
+    def write(self, picture: np.ndarray) -> None:
+        """Add a picture (height, width, 3), bgr8.
+
+        Raises UserError if ffmpeg has ended, OSError with the name of the file if the disk is
+        full or the like.
+        """
+        try:
+            self._input.write(np.ascontiguousarray(picture).data)
+        except OSError:
+            raise self._failure()
+
+    def close(self) -> None:
+        """Complete the file; raise UserError or OSError, as `write` does, if that fails."""
+        with contextlib.suppress(OSError):
+            self._input.close()
+        try:
+            code: Optional[int] = self._process.wait(_END_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            code = None
+        # ffmpeg 4 also ends with 0 when it cannot write the end of the file
+        if code != 0 or self._disk_error():
+            raise self._failure()
+
+    def cancel(self) -> None:
+        """End ffmpeg, if it still runs."""
+        if self._process.poll() is None:
+            self._process.kill()
+            self._process.wait()
+
+    def _failure(self) -> Exception:
+        self.cancel()
+        number = self._disk_error()
+        if number:
+            return OSError(number, os.strerror(number), self._name)
+        # it knows the file only by its descriptor
+        text = one_line(self._error_text().replace(self._inherited, self._path)
+                        or 'it has ended with {}'.format(self._process.returncode))
+        return UserError('cannot write {}: ffmpeg: {}'.format(self._path, text), _ENCODER_ADVICE)
+
+    def _disk_error(self) -> int:
+        """Return the number of the error of the disk that has ended ffmpeg; 0 if none has."""
+        if self._process.returncode == -signal.SIGXFSZ:     # ulimit -f
+            return errno.EFBIG
+        text = self._error_text()
+        return next((number for number in DISK_ERRORS if os.strerror(number) in text), 0)
+
+    def _error_text(self) -> str:
+        self._errors.seek(0)
+        return self._errors.read().decode(errors='replace')

@@ -4,13 +4,13 @@ import contextlib
 import logging
 import math
 import os
-import signal
 import sys
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any, List, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 from geometry_msgs.msg import Twist
+from sensor_msgs.msg import LaserScan
 from tqdm import tqdm
 
 from img_recog import files, still_images
@@ -18,9 +18,7 @@ from img_recog.conversions import plane_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import UserError, one_line
-from img_recog.recognition import parameter_file
-from img_recog.recognition.settings import RecognitionSettings, with_colors
-from img_recog.replay.arguments import without_special_keys
+from img_recog.replay import programs
 from img_recog.replay.bags import BagFrames
 from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
@@ -37,27 +35,16 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
     logging.basicConfig(format='film.py: %(levelname)s: %(message)s')
     cv2.setLogLevel(_LOG_SILENT)
-    words = sys.argv[1:] if arguments is None else arguments
-    options = _options(without_special_keys(words))
-    interrupts = Interrupts()
-    try:
-        sys.stdout.write(_make(options, interrupts) + '\n')
-    except UserError as error:
-        _log.error('%s', one_line(error))
-        return 1
-    except OSError as error:
-        _log.error('%s: %s', error.filename or 'cannot make the film', one_line(error))
-        return 1
-    except KeyboardInterrupt:
-        return 128 + signal.SIGINT
-    return 0
+    return programs.run(_make, sys.argv[1:] if arguments is None else arguments, _log,
+                        'cannot make the film')
 
 
-def _make(options: argparse.Namespace, interrupts: Interrupts) -> str:
+def _make(arguments: List[str], interrupts: Interrupts) -> str:
+    options = _options(arguments)
     path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
     _check_bag(path)
     files.refuse_input(output, path, 'filmed', 'give the film another name')
-    settings = _settings(options.colors)
+    settings = programs.recognition_settings(options.colors)
     frames = _frames(path, options)
     with frames.bag, files.atomic_write(
             [output], 'give a path that can be written') as (file,), \
@@ -99,10 +86,6 @@ def _frames(path: str, options: argparse.Namespace) -> BagFrames:
         raise UserError(error.problem, _BAG_ADVICE)     # not a video, as for replay.py
 
 
-def _settings(path: str) -> RecognitionSettings:
-    return parameter_file.read(os.path.expanduser(path)) if path else with_colors()()
-
-
 def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> float:
     """Add all messages to a film; return its length in s."""
     start_s, time_s, last_problem, number = None, 0.0, '', 0
@@ -112,7 +95,7 @@ def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> 
         elif role == 'odom':
             _take_odometry(film, msg)
         elif role == 'scan' and film.pose is not None:
-            film.scan = _points(msg, film.pose)
+            film.scan = scan_points(msg, film.pose)
         elif role == 'image':
             progress.update()
             start_s = recorded_s if start_s is None else start_s
@@ -146,11 +129,14 @@ def _speed(twist: Twist) -> float:
     return twist.linear.x if abs(twist.linear.x) <= MAX_NUMBER else 0.0
 
 
-def _points(msg: Any, pose: Tuple[float, float, float]) -> np.ndarray:
+def scan_points(msg: LaserScan, pose: Tuple[float, float, float]) -> np.ndarray:
     """Return the points (n, 2) of a scan in m, in the frame of the pose.
 
     As if the scanner were at the pose: for the map of a film, its place on the robot is too small.
     Points with a number that is not finite, or farther than MAX_NUMBER, are left out.
+
+    >>> scan_points(LaserScan(range_max=3.5, ranges=[2.0, math.inf]), (1.0, 0.0, 0.0)).tolist()
+    [[3.0, 0.0]]
     """
     # numpy warns of NaN and infinite numbers in comparisons and products
     if (not math.isfinite(msg.angle_min + msg.angle_increment + msg.range_min)

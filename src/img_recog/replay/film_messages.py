@@ -40,7 +40,7 @@ class Messages:
             others += ['{} ({})'.format(name, kind._type) for name in names
                        if name not in readable]
             if readable:
-                chosen = _nearest(readable, frames.topic)
+                chosen = nearest(readable, frames.topic)
                 self._roles[chosen], self._kinds[chosen] = role, kind
         if others:
             _log.warning('the film does not show %s: the message type has another definition in '
@@ -83,8 +83,12 @@ class Messages:
             raise damaged(self.path, error)
 
 
-def _nearest(names: Sequence[str], topic: str) -> str:
-    """Return the name that shares most namespaces with a topic: it is of the same robot."""
+def nearest(names: Sequence[str], topic: str) -> str:
+    """Return the name that shares most namespaces with a topic: it is of the same robot.
+
+    >>> nearest(['/tb3_0/odom', '/tb3_1/odom'], '/tb3_1/usb_cam/image_raw')
+    '/tb3_1/odom'
+    """
     parts = topic.split('/')
 
     def shared(name: str) -> int:

@@ -7,9 +7,8 @@ import cv2
 import numpy as np
 
 from img_recog.recognition.settings import Color
-from img_recog.replay.film_chart import HISTORY_S, put_chart
-from img_recog.replay.film_drawing import (
-    INK, NORMAL, SMALL, SOFT, TITLE_PX, Box, fitting_scale, put_card, put_image, put_text)
+from img_recog.replay.film_parts import (HISTORY_S, INK, NORMAL, SMALL, SOFT, TITLE_PX, Box,
+                                         fitting_scale, put_card, put_chart, put_image, put_text)
 
 WIDTH, HEIGHT = 1280, 720
 _MARGIN = 10
@@ -51,7 +50,7 @@ class FilmPicture:
     def __init__(self, colors: Sequence[Color], outlines: Sequence[np.ndarray]):
         """colors: that are recognized. outlines: (corners, 2) in m of what stands in the world."""
         self._colors, self._outlines = colors, list(outlines)
-        self._shown = _shown(colors)
+        self._shown = line_colors(colors)
         self._areas: Deque[tuple] = deque()
         self._speeds: Deque[tuple] = deque()
         self._paths: List[List[Tuple[float, float]]] = []     # a new one where it was moved
@@ -100,7 +99,7 @@ class FilmPicture:
     def _draw_masked(self, picture: np.ndarray, state: FilmState, left: int, top: int) -> None:
         """Draw the masked images in as many columns as make them largest."""
         rows_px, columns_px = state.image.shape[:2]
-        columns, (width, height) = _grid(len(self._colors), columns_px / rows_px)
+        columns, (width, height) = masks_grid(len(self._colors), columns_px / rows_px)
         titles = ['{}: {} px'.format(color.name, area_px) for color, area_px in zip(
             self._colors, state.areas_px)]
         # of the longest title that there can be: it does not change from picture to picture
@@ -143,7 +142,7 @@ class FilmPicture:
         put_text(area, '1 m', (12 + meter, foot + 4), SMALL)
 
 
-def _shown(colors: Sequence[Color]) -> List[Tuple[int, int, int]]:
+def line_colors(colors: Sequence[Color]) -> List[Tuple[int, int, int]]:
     """Return the color of each line, in BGR, dark enough for a white page.
 
     It has the middle hue of the color, or the nearest one that no other line has.
@@ -168,10 +167,13 @@ def _hue_distance(first: int, second: int) -> int:
     return min((first - second) % 180, (second - first) % 180)
 
 
-def _grid(count: int, ratio: float) -> Tuple[int, Tuple[int, int]]:
-    """Return the number of columns for masked images, and width and height of each.
+def masks_grid(count: int, ratio: float) -> Tuple[int, Tuple[int, int]]:
+    """Return the number of columns for masked images, and width and height of each in pixels.
 
     count: of the images; ratio: of their width to their height.
+
+    >>> masks_grid(2, 4 / 3), masks_grid(12, 4 / 3)
+    ((1, (230, 163)), (3, (70, 64)))
     """
     found = []
     for columns in range(1, max(1, count) + 1):

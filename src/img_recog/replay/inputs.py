@@ -1,7 +1,8 @@
 """The input of a replay: its file type, the frames of a video, and reading frames ahead."""
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
-from typing import Iterable, Iterator, List, Optional, Tuple, TypeVar
+from functools import partial
+from typing import Any, Iterable, Iterator, List, TypeVar
 
 import genpy
 from std_msgs.msg import Header
@@ -17,6 +18,7 @@ from img_recog.still_images import DEFAULT_MAX_PIXELS
 WANTED = 'give a video that OpenCV plays, or a bag with images'
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
 _MAGIC = b'#ROSBAG'
+_END: Any = object()     # after the last item
 Item = TypeVar('Item')
 
 
@@ -77,19 +79,12 @@ def prefetch(items: Iterable[Item], depth: int) -> Iterator[Item]:
 
     An exception raised by `items` is raised at the same place.
     """
-    iterator = iter(items)
+    advance = partial(next, iter(items), _END)
     with ThreadPoolExecutor(1) as pool:
-        pending = deque(pool.submit(_next_or_none, iterator) for _ in range(depth))
+        pending = deque(pool.submit(advance) for _ in range(depth))
         while True:
-            boxed = pending.popleft().result()
-            if boxed is None:
+            item = pending.popleft().result()
+            if item is _END:
                 return
-            pending.append(pool.submit(_next_or_none, iterator))
-            yield boxed[0]
-
-
-def _next_or_none(iterator: Iterator[Item]) -> Optional[Tuple[Item]]:
-    """Return the next item in a tuple, None after the last."""
-    for item in iterator:
-        return (item,)
-    return None
+            pending.append(pool.submit(advance))
+            yield item

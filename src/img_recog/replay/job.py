@@ -4,7 +4,6 @@ import contextlib
 import io
 import logging
 import os
-import signal
 import sys
 import time
 from typing import TYPE_CHECKING, Iterable, List, Optional, Sequence, Union
@@ -13,15 +12,13 @@ import cv2
 from tqdm import tqdm
 
 from img_recog import files
-from img_recog.errors import UserError, one_line
-from img_recog.recognition.settings import RecognitionSettings, with_colors
-from img_recog.replay import cli, inputs, scenario
-from img_recog.replay.arguments import without_special_keys
+from img_recog.errors import UserError
+from img_recog.recognition.settings import RecognitionSettings
+from img_recog.replay import cli, inputs, programs, scenario
 from img_recog.replay.chain import SECOND_NS, Chain, FrameMeasurement, Recorder, measure
 from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
 from img_recog.replay.painter import Painter
-from img_recog.replay.plot_recorder import PlotRecorder
-from img_recog.replay.recorders import BagRecorder, TableRecorder
+from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.signals import Interrupts
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.bodies.body import Motion
@@ -50,19 +47,9 @@ def main(painter: Painter, begin_s: float) -> int:
     # errors of OpenCV and ffmpeg are reported in one line by this program
     cv2.setLogLevel(_LOG_FATAL)
     os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_FFMPEG_QUIET))
-    interrupts = Interrupts()
-    try:
-        sys.stdout.write(replay(cli.parse(without_special_keys(sys.argv[1:])), painter,
-                                begin_s, interrupts) + '\n')
-    except UserError as error:
-        _log.error('%s', one_line(error))
-        return 1
-    except OSError as error:
-        _log.error('%s: %s', error.filename or 'cannot write', one_line(error))
-        return 1
-    except KeyboardInterrupt:
-        return 128 + signal.SIGINT
-    return 0
+    return programs.run(
+        lambda words, interrupts: replay(cli.parse(words), painter, begin_s, interrupts),
+        sys.argv[1:], _log, 'cannot write')
 
 
 def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
@@ -75,19 +62,19 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     """
     recording = None if options.camera else _open_input(
         os.path.expanduser(options.input), options.topic, options.max_image_pixels)
-    settings = _recognition_settings(options.colors)
+    settings = programs.recognition_settings(options.colors)
     name = os.path.expanduser(options.input) or 'robot_in_' + os.path.basename(options.world)
     extensions = _EXTENSIONS + (('.mp4',) if options.film else ())
     paths = files.output_paths(name, os.path.expanduser(options.output), extensions)
     built = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
                            cli.spawn_settings(options), options.allow_partial_world)
-    frames = recording or _robot_frames(built, options)
+    frames = recording or _robot_frames(built, options.seconds)
     simulator = built.simulator
     robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file, *film_files), \
             contextlib.ExitStack() as stack:
-        bag = BagRecorder(bag_file.raw, settings.color_names, odometry,
+        bag = BagRecorder(bag_file, settings.color_names, odometry,
                           odometry.base_frame or robot.root)
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
         table = TableRecorder(text, settings.color_names)
@@ -105,7 +92,9 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
             progress = tqdm(_measurements(frames, settings, chain), unit=' frames',
                             total=frames.expected or None, disable=None)
         with progress:
-            end_ns = _run(chain, progress, frames)
+            last_ns = chain.run(progress)
+            end_ns = last_ns + frames.period_ns     # that of a bag is not known earlier
+            chain.end(end_ns)
         loop_s = time.perf_counter() - start_s
         painter.begin('Replay of {}, {} frames, in the world {}'.format(
             os.path.basename(options.input) or "the robot's camera", plot.frames,
@@ -122,10 +111,10 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.motion(), paths)
 
 
-def _robot_frames(built: Assembly, options: argparse.Namespace) -> 'RobotFrames':
+def _robot_frames(built: Assembly, seconds: float) -> 'RobotFrames':
     # imported here because loading OpenGL and trimesh takes time
     from img_recog.replay.robot_frames import RobotFrames
-    return RobotFrames(built, cli.camera_settings(built), options.seconds)
+    return RobotFrames(built, scenario.camera_settings(built), seconds)
 
 
 def _measurements(frames: Frames, settings: RecognitionSettings,
@@ -135,14 +124,6 @@ def _measurements(frames: Frames, settings: RecognitionSettings,
         frames.follow(chain.simulate_until)
         return measure(frames, settings)
     return prefetch(measure(frames, settings), _PREFETCHED_FRAMES)
-
-
-def _run(chain: Chain, measurements: Iterable[FrameMeasurement], frames: Frames) -> int:
-    """Run the chain; return the time at its end."""
-    last_ns = chain.run(measurements)
-    end_ns = last_ns + frames.period_ns     # that of a bag is not known earlier
-    chain.end(end_ns)
-    return end_ns
 
 
 def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, motion: Motion,
@@ -164,10 +145,3 @@ def _open_input(path: str, topic: str, max_pixels: int) -> Frames:
     if topic:
         raise UserError('cannot replay {}: --topic is for a bag, and it is not a bag'.format(path))
     return VideoFrames(path, max_pixels)
-
-
-def _recognition_settings(path: str) -> RecognitionSettings:
-    if not path:
-        return with_colors()()
-    from img_recog.recognition import parameter_file  # loading YAML takes time
-    return parameter_file.read(os.path.expanduser(path))

@@ -1,46 +1,19 @@
-"""Records a replay as a bag and as a table."""
+"""Records a replay: as a bag, as a table, and as the data of the picture."""
 import csv
-import io
-import os
-from typing import IO, Optional, Sequence
+from typing import IO, Dict, List, Sequence
 
 import genpy
+import numpy as np
 import rosbag
 from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
-from img_recog.replay.chain import SECOND_NS, CommandSent, FrameResult, Recorder
+from img_recog.recognition.settings import Color
+from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
+                                    Recorder)
+from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.settings import OdometrySettings
 from img_recog.simulation.vehicle import Reading
-
-_BUFFER_BYTES = 1 << 18
-
-
-class _AppendedFile(io.BufferedRandom):
-    """A file whose `seek` to the end and `tell` there need no system call.
-
-    rosbag calls both before each message, for which an ordinary file flushes its buffer and calls
-    the kernel.
-    """
-
-    _end: Optional[int] = None      # position of the file if it is at its end
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        to_end = (offset, whence) == (0, os.SEEK_END)
-        if to_end and self._end is not None:
-            return self._end
-        position = super().seek(offset, whence)
-        self._end = position if to_end else None
-        return position
-
-    def tell(self) -> int:
-        return super().tell() if self._end is None else self._end
-
-    def write(self, data) -> int:
-        count = super().write(data)
-        if self._end is not None:
-            self._end += count
-        return count
 
 
 class BagRecorder(Recorder):
@@ -50,13 +23,13 @@ class BagRecorder(Recorder):
     simulated time.
     """
 
-    def __init__(self, file: io.RawIOBase, names: Sequence[str], odometry: OdometrySettings,
+    def __init__(self, file: IO[bytes], names: Sequence[str], odometry: OdometrySettings,
                  base_frame: str):
-        """Write to an open file, which is empty and unbuffered.
+        """Write to an open, empty file.
 
         names: of the colors; base_frame: child_frame_id of the odometry.
         """
-        self._bag = rosbag.Bag(_AppendedFile(file, _BUFFER_BYTES), 'w')
+        self._bag = rosbag.Bag(file, 'w')
         self._names, self._odometry, self._base_frame = names, odometry, base_frame
         self._start_ns = 0
 
@@ -110,7 +83,7 @@ class TableRecorder(Recorder):
     def on_frame(self, result: FrameResult) -> None:
         motion = result.motion
         self._rows.writerow([
-            _seconds(result.time_ns), result.frame.number, _seconds(result.frame.stamp_ns),
+            seconds_text(result.time_ns), result.frame.number, seconds_text(result.frame.stamp_ns),
             *result.areas_px,
             ' '.join(str(command.linear_x) for command in result.commands),
             ' '.join(str(command.angular_z) for command in result.commands),
@@ -118,11 +91,48 @@ class TableRecorder(Recorder):
                            motion.linear[0], motion.angular[2]))])
 
 
+class PlotRecorder(Recorder):
+    """Collects the data that is drawn at the end of a replay.
+
+    frames: number of frames so far.
+    """
+
+    def __init__(self, colors: Sequence[Color]):
+        self._colors = colors
+        self._rows: List[tuple] = []
+        self._sent: Dict[str, List[tuple]] = {RECOGNITION: [], TELEOP: []}
+
+    @property
+    def frames(self) -> int:
+        return len(self._rows)
+
+    def on_frame(self, result: FrameResult) -> None:
+        motion = result.motion
+        self._rows.append((result.time_ns / SECOND_NS, motion.position[0], motion.position[1],
+                           motion.yaw, motion.linear[0], motion.angular[2], *result.areas_px))
+
+    def on_command(self, sent: CommandSent) -> None:
+        self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command))
+
+    def data(self, end_s: float, outlines: Sequence[np.ndarray]) -> PlotData:
+        """Return the collected data; end_s, outlines: as in PlotData."""
+        return PlotData(self._colors, np.array(self._rows), self._commands(RECOGNITION),
+                        self._commands(TELEOP), end_s, outlines)
+
+    def _commands(self, sender: str) -> np.ndarray:
+        return np.array(self._sent[sender]).reshape(-1, 3)
+
+
 def _time(time_ns: int) -> genpy.Time:
     return genpy.Time(*divmod(time_ns, SECOND_NS))
 
 
-def _seconds(time_ns: int) -> str:
+def seconds_text(time_ns: int) -> str:
+    """Return a time in s with all of its digits.
+
+    >>> seconds_text(1600000000040000123)
+    '1600000000.040000123'
+    """
     return '{}.{:09d}'.format(*divmod(time_ns, SECOND_NS))
 
 

@@ -3,13 +3,15 @@ import dataclasses
 import logging
 
 from img_recog import resources, robot_file
+from img_recog.errors import UserError
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
+from img_recog.simulation.settings import CameraSettings, PhysicsSettings, SpawnSettings
 
 _log = logging.getLogger(__name__)
 _UNUSED_SENSORS = ('imu', 'scan')
+_CAMERA_LINK, _CAMERA_FRAME = 'camera_link', 'head_camera'     # those of the demo
 
 
 def build(world: str, urdf_path: str, spawn: SpawnSettings,
@@ -29,6 +31,20 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     for warning in robot.warnings + built.warnings:
         _log.warning('%s', warning)
     return built
+
+
+def camera_settings(built: Assembly) -> CameraSettings:
+    """Return the camera of the robot: the first in its URDF, else one on its link camera_link.
+
+    Raises UserError if it has neither.
+    """
+    if built.cameras[0]:
+        return built.cameras[0][0]
+    if built.simulator.vehicles[0].robot.has_frame(_CAMERA_LINK):
+        return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)
+    raise UserError('--camera robot: the robot has no camera: neither a <sensor type="camera"> in '
+                    'its URDF nor a link ' + _CAMERA_LINK, 'add one of them, or set --urdf to a '
+                    'robot that has one')
 
 
 def _option(setting: str) -> str:

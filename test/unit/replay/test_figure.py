@@ -1,5 +1,4 @@
 """The picture of a replay: what is in it, where, and how it looks."""
-import colorsys
 import io
 import os
 
@@ -36,12 +35,5 @@ def test_layout_is_as_it_was(name, colors, turns, recognition, teleop, outlines,
         colors, rows(colors, turns), np.reshape(recognition, (-1, 3)), np.reshape(teleop, (-1, 3)),
         0.24, outlines))
     assert file.getvalue().startswith(b'\x89PNG')
-    assert_unchanged(drawn._figure, os.path.join(os.path.dirname(__file__), name + '.txt'),
+    assert_unchanged(drawn.figure, os.path.join(os.path.dirname(__file__), name + '.txt'),
                      tmp_path)
-
-
-@pytest.mark.parametrize('hue, middle', [
-    ((50, 150), 100.0), ((170, 20), 5.0), ((175, 20), 7.5), ((160, 10), 175.0), ((5, 5), 5.0)])
-def test_lines_have_the_middle_hue_of_their_color(hue, middle):
-    color = TWO[0]._replace(hue=hue)
-    assert figure._line_color(color) == pytest.approx(colorsys.hsv_to_rgb(middle / 180, 0.85, 0.8))

@@ -1,15 +1,14 @@
 """Films: what ffmpeg makes of their pictures."""
 import errno
+import shutil
 
 import numpy as np
 import pytest
 
 from img_recog.errors import UserError
 from img_recog.recognition.settings import with_colors
-from img_recog.replay import film_writer
-from img_recog.replay.film import RATE_HZ, Film
+from img_recog.replay.film import RATE_HZ, Film, FilmWriter
 from img_recog.replay.film_picture import HEIGHT, WIDTH
-from img_recog.replay.film_writer import FilmWriter
 from img_recog_testing.films import SQUARE, card, frames_of
 
 SETTINGS = with_colors()()
@@ -30,7 +29,7 @@ def test_a_film_shows_each_image_until_the_next_one(tmp_path):
 
 
 def test_without_ffmpeg(tmp_path, monkeypatch):
-    monkeypatch.setattr(film_writer.shutil, 'which', lambda _: None)
+    monkeypatch.setattr(shutil, 'which', lambda _: None)
     with open(str(tmp_path / 'part'), 'w+b') as file:
         with pytest.raises(UserError) as refused:
             FilmWriter(file, WIDTH, HEIGHT, RATE_HZ, 'out.mp4')

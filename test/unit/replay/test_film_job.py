@@ -3,6 +3,7 @@ import errno
 import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -21,7 +22,7 @@ from visualization_msgs.msg import MarkerArray
 from img_recog.conversions import compressed_image_msgs, image_msgs, plane_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.plane_msgs import PlanePose
-from img_recog.replay import film_job, film_writer
+from img_recog.replay import film_job
 from img_recog_testing.films import BLUE, ROBOT, SQUARE, card, center_of, frames_of
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
@@ -35,7 +36,7 @@ def ffmpeg(tmp_path_factory, monkeypatch):
         path = tmp_path_factory.mktemp('bin') / 'ffmpeg'
         path.write_text('#!/bin/sh\n' + script)
         path.chmod(0o755)
-        monkeypatch.setattr(film_writer.shutil, 'which', lambda _: str(path))
+        monkeypatch.setattr(shutil, 'which', lambda _: str(path))
     return put
 
 
@@ -164,7 +165,7 @@ def test_a_scan_without_points_that_can_be_drawn(fields):
     scan = LaserScan(**{'angle_increment': 1.0, 'range_max': 9.0, 'ranges': [1.0, 2.0], **fields})
     with warnings.catch_warnings():
         warnings.simplefilter('error')
-        assert film_job._points(scan, (0.0, 0.0, 0.0)).shape == (0, 2)
+        assert film_job.scan_points(scan, (0.0, 0.0, 0.0)).shape == (0, 2)
 
 
 @pytest.mark.parametrize('far', [math.inf, 3e38])
@@ -173,7 +174,7 @@ def test_points_of_a_scan_that_cannot_be_drawn_are_left_out(far):
                      range_max=far, ranges=[1.0, math.nan, far, 2.0, -far])
     with warnings.catch_warnings():
         warnings.simplefilter('error')
-        points = film_job._points(scan, (3.0, 4.0, 0.0))
+        points = film_job.scan_points(scan, (3.0, 4.0, 0.0))
     assert points == pytest.approx(np.array([(4.0, 4.0), (3.0, 2.0)]))
 
 
@@ -312,10 +313,10 @@ def test_a_bag_whose_clock_was_set_while_it_was_recorded(tmp_path, capsys, caplo
 
 # a signal arrives when a part of the film is written
 INTERRUPTED = """
-import signal, sys
+import signal, subprocess, sys
 signal.signal(signal.SIGINT, signal.SIG_DFL)        # as the script does
-from img_recog.replay import film_job, film_writer
-write, start = film_writer.FilmWriter.write, film_writer.subprocess.Popen
+from img_recog.replay import film, film_job
+write, start = film.FilmWriter.write, subprocess.Popen
 signum, *arguments = sys.argv[1:]
 
 class Popen(start):
@@ -327,7 +328,7 @@ def interrupted(self, picture):
     write(self, picture)
     signal.raise_signal(int(signum))
 
-film_writer.subprocess.Popen, film_writer.FilmWriter.write = Popen, interrupted
+subprocess.Popen, film.FilmWriter.write = Popen, interrupted
 sys.exit(film_job.main(arguments))
 """
 

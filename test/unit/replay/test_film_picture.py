@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from img_recog.recognition.settings import with_colors
-from img_recog.replay import film_picture
-from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture
+from img_recog.replay import film_parts
+from img_recog.replay.film_picture import (HEIGHT, WIDTH, FilmPicture, line_colors,
+                                           masks_grid)
 from img_recog_testing.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, state
 
 SETTINGS = with_colors()()
@@ -29,7 +30,7 @@ def many_colors(count, hue=110):
 @pytest.mark.parametrize('count, columns', [(0, 1), (1, 1), (2, 1), (3, 1), (4, 2), (8, 2),
                                             (12, 3), (40, 6)])
 def test_masked_images_of_many_colors_have_columns(count, columns):
-    number, (width, height) = film_picture._grid(count, 4 / 3)
+    number, (width, height) = masks_grid(count, 4 / 3)
     assert number == columns
     rows = max(1, -(-count // number))
     assert number * width + (number - 1) * 10 <= 230 and rows * (height + 34) - 10 <= 384
@@ -43,12 +44,12 @@ def test_masked_images_of_many_colors_have_columns(count, columns):
 
 def test_lines_of_the_same_hue_have_different_colors():
     shown = [cv2.cvtColor(np.uint8([[color]]), cv2.COLOR_BGR2HSV)[0, 0, 0].astype(int)
-             for color in film_picture._shown(many_colors(8))]
+             for color in line_colors(many_colors(8))]
     distances = [min((a - b) % 180, (b - a) % 180) for number, a in enumerate(shown)
                  for b in shown[:number]]
     assert shown[0] == 110 and min(distances) >= 13         # 15, rounded
     # more than there is room for
-    assert len(film_picture._shown(many_colors(20))) == 20
+    assert len(line_colors(many_colors(20))) == 20
 
 
 @pytest.mark.parametrize('pose, side', [((2.0, 2.0, 0.0), (0, 0)), ((3.5, 2.0, 1.0), (1, 0)),
@@ -80,5 +81,14 @@ def test_without_odometry_there_is_no_robot():
 def test_old_values_leave_the_charts():
     film = FilmPicture(SETTINGS.colors, [])
     for time_s in (0.0, 1.0, 30.0):
-        film.draw(state(time_s))
-    assert [row[0] for row in film._areas] == [30.0]
+        picture = film.draw(state(time_s))
+    assert np.array_equal(picture, FilmPicture(SETTINGS.colors, []).draw(state(30.0)))
+
+
+def test_a_long_legend_has_several_rows():
+    picture = np.full((200, 400, 3), 255, np.uint8)
+    lines = [('name_{}'.format(number), (0, 0, 200), []) for number in range(8)]
+    film_parts.put_chart(picture, (0, 0, 400, 200), 'a chart', lines, 0.0, [])
+    drawn = (picture == (0, 0, 200)).all(axis=2)
+    assert [drawn[y].sum() for y in (32, 48, 64)] == [3 * 23, 3 * 23, 2 * 23]
+    assert not drawn[:, 389:].any()

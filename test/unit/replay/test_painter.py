@@ -1,7 +1,10 @@
 """The process that draws the picture: its result, and what happens when it ends early."""
-import gc
 import os
+import pickle
+import re
 import signal
+import subprocess
+import sys
 
 import cv2
 import numpy as np
@@ -9,9 +12,9 @@ import pytest
 
 from img_recog.errors import UserError
 from img_recog.recognition.settings import with_colors
-from img_recog.replay import painter as painter_module
 from img_recog.replay.painter import Painter
 from img_recog.replay.plot_data import PlotData
+from img_recog_testing.waiting import wait_for
 
 DATA = PlotData(with_colors()().colors, np.ones((3, 8)), np.ones((2, 3)), np.zeros((0, 3)), 1.0,
                 [])
@@ -28,7 +31,8 @@ def test_a_killed_process_is_reported():
     with Painter() as painter:
         os.kill(painter.pid, signal.SIGKILL)
         painter.begin('a test', DATA)
-        with pytest.raises(UserError, match='cannot be drawn: .* exit code -9'):
+        with pytest.raises(UserError, match='cannot be drawn: .* exit code -9; check whether it '
+                           'was killed because memory ran out'):
             painter.finish()
 
 
@@ -38,47 +42,35 @@ def test_it_is_killed_at_the_end_of_the_with():
     assert not os.path.exists('/proc/{}'.format(painter.pid))
 
 
-class FakeConnection:
-    """The end of the pipe in the process: gives what is to be drawn, or fails."""
+def test_interrupts_of_the_terminal_are_left_to_the_program():
+    def ignores(signum):
+        with open('/proc/{}/status'.format(painter.pid)) as file:
+            return int(re.search('SigIgn:\t(.*)', file.read()).group(1), 16) >> signum - 1 & 1
 
-    def __init__(self, received=None, refuses=False):
-        self._received, self._refuses = received, refuses
-        self.sent, self.closed = [], 0
-
-    def recv(self):
-        if self._received is None:
-            raise EOFError
-        return self._received
-
-    def send_bytes(self, data):
-        if self._refuses:
-            raise BrokenPipeError
-        self.sent.append(bytes(data[:4]))
-
-    def close(self):
-        self.closed += 1
-
-
-@pytest.mark.parametrize('received, refuses, sent', [
-    (('a test', DATA), False, [b'\x89PNG']), (('a test', DATA), True, []), (None, False, [])])
-def test_the_process_draws_once_and_ends_quietly_when_nobody_waits(monkeypatch, received,
-                                                                   refuses, sent):
-    ignored, disabled = [], []
-    monkeypatch.setattr(signal, 'signal', lambda *args: ignored.append(args))
-    monkeypatch.setattr(gc, 'disable', lambda: disabled.append(True))
-    parent, connection = FakeConnection(), FakeConnection(received, refuses)
-    painter_module._serve(parent, connection)
-    assert connection.sent == sent and parent.closed == 1 and connection.closed == 0
-    assert ignored == [(signal.SIGINT, signal.SIG_IGN), (signal.SIGHUP, signal.SIG_IGN)]
-    assert disabled == [True]
-
-
-def test_the_process_is_a_daemon_and_the_other_end_is_its_own():
     with Painter() as painter:
-        assert painter._process.daemon
-        os.kill(painter.pid, signal.SIGKILL)
-        painter._process.join()
-        # without another open end, the end of the process is the end of the pipe
-        with pytest.raises(UserError, match='check whether it was killed because memory ran out'):
-            painter.finish()
-    assert painter._connection.closed
+        for signum in (signal.SIGINT, signal.SIGHUP):
+            wait_for(lambda: ignores(signum), 'a process that has begun')
+            os.kill(painter.pid, signum)
+        painter.begin('a test', DATA)
+        assert painter.finish().startswith(b'\x89PNG')
+
+
+# a program that is killed does not come to the end of its with
+KILLED = """
+import os, pickle, sys
+from img_recog.replay.painter import Painter
+painter = Painter()
+if sys.argv[1:]:
+    with open(sys.argv[1], 'rb') as file:
+        painter.begin('a test', pickle.load(file))
+os._exit(0)
+"""
+
+
+@pytest.mark.parametrize('is_drawing', [False, True])
+def test_it_ends_quietly_when_nobody_waits(tmp_path, is_drawing):
+    (tmp_path / 'data').write_bytes(pickle.dumps(DATA))
+    done = subprocess.run([sys.executable, '-c', KILLED, *[str(tmp_path / 'data')] * is_drawing],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=True)
+    # the process has both streams too: they have come to their ends because it has ended
+    assert done.stderr == b''

@@ -13,8 +13,7 @@ from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
 from img_recog.replay.chain import Chain, CommandSent, FrameResult, measure
 from img_recog.replay.figure import ReplayFigure
-from img_recog.replay.plot_recorder import PlotRecorder
-from img_recog.replay.recorders import BagRecorder, TableRecorder, _AppendedFile
+from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.bodies.body import Motion
 from img_recog.simulation.bodies.footprints import footprints
 from img_recog.simulation.settings import OdometrySettings
@@ -108,35 +107,6 @@ def test_bag_of_several_chunks_is_complete():
     assert file.value.count(b'\x04\0\0\0op=\x05') > 1
     assert [(stamp - START_NS, msg.linear.x) for stamp, msg in messages(file.value)['/cmd_vel']
             ] == [(number, number) for number in range(20000)]
-
-
-class CountedFile(io.BytesIO):
-    """An unbuffered file that counts its seeks."""
-
-    seeks = 0
-
-    def seek(self, *args):
-        self.seeks += 1
-        return super().seek(*args)
-
-
-def test_file_that_grows_needs_no_seek_and_is_otherwise_a_file():
-    raw = CountedFile()
-    file = _AppendedFile(raw, 1 << 18)
-    assert file.write(b'abc') == 3 and file.tell() == 3
-    assert file.seek(0, 2) == 3 and file.tell() == 3
-    seeks = raw.seeks
-    for number in range(10):
-        assert file.write(b'de') == 2
-        assert file.tell() == file.seek(0, 2) == 5 + 2 * number
-    assert raw.seeks == seeks
-    assert file.seek(1) == 1 and file.tell() == 1
-    assert file.read(2) == b'bc' and file.tell() == 3
-    assert file.seek(-1, 2) == 22 and file.tell() == 22
-    assert file.seek(0, 1) == 22 and file.read() == b'e'
-    assert file.seek(0, 2) == 23 and file.write(b'f') == 1 and file.tell() == 24
-    file.flush()
-    assert raw.getvalue() == b'abc' + b'de' * 10 + b'f'
 
 
 def test_bag_without_tf_when_the_robot_says_so():

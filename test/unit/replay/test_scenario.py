@@ -4,13 +4,17 @@ import pytest
 from img_recog import resources
 from img_recog.errors import UserError
 from img_recog.replay import scenario
-from img_recog.simulation.settings import SpawnSettings
+from img_recog.simulation.settings import CameraSettings, SpawnSettings
 from img_recog_testing import robots
+from img_recog_testing.robots import assemble, burger
 
 DRIVE = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
   <leftJoint>wheel_left_joint</leftJoint><rightJoint>wheel_right_joint</rightJoint>
   <wheelSeparation>0.3</wheelSeparation></plugin></gazebo>
   <gazebo><plugin name="lamp" filename="liblamp.so"/></gazebo></robot>'''
+TAG = ('<gazebo reference="{}"><sensor type="camera" name="c"><camera><image><width>{}</width>'
+       '<height>48</height></image></camera><plugin name="p" filename="libgazebo_ros_camera.so">'
+       '<updateRate>10</updateRate></plugin></sensor></gazebo>')
 
 
 @pytest.fixture
@@ -82,3 +86,26 @@ def test_a_partial_world_is_an_option_of_the_command_line(tmp_path):
     path.write_text('<sdf version="1.6"><world name="w"><actor name="walker"/></world></sdf>')
     with pytest.raises(UserError, match='walker; add --allow-partial-world to load the rest$'):
         build(resources.burger(), str(path))
+
+
+def test_the_burger_has_a_camera_at_its_mount():
+    assert scenario.camera_settings(assemble()) == CameraSettings(
+        camera_frame='camera_link', camera_optical_frame='head_camera', camera_width=640,
+        camera_height=480, camera_rate=30.0)
+
+
+def test_the_first_camera_of_the_tags_is_used():
+    built = assemble(urdf=burger().replace(
+        '</robot>', TAG.format('base_scan', 64) + TAG.format('camera_link', 80) + '</robot>'))
+    settings = scenario.camera_settings(built)
+    assert (settings.camera_frame, settings.camera_width, settings.camera_rate) == (
+        'base_scan', 64, 10.0)
+
+
+def test_a_robot_without_a_camera_is_refused():
+    with pytest.raises(UserError) as refused:
+        scenario.camera_settings(assemble(urdf=burger().replace('camera_link', 'mount')))
+    assert refused.value.problem == (
+        '--camera robot: the robot has no camera: neither a <sensor type="camera"> in its URDF '
+        'nor a link camera_link')
+    assert '--urdf' in refused.value.advice

@@ -1,0 +1,38 @@
+"""What the programs replay.py and film.py have in common."""
+import logging
+import os
+import signal
+import sys
+from typing import Callable, List, Sequence
+
+from img_recog.errors import UserError, one_line
+from img_recog.recognition import parameter_file
+from img_recog.recognition.settings import RecognitionSettings, with_colors
+from img_recog.signals import Interrupts
+
+
+def run(program: Callable[[List[str], Interrupts], str], words: Sequence[str],
+        log: logging.Logger, failed: str) -> int:
+    """Run a program, print the summary that it returns, and return the exit code.
+
+    words: of the command line, also __name:=... and __log:=..., which roslaunch adds. An error is
+    one line of the log; failed: its beginning, where the system names no file.
+    """
+    interrupts = Interrupts()
+    try:
+        arguments = [word for word in words if not (word.startswith('__') and ':=' in word)]
+        sys.stdout.write(program(arguments, interrupts) + '\n')
+    except UserError as error:
+        log.error('%s', one_line(error))
+        return 1
+    except OSError as error:
+        log.error('%s: %s', error.filename or failed, one_line(error))
+        return 1
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+    return 0
+
+
+def recognition_settings(path: str) -> RecognitionSettings:
+    """Return the settings in a parameter file of color_extract; if empty, those of the article."""
+    return parameter_file.read(os.path.expanduser(path)) if path else with_colors()()
