@@ -65,8 +65,9 @@ class Drive(Recorder):
     def run(self, seconds, at_frame=lambda time_s: None):
         """Drive; at_frame is called with the time of each frame, before it is processed."""
         width, height = self._size
-        frames = RobotFrames(self._built, dataclasses.replace(
-            scenario.camera_settings(self._built), camera_width=width, camera_height=height), seconds)
+        camera = dataclasses.replace(scenario.camera_settings(self._built), camera_width=width,
+                                     camera_height=height)
+        frames = RobotFrames(self._built, camera, seconds)
         frames.follow(self._chain.simulate_until)
         self._chain.run(measure(self._late(frames, at_frame), self._settings))
         return self
