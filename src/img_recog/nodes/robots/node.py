@@ -7,11 +7,12 @@ Calls the service of gazebo that updates the robots. Sets gazebo/robots, and for
 NAME/robot_description.
 Reads: the fields of ManagerSettings and NodeSettings as private parameters.
 """
+import contextlib
 import dataclasses
 import math
 import time
 from dataclasses import dataclass
-from typing import Dict, List, NamedTuple
+from typing import Dict, Iterable, List, NamedTuple
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -19,7 +20,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from img_recog import resources, robot_file
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.robots import robot_list
-from img_recog.nodes.robots.robot_list import NodeSettings, Robot
+from img_recog.nodes.robots.robot_list import NodeSettings, Problem, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes
 from img_recog.recognition import parameter_file
 from img_recog.ros import lifecycle, parameters
@@ -57,11 +58,17 @@ class ManagerSettings(Settings):
         super().__post_init__()
 
 
-class _Running(NamedTuple):
-    """A robot that is there. urdf: the text; nodes: its nodes."""
+class _Described(NamedTuple):
+    """A robot and its URDF, a text."""
 
-    robot: Robot
+    row: RobotRow
     urdf: str
+
+
+class _Running(NamedTuple):
+    """A robot that is there, and its nodes."""
+
+    described: _Described
     nodes: RobotNodes
 
 
@@ -95,98 +102,95 @@ class RobotsNode:
             problems = self._calls.call(self._update, _RELOAD_TIMEOUT_S)
         except UserError as error:
             return TriggerResponse(False, one_line(error))
-        return TriggerResponse(not problems, '\n'.join(problems))
+        return TriggerResponse(not problems, '\n'.join(map(str, problems)))
 
-    def _update(self) -> List[str]:
-        """Make the robots those of the list; return a line for each that cannot be.
+    def _update(self) -> List[Problem]:
+        """Make the robots those of the list; return those that cannot be.
 
         Raises RobotListError when there is no list; then nothing changes.
         """
-        listed = robot_list.read(self._settings.robots, self._defaults, resources.find)
+        listed = robot_list.read_robots(self._settings.robots, self._defaults, resources.find)
         problems = list(listed.problems)
-        wanted: Dict[str, Robot] = {}
-        urdfs: Dict[str, str] = {}
+        wanted: Dict[str, _Described] = {}
         texts: Dict[str, str] = {}      # by path: xacro takes a second
-        for robot in listed.robots:
+        for row in listed.robots:
             try:
-                urdfs[robot.name] = _urdf_of(robot, texts)
-                wanted[robot.name] = robot
+                wanted[row.name] = _Described(row, _urdf_of(row, texts))
             except UserError as error:
-                problems.append('{}: {}'.format(robot.name, one_line(error)))
-        failed = {problem.split(':')[0] for problem in problems}
+                problems.append(Problem(row.name, one_line(error)))
+        failed = {problem.name for problem in problems}
         # one that runs and has an error in the list now goes on as it is
         self._stop([name for name, running in self._running.items() if name not in failed and (
-            name not in wanted or running.robot != wanted[name]
-            or running.urdf != urdfs[name] or running.nodes.has_ended)])
-        for problem in problems:
-            rospy.logerr('not started: %s', problem)
-        new = [robot for name, robot in wanted.items() if name not in self._running]
+            running.described != wanted.get(name) or running.nodes.has_ended)])
+        _log(problems)
+        new = {name: each for name, each in wanted.items() if name not in self._running}
         if self._settings.simulator:
-            problems += self._simulate(new, urdfs)
-        failed = {problem.split(':')[0] for problem in problems}
-        for robot in new:
-            if robot.name not in failed and not rospy.is_shutdown():
+            problems += self._simulate(new)
+        failed = {problem.name for problem in problems}
+        for name, described in new.items():
+            if name not in failed and not rospy.is_shutdown():
                 try:
-                    self._running[robot.name] = _Running(robot, urdfs[robot.name], RobotNodes(
-                        robot, {'camera_frame_id': self._settings.camera_frame_id,
-                                'respawn': self._settings.respawn,
-                                'robot_state_publisher': self._settings.simulator}))
+                    self._running[name] = _Running(described, RobotNodes(described.row, {
+                        'camera_frame_id': self._settings.camera_frame_id,
+                        'respawn': self._settings.respawn,
+                        'robot_state_publisher': self._settings.simulator}))
                 except (OSError, ValueError) as error:
-                    problems.append('{}: {}'.format(robot.name, one_line(error)))
-                    rospy.logerr('not started: %s', problems[-1])
+                    problems.append(Problem(name, one_line(error)))
+                    _log(problems[-1:])
         if not rospy.is_shutdown():
             rospy.loginfo('%d robots are running%s', len(self._running),
                           ', {} not started'.format(len(problems)) if problems else '')
         return problems
 
-    def _simulate(self, new: List[Robot], urdfs: Dict[str, str]) -> List[str]:
-        """Have the simulator add and remove robots.
+    def _described(self) -> Dict[str, _Described]:
+        return {name: running.described for name, running in self._running.items()}
 
-        Returns a line for each that it refuses; they are logged.
-        """
-        taken = [robot for robot in new
-                 if not isinstance(parameters.value(robot.name), (dict, type(None)))]
-        if taken:
-            lines = ['{0}: there is a parameter /{0}; give the robot another name'.format(
-                robot.name) for robot in taken]
-            for line in lines:
-                rospy.logerr('not started: %s', line)
-            return lines + self._simulate([robot for robot in new if robot not in taken], urdfs)
-        robots = [*(running.robot for running in self._running.values()), *new]
-        self._set_parameters(robots, {
-            **{name: running.urdf for name, running in self._running.items()}, **urdfs})
+    def _simulate(self, new: Dict[str, _Described]) -> List[Problem]:
+        """Have the simulator add and remove robots; return those that it refuses, logged."""
+        taken = [Problem(name, 'there is a parameter /{}; give the robot another name'.format(
+            name)) for name in new if not isinstance(parameters.value(name), (dict, type(None)))]
+        _log(taken)
+        names = {problem.name for problem in taken}
+        robots = {**self._described(),
+                  **{name: each for name, each in new.items() if name not in names}}
+        self._set_parameters(robots)
         update = rospy.ServiceProxy(_UPDATE, Trigger)
         warn_s = time.monotonic() + _PATIENCE_S
         while not rospy.is_shutdown():
             try:
                 update.wait_for_service(_SERVICE_TIMEOUT_S)
-                return self._refused(update(), robots)
+                return taken + self._refused(update(), robots)
             except (rospy.ROSException, rospy.ServiceException):
                 if time.monotonic() > warn_s:
                     warn_s = math.inf
                     rospy.logwarn('waiting for the service %s: is the simulator running?',
                                   rospy.resolve_name(_UPDATE))
-        return []
+        return taken
 
-    def _refused(self, answer: TriggerResponse, robots: List[Robot]) -> List[str]:
-        """Return a line for each robot that the simulator refuses, and forget those."""
-        lines = [] if answer.success else answer.message.splitlines()
-        names = {robot.name for robot in robots}
-        if any(line.split(':')[0] not in names for line in lines):      # about no robot
-            lines = ['{}: {}'.format(name, answer.message) for name in sorted(
-                names - set(self._running))]
-        refused = {line.split(':')[0] for line in lines} - set(self._running)
-        for name in refused:
-            if rospy.has_param('{}/{}'.format(_SIMULATED, name)):
+    def _refused(self, answer: TriggerResponse, names: Iterable[str]) -> List[Problem]:
+        """Return the new robots that the simulator refuses, and forget their parameters.
+
+        It answers with a line NAME: REASON for each, or with one about no robot.
+        """
+        if answer.success:
+            return []
+        lines = answer.message.splitlines()
+        found = [Problem(*line.partition(': ')[::2]) for line in lines]
+        if any(problem.name not in names for problem in found):
+            found = [Problem(name, answer.message) for name in sorted(names)]
+        refused = [problem for problem in found if problem.name not in self._running]
+        for name in {problem.name for problem in refused}:
+            with contextlib.suppress(KeyError):
                 rospy.delete_param('{}/{}'.format(_SIMULATED, name))
-        return [line for line in lines if line.split(':')[0] in refused]
+        return refused
 
-    def _set_parameters(self, robots: List[Robot], urdfs: Dict[str, str]) -> None:
-        for robot in robots:
-            rospy.set_param(robot.name + '/robot_description', urdfs[robot.name])
-        rospy.set_param(_SIMULATED, {robot.name: self._parameters_of(robot) for robot in robots})
+    def _set_parameters(self, robots: Dict[str, _Described]) -> None:
+        for name, described in robots.items():
+            rospy.set_param(name + '/robot_description', described.urdf)
+        rospy.set_param(_SIMULATED, {name: self._parameters_of(described.row)
+                                     for name, described in robots.items()})
 
-    def _parameters_of(self, robot: Robot) -> dict:
+    def _parameters_of(self, robot: RobotRow) -> dict:
         """Return the parameters of a robot in the simulator."""
         nodes = robot.nodes
         if nodes.camera != _ROBOT:
@@ -199,39 +203,33 @@ class RobotsNode:
                 **robot.simulation}
 
     def _stop(self, names: List[str]) -> None:
-        """End the nodes of robots, all at a time."""
-        stopped = [self._running.pop(name) for name in names]
-        for running in stopped:
+        """End the nodes of robots, all at a time, and forget the robots."""
+        stopped = {name: self._running.pop(name) for name in names}
+        for running in stopped.values():
             running.nodes.interrupt()
-        for running in stopped:
+        for name, running in stopped.items():
             running.nodes.wait()
-        for name in names:
-            self._forget(name)
-
-    def _forget(self, name: str) -> None:
-        described = name + '/robot_description'
-        try:
-            if self._settings.simulator and rospy.has_param(described):
-                rospy.delete_param(described)
-        except (OSError, KeyError):
-            pass        # there is no master, or a new one
+            if self._settings.simulator:
+                with contextlib.suppress(OSError, KeyError):    # no master, or a new one
+                    rospy.delete_param(name + '/robot_description')
 
     def _check(self) -> None:
         """Start nodes again that have ended; tell a new master what the simulator would read."""
-        try:
+        with contextlib.suppress(OSError):      # there is no master
             if self._settings.simulator and not rospy.has_param(_SIMULATED):
-                self._set_parameters([running.robot for running in self._running.values()],
-                                     {name: running.urdf
-                                      for name, running in self._running.items()})
-        except OSError:
-            pass        # there is no master
+                self._set_parameters(self._described())
         for name, running in self._running.items():
             line = running.nodes.check()
             if line is not None:
                 rospy.logerr('robot %s: %s', name, line)
 
 
-def _urdf_of(robot: Robot, texts: Dict[str, str]) -> str:
+def _log(problems: Iterable[Problem]) -> None:
+    for problem in problems:
+        rospy.logerr('not started: %s', problem)
+
+
+def _urdf_of(robot: RobotRow, texts: Dict[str, str]) -> str:
     """Return the URDF of a robot; check its files. Raises UserError.
 
     texts: URDFs that were read already, by path.

@@ -50,23 +50,36 @@ class NodeSettings(Settings):
     safe: bool = setting(False)
 
 
-class Robot(NamedTuple):
-    """A robot. simulation: its parameters in the simulator; no x_pos and y_pos: a free place."""
+class RobotRow(NamedTuple):
+    """A robot of the list.
+
+    simulation: its parameters in the simulator; without x_pos and y_pos, it gets a free place.
+    """
 
     name: str
     nodes: NodeSettings
     simulation: Dict[str, Any]
 
 
+class Problem(NamedTuple):
+    """Why a robot cannot be. name: its own, or its place in the list."""
+
+    name: str
+    reason: str
+
+    def __str__(self) -> str:
+        return '{}: {}'.format(*self)
+
+
 class RobotList(NamedTuple):
-    """The robots, and a line for each that cannot be: NAME: REASON."""
+    """The robots, and those that cannot be."""
 
-    robots: List[Robot]
-    problems: List[str]
+    robots: List[RobotRow]
+    problems: List[Problem]
 
 
-def read(robots: str, defaults: Mapping[str, Any],
-         find: Callable[[str], Optional[str]]) -> RobotList:
+def read_robots(robots: str, defaults: Mapping[str, Any],
+                find: Callable[[str], Optional[str]]) -> RobotList:
     """Return the robots that the argument `robots` means.
 
     robots: a number of robots tb3_0, tb3_1 and so on, or the path of a YAML file: a list of
@@ -84,7 +97,7 @@ def read(robots: str, defaults: Mapping[str, Any],
             'robots: got {}, allowed is a number from 1 to {}, or the path of a YAML file'.format(
                 shortened(text), MAX_ROBOTS))
     nodes = from_mapping(NodeSettings, defaults)
-    return RobotList([Robot(_NAME.format(number), nodes, {}) for number in range(count)], [])
+    return RobotList([RobotRow(_NAME.format(number), nodes, {}) for number in range(count)], [])
 
 
 def _from_file(path: str, defaults: Mapping[str, Any],
@@ -97,8 +110,8 @@ def _from_file(path: str, defaults: Mapping[str, Any],
     if not isinstance(entries, list) or not 1 <= len(entries) <= MAX_ROBOTS:
         raise RobotListError('robots: {}: got {}, expected a list of 1 to {} robots, each like '
                              '- name: tb3_0'.format(path, _described(entries), MAX_ROBOTS))
-    robots: List[Robot] = []
-    problems: List[str] = []
+    robots: List[RobotRow] = []
+    problems: List[Problem] = []
     used: List[str] = []        # also by those that cannot be
     for number, entry in enumerate(entries, 1):
         label = 'robot {} of the list'.format(number)
@@ -107,7 +120,7 @@ def _from_file(path: str, defaults: Mapping[str, Any],
             used.append(label)
             robots.append(_robot(label, entry, defaults, os.path.dirname(path), find))
         except UserError as error:
-            problems.append('{}: {}'.format(label, one_line(error)))
+            problems.append(Problem(label, one_line(error)))
     return RobotList(robots, problems)
 
 
@@ -140,7 +153,7 @@ def _name_of(entry: Any, used: List[str]) -> str:
 
 
 def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder: str,
-           find: Callable[[str], Optional[str]]) -> Robot:
+           find: Callable[[str], Optional[str]]) -> RobotRow:
     fields = [field.name for field in setting_fields(NodeSettings)]
     known = ['name', _SIMULATION, *_POSE, *fields]
     for key in entry:
@@ -167,7 +180,7 @@ def _robot(name: str, entry: Dict[Any, Any], defaults: Mapping[str, Any], folder
         nodes = from_mapping(NodeSettings, values)
     except SettingError as error:
         raise RobotListError(one_line(error))
-    return Robot(name, nodes, {**simulation, **poses})
+    return RobotRow(name, nodes, {**simulation, **poses})
 
 
 def _is_parameter(key: Any, value: Any) -> bool:

@@ -6,7 +6,7 @@ import subprocess
 import time
 from typing import Any, List, Mapping, Optional
 
-from img_recog.nodes.robots.robot_list import Robot
+from img_recog.nodes.robots.robot_list import RobotRow
 
 _LONG_LIFE_S = 10.0         # of a roslaunch that is started again if it ends
 _LOG_FORMAT = '[${severity}] [${time}] ${node}: ${message}'     # the node names the robot
@@ -16,7 +16,7 @@ _EXIT_TIMEOUT_S = 12.0      # roslaunch waits up to 15 s for the node that runs 
 class RobotNodes:
     """A roslaunch of robot.launch. To be used in the main thread: it ends with that thread."""
 
-    def __init__(self, robot: Robot, arguments: Mapping[str, Any]):
+    def __init__(self, robot: RobotRow, arguments: Mapping[str, Any]):
         """Start the nodes of a robot; arguments: of robot.launch that are not in `robot`."""
         self._command = command(robot, arguments)
         self._process: Optional[subprocess.Popen] = None
@@ -48,7 +48,7 @@ class RobotNodes:
         return 'its nodes have ended with exit code {}, and are started again'.format(code)
 
     def interrupt(self) -> None:
-        """Begin to end the nodes."""
+        """Ask the nodes to end."""
         if self._process is not None and self._process.poll() is None:
             self._process.send_signal(signal.SIGINT)
 
@@ -63,7 +63,7 @@ class RobotNodes:
             self._process = None
 
 
-def command(robot: Robot, arguments: Mapping[str, Any]) -> List[str]:
+def command(robot: RobotRow, arguments: Mapping[str, Any]) -> List[str]:
     """Return the command that runs the nodes of a robot."""
     values = {'name': robot.name, **dataclasses.asdict(robot.nodes), **arguments}
     del values['urdf']      # it is in the parameter robot_description

@@ -13,7 +13,7 @@ def find(uri):
 
 
 def read(robots):
-    return robot_list.read(robots, DEFAULTS, find)
+    return robot_list.read_robots(robots, DEFAULTS, find)
 
 
 @pytest.fixture
@@ -95,7 +95,7 @@ def test_a_calibration_may_be_beside_the_list(listed, tmp_path, url, expected):
 def test_one_that_is_wrong_does_not_keep_the_others_out(listed, entry, problem):
     found = listed('- name: good\n- {}\n- name: last\n'.format(entry))
     assert [robot.name for robot in found.robots] == ['good', 'last']
-    line, = found.problems
+    line, = map(str, found.problems)
     assert line.startswith(problem) and '\n' not in line
 
 
@@ -128,4 +128,5 @@ def test_the_name_of_one_that_is_wrong_is_used_too(listed):
     """Else a robot of this name would be in the simulator, without nodes."""
     found = listed('- {name: b, foo: 1}\n- {name: b}\n- {name: c}\n')
     assert [robot.name for robot in found.robots] == ['c'] and len(found.problems) == 2
-    assert 'the name b is used by a robot before it' in found.problems[1]
+    assert found.problems[1].name == 'robot 2 of the list'
+    assert 'the name b is used by a robot before it' in found.problems[1].reason
