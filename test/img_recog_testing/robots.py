@@ -1,10 +1,12 @@
 """The robot and worlds that the simulation's tests share."""
 import os
 
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SpawnSettings
 
+GROUPS = 'spawn', 'drive', 'noise'
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'urdf')
 WORLDS = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
 
@@ -17,14 +19,25 @@ def burger():
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
              allow_partial=False, **settings):
-    """Return the assembly of a robot, by default the burger, in a world; **settings: its groups.
+    """Return the assembly of a robot, by default the burger, in a world; **settings: see below.
     """
     physics = PhysicsSettings(world=world_name)
-    robot = assembly.read_robot(burger() if urdf is None else urdf, physics.step_s,
-                                find_mesh or (lambda uri: None), 'robot_description')
-    spawn = SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw)
+    robot = read(burger() if urdf is None else urdf, 'robot_description', find_mesh)
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial)
-    return assembly.build(physics, world, [(robot, RobotSettings(spawn=spawn, **settings))])
+    return assembly.build(physics, world, [(robot, settings_of(x, y, yaw, z, **settings))])
+
+
+def read(urdf, source='robot.urdf', find_mesh=None):
+    """Return what the text of a URDF gives."""
+    return assembly.read_robot(urdf, PhysicsSettings().step_s, find_mesh or (lambda uri: None),
+                               source, SENSORS)
+
+
+def settings_of(x=0.0, y=0.0, yaw=0.0, z=0.0, **settings):
+    """Return the settings of a robot; **settings: those of the drive, the noise and sensors."""
+    groups = {name: settings.pop(name) for name in GROUPS if name in settings}
+    groups.setdefault('spawn', SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
+    return RobotSettings(sensors=settings, **groups)
 
 
 def simulator(*args, **kwargs):

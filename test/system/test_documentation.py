@@ -15,16 +15,16 @@ import pytest
 import img_recog
 from img_recog.camera import settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.nodes.color_extract.node import InputSettings
-from img_recog.nodes.gazebo.robot_plans import RobotsSettings
-from img_recog.nodes.gazebo.robot_topics import TopicSettings
+from img_recog.nodes.gazebo.robot_plans import RobotsSettings, robot_settings_classes
 from img_recog.nodes.gazebo.runtime import RuntimeSettings
 from img_recog.nodes.robots.node import ManagerSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, with_colors
 from img_recog.settings import SettingError, Settings
-from img_recog.simulation import settings as simulation
+from img_recog.simulation.settings import PhysicsSettings, ViewSettings
 from img_recog.teleoperation.settings import TeleopSettings, VelocityLimits
 from img_recog_testing.pages import (ROOT, anchors, code, links, paths, read, rows,
                                      tables)
@@ -36,14 +36,13 @@ NODES = {
                                  CompressionSettings), ('intrinsic_controls',)),
     'color_extract': ('color_extract.node', (InputSettings, with_colors()),
                       ('colors', *(name + '_image_topic' for name in DEFAULT_COLORS))),
-    'gazebo': ('gazebo.node', (
-        simulation.PhysicsSettings, RobotsSettings, simulation.SpawnSettings,
-        simulation.DriveSettings, simulation.OdometrySettings, simulation.SensorSettings,
-        simulation.ScanSettings, simulation.ImuSettings, simulation.CameraSettings,
-        simulation.ViewSettings, TopicSettings), ()),
+    'gazebo': ('gazebo.node', (PhysicsSettings, ViewSettings, RobotsSettings,
+                               *robot_settings_classes()), ()),
     'turtlebot3_teleop_keyboard': ('teleop_key', (TeleopSettings,), ()),
     'robots': ('robots.node', (ManagerSettings, NodeSettings), ()),
     'web': ('web.node', (WebSettings, VelocityLimits), ())}
+# topics that are in no docstring, with their types
+TOPICS = {'gazebo': {kind.topic(kind.settings()): kind.msg_type._type for kind in SENSORS}}
 # of dynamic_reconfigure alone: parameters that are among those above
 PARTS = {RuntimeSettings}
 NAME = r'[~/]?[a-z][a-z0-9_]*(?:/[a-z0-9_]+)*'
@@ -124,25 +123,27 @@ def stated_types(text):
     return {name: kind for names, kind in lists for name in re.split(', | and ', names)}
 
 
-def topic_differences(page, text):
-    """Return a line for each topic or service that only the page or only a docstring has."""
-    types, stated = {row[0].strip('`'): row[1] for row in page}, stated_types(text)
+def topic_differences(page, node):
+    """Return a line for each topic or service that only the page or only the code has."""
+    text, others = docstring(node), TOPICS.get(node, {})
+    types = {row[0].strip('`'): row[1] for row in page}
+    stated = {**stated_types(text), **others}
     lines = ['missing: {} ({})'.format(name, kind)
              for name, kind in stated.items() if name not in types]
     # a docstring may give only the package of a type
-    lines += ['{}: the page has {}, the docstring {}'.format(name, types[name], kind)
+    lines += ['{}: the page has {}, the code {}'.format(name, types[name], kind)
               for name, kind in stated.items()
               if name in types and not (types[name] + '/').startswith(kind + '/')]
-    words = {word.lstrip('/') for word in re.findall(NAME, text)}
-    return lines + ['not in the docstring: ' + name
+    words = {word.lstrip('/') for word in [*re.findall(NAME, text), *others]}
+    return lines + ['not in the code: ' + name
                     for name in types if name.lstrip('/') not in words]
 
 
 @pytest.mark.parametrize('node', NODES)
-def test_topics_and_services_agree_with_the_docstring(node):
-    text = docstring(node)
-    assert len(stated_types(text)) > 0
-    assert topic_differences(topics(REFERENCE, node), text) == []
+def test_topics_and_services_agree_with_the_code(node):
+    assert len(stated_types(docstring(node))) > 0
+    lines = topic_differences(topics(REFERENCE, node), node)
+    assert not lines, '\n'.join(lines)
 
 
 def docstring(node):
@@ -156,14 +157,14 @@ def topics(text, node):
 
 @pytest.mark.parametrize('old, new, words', (
     ('| `imu` | sensor_msgs/Imu |', '| `imus` | sensor_msgs/Imu |', 'missing: imu'),
-    ('| `imu` | sensor_msgs/Imu |', '| `imus` | sensor_msgs/Imu |', 'not in the docstring: imus'),
+    ('| `imu` | sensor_msgs/Imu |', '| `imus` | sensor_msgs/Imu |', 'not in the code: imus'),
     ('| `scan` | sensor_msgs/LaserScan |', '| `scan` | sensor_msgs/Laser |', 'scan: the page'),
     ('| `~pause_physics` | std_srvs', '| `~pause` | std_srvs', 'missing: ~pause_physics'),
     ('| `~set_model_state` | gazebo_msgs', '| `~set_model_state` | std_srvs', 'the page has')))
 def test_a_difference_of_topics_is_found(old, new, words):
     assert old in REFERENCE
     page = topics(REFERENCE.replace(old, new), 'gazebo')
-    assert words in '\n'.join(topic_differences(page, docstring('gazebo')))
+    assert words in '\n'.join(topic_differences(page, 'gazebo'))
 
 
 def launch_arguments(file):

@@ -1,7 +1,8 @@
 """Converts nav_msgs/Odometry and sensor_msgs/JointState, LaserScan and Imu.
 
-The values are those of the simulation. With the message of an earlier call with the same settings
-as `out`, a `to_msg` changes that one: to make a message takes longer than to fill it.
+The values are those of the simulation, and the frames in settings are those that others see.
+With the message of an earlier call with the same settings as `out`, a `to_msg` changes that one:
+to make a message takes longer than to fill it.
 """
 import functools
 from typing import List, Optional, Sequence, Union
@@ -14,8 +15,10 @@ from sensor_msgs.msg import Imu, JointState, LaserScan
 
 from img_recog.simulation.bodies.body import Motion, Vector
 from img_recog.simulation.bodies.robot import JointStates
-from img_recog.simulation.sensors.imu import ImuReading
-from img_recog.simulation.settings import ImuSettings, ScanSettings
+from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
+from img_recog.simulation.sensors.joint_states import JointStateSettings
+from img_recog.simulation.sensors.laser_scanner import ScanSettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
 
 # of x, y, z, roll, pitch, yaw (libgazebo_ros_diff_drive): z, roll and pitch are not estimated
 _POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist()
@@ -30,12 +33,12 @@ def stamp_of(time_s: float) -> genpy.Time:
     return genpy.Time(*divmod(round(time_s * 1e9), 1000000000))
 
 
-def odometry_to_msg(motion: Motion, frame_id: str, child_frame_id: str, stamp: genpy.Time,
+def odometry_to_msg(motion: Motion, settings: OdometrySettings, stamp: genpy.Time,
                     out: Optional[Odometry] = None) -> Odometry:
-    """Return the message for a motion: pose in `frame_id`, twist in `child_frame_id`."""
+    """Return the message for a motion: pose in `odom_frame`, twist in `base_frame`."""
     if out is None:
-        out = Odometry(child_frame_id=child_frame_id)
-        out.header.frame_id = frame_id
+        out = Odometry(child_frame_id=settings.base_frame)
+        out.header.frame_id = settings.odom_frame
         out.pose.covariance = _POSE_COVARIANCE
     out.header.stamp = stamp
     _set_vector(out.pose.pose.position, motion.position.tolist())
@@ -64,7 +67,7 @@ def transform_of(odometry: Odometry, out: Optional[TransformStamped] = None) -> 
     return out
 
 
-def joint_states_to_msg(states: JointStates, stamp: genpy.Time,
+def joint_states_to_msg(states: JointStates, _: JointStateSettings, stamp: genpy.Time,
                         out: Optional[JointState] = None) -> JointState:
     """Return the message for joint states: rad, rad/s and N m."""
     if out is None:

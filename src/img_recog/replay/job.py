@@ -70,12 +70,11 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
                            cli.spawn_settings(options), options.allow_partial_world)
     frames = recording or _robot_frames(built, options.seconds)
     simulator = built.simulator
-    robot, odometry = simulator.vehicles[0].robot, simulator.vehicles[0].settings.odometry
+    vehicle = simulator.vehicles[0]
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file, *film_files), \
             contextlib.ExitStack() as stack:
-        bag = BagRecorder(bag_file, settings.color_names, odometry,
-                          odometry.base_frame or robot.root)
+        bag = BagRecorder(bag_file, settings.color_names, vehicle.settings.sensors)
         text = io.TextIOWrapper(csv_file, 'utf-8', newline='')
         table = TableRecorder(text, settings.color_names)
         recorders: List[Recorder] = [bag, table, plot]
@@ -108,7 +107,8 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     for warning in frames.warnings:
         _log.warning('%s', warning)
     whole_s = time.perf_counter() - begin_s
-    return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, robot.motion(), paths)
+    return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, vehicle.robot.motion(),
+                    paths)
 
 
 def _robot_frames(built: Assembly, seconds: float) -> 'RobotFrames':

@@ -1,6 +1,6 @@
 """Records a replay: as a bag, as a table, and as the data of the picture."""
 import csv
-from typing import IO, Dict, List, Sequence
+from typing import IO, Any, Dict, List, Mapping, Sequence
 
 import genpy
 import numpy as np
@@ -8,12 +8,15 @@ import rosbag
 from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.recognition.settings import Color
 from img_recog.replay.chain import (RECOGNITION, SECOND_NS, TELEOP, CommandSent, FrameResult,
                                     Recorder)
 from img_recog.replay.plot_data import PlotData
-from img_recog.simulation.settings import OdometrySettings
 from img_recog.simulation.vehicle import Reading
+
+RECORDED = 'odometry', 'joint_states'       # of the sensors
+_KINDS = {kind.name: kind for kind in SENSORS}
 
 
 class BagRecorder(Recorder):
@@ -23,14 +26,13 @@ class BagRecorder(Recorder):
     simulated time.
     """
 
-    def __init__(self, file: IO[bytes], names: Sequence[str], odometry: OdometrySettings,
-                 base_frame: str):
+    def __init__(self, file: IO[bytes], names: Sequence[str], sensors: Mapping[str, Any]):
         """Write to an open, empty file.
 
-        names: of the colors; base_frame: child_frame_id of the odometry.
+        names: of the colors; sensors: the settings of a vehicle's sensors.
         """
         self._bag = rosbag.Bag(file, 'w')
-        self._names, self._odometry, self._base_frame = names, odometry, base_frame
+        self._names, self._sensors = names, sensors
         self._start_ns = 0
 
     def start(self, stamp_ns: int) -> None:
@@ -44,17 +46,14 @@ class BagRecorder(Recorder):
         self._write('/cmd_vel', twist_msgs.to_msg(*sent.command), sent.time_ns)
 
     def on_reading(self, reading: Reading) -> None:
+        if reading.sensor not in RECORDED:
+            return
         time_ns = round(reading.time_s * SECOND_NS)
-        stamp = _time(self._start_ns + time_ns)
-        if reading.sensor == 'joint_states':
-            msg = robot_msgs.joint_states_to_msg(reading.value, stamp)
-            self._write('/joint_states', msg, time_ns)
-        elif reading.sensor == 'odometry':
-            msg = robot_msgs.odometry_to_msg(reading.value, self._odometry.odom_frame,
-                                             self._base_frame, stamp)
-            self._write('/odom', msg, time_ns)
-            if self._odometry.publish_odom_tf:
-                self._write('/tf', TFMessage([robot_msgs.transform_of(msg)]), time_ns)
+        kind, settings = _KINDS[reading.sensor], self._sensors[reading.sensor]
+        msg = kind.to_msg(reading.value, settings, _time(self._start_ns + time_ns))
+        self._write('/' + kind.topic(kind.settings()), msg, time_ns)
+        if reading.sensor == 'odometry' and settings.publish_odom_tf:
+            self._write('/tf', TFMessage([robot_msgs.transform_of(msg)]), time_ns)
 
     def close(self) -> None:
         """Write the index and close the file."""

@@ -3,14 +3,16 @@ import dataclasses
 import logging
 
 from img_recog import resources, robot_file
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
+from img_recog.replay.recorders import RECORDED
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import CameraSettings, PhysicsSettings, SpawnSettings
 
 _log = logging.getLogger(__name__)
-_UNUSED_SENSORS = ('imu', 'scan')
+_UNUSED_SENSORS = [kind.name for kind in SENSORS if kind.name not in RECORDED]
 _CAMERA_LINK, _CAMERA_FRAME = 'camera_link', 'head_camera'     # those of the demo
 
 
@@ -23,7 +25,7 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     """
     physics = PhysicsSettings(world=world, allow_partial_world=allow_partial_world)
     robot = assembly.read_robot(robot_file.read(urdf_path, '--urdf'), physics.step_s,
-                                resources.find, urdf_path)
+                                resources.find, urdf_path, SENSORS)
     settings = dataclasses.replace(assembly.default_settings(robot), spawn=spawn)
     file = world_file.read(world, resources.worlds(), resources.find, allow_partial_world,
                            _option('allow_partial_world'))

@@ -1,5 +1,4 @@
 """The one place where the parameter server is read."""
-import dataclasses
 import xmlrpc.client
 from types import MappingProxyType
 from typing import Any, Callable, Iterable, List, Mapping, Type
@@ -48,14 +47,6 @@ def read_one(name: str, default: Any, checked: Callable[[Any], Any], namespace: 
     except SettingError as error:
         raise ParameterError('parameter {}: got {}, allowed is {}'.format(
             _name_in(namespace, name), error.got, error.allowed))
-
-
-def read_group(group_class: type, from_description: Mapping[str, Any] = _NO_VALUES,
-               namespace: str = '~', fallback: str = ''):
-    """Return a dataclass whose fields are settings, each read as by `read`."""
-    return group_class(**{
-        field.name: read(type(field.default), from_description, namespace, fallback)
-        for field in dataclasses.fields(group_class)})
 
 
 def warn_of_unknown(*settings_classes: Type[Settings], also_known: Iterable[str] = (),

@@ -5,7 +5,7 @@ world. Both return warnings and log nothing.
 """
 import contextlib
 import dataclasses
-from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 from img_recog.errors import UserError
 from img_recog.files import FindFile
@@ -18,22 +18,27 @@ from img_recog.simulation.descriptions import (camera_tags, description, gazebo_
 from img_recog.simulation.descriptions.description import Description
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.pictures.scene import Scene, scene_of
-from img_recog.simulation.settings import (CameraSettings, DriveSettings, PhysicsSettings,
-                                           RobotSettings, SimulationError)
+from img_recog.simulation.sensors.sensor import SensorKind
+from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                           PhysicsSettings, RobotSettings, SimulationError,
+                                           SpawnSettings)
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
+
+ReadSettings = Callable[[type, Mapping[str, Any]], Any]
 
 
 class RobotSource(NamedTuple):
     """What the text of a URDF gives.
 
-    source: what messages call the text, like robot_description or the path of a file;
-    tag_values: the settings that it gives, by name, most of them in <gazebo> tags; cameras: those
-    in its <gazebo> tags; warnings: a line each.
+    source: what messages call the text, like robot_description or the path of a file; kinds: of
+    the sensors that it can have; tag_values: the settings in its <gazebo> tags, by name; cameras:
+    those in its <gazebo> tags; warnings: a line each.
     """
 
     source: str
     description: Description
+    kinds: Sequence[SensorKind]
     tag_values: gazebo_tags.Values
     cameras: Tuple[CameraSettings, ...]
     warnings: Tuple[str, ...]
@@ -51,18 +56,20 @@ class Assembly(NamedTuple):
     warnings: Tuple[str, ...]
 
 
-def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str) -> RobotSource:
+def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
+               kinds: Sequence[SensorKind] = ()) -> RobotSource:
     """Read the text of a URDF.
 
-    step_s: of the physics. find_mesh: returns the path of a mesh's URI. source: see RobotSource.
+    step_s: of the physics. find_mesh: returns the path of a mesh's URI. source, kinds: see
+    RobotSource.
     Raises SimulationError naming the source when the text is not a URDF that can be simulated.
     """
     try:
         robot = description.parse(urdf, find_mesh)
         urdf_visuals.check(robot.urdf)
-        values = gazebo_tags.settings(urdf, step_s)
+        found = gazebo_tags.read(urdf, step_s,
+                                 (gazebo_tags.DRIVE, *(kind.tags for kind in kinds)))
         cameras = tuple(camera_tags.cameras(urdf))
-        unsupported = gazebo_tags.not_simulated(urdf)
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
     warnings = []
@@ -72,19 +79,24 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str) -> Ro
         warnings.append('{}: not known or not found, of its materials: {}; those links keep their '
                         'other color'.format(
                             source, ', '.join(robot.missing_materials)))
-    if unsupported:
+    if found.not_simulated:
         warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
-            source, ', '.join(unsupported)))
-    return RobotSource(source, robot, values, cameras, tuple(warnings))
+            source, ', '.join(found.not_simulated)))
+    return RobotSource(source, robot, kinds, found.values, cameras, tuple(warnings))
 
 
-def with_wheels(robot: RobotSource, drive: DriveSettings) -> RobotSource:
-    """Return the robot with the separation and diameter of its wheels, if no tag gives them.
+def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
+    """Return the settings of a robot.
 
-    drive: names the joints of the wheels.
+    read: read(settings class, values) returns the settings that the user gives, else those in
+    `values`, by name: those of tags, and as the URDF has them, the separation and the diameter of
+    the wheels.
     """
-    measured = wheels.measure(robot.description, drive).values()
-    return robot._replace(tag_values={**measured, **robot.tag_values})
+    measured = wheels.measure(robot.description, read(DriveSettings, robot.tag_values)).values()
+    values: Mapping[str, Any] = {**measured, **robot.tag_values}
+    return RobotSettings(
+        read(SpawnSettings, values), read(DriveSettings, values), read(NoiseSettings, values),
+        {kind.name: read(kind.settings, values) for kind in robot.kinds})
 
 
 def default_settings(robot: RobotSource) -> RobotSettings:
@@ -93,9 +105,7 @@ def default_settings(robot: RobotSource) -> RobotSettings:
     Raises SimulationError naming the source when the value of a tag is not allowed.
     """
     try:
-        robot = with_wheels(robot, from_mapping(DriveSettings, robot.tag_values))
-        return RobotSettings(**{field.name: from_mapping(type(field.default), robot.tag_values)
-                                for field in dataclasses.fields(RobotSettings)})
+        return settings_of(robot, from_mapping)
     except SettingError as error:
         raise _refused(robot.source, error.problem, error.advice)
 
@@ -135,7 +145,7 @@ def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,
     Arguments and errors as for `build`; after an error, nothing has changed.
     """
     with _refusal(robot), loading.all_or_nothing(simulator.world.physics_client_id):
-        vehicle = Vehicle(robot.description, settings, simulator.world)
+        vehicle = Vehicle(robot.description, settings, simulator.world, robot.kinds)
     simulator.add(vehicle)
     for sensor in unused_sensors:
         vehicle.set_sensor_enabled(sensor, False)

@@ -1,6 +1,7 @@
 """The settings of the simulator; defaults are those of turtlebot3_gazebo for the burger."""
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Mapping
 
 from img_recog.errors import UserError
 from img_recog.settings import (Allowed, SettingError, Settings, above, any_value, at_least,
@@ -52,7 +53,7 @@ class DriveSettings(Settings):
     the rim. drive_period_s: between two updates of the wheel speeds.
     max_linear_velocity, max_angular_velocity: limits of commands in m/s and rad/s; 0 is no limit
     (the real burger has 0.22 and 2.84). cmd_vel_timeout: simulated s after which the robot stops
-    unless another command arrives; 0 is never.
+    unless another command arrives; 0 is never. command_topic: where they arrive.
     """
 
     left_joint: str = setting('wheel_left_joint', not_empty())
@@ -65,62 +66,14 @@ class DriveSettings(Settings):
     max_linear_velocity: float = setting(0.0, at_least(0))
     max_angular_velocity: float = setting(0.0, at_least(0))
     cmd_vel_timeout: float = setting(0.0, at_least(0))
+    command_topic: str = setting('cmd_vel', not_empty())
 
 
 @dataclass(frozen=True)
-class OdometrySettings(Settings):
-    """Odometry like that of libgazebo_ros_diff_drive.
+class NoiseSettings(Settings):
+    """seed: of the random generators of all noise."""
 
-    odometry_source: world is the true pose in the world, encoder is integrated from the start by
-    the turns of the wheels. odom_frame, base_frame: frame_id and child_frame_id; an empty
-    base_frame is the root link. publish_odom_tf: whether the pose is published on tf as well.
-    """
-
-    odometry_source: str = setting('world', one_of('encoder', 'world'))
-    odom_frame: str = setting('odom', not_empty())
-    base_frame: str = setting('', any_value())
-    publish_odom_tf: bool = setting(True)
-
-
-@dataclass(frozen=True)
-class SensorSettings(Settings):
-    """Sensor periods in simulated s, each a multiple of the physics step, and the noise seed.
-
-    30 Hz does not divide into steps of 1 ms: 33 ms is the nearest period that does.
-    seed: of the random generators of all noise.
-    """
-
-    odometry_period_s: float = setting(0.033, above(0))
-    joint_states_period_s: float = setting(0.033, above(0))
-    imu_period_s: float = setting(0.005, above(0))
-    scan_period_s: float = setting(0.2, above(0))
     seed: int = setting(0, between(0, 2 ** 31 - 1))
-
-
-@dataclass(frozen=True)
-class ScanSettings(Settings):
-    """The laser scanner, an LDS-01 like that of turtlebot3_gazebo.
-
-    Angles in rad about z of `scan_frame`, from its x axis; there is a ray at both ends. Ranges
-    and the standard deviation of their noise in m.
-    """
-
-    scan_frame: str = setting('base_scan', not_empty())
-    scan_samples: int = setting(360, between(2, 16383))
-    scan_angle_min: float = setting(0.0, any_value())
-    scan_angle_max: float = setting(6.28319, any_value())
-    scan_range_min: float = setting(0.120, at_least(0))
-    scan_range_max: float = setting(3.5, above(0))
-    scan_noise: float = setting(0.01, at_least(0))
-
-
-@dataclass(frozen=True)
-class ImuSettings(Settings):
-    """The IMU; standard deviations of its noise in rad/s and m/s2."""
-
-    imu_frame: str = setting('imu_link', not_empty())
-    gyro_noise: float = setting(2e-4, at_least(0))
-    accel_noise: float = setting(1.7e-2, at_least(0))
 
 
 @dataclass(frozen=True)
@@ -183,14 +136,15 @@ class ViewSettings(Settings):
 
 @dataclass(frozen=True)
 class RobotSettings:
-    """All settings of one robot."""
+    """All settings of one robot.
+
+    sensors: those of its sensors, by the names of their kinds; of the others, the defaults hold.
+    """
 
     spawn: SpawnSettings = SpawnSettings()
     drive: DriveSettings = DriveSettings()
-    odometry: OdometrySettings = OdometrySettings()
-    sensors: SensorSettings = SensorSettings()
-    scan: ScanSettings = ScanSettings()
-    imu: ImuSettings = ImuSettings()
+    noise: NoiseSettings = NoiseSettings()
+    sensors: Mapping[str, Settings] = field(default_factory=dict)
 
 
 def whole_steps(name: str, period_s: float, step_s: float) -> int:
@@ -198,6 +152,9 @@ def whole_steps(name: str, period_s: float, step_s: float) -> int:
 
     name: of the setting. Raises SimulationError, with the nearest valid periods, when the number
     is not whole.
+
+    >>> whole_steps('scan_period_s', 0.2, 0.001)
+    200
     """
     steps = period_s / step_s
     whole = round(steps)
@@ -210,5 +167,9 @@ def whole_steps(name: str, period_s: float, step_s: float) -> int:
 
 
 def nearest_period(rate_hz: float, step_s: float) -> float:
-    """Return the period in s that is nearest to a rate and a whole number of steps, min. one."""
+    """Return the period in s that is nearest to a rate and a whole number of steps, min. one.
+
+    >>> nearest_period(30.0, 0.001)
+    0.033
+    """
     return max(1, round(1 / rate_hz / step_s)) * step_s

@@ -5,8 +5,8 @@ import pybullet
 
 from img_recog.simulation.bodies.body import Body
 from img_recog.simulation.bodies.world import World
-from img_recog.simulation.sensors import laser_scanner
-from img_recog.simulation.sensors.laser_scanner import LaserScanner
+from img_recog.simulation.sensors import rays
+from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.vehicle import Reading, Vehicle
 
@@ -102,7 +102,7 @@ class Simulator:
 
 def _read_together(sensors: Sequence[Sensor]) -> List[Any]:
     """Return what each of the sensors measures now."""
-    scanners = [sensor for sensor in sensors if isinstance(sensor, LaserScanner)]
-    scans = iter(laser_scanner.read_together(scanners) if scanners else ())
-    return [next(scans) if isinstance(sensor, LaserScanner) else sensor.read()
+    cast = [sensor for sensor in sensors if isinstance(sensor, RaySensor)]
+    measured = iter(rays.read_together(cast) if cast else ())
+    return [next(measured) if isinstance(sensor, RaySensor) else sensor.read()
             for sensor in sensors]

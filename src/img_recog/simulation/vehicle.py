@@ -1,23 +1,20 @@
 """A robot with its drive and its sensors."""
 import dataclasses
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, cast
 
 import numpy as np
 
 from img_recog import rotations
 from img_recog.simulation.bodies.body import Pose
 from img_recog.simulation.bodies.differential_drive import DifferentialDrive
-from img_recog.simulation.bodies.robot import JointStates, Robot
+from img_recog.simulation.bodies.robot import SimulatedRobot
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions.description import Description
-from img_recog.simulation.sensors.imu import Imu
-from img_recog.simulation.sensors.laser_scanner import LaserScanner
-from img_recog.simulation.sensors.odometry import WORLD, make_odometry
+from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.sensors.sensor import ScheduledSensor, Sensor
-from img_recog.simulation.settings import (CameraSettings, ImuSettings, RobotSettings,
-                                           ScanSettings, SpawnSettings, nearest_period,
-                                           whole_steps)
+from img_recog.simulation.sensors.sensor import Mount, ScheduledSensor, SensorKind
+from img_recog.simulation.settings import (CameraSettings, RobotSettings, SpawnSettings,
+                                           nearest_period, whole_steps)
 
 
 class Reading(NamedTuple):
@@ -33,58 +30,49 @@ class Reading(NamedTuple):
     value: Any
 
 
-class _JointStateSensor(Sensor):
-    """Joint states as a sensor."""
-
-    def __init__(self, robot: Robot):
-        self._robot = robot
-
-    def read(self) -> JointStates:
-        return self._robot.joint_states()
-
-
 class Vehicle:
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
-    robot: the body; description, settings: what it was made with; missing_sensors: the sensors
-    that were left out, and the links for them that the robot does not have.
+    robot: the body; description: what it was made with; settings: those of all sensors, in which
+    an empty frame is the root link; kinds: of the sensors; missing_sensors: those that were left
+    out, and the links for them that the robot does not have.
     """
 
-    def __init__(self, description: Description, settings: RobotSettings, world: World):
+    def __init__(self, description: Description, settings: RobotSettings, world: World,
+                 kinds: Sequence[SensorKind] = ()):
         """Load the robot into a world.
 
         Raises SimulationError when a setting does not fit the robot or the physics; nothing is
         left in the world then.
         """
-        step_s = world.step_s
-        self.description, self.settings, self._step_s = description, settings, step_s
-        self.robot = Robot(description, settings.drive, settings.spawn, world.physics_client_id)
-        self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s, step_s)
+        self.description, self.kinds, self._step_s = description, kinds, world.step_s
+        self.settings = dataclasses.replace(settings, sensors={
+            kind.name: _with_root(settings.sensors.get(kind.name, kind.settings()),
+                                  description.root) for kind in kinds})
+        self.robot = SimulatedRobot(description, settings.drive, settings.spawn,
+                                    world.physics_client_id)
+        self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
+                                        world.step_s)
         self._drive = DifferentialDrive(settings.drive)
         self._wheel_velocities: Optional[Tuple[float, float]] = None    # that the motors have
-        periods = settings.sensors
-        # a generator each: the noise of one sensor does not depend on whether the other is read
-        scan_noise, imu_noise = (np.random.RandomState((periods.seed, number))
-                                 for number in range(2))
-        sensors: Dict[str, Sensor] = {
-            'odometry': make_odometry(self.robot, settings.odometry, settings.drive,
-                                      periods.odometry_period_s),
-            'joint_states': _JointStateSensor(self.robot)}
+        self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing_sensors: Dict[str, str] = {}
-        if self._can_have('imu', settings.imu.imu_frame, ImuSettings().imu_frame):
-            sensors['imu'] = Imu(self.robot, settings.imu, periods.imu_period_s, imu_noise)
-        if self._can_have('scan', settings.scan.scan_frame, ScanSettings().scan_frame):
-            sensors['scan'] = LaserScanner(self.robot, settings.scan, scan_noise, world.solids)
-        self._sensors = {name: ScheduledSensor(name, self._period_steps(name, step_s), sensor)
-                         for name, sensor in sensors.items()}
+        for kind in kinds:
+            self._mount(kind, self.settings.sensors[kind.name], world)
         self._enabled = list(self._sensors.values())
 
-    def _can_have(self, sensor: str, frame: str, default_frame: str) -> bool:
-        """Return whether to mount a sensor: not when only the default names a missing link."""
-        if frame == default_frame and not self.robot.has_frame(frame):
-            self.missing_sensors[sensor] = frame
-            return False
-        return True
+    def _mount(self, kind: SensorKind, settings: Any, world: World) -> None:
+        """Add a sensor, but not when only the default names a link that is missing."""
+        frame = kind.frame(settings)
+        if frame == kind.frame(kind.settings()) and frame and not self.robot.has_frame(frame):
+            self.missing_sensors[kind.name] = frame
+            return
+        name = kind.name + '_period_s'
+        # a generator each: the noise of one sensor does not depend on whether another is read
+        noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number))
+        self._sensors[kind.name] = ScheduledSensor(
+            kind.name, whole_steps(name, getattr(settings, name), self._step_s),
+            kind.make(Mount(self.robot, world, noise), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
         """Add a camera, which is disabled; return the name of the sensor.
@@ -100,10 +88,6 @@ class Vehicle:
             name, whole_steps('camera_rate', period_s, self._step_s), camera)
         self._sensors[name].enabled = False
         return name
-
-    def _period_steps(self, sensor: str, step_s: float) -> int:
-        name = sensor + '_period_s'
-        return whole_steps(name, getattr(self.settings.sensors, name), step_s)
 
     def set_sensor_enabled(self, sensor: str, enabled: bool) -> None:
         """Enable or disable a sensor; does nothing when the robot does not have it.
@@ -132,9 +116,14 @@ class Vehicle:
         return self._drive.timeout_s
 
     @property
+    def odometry(self) -> OdometrySettings:
+        """The settings of the odometry."""
+        return cast(OdometrySettings, self.settings.sensors['odometry'])
+
+    @property
     def odometry_origin(self) -> Tuple[float, float, float]:
         """Where the odometry is zero: x, y in m and yaw in rad, in the world."""
-        if self.settings.odometry.odometry_source == WORLD:
+        if self.odometry.odometry_source == WORLD:
             return 0.0, 0.0, 0.0
         spawn = self.settings.spawn
         return spawn.x_pos, spawn.y_pos, spawn.yaw
@@ -191,10 +180,14 @@ class Vehicle:
         self.notify_teleported()
 
     def notify_teleported(self) -> None:
-        """Call after the robot was moved from outside: the IMU must not see an acceleration.
-
-        Odometry from the wheels is not changed: they did not turn.
-        """
+        """Call after the robot was moved from outside."""
         self._wheel_velocities = None
-        if 'imu' in self._sensors:
-            self._sensors['imu'].sensor.restart()
+        for scheduled in self._sensors.values():
+            scheduled.sensor.notify_teleported()
+
+
+def _with_root(settings: Any, root: str) -> Any:
+    """Return the settings of a sensor with the root link for each empty frame."""
+    return dataclasses.replace(settings, **{
+        field.name: root for field in dataclasses.fields(settings)
+        if field.name.endswith('_frame') and not getattr(settings, field.name)})

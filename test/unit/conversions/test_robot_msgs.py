@@ -11,10 +11,13 @@ from img_recog.camera.calibration import Calibration
 from img_recog.conversions import camera_info_msgs, robot_msgs, twist_msgs
 from img_recog.simulation.bodies.body import Motion
 from img_recog.simulation.bodies.robot import JointStates
-from img_recog.simulation.sensors.imu import ImuReading
-from img_recog.simulation.settings import ImuSettings, ScanSettings
+from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
+from img_recog.simulation.sensors.joint_states import JointStateSettings
+from img_recog.simulation.sensors.laser_scanner import ScanSettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
 
 STAMP = rospy.Time(12, 34)
+ODOMETRY, JOINTS = OdometrySettings(base_frame='base'), JointStateSettings()
 MOTION = Motion(np.array([1.0, 2.0, 3.0]), (0.1, 0.2, 0.3, math.sqrt(0.86)),
                 np.array([0.4, 0.5, 0.6]), np.array([0.7, 0.8, 0.9]))
 
@@ -37,7 +40,7 @@ def test_twist_that_is_not_finite_is_refused_by_name(part, axis, value):
 
 
 def test_odometry_round_trip():
-    msg = robot_msgs.odometry_to_msg(MOTION, 'odom', 'base', STAMP)
+    msg = robot_msgs.odometry_to_msg(MOTION, ODOMETRY, STAMP)
     assert (msg.header.stamp, msg.header.frame_id, msg.child_frame_id) == (STAMP, 'odom', 'base')
     # x, y and yaw are estimated, like by libgazebo_ros_diff_drive
     assert list(msg.pose.covariance) == np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel(
@@ -48,7 +51,7 @@ def test_odometry_round_trip():
 
 
 def test_transform_is_the_odometrys_pose():
-    msg = robot_msgs.transform_of(robot_msgs.odometry_to_msg(MOTION, 'odom', 'base', STAMP))
+    msg = robot_msgs.transform_of(robot_msgs.odometry_to_msg(MOTION, ODOMETRY, STAMP))
     moved, turned = msg.transform.translation, msg.transform.rotation
     assert (msg.header.frame_id, msg.child_frame_id, msg.header.stamp) == ('odom', 'base', STAMP)
     assert (moved.x, moved.y, moved.z) == (1.0, 2.0, 3.0)
@@ -57,7 +60,7 @@ def test_transform_is_the_odometrys_pose():
 
 def test_joint_states_round_trip():
     states = JointStates(('left', 'right'), [0.1, 0.2], [0.3, 0.4], [0.5, 0.6])
-    msg = robot_msgs.joint_states_to_msg(states, STAMP)
+    msg = robot_msgs.joint_states_to_msg(states, JOINTS, STAMP)
     assert msg.header.stamp == STAMP
     assert robot_msgs.joint_states_from_msg(msg) == states
 
@@ -88,28 +91,28 @@ def test_imu_round_trip():
         assert np.array_equal(got, want)
 
 
-@pytest.mark.parametrize('to_msg, values', [
-    (lambda motion, **args: robot_msgs.odometry_to_msg(motion, 'odom', 'base', **args),
+@pytest.mark.parametrize('to_msg, settings, values', [
+    (robot_msgs.odometry_to_msg, ODOMETRY,
      (MOTION, Motion(np.array([3.0, 2.0, 1.0]), (0.0, 0.0, 0.6, 0.8), np.zeros(3), np.ones(3)))),
-    (robot_msgs.joint_states_to_msg,
+    (robot_msgs.joint_states_to_msg, JOINTS,
      (JointStates(('left', 'right'), [0.1, 0.2], [0.3, 0.4], [0.5, 0.6]),
       JointStates(('left', 'right'), [1.1, 1.2], [1.3, 1.4], [1.5, 1.6]))),
-    (lambda ranges, **args: robot_msgs.scan_to_msg(ranges, ScanSettings(), **args),
+    (robot_msgs.scan_to_msg, ScanSettings(),
      (np.arange(360.0), np.full(360, np.inf))),
-    (lambda reading, **args: robot_msgs.imu_to_msg(reading, ImuSettings(), **args),
+    (robot_msgs.imu_to_msg, ImuSettings(),
      (ImuReading((0.0, 0.0, 0.6, 0.8), (1.0, 2.0, 3.0), (4.0, 5.0, 6.0)),
       ImuReading((0.6, 0.0, 0.0, 0.8), (6.0, 5.0, 4.0), (3.0, 2.0, 1.0))))])
-def test_a_message_that_is_used_again_equals_a_new_one(to_msg, values):
+def test_a_message_that_is_used_again_equals_a_new_one(to_msg, settings, values):
     first, second = values
     stamps = rospy.Time(1, 2), rospy.Time(3, 4)
-    msg = to_msg(first, stamp=stamps[0])
-    assert to_msg(second, stamp=stamps[1], out=msg) is msg
-    assert msg == to_msg(second, stamp=stamps[1]) != to_msg(first, stamp=stamps[0])
+    msg = to_msg(first, settings, stamps[0])
+    assert to_msg(second, settings, stamps[1], msg) is msg
+    assert msg == to_msg(second, settings, stamps[1]) != to_msg(first, settings, stamps[0])
 
 
 def test_a_transform_that_is_used_again_equals_a_new_one():
     first, second = (robot_msgs.odometry_to_msg(
-        MOTION._replace(position=np.full(3, number)), 'odom', 'base', rospy.Time(number, 0))
+        MOTION._replace(position=np.full(3, number)), ODOMETRY, rospy.Time(number, 0))
         for number in (1, 2))
     msg = robot_msgs.transform_of(first)
     assert robot_msgs.transform_of(second, msg) is msg

@@ -16,7 +16,7 @@ from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.bodies.body import Motion
 from img_recog.simulation.bodies.footprints import footprints
-from img_recog.simulation.settings import OdometrySettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog_testing import robots
 from img_recog_testing.replaying import BLUE, RED, EventLog, frame
 
@@ -38,9 +38,9 @@ def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
     """Return bag, table and picture as bytes, and a log."""
     settings, log = with_colors()(), EventLog()
     bag_file, csv_file, png_file = BagFile(), io.StringIO(), io.BytesIO()
-    bag = BagRecorder(bag_file, settings.color_names, OdometrySettings(**odometry), 'base')
     plot = PlotRecorder(settings.colors)
-    simulator = robots.simulator(world, -2.0, -0.5)
+    simulator = robots.simulator(world, -2.0, -0.5, odometry=OdometrySettings(**odometry))
+    bag = BagRecorder(bag_file, settings.color_names, simulator.vehicles[0].settings.sensors)
     chain = Chain(simulator, settings, True,
                   [log, bag, TableRecorder(csv_file, settings.color_names), plot])
     frames = (frame(number, start_ns + number * PERIOD_NS, *colors)
@@ -82,7 +82,7 @@ def test_bag():
     assert len(motions) == len(found['/odom']) == len(found['/tf']) == 14
     for (stamp, msg), (_, tf), reading in zip(found['/odom'], found['/tf'], motions):
         assert stamp == msg.header.stamp.to_nsec() == START_NS + round(reading.time_s * 1e9)
-        assert (msg.header.frame_id, msg.child_frame_id) == ('odom', 'base')
+        assert (msg.header.frame_id, msg.child_frame_id) == ('odom', 'base_footprint')
         for got, wanted in zip(robot_msgs.odometry_from_msg(msg), reading.value):
             assert tuple(got) == tuple(wanted)
         # rosbag makes a separate class for each topic
@@ -99,7 +99,7 @@ def test_bag_has_no_message_at_time_zero():
 
 def test_bag_of_several_chunks_is_complete():
     file = BagFile()
-    bag = BagRecorder(file, ['blue'], OdometrySettings(), 'base')
+    bag = BagRecorder(file, ['blue'], {})
     bag.start(START_NS)
     for number in range(20000):
         bag.on_command(CommandSent(number, Command(float(number)), 'somebody'))

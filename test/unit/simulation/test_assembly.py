@@ -6,9 +6,11 @@ import pytest
 
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.settings import (DriveSettings, OdometrySettings, PhysicsSettings,
-                                           RobotSettings, SimulationError, SpawnSettings)
-from img_recog_testing.robots import WORLDS, assemble, burger
+from img_recog.simulation.sensors.laser_scanner import ScanSettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
+from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
+                                           SimulationError)
+from img_recog_testing.robots import WORLDS, assemble, burger, read, settings_of
 from img_recog_testing.sdf import CRATE, sdf
 
 TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
@@ -17,10 +19,6 @@ TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
 MESH = ('<link name="cover"><visual><geometry><mesh filename="package://lost/x.stl"/></geometry>'
         '</visual></link><joint name="cover_joint" type="fixed"><parent link="base_link"/>'
         '<child link="cover"/></joint></robot>')
-
-
-def read(urdf, source='robot.urdf'):
-    return assembly.read_robot(urdf, 0.001, lambda uri: None, source)
 
 
 def refusal(action):
@@ -65,20 +63,20 @@ def test_the_friction_of_a_wheel_is_at_most_that_of_the_floor(given, used):
 @pytest.mark.parametrize('odometry, origin', [('world', (0.0, 0.0, 0.0)),
                                               ('encoder', (1.0, 2.0, 0.5))])
 def test_where_the_odometry_is_zero(odometry, origin):
-    settings = RobotSettings(spawn=SpawnSettings(x_pos=1.0, y_pos=2.0, yaw=0.5),
-                             odometry=OdometrySettings(odometry_source=odometry))
-    sim = assembly.build(PhysicsSettings(), world_file.read('empty', WORLDS),
-                         [(read(burger()), settings)]).simulator
+    sim = assemble(x=1.0, y=2.0, yaw=0.5,
+                   odometry=OdometrySettings(odometry_source=odometry)).simulator
     sim.vehicles[0].move_to(3.0, 3.0, 0.0)
     assert sim.vehicles[0].odometry_origin == origin
 
 
 def test_default_settings_are_those_of_tags_and_else_the_defaults():
-    assert assembly.default_settings(read(burger())) == RobotSettings()
+    plain = assembly.default_settings(read(burger()))
+    assert plain == RobotSettings(sensors=plain.sensors)
+    assert plain.sensors['scan'] == ScanSettings()
     settings = assembly.default_settings(read(burger().replace('</robot>', TAGS)))
     assert settings.drive == DriveSettings(wheel_separation=0.3)
-    assert settings.sensors.odometry_period_s == pytest.approx(0.02)
-    assert settings.scan == RobotSettings().scan
+    assert settings.sensors['odometry'].odometry_period_s == pytest.approx(0.02)
+    assert settings.sensors['scan'] == ScanSettings()
 
 
 def test_simulator_and_scene_of_the_world_and_the_robot():
@@ -94,7 +92,7 @@ def test_simulator_and_scene_of_the_world_and_the_robot():
 def test_several_robots_stand_and_drive_in_one_simulator():
     names = ('one', 'two')
     robots = [(read(burger().replace('turtlebot3_burger', name), name),
-               RobotSettings(spawn=SpawnSettings(x_pos=number, y_pos=2.0 * number)))
+               settings_of(number, 2.0 * number))
               for number, name in enumerate(names)]
     built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', WORLDS),
                            robots)
@@ -126,7 +124,7 @@ def test_unused_sensors_are_disabled():
 
 
 def test_overlap_at_the_start_names_the_options():
-    spawn = RobotSettings(spawn=SpawnSettings(x_pos=0.0, y_pos=0.1))
+    spawn = settings_of(0.0, 0.1)
     world = world_file.read('turtlebot3_world', WORLDS)
     for option_name, names in ((str, 'x_pos, y_pos, z_pos'), (str.upper, 'X_POS, Y_POS, Z_POS')):
         warning, = assembly.build(PhysicsSettings(), world, [(read(burger()), spawn)],

@@ -7,7 +7,9 @@ import pytest
 
 from img_recog.simulation.descriptions import model_file
 from img_recog.simulation.models import Models, State
-from img_recog.simulation.settings import ImuSettings, OdometrySettings, SimulationError
+from img_recog.simulation.sensors.imu import ImuSettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
+from img_recog.simulation.settings import SimulationError
 from img_recog_testing.robots import simulator
 
 ROBOT = 'turtlebot3_burger'

@@ -7,9 +7,10 @@ import pytest
 
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.settings import (PhysicsSettings, RobotSettings, ScanSettings,
-                                           SimulationError, SpawnSettings)
-from img_recog_testing.robots import WORLDS, burger
+from img_recog.simulation.sensors.laser_scanner import ScanSettings
+from img_recog.simulation.settings import PhysicsSettings, SimulationError
+from img_recog_testing.robots import WORLDS, burger, read
+from img_recog_testing.robots import settings_of as settings
 
 COMMANDS = ((0.2, 0.0), (10.0, 0.4), (-10.0, 0.0), (0.0, 2.0))
 PLACES = ((-2.0, -0.5, 0.0), (0.5, 0.55, 1.0), (-0.5, -1.6, 2.0), (1.6, 0.55, -1.0),
@@ -17,12 +18,7 @@ PLACES = ((-2.0, -0.5, 0.0), (0.5, 0.55, 1.0), (-0.5, -1.6, 2.0), (1.6, 0.55, -1
 
 
 def source(name, urdf=None):
-    read = assembly.read_robot(urdf or burger(), 0.001, lambda uri: None, name)
-    return assembly.named(read, name)
-
-
-def settings(x, y, yaw=0.0, z=0.0, **groups):
-    return RobotSettings(spawn=SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw), **groups)
+    return assembly.named(read(urdf or burger(), name), name)
 
 
 def several(places, world='turtlebot3_world', **groups):

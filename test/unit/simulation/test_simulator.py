@@ -4,8 +4,10 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.simulation.settings import (DriveSettings, ImuSettings, SensorSettings,
-                                           SimulationError, whole_steps)
+from img_recog.simulation.sensors.imu import ImuSettings
+from img_recog.simulation.sensors.joint_states import JointStateSettings
+from img_recog.simulation.sensors.odometry import OdometrySettings
+from img_recog.simulation.settings import DriveSettings, SimulationError, whole_steps
 from img_recog_testing.robots import burger, simulator
 
 SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
@@ -135,7 +137,8 @@ def test_a_wall_stops_it():
 
 
 def test_sensors_observe_at_their_periods():
-    sim = simulator(sensors=SensorSettings(odometry_period_s=0.01, joint_states_period_s=0.025))
+    sim = simulator(odometry=OdometrySettings(odometry_period_s=0.01),
+                    joint_states=JointStateSettings(joint_states_period_s=0.025))
     readings = sim.advance(100)
     times = {name: [round(each.time_s, 6) for each in readings if each.sensor == name]
              for name in ('odometry', 'joint_states')}
@@ -240,7 +243,7 @@ def test_whole_steps():
     ({'drive': DriveSettings(left_joint='axle')}, 'no movable joint axle'),
     ({'drive': DriveSettings(left_joint='wheel_right_joint')}, 'the same as right_joint'),
     ({'drive': DriveSettings(drive_period_s=0.0105)}, 'drive_period_s: got 0.0105'),
-    ({'sensors': SensorSettings(odometry_period_s=0.0335)}, '0.033 or 0.034'),
+    ({'odometry': OdometrySettings(odometry_period_s=0.0335)}, '0.033 or 0.034'),
     ({'world_name': 'mars'}, "world: got 'mars'"),
 ])
 def test_refusals(settings, words):

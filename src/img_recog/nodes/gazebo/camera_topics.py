@@ -15,7 +15,7 @@ from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.gazebo.drawing import Drawing, Job
-from img_recog.nodes.gazebo.names import CAMERA_TOPICS
+from img_recog.nodes.gazebo.names import topic_fields
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.process import Drawn, Shot
@@ -32,10 +32,8 @@ def check(cameras: Iterable[CameraSettings]) -> None:
     """Raise a UserError if a topic of the cameras has no valid name, or is that of two."""
     owners: Dict[str, str] = {}
     for camera in cameras:
-        for setting in CAMERA_TOPICS:
+        for setting in topic_fields(camera):
             topic = getattr(camera, setting)
-            if not topic:
-                continue
             if not rosgraph.names.is_legal_name(topic):
                 raise SettingError(setting, topic, 'a valid topic name')
             owner = '{} of the camera on {}'.format(setting, camera.camera_frame)

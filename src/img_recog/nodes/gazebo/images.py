@@ -40,7 +40,7 @@ class Images:
     def check_cameras(self, cameras: Sequence[CameraSettings], names: Names) -> None:
         """Raise a UserError if the topics of more cameras cannot be used."""
         camera_topics.check(itertools.chain(
-            *self._seen.values(), (names.camera(each) for each in cameras)))
+            *self._seen.values(), (names.seen(each) for each in cameras)))
 
     def add_cameras(self, vehicle: Vehicle, cameras: Sequence[CameraSettings],
                     names: Names) -> None:
@@ -51,7 +51,7 @@ class Images:
         """
         if not cameras:
             return
-        seen = [names.camera(each) for each in cameras]
+        seen = [names.seen(each) for each in cameras]
         sensors = [vehicle.mount_camera(each, self._poses) for each in cameras]
         try:
             for sensor, each in zip(sensors, seen):

@@ -1,12 +1,8 @@
 """What the topics and frames of a robot are called."""
 import dataclasses
-from typing import NamedTuple
+from typing import Any, List, NamedTuple, TypeVar
 
-from img_recog.simulation.settings import CameraSettings
-
-CAMERA_TOPICS = ('camera_image_topic', 'camera_info_topic', 'camera_depth_topic',
-                 'camera_depth_info_topic')
-_CAMERA_FRAMES = ('camera_frame', 'camera_optical_frame')
+_Settings = TypeVar('_Settings')
 
 
 class Names(NamedTuple):
@@ -23,19 +19,34 @@ class Names(NamedTuple):
         return 'robot ' + self.namespace if self.namespace else 'the robot'
 
     def topic(self, name: str) -> str:
-        """Return the topic in the namespace, unless its name is global."""
-        return '/'.join((self.namespace, name)) if self._is_relative(name) else name
+        """Return the topic in the namespace, unless its name is global.
+
+        >>> Names('tb3_0').topic('scan'), Names('tb3_0').topic('/scan'), Names().topic('scan')
+        ('tb3_0/scan', '/scan', 'scan')
+        """
+        is_relative = self.namespace and not name.startswith('/')
+        return '/'.join((self.namespace, name)) if is_relative else name
 
     def frame(self, name: str) -> str:
-        """Return the frame with the prefix, like tf::resolve."""
+        """Return the frame with the prefix, like tf::resolve.
+
+        >>> Names('tb3_0', 'tb3_0').frame('odom')
+        'tb3_0/odom'
+        """
         return '/'.join((self.frame_prefix, name)) if self.frame_prefix else name
 
-    def camera(self, settings: CameraSettings) -> CameraSettings:
-        """Return the settings with the names of topics and frames that others see."""
-        topics = {field: self.topic(getattr(settings, field)) for field in CAMERA_TOPICS
-                  if getattr(settings, field)}
-        frames = {field: self.frame(getattr(settings, field)) for field in _CAMERA_FRAMES}
-        return dataclasses.replace(settings, **topics, **frames)
+    def seen(self, settings: _Settings) -> _Settings:
+        """Return settings with the names of topics and frames that others see.
 
-    def _is_relative(self, name: str) -> bool:
-        return bool(self.namespace) and not name.startswith('/')
+        Those are the fields with names that end in _topic or _frame; an empty one stays so.
+        """
+        values = vars(settings)
+        return dataclasses.replace(settings, **{  # type: ignore
+            **{name: self.topic(values[name]) for name in topic_fields(settings)},
+            **{name: self.frame(value) for name, value in values.items()
+               if name.endswith('_frame') and value}})
+
+
+def topic_fields(settings: Any) -> List[str]:
+    """Return the names of the settings that are topics, without the empty ones."""
+    return [name for name, value in vars(settings).items() if name.endswith('_topic') and value]

@@ -5,11 +5,10 @@ namespace of its name, its ~set_pose is ~NAME/set_pose, and its frames begin wit
 
 Subscribes: cmd_vel (geometry_msgs/Twist; a command holds until the next one), ~set_pose
 (geometry_msgs/PoseStamped; moves the robot).
-Publishes: /clock (rosgraph_msgs/Clock, 100 Hz of simulated time), odom (nav_msgs/Odometry, frame
-odom, child base_footprint, 30 Hz), tf odom -> base_footprint (30 Hz), joint_states
-(sensor_msgs/JointState, 30 Hz), imu (sensor_msgs/Imu, frame imu_link, 200 Hz), scan
-(sensor_msgs/LaserScan, frame base_scan, 5 Hz), ~real_time_factor (std_msgs/Float64, measured,
-1 Hz of wall time), ~view/image_raw (sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
+Publishes: what the sensors measure, each on its topic (conversions/sensor_table.py), /clock
+(rosgraph_msgs/Clock, 100 Hz of simulated time), /tf odom -> base_footprint (30 Hz),
+~real_time_factor (std_msgs/Float64, measured, 1 Hz of wall time), ~view/image_raw
+(sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
 ~model_states (gazebo_msgs/ModelStates, 100 Hz) if gazebo_msgs is installed, /diagnostics
 (diagnostic_msgs/DiagnosticArray, 1 Hz of wall time), /tf_static (tf2_msgs/TFMessage) for cameras.
 ~world_outlines (visualization_msgs/MarkerArray, latched: what stands in the world, from above).
@@ -71,7 +70,7 @@ _POLL_PERIOD_S = 0.1
 _FREE_RUN_ROUND_S = 0.02
 
 
-class PybulletSim:
+class Gazebo:
     """Steps the simulation in one loop; callbacks and services leave their work for it."""
 
     def __init__(self) -> None:
@@ -106,8 +105,9 @@ class PybulletSim:
             RobotUpdates(self._robots, plans, self._calls)
         else:
             self._robots.connect(self._simulator.vehicles[0], single)
-            self._outline_frame = single.settings.odometry.odom_frame
-            self._outline_origin = PlanePose(*self._simulator.vehicles[0].odometry_origin)
+            vehicle = self._simulator.vehicles[0]
+            self._outline_frame = vehicle.odometry.odom_frame
+            self._outline_origin = PlanePose(*vehicle.odometry_origin)
         self._models = self._model_services(physics, models, plans)
         self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
         self._publish_outlines()
@@ -297,4 +297,4 @@ def _warn_of_other_clocks() -> None:
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return lifecycle.run('gazebo', lambda: PybulletSim().spin(), source_of_time=True)
+    return lifecycle.run('gazebo', lambda: Gazebo().spin(), source_of_time=True)

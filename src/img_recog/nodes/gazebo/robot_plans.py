@@ -8,15 +8,15 @@ import rosgraph
 import rospy
 
 from img_recog import resources
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import shortened
-from img_recog.nodes.gazebo.names import Names
-from img_recog.nodes.gazebo.robot_topics import TopicSettings
+from img_recog.nodes.gazebo.names import Names, topic_fields
 from img_recog.nodes.gazebo.robots import RobotPlan
 from img_recog.ros import parameters
 from img_recog.settings import (ParameterError, Settings, setting, setting_fields, unknown)
 from img_recog.simulation import assembly
-from img_recog.simulation.settings import (CameraSettings, DriveSettings, RobotSettings,
-                                           SpawnSettings)
+from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                           RobotSettings, SpawnSettings)
 
 ROBOTS = '~robots'
 _MAX_SEED = 2 ** 31 - 1
@@ -114,21 +114,20 @@ class RobotPlans:
     def _plan(self, name: str, urdf: str, source: str, names: Names,
               namespace: str) -> RobotPlan:
         """name: '' for that in the URDF; namespace: of its own parameters, '' for none."""
-        robot = assembly.read_robot(urdf, self._step_s, resources.find, source)
+        robot = assembly.read_robot(urdf, self._step_s, resources.find, source, SENSORS)
         if name:
             robot = assembly.named(robot, name)
         spaces = namespace or '~', '~'
-        robot = assembly.with_wheels(robot, parameters.read(DriveSettings, robot.tag_values,
-                                                            *spaces))
-        settings = parameters.read_group(RobotSettings, robot.tag_values, *spaces)
-        topics = parameters.read(TopicSettings, robot.tag_values, *spaces)
-        for field, topic in dataclasses.asdict(topics).items():
-            if not rosgraph.names.is_legal_name(topic):
-                raise ParameterError('parameter {}: got {}, allowed is a valid topic name'.format(
-                    field, shortened(repr(topic))))
+        settings = assembly.settings_of(robot, lambda settings_class, values: parameters.read(
+            settings_class, values, *spaces))
+        for each in (settings.drive, *settings.sensors.values()):
+            for field in topic_fields(each):
+                if not rosgraph.names.is_legal_name(getattr(each, field)):
+                    raise ParameterError('parameter {}: got {}, allowed is a valid topic name'
+                                         .format(field, shortened(repr(getattr(each, field)))))
         camera = parameters.read(CameraSettings, {}, *spaces)
         cameras = [*robot.cameras, *([camera] if camera.camera_frame else [])]
-        return RobotPlan(robot, settings, topics, cameras, names)
+        return RobotPlan(robot, settings, cameras, names)
 
 
 def names_of(namespace: str, default_prefix: str) -> Names:
@@ -140,15 +139,14 @@ def names_of(namespace: str, default_prefix: str) -> Names:
 
 def robot_settings_classes() -> Sequence[type]:
     """Return the classes of all parameters that a robot reads."""
-    return [*(type(field.default) for field in dataclasses.fields(RobotSettings)), TopicSettings,
-            CameraSettings]
+    return [SpawnSettings, DriveSettings, NoiseSettings, CameraSettings,
+            *(kind.settings for kind in SENSORS)]
 
 
 def _with_seed(settings: RobotSettings, name: str) -> RobotSettings:
     """Return settings whose noise is not that of the other robots."""
-    sensors = settings.sensors
-    seed = (sensors.seed + zlib.crc32(name.encode())) % _MAX_SEED
-    return dataclasses.replace(settings, sensors=dataclasses.replace(sensors, seed=seed))
+    seed = (settings.noise.seed + zlib.crc32(name.encode())) % _MAX_SEED
+    return dataclasses.replace(settings, noise=NoiseSettings(seed))
 
 
 def _natural(name: str) -> Tuple[str, int, str]:

@@ -1,14 +1,9 @@
 """The topics of one simulated robot."""
-import dataclasses
-from dataclasses import dataclass
-from functools import partial
-from typing import Any, Callable, List, Sequence
+from typing import Any, List, Sequence
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import TransformStamped, Twist
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import Imu, JointState, LaserScan
 from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import robot_msgs, twist_msgs
@@ -17,41 +12,25 @@ from img_recog.nodes.gazebo.names import Names
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
-from img_recog.settings import Settings, not_empty, setting
 from img_recog.simulation.sensors.motion_state import MotionState
+from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.vehicle import Reading, Vehicle
 
 _LOG_PERIOD_S = 0.1             # of wall time: minimum between two lines about the motion
 
 
-@dataclass(frozen=True)
-class TopicSettings(Settings):
-    """Names of topics; the settings are named like the tags of Gazebo's plugins."""
-
-    command_topic: str = setting('cmd_vel', not_empty())
-    odometry_topic: str = setting('odom', not_empty())
-    imu_topic: str = setting('imu', not_empty())
-    scan_topic: str = setting('scan', not_empty())
-
-
 class _Output:
-    """Publishes readings of a sensor.
+    """Publishes the readings of a sensor; publisher: of its topic."""
 
-    publisher: of the topic.
-    """
-
-    def __init__(self, topic: str, data_class: type, to_msg: Callable[..., Any]):
-        """Advertise a topic.
-
-        to_msg: to_msg(value, stamp=stamp, out=out) returns the message, see robot_msgs.
-        """
-        self.publisher = DirectPublisher(topic, data_class)
-        self._to_msg, self._msg = to_msg, None
+    def __init__(self, topic: str, kind: SensorKind, settings: Any):
+        """Advertise the topic; settings: of the sensor, with the names that others see."""
+        self.publisher = DirectPublisher(topic, kind.msg_type)
+        self._to_msg, self._settings, self._msg = kind.to_msg, settings, None
 
     def add(self, reading: Reading) -> Any:
         """Add the message of a reading to those that are published next, and return it."""
-        self._msg = self._to_msg(reading.value, stamp=robot_msgs.stamp_of(reading.time_s),
-                                 out=self._msg)
+        self._msg = self._to_msg(reading.value, self._settings,
+                                 robot_msgs.stamp_of(reading.time_s), self._msg)
         self.publisher.add(self._msg)
         return self._msg
 
@@ -91,35 +70,21 @@ class RobotTopics:
     vehicle: that one.
     """
 
-    def __init__(self, vehicle: Vehicle, topics: TopicSettings, names: Names,
-                 transforms: Transforms):
+    def __init__(self, vehicle: Vehicle, names: Names, transforms: Transforms):
         """Advertise and subscribe; transforms: publishes the pose."""
         self.vehicle, self._names = vehicle, names
         self._counts = CommandCounts()
-        settings = vehicle.settings
-        odometry = settings.odometry
-        base_frame = names.frame(odometry.base_frame or vehicle.robot.root)
-        imu = dataclasses.replace(settings.imu, imu_frame=names.frame(settings.imu.imu_frame))
-        scan = dataclasses.replace(settings.scan, scan_frame=names.frame(settings.scan.scan_frame))
-        self._publishes_tf = odometry.publish_odom_tf
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
         self._warn = ThrottledWarning()
-        self._command_topic = names.topic(topics.command_topic)
+        self._command_topic = names.topic(vehicle.settings.drive.command_topic)
         self._commands = LatestValue()
         self._timed_out = False
         self._transforms = transforms
-        self._transform = TransformStamped()
+        self._transform = TransformStamped(child_frame_id=names.frame(vehicle.odometry.base_frame))
+        settings = vehicle.settings.sensors
         self._outputs = {
-            'odometry': _Output(names.topic(topics.odometry_topic), Odometry, partial(
-                robot_msgs.odometry_to_msg, frame_id=names.frame(odometry.odom_frame),
-                child_frame_id=base_frame)),
-            'joint_states': _Output(names.topic('joint_states'), JointState,
-                                    robot_msgs.joint_states_to_msg),
-            'imu': _Output(names.topic(topics.imu_topic), Imu,
-                           partial(robot_msgs.imu_to_msg, settings=imu)),
-            'scan': _Output(names.topic(topics.scan_topic), LaserScan,
-                            partial(robot_msgs.scan_to_msg, settings=scan))}
-        self._transform.child_frame_id = base_frame
+            kind.name: _Output(names.topic(kind.topic(settings[kind.name])), kind,
+                               names.seen(settings[kind.name])) for kind in vehicle.kinds}
         self._subscriber = rospy.Subscriber(self._command_topic, Twist, self._keep_command,
                                             queue_size=10, tcp_nodelay=True)
 
@@ -139,9 +104,10 @@ class RobotTopics:
         command = self._commands.take()
         if command is not None:
             self.vehicle.command(*command)
-        for sensor in ('joint_states', 'imu', 'scan'):
-            publisher = self._outputs[sensor].publisher
-            self.vehicle.set_sensor_enabled(sensor, publisher.get_num_connections() > 0)
+        for sensor, output in self._outputs.items():
+            if sensor != 'odometry':        # it is also for tf and the log
+                self.vehicle.set_sensor_enabled(sensor,
+                                                output.publisher.get_num_connections() > 0)
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish readings of the sensors of the vehicle, in order of time."""
@@ -152,7 +118,7 @@ class RobotTopics:
             msg = self._outputs[reading.sensor].add(reading)
             if reading.sensor == 'odometry':
                 self._log_motion_change(reading)
-                if self._publishes_tf:
+                if self.vehicle.odometry.publish_odom_tf:
                     self._transforms.add(robot_msgs.transform_of(msg, self._transform))
         self._counts.readings.add(len(readings))
         # several messages of a topic together

@@ -10,10 +10,10 @@ from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.names import CAMERA_TOPICS, Names
+from img_recog.nodes.gazebo.names import Names, topic_fields
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.pose_topic import PoseTopic
-from img_recog.nodes.gazebo.robot_topics import RobotTopics, TopicSettings, Transforms
+from img_recog.nodes.gazebo.robot_topics import RobotTopics, Transforms
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
@@ -35,7 +35,6 @@ class RobotPlan(NamedTuple):
 
     source: RobotSource
     settings: RobotSettings
-    topics: TopicSettings
     cameras: Sequence[CameraSettings]
     names: Names
     has_place: bool = True
@@ -47,11 +46,10 @@ class RobotPlan(NamedTuple):
 
     def published(self) -> List[str]:
         """Return the resolved names of the topics of the sensors."""
-        cameras = [getattr(self.names.camera(camera), field) for camera in self.cameras
-                   for field in CAMERA_TOPICS if getattr(camera, field)]
-        return [rospy.resolve_name(topic) for topic in (*cameras, *map(self.names.topic, (
-            'joint_states', self.topics.odometry_topic, self.topics.imu_topic,
-            self.topics.scan_topic)))]
+        cameras = [getattr(camera, field) for camera in self.cameras
+                   for field in topic_fields(camera)]
+        sensors = [kind.topic(self.settings.sensors[kind.name]) for kind in self.source.kinds]
+        return [rospy.resolve_name(self.names.topic(topic)) for topic in cameras + sensors]
 
 
 class _Connected(NamedTuple):
@@ -130,11 +128,11 @@ class Robots:
         """
         self._images.check_cameras(plan.cameras, plan.names)
         self._check_topics(plan)
-        names, odometry, name = plan.names, vehicle.settings.odometry, vehicle.robot.name
+        names, odometry, name = plan.names, vehicle.odometry, vehicle.robot.name
         vehicle.scale_command_timeout(self._timeout_scale)
         self._images.add_cameras(vehicle, plan.cameras, names)
         self._robots[name] = _Connected(
-            vehicle, names, RobotTopics(vehicle, plan.topics, names, self._transforms),
+            vehicle, names, RobotTopics(vehicle, names, self._transforms),
             PoseTopic(names, odometry.odom_frame, self._calls,
                       lambda: PlanePose(*vehicle.odometry_origin),
                       lambda pose: self._move(name, pose)),

@@ -25,10 +25,10 @@ class JointStates(NamedTuple):
     efforts: Sequence[float]
 
 
-class Robot(Body):
+class SimulatedRobot(Body):
     """The body of a description, driven by two wheels.
 
-    root: name of its root link; spawn: where `reset` moves it.
+    root: name of its root link; drive: how it is driven; spawn: where `reset` moves it.
     """
 
     def __init__(self, description: Description, drive: DriveSettings, spawn: SpawnSettings,
@@ -39,7 +39,7 @@ class Robot(Body):
         """
         super().__init__(load_urdf(description.urdf, physics_client_id), physics_client_id)
         self.name = description.name
-        self.spawn = spawn
+        self.drive, self.spawn = drive, spawn
         self._torques = (drive.wheel_torque, drive.wheel_torque)
         self.root, self._frames = description.root, description.frames
         self._link_indices = link_indices(self.body_id, physics_client_id)

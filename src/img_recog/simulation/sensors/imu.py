@@ -1,15 +1,47 @@
 """An inertial measurement unit."""
+from dataclasses import dataclass
 from typing import Iterator, List, NamedTuple, Optional
 
 import numpy as np
 
 from img_recog.rotations import Quaternion, into_frame
+from img_recog.settings import Settings, above, at_least, not_empty, setting
 from img_recog.simulation.bodies.body import Vector, velocity_at
-from img_recog.simulation.bodies.robot import Robot
-from img_recog.simulation.sensors.sensor import Sensor
-from img_recog.simulation.settings import ImuSettings
+from img_recog.simulation.descriptions.gazebo_tags import (NAME, NUMBER, POSITIVE, RATE, Row,
+                                                           Tags)
+from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _NOISE_ROWS = 1000          # drawn at a time
+
+# of libgazebo_ros_imu and _imu_sensor of gazebo_plugins, and of Gazebo's own imu sensors
+TAGS = Tags(('gazebo_ros_imu',), (
+    # The plugins add gaussianNoise to angular velocities and accelerations alike. Most files have
+    # its default, 0 (the official ones together with <imu><noise>): 0 is ignored.
+    Row('gyro_noise', POSITIVE, 'plugin', 'gaussianNoise'),
+    Row('accel_noise', POSITIVE, 'plugin', 'gaussianNoise'),
+    Row('imu_period_s', RATE, 'sensor', 'update_rate'),
+    Row('gyro_noise', NUMBER, 'sensor', 'imu/noise/rate/stddev'),
+    Row('accel_noise', NUMBER, 'sensor', 'imu/noise/accel/stddev'),
+    Row('imu_frame', NAME, 'plugin', 'frameName', 'bodyName'),
+    Row('imu_topic', NAME, 'plugin', 'topicName'),
+    Row('imu_period_s', RATE, 'plugin', 'updateRate', 'updateRateHZ'),
+    Row('gyro_noise', NUMBER, 'plugin', 'imu/noise/rate/stddev'),
+    Row('accel_noise', NUMBER, 'plugin', 'imu/noise/accel/stddev')),
+    sensors=('imu',), frame='imu_frame')
+
+
+@dataclass(frozen=True)
+class ImuSettings(Settings):
+    """The IMU; standard deviations of its noise in rad/s and m/s2.
+
+    imu_period_s: a multiple of the physics step, in simulated s.
+    """
+
+    imu_frame: str = setting('imu_link', not_empty())
+    imu_period_s: float = setting(0.005, above(0))
+    gyro_noise: float = setting(2e-4, at_least(0))
+    accel_noise: float = setting(1.7e-2, at_least(0))
+    imu_topic: str = setting('imu', not_empty())
 
 
 class ImuReading(NamedTuple):
@@ -27,19 +59,24 @@ class ImuReading(NamedTuple):
 class Imu(Sensor):
     """Derives the acceleration from the velocities of its frame at two successive readings."""
 
-    def __init__(self, robot: Robot, settings: ImuSettings, period_s: float,
-                 noise: np.random.RandomState):
-        """Mount the unit on a link of `robot`; SimulationError when there is no such link."""
-        robot.check_frame('imu_frame', settings.imu_frame)
-        self._robot, self._settings, self._period_s = robot, settings, period_s
-        self._noise = _rows(noise, np.repeat((settings.gyro_noise, settings.accel_noise), 3))
+    def __init__(self, mount: Mount, settings: ImuSettings):
+        """Mount the unit on a link of the robot; SimulationError when there is no such link."""
+        mount.robot.check_frame('imu_frame', settings.imu_frame)
+        self._robot, self._settings = mount.robot, settings
+        self._period_s = settings.imu_period_s
+        self._noise = _rows(mount.noise,
+                            np.repeat((settings.gyro_noise, settings.accel_noise), 3))
         # in the world; upwards under gravity, REP 145
-        self._force_at_rest = (-robot.gravity()).tolist()
+        self._force_at_rest = (-mount.robot.gravity()).tolist()
         self.restart()
 
     def restart(self) -> None:
         """Forget the last velocity, as after a teleport or a time in which nothing was read."""
         self._velocity: Optional[Vector] = None
+
+    def notify_teleported(self) -> None:
+        """Measure no acceleration where the robot was moved from outside."""
+        self.restart()
 
     def read(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""

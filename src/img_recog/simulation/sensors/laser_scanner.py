@@ -1,27 +1,63 @@
-"""A laser scanner that casts rays into the world."""
-from typing import List, Optional, Sequence
+"""A laser scanner, by default an LDS-01 like that of turtlebot3_gazebo."""
+from dataclasses import dataclass
 
 import numpy as np
-import pybullet
 
-from img_recog import rotations
-from img_recog.simulation.bodies.robot import Robot
-from img_recog.simulation.bodies.solids import Bundles, Solids
-from img_recog.simulation.sensors.sensor import Sensor
-from img_recog.simulation.settings import ScanSettings, SimulationError
+from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
+from img_recog.simulation.descriptions.gazebo_tags import (INTEGER, NAME, NUMBER, RATE, Row,
+                                                           Tags)
+from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors.sensor import Mount
+from img_recog.simulation.settings import SimulationError
 
-_MAX_OWN_SHAPES = 20        # of its own robot, that a ray may cross one after the other
-_PAST_M = 1e-3              # a ray goes on so far behind the surface of such a shape
+# of libgazebo_ros_laser and _gpu_laser of gazebo_plugins, and of Gazebo's own ray sensors
+TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
+    Row('scan_period_s', RATE, 'sensor', 'update_rate'),
+    Row('scan_samples', INTEGER, 'sensor', 'ray/scan/horizontal/samples'),
+    Row('scan_angle_min', NUMBER, 'sensor', 'ray/scan/horizontal/min_angle'),
+    Row('scan_angle_max', NUMBER, 'sensor', 'ray/scan/horizontal/max_angle'),
+    Row('scan_range_min', NUMBER, 'sensor', 'ray/range/min'),
+    Row('scan_range_max', NUMBER, 'sensor', 'ray/range/max'),
+    Row('scan_noise', NUMBER, 'sensor', 'ray/noise/stddev'),
+    Row('scan_frame', NAME, 'plugin', 'frameName'),
+    Row('scan_topic', NAME, 'plugin', 'topicName')),
+    sensors=('ray', 'gpu_ray'), frame='scan_frame', needs_sensor=True)
 
 
-class LaserScanner(Sensor):
-    """Measures all ranges at one time from the origin of its frame; does not see its own robot."""
+@dataclass(frozen=True)
+class ScanSettings(Settings):
+    """The laser scanner.
 
-    def __init__(self, robot: Robot, settings: ScanSettings, noise: np.random.RandomState,
-                 solids: Solids):
-        """Mount the scanner on a link of `robot`.
+    Angles in rad about z of `scan_frame`, from its x axis; there is a ray at both ends. Ranges
+    and the standard deviation of their noise in m. scan_period_s: a multiple of the physics step,
+    in simulated s.
+    """
 
-        solids: of the physics client; scanners that share it can be read together.
+    scan_frame: str = setting('base_scan', not_empty())
+    scan_period_s: float = setting(0.2, above(0))
+    scan_samples: int = setting(360, between(2, 16383))
+    scan_angle_min: float = setting(0.0, any_value())
+    scan_angle_max: float = setting(6.28319, any_value())
+    scan_range_min: float = setting(0.120, at_least(0))
+    scan_range_max: float = setting(3.5, above(0))
+    scan_noise: float = setting(0.01, at_least(0))
+    scan_topic: str = setting('scan', not_empty())
+
+    def angles(self) -> np.ndarray:
+        """Return the angle of each ray in rad.
+
+        >>> ScanSettings(scan_samples=3, scan_angle_max=1.0).angles().tolist()
+        [0.0, 0.5, 1.0]
+        """
+        return np.linspace(self.scan_angle_min, self.scan_angle_max, self.scan_samples)
+
+
+class LaserScanner(RaySensor):
+    """Measures ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit."""
+
+    def __init__(self, mount: Mount, settings: ScanSettings):
+        """Mount the scanner on a link of the robot.
+
         Raises SimulationError when the robot has no such link, or the shortest range is not less
         than the longest.
         """
@@ -29,78 +65,18 @@ class LaserScanner(Sensor):
             raise SimulationError('scan_range_min: got {:g} m, expected less than scan_range_max, '
                                   '{:g} m'.format(settings.scan_range_min,
                                                   settings.scan_range_max))
-        robot.check_frame('scan_frame', settings.scan_frame)
-        self._robot, self._settings, self._noise = robot, settings, noise
-        self.solids = solids
-        angles = np.linspace(settings.scan_angle_min, settings.scan_angle_max,
-                             settings.scan_samples)
-        self._directions = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)])
+        mount.robot.check_frame('scan_frame', settings.scan_frame)
+        angles = settings.angles()
+        super().__init__(mount, settings.scan_frame,
+                         np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)]),
+                         settings.scan_range_max)
+        self._settings, self._noise = settings, mount.noise
 
-    def read(self) -> np.ndarray:
-        """Return the ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit.
-
-        Noise is added to hits; they stay from scan_range_min to scan_range_max.
-        """
-        return read_together([self])[0]
-
-    @property
-    def samples(self) -> int:
-        """The number of ranges."""
-        return self._settings.scan_samples
-
-    def rays(self) -> Bundles:
-        """Return the rays from where the scanner is now, a bundle."""
-        motion = self._robot.motion(self._settings.scan_frame)
-        directions = (rotations.matrix(motion.orientation) @ self._directions).T
-        return Bundles(motion.position[None], directions[None],
-                       np.array([self._settings.scan_range_max]),
-                       np.array([self._robot.body_id]))
-
-    def ranges(self, distances: np.ndarray) -> np.ndarray:
-        """Return what the scanner measures where its rays go so far, (scan_samples,)."""
+    def measure(self, distances: np.ndarray) -> np.ndarray:
+        """Return the ranges; noise is added to hits, which stay within the allowed ranges."""
         settings = self._settings
         missed = distances > settings.scan_range_max
         # drawn for every ray, so that the noise does not depend on what is hit
         measured = distances + self._noise.normal(0.0, settings.scan_noise, len(distances))
         measured = np.clip(measured, settings.scan_range_min, settings.scan_range_max)
         return np.where(missed, np.inf, measured)
-
-    def cast(self, bundle: Bundles) -> np.ndarray:
-        """Return what Solids.distances does, by PyBullet's rays, for shapes of all kinds."""
-        longest = self._settings.scan_range_max
-        directions = bundle.directions[0]
-        ends = bundle.starts[0] + longest * directions
-        passed = np.zeros(len(directions))      # how far each ray has come
-        distances = np.full(len(directions), np.inf)
-        rays = np.arange(len(directions))
-        for _ in range(_MAX_OWN_SHAPES):
-            starts = bundle.starts[0] + passed[rays, None] * directions[rays]
-            hits = pybullet.rayTestBatch(
-                starts.tolist(), ends[rays].tolist(), numThreads=0,
-                physicsClientId=self._robot.physics_client_id)
-            bodies = np.array([hit[0] for hit in hits])
-            passed[rays] += (longest - passed[rays]) * [hit[2] for hit in hits]
-            others = rays[(bodies >= 0) & (bodies != self._robot.body_id)]
-            distances[others] = passed[others]
-            rays = rays[bodies == self._robot.body_id]
-            passed[rays] += _PAST_M
-            rays = rays[passed[rays] < longest]
-            if not len(rays):
-                break
-        return distances
-
-
-def read_together(scanners: Sequence[LaserScanner]) -> List[np.ndarray]:
-    """Return what each of some scanners of a physics client measures now."""
-    bundles = [scanner.rays() for scanner in scanners]
-    distances: List[Optional[np.ndarray]] = [None] * len(scanners)
-    for samples in {scanner.samples for scanner in scanners}:
-        numbers = [number for number, scanner in enumerate(scanners)
-                   if scanner.samples == samples]
-        found = scanners[0].solids.distances(Bundles(
-            *map(np.concatenate, zip(*(bundles[number] for number in numbers)))))
-        if found is not None:
-            for number, row in zip(numbers, found):
-                distances[number] = row
-    return [scanner.ranges(scanner.cast(bundle) if found is None else found)
-            for scanner, bundle, found in zip(scanners, bundles, distances)]

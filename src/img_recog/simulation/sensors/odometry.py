@@ -1,24 +1,55 @@
 """Odometry: the pose of a robot, from the world or from the turns of its wheels."""
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from img_recog import rotations
+from img_recog.settings import Settings, above, any_value, not_empty, one_of, setting
 from img_recog.simulation.bodies.body import Motion
-from img_recog.simulation.bodies.robot import Robot
-from img_recog.simulation.sensors.sensor import Sensor
-from img_recog.simulation.settings import DriveSettings, OdometrySettings
+from img_recog.simulation.descriptions.gazebo_tags import (DRIVE_PLUGIN, FLAG, NAME, RATE, Row,
+                                                           Tags, choice)
+from img_recog.simulation.sensors.sensor import Mount, Sensor
 
-WORLD = 'world'
+WORLD, ENCODER = 'world', 'encoder'
+
+TAGS = Tags((DRIVE_PLUGIN,), (
+    # the numbers are those of OdomSource in the plugin
+    Row('odometry_source', choice('world or encoder', {
+        WORLD: WORLD, '1': WORLD, ENCODER: ENCODER, '0': ENCODER}), 'plugin', 'odometrySource'),
+    Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF'),
+    Row('odom_frame', NAME, 'plugin', 'odometryFrame'),
+    Row('base_frame', NAME, 'plugin', 'robotBaseFrame'),
+    Row('odometry_topic', NAME, 'plugin', 'odometryTopic'),
+    Row('odometry_period_s', RATE, 'plugin', 'updateRate')))
+
+
+@dataclass(frozen=True)
+class OdometrySettings(Settings):
+    """Odometry like that of libgazebo_ros_diff_drive.
+
+    odometry_source: world is the true pose in the world, encoder is integrated from the start by
+    the turns of the wheels. odom_frame, base_frame: frame_id and child_frame_id; an empty
+    base_frame is the root link. publish_odom_tf: whether the pose is published on tf as well.
+    odometry_period_s: a multiple of the physics step, in simulated s. 30 Hz does not divide into
+    steps of 1 ms: 33 ms is the nearest period that does.
+    """
+
+    odometry_source: str = setting(WORLD, one_of(ENCODER, WORLD))
+    odom_frame: str = setting('odom', not_empty())
+    base_frame: str = setting('', any_value())
+    publish_odom_tf: bool = setting(True)
+    odometry_period_s: float = setting(0.033, above(0))
+    odometry_topic: str = setting('odom', not_empty())
 
 
 class WorldOdometry(Sensor):
     """The true pose of a frame in the world (libgazebo_ros_diff_drive's odometrySource world)."""
 
-    def __init__(self, robot: Robot, frame: str):
-        """Measure a link of `robot`; SimulationError when there is no such link."""
-        robot.check_frame('base_frame', frame)
-        self._robot, self._frame = robot, frame
+    def __init__(self, mount: Mount, settings: OdometrySettings):
+        """Measure a link of the robot; SimulationError when there is no such link."""
+        mount.robot.check_frame('base_frame', settings.base_frame)
+        self._robot, self._frame = mount.robot, settings.base_frame
 
     def read(self) -> Motion:
         """Return the motion of the frame."""
@@ -28,8 +59,9 @@ class WorldOdometry(Sensor):
 class WheelOdometry(Sensor):
     """Integrates the turns of the wheels; the pose is zero at the start and after a reset."""
 
-    def __init__(self, robot: Robot, drive: DriveSettings, period_s: float):
-        self._robot, self._period_s = robot, period_s
+    def __init__(self, mount: Mount, settings: OdometrySettings):
+        self._robot, self._period_s = mount.robot, settings.odometry_period_s
+        drive = mount.robot.drive
         self._radius, self._separation = drive.wheel_diameter / 2, drive.wheel_separation
         self.restart()
 
@@ -54,9 +86,6 @@ class WheelOdometry(Sensor):
                       np.array([0.0, 0.0, turn / self._period_s]))
 
 
-def make_odometry(robot: Robot, settings: OdometrySettings, drive: DriveSettings,
-                  period_s: float) -> Sensor:
+def make_odometry(mount: Mount, settings: OdometrySettings) -> Sensor:
     """Return the odometry for `settings`; SimulationError when base_frame is not a link."""
-    if settings.odometry_source == WORLD:
-        return WorldOdometry(robot, settings.base_frame or robot.root)
-    return WheelOdometry(robot, drive, period_s)
+    return (WorldOdometry if settings.odometry_source == WORLD else WheelOdometry)(mount, settings)

@@ -5,7 +5,7 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from img_recog import rotations
-from img_recog.simulation.bodies.robot import Robot
+from img_recog.simulation.bodies.robot import SimulatedRobot
 from img_recog.simulation.descriptions.geometry import Transform, from_rpy
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.settings import CameraSettings
@@ -30,7 +30,7 @@ class RobotCamera(Sensor):
     settings: what it was made with.
     """
 
-    def __init__(self, robot: Robot, settings: CameraSettings,
+    def __init__(self, robot: SimulatedRobot, settings: CameraSettings,
                  poses: Callable[[], np.ndarray]):
         """Mount the camera on a link of `robot`; SimulationError when there is no such link.
 
@@ -56,7 +56,7 @@ def optical_frame(settings: CameraSettings) -> Transform:
     return _in_link(settings) @ from_rpy((0, 0, 0), (-math.pi / 2, 0, -math.pi / 2))
 
 
-def warning_about_frame(robot: Robot, settings: CameraSettings) -> str:
+def warning_about_frame(robot: SimulatedRobot, settings: CameraSettings) -> str:
     """Return a line if a link that is the frame of the images is not turned like them, else ''."""
     link = settings.camera_optical_frame
     if not robot.has_frame(link):

@@ -52,7 +52,7 @@ def test_the_camera_of_the_waffle_pi():
         camera_width=640, camera_height=480, camera_horizontal_fov=1.085595, camera_near=0.03,
         camera_far=100.0, camera_rate=30.0, camera_image_topic='camera/rgb/image_raw',
         camera_info_topic='camera/rgb/camera_info')]
-    assert gazebo_tags.not_simulated(robot(PI)) == []
+    assert gazebo_tags.read(robot(PI), 0.001, ()) == ({}, [])
 
 
 def test_the_depth_camera_of_the_waffle():
@@ -98,8 +98,7 @@ def test_the_rate_is_the_lower_one(plugin_rate, sensor_rate, rate):
     ('', '<pointCloudTopicName>depth/points</pointCloudTopicName>', 'point cloud')])
 def test_what_is_not_simulated_of_a_camera_is_named(sensor, plugin, label):
     text = robot(PLAIN.format(sensor, plugin))
-    assert gazebo_tags.not_simulated(text) == [label + ' of sensor c']
-    assert gazebo_tags.overrides(text) == {}
+    assert gazebo_tags.read(text, 0.001, ()) == ({}, [label + ' of sensor c'])
 
 
 def test_pose_noise_rate_and_names():
@@ -123,7 +122,7 @@ def test_several_cameras_in_their_order():
     (PLAIN.format('', '').replace('libgazebo_ros_camera', 'libother'), 'sensor camera'),
     (PLAIN.format('', '').replace('type="camera"', 'type="multicamera"'), 'sensor multicamera')])
 def test_other_sensors_are_no_cameras(tag, label):
-    assert read(tag) == [] and label in gazebo_tags.not_simulated(robot(tag))
+    assert read(tag) == [] and label in gazebo_tags.read(robot(tag), 0.001, ()).not_simulated
 
 
 @pytest.mark.parametrize('sensor, plugin, words', [

@@ -3,8 +3,9 @@ import os
 
 import pytest
 
-from img_recog.simulation.descriptions.gazebo_tags import not_simulated, overrides, settings
-from img_recog.simulation.settings import SensorSettings, SimulationError, whole_steps
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.simulation.descriptions.gazebo_tags import DRIVE, read
+from img_recog.simulation.settings import SimulationError
 
 OURS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..', '..', 'urdf',
                     'turtlebot3_burger.urdf')
@@ -19,12 +20,12 @@ DRIVE_SETTINGS = {
     'wheel_separation': 0.16, 'wheel_diameter': 0.066, 'wheel_torque': 10.0,
     'wheel_acceleration': 1.0, 'odometry_source': 'world', 'publish_odom_tf': True,
     'odom_frame': 'odom', 'base_frame': 'base_footprint', 'command_topic': 'cmd_vel',
-    'odometry_topic': 'odom', 'odometry_rate': 30.0}
+    'odometry_topic': 'odom', 'odometry_period_s': 0.033, 'joint_states_period_s': 0.033}
 SCAN_SETTINGS = {
-    'scan_rate': 5.0, 'scan_samples': 360, 'scan_angle_min': 0.0, 'scan_angle_max': 6.28319,
+    'scan_period_s': 0.2, 'scan_samples': 360, 'scan_angle_min': 0.0, 'scan_angle_max': 6.28319,
     'scan_range_min': 0.12, 'scan_range_max': 3.5, 'scan_noise': 0.01,
     'scan_frame': 'base_scan', 'scan_topic': 'scan'}
-IMU_SETTINGS = {'imu_frame': 'imu_link', 'imu_topic': 'imu', 'imu_rate': 200.0,
+IMU_SETTINGS = {'imu_frame': 'imu_link', 'imu_topic': 'imu', 'imu_period_s': 0.005,
                 'gyro_noise': 2e-4, 'accel_noise': 1.7e-2}
 NOISE = ('<imu><noise><type>gaussian</type><rate><mean>0.0</mean><stddev>2e-4</stddev></rate>'
          '<accel><mean>0.0</mean><stddev>1.7e-2</stddev></accel></noise></imu>')
@@ -79,6 +80,18 @@ def imu_sensor(inside, noise='', rate='100'):
     return gazebo(sensor.format(rate, noise, plugin(inside, 'gazebo_ros_imu_sensor')), 'imu_link')
 
 
+def found(urdf, step_s=0.001):
+    return read(urdf, step_s, (DRIVE, *(kind.tags for kind in SENSORS)))
+
+
+def overrides(urdf, step_s=0.001):
+    return found(urdf, step_s).values
+
+
+def not_simulated(urdf):
+    return found(urdf).not_simulated
+
+
 def refusal(*elements):
     with pytest.raises(SimulationError) as error:
         overrides(robot(*elements))
@@ -90,41 +103,20 @@ def test_burger_like_the_official_one_gives_every_setting_with_its_type():
     urdf = robot(gazebo(FRICTION, 'wheel_left_link'), gazebo(SILENT_IMU, 'imu_link'), drive(),
                  imu(), ray())
     wanted = {**DRIVE_SETTINGS, **SCAN_SETTINGS, **IMU_SETTINGS}
-    found = overrides(urdf)
-    assert found == wanted
-    assert {name: type(value) for name, value in found.items()} == {
+    values = overrides(urdf)
+    assert values == wanted
+    assert {name: type(value) for name, value in values.items()} == {
         name: type(value) for name, value in wanted.items()}
     assert not_simulated(urdf) == []
-
-
-def test_settings_have_periods_in_whole_steps_for_rates():
-    found = settings(robot(drive(), imu(), ray()), 0.001)
-    rates = {'odometry_rate', 'scan_rate', 'imu_rate'}
-    periods = {'odometry_period_s': 0.033, 'joint_states_period_s': 0.033, 'scan_period_s': 0.2,
-               'imu_period_s': 0.005}
-    assert set(found) == (set(DRIVE_SETTINGS) | set(SCAN_SETTINGS) | set(IMU_SETTINGS)
-                          | set(periods)) - rates
-    assert {name: found[name] for name in periods} == pytest.approx(periods)
-    assert found['wheel_separation'] == 0.16 and found['scan_topic'] == 'scan'
 
 
 @pytest.mark.parametrize('rate, step_s, period_s', [
     ('30', 0.001, 0.033), ('30', 0.004, 0.032), ('60', 0.001, 0.017), ('50', 0.001, 0.02),
     ('5000', 0.001, 0.001), ('1', 0.001, 1.0)])
 def test_period_is_the_nearest_that_divides_and_at_least_a_step(rate, step_s, period_s):
-    found = settings(robot(drive(updateRate=rate)), step_s)
-    assert found['odometry_period_s'] == pytest.approx(period_s)
-    assert found['joint_states_period_s'] == found['odometry_period_s']
-    assert whole_steps('odometry_period_s', found['odometry_period_s'], step_s) >= 1
-    SensorSettings(odometry_period_s=found['odometry_period_s'])
-
-
-def test_settings_have_only_what_tags_give():
-    assert settings(robot(), 0.001) == {}
-    assert set(settings(robot(ray()), 0.001)) == set(SCAN_SETTINGS) - {'scan_rate'} | {
-        'scan_period_s'}
-    nothing = settings(robot(drive(updateRate='0'), ray(rate='0'), imu(updateRate='0')), 0.001)
-    assert not [name for name in nothing if name.endswith(('_rate', '_period_s'))]
+    values = overrides(robot(drive(updateRate=rate)), step_s)
+    assert values['odometry_period_s'] == pytest.approx(period_s)
+    assert values['joint_states_period_s'] == values['odometry_period_s']
 
 
 def test_missing_tags_are_missing_settings():
@@ -163,14 +155,14 @@ def test_torque_of_the_old_plugin_counts_where_the_new_name_is_missing():
 
 
 def test_names_lose_spaces_and_leading_slashes():
-    found = overrides(robot(drive(odometryFrame=' /odom\n', commandTopic='/r1/cmd_vel')))
-    assert (found['odom_frame'], found['command_topic']) == ('odom', 'r1/cmd_vel')
+    values = overrides(robot(drive(odometryFrame=' /odom\n', commandTopic='/r1/cmd_vel')))
+    assert (values['odom_frame'], values['command_topic']) == ('odom', 'r1/cmd_vel')
 
 
 @pytest.mark.parametrize('rate', ['0', '-0.5', '-7'])
 def test_rates_of_zero_or_less_are_left_to_the_simulator(rate):
-    found = overrides(robot(drive(updateRate=rate), ray(rate=rate), imu(updateRate=rate)))
-    assert not [name for name in found if name.endswith('rate')]
+    values = overrides(robot(drive(updateRate=rate), ray(rate=rate), imu(updateRate=rate)))
+    assert not [name for name in values if name.endswith('_period_s')]
 
 
 def test_scan_of_the_graphics_card_is_a_scan():
@@ -188,9 +180,9 @@ def test_frame_of_a_sensor_is_its_link_where_the_plugin_names_none():
 
 def test_imu_plugin_in_a_sensor():
     assert overrides(robot(imu_sensor('<topicName>imu</topicName>', NOISE))) == {
-        **IMU_SETTINGS, 'imu_rate': 100.0}
+        **IMU_SETTINGS, 'imu_period_s': 0.01}
     faster = '<frameName>body</frameName><updateRateHZ>50</updateRateHZ>'
-    assert overrides(robot(imu_sensor(faster))) == {'imu_frame': 'body', 'imu_rate': 50.0}
+    assert overrides(robot(imu_sensor(faster))) == {'imu_frame': 'body', 'imu_period_s': 0.02}
 
 
 def test_single_noise_of_the_imu_counts_where_it_is_alone_and_not_zero():
@@ -203,8 +195,8 @@ def test_single_noise_of_the_imu_counts_where_it_is_alone_and_not_zero():
 
 
 def test_explicit_noise_of_zero_is_a_setting():
-    found = overrides(robot(ray(noise='0'), imu(NOISE.replace('2e-4', '0'))))
-    assert (found['scan_noise'], found['gyro_noise']) == (0.0, 0.0)
+    values = overrides(robot(ray(noise='0'), imu(NOISE.replace('2e-4', '0'))))
+    assert (values['scan_noise'], values['gyro_noise']) == (0.0, 0.0)
 
 
 def test_first_of_two_counts_and_the_second_is_listed():
@@ -261,10 +253,9 @@ def test_refusals_name_the_element_its_owner_and_what_is_expected(elements, want
     assert refusal(elements).startswith(wanted)
 
 
-@pytest.mark.parametrize('read', [overrides, not_simulated])
 @pytest.mark.parametrize('urdf, wanted', [
     ('', 'not XML'), ('<robot>', 'not XML'), ('<sdf/>', 'root element <sdf>')])
-def test_refuses_what_is_not_a_urdf(read, urdf, wanted):
+def test_refuses_what_is_not_a_urdf(urdf, wanted):
     with pytest.raises(SimulationError) as error:
-        read(urdf)
+        found(urdf)
     assert wanted in str(error.value) and '\n' not in str(error.value)

@@ -5,7 +5,7 @@ from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import description, wheels
 from img_recog.simulation.descriptions.wheels import Wheels
 from img_recog.simulation.settings import DriveSettings
-from img_recog_testing.robots import assemble, burger
+from img_recog_testing.robots import assemble, burger, read
 
 COLLISION = '<collision>\n      <geometry><cylinder radius="0.033" length="0.018"/></geometry>'
 TAG = ('<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"><wheelSeparation>{}'
@@ -29,8 +29,7 @@ def measure(urdf, **settings):
 
 
 def drive_of(urdf):
-    return assembly.default_settings(
-        assembly.read_robot(urdf, 0.001, lambda uri: None, 'robot.urdf')).drive
+    return assembly.default_settings(read(urdf)).drive
 
 
 def test_the_burgers_are_the_defaults():

@@ -4,7 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.simulation.settings import ScanSettings, SensorSettings, SimulationError
+from img_recog.simulation.sensors.laser_scanner import ScanSettings
+from img_recog.simulation.settings import NoiseSettings, SimulationError
 from img_recog_testing import turtlebot3_world
 from img_recog_testing.robots import simulator
 
@@ -56,7 +57,7 @@ def test_noise_is_seeded_and_as_large_as_it_says():
     exact, _ = scan(simulator('turtlebot3_world', scan=ScanSettings(scan_noise=0.0), x=0.5, y=0.5))
     noisy, _ = scan(simulator('turtlebot3_world', x=0.5, y=0.5))
     again, _ = scan(simulator('turtlebot3_world', x=0.5, y=0.5))
-    other, _ = scan(simulator('turtlebot3_world', x=0.5, y=0.5, sensors=SensorSettings(seed=1)))
+    other, _ = scan(simulator('turtlebot3_world', x=0.5, y=0.5, noise=NoiseSettings(seed=1)))
     hit = np.isfinite(exact)
     assert np.std((noisy - exact)[hit]) == pytest.approx(0.01, rel=0.2)
     assert np.array_equal(noisy, again)

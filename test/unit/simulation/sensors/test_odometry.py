@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from img_recog.settings import SettingError
-from img_recog.simulation.sensors.odometry import WheelOdometry
-from img_recog.simulation.settings import DriveSettings, OdometrySettings, SimulationError
+from img_recog.simulation.sensors.odometry import OdometrySettings, WheelOdometry
+from img_recog.simulation.sensors.sensor import Mount
+from img_recog.simulation.settings import DriveSettings, SimulationError
 from img_recog_testing.robots import simulator
 
 ENCODER = OdometrySettings(odometry_source='encoder')
@@ -95,27 +96,27 @@ def test_encoder_follows_an_arc(speed, turn):
 class Wheels:
     """A robot of which there is only how far its wheels have turned, in rad."""
 
-    def __init__(self, left, right):
-        self.turned = [left, right]
+    def __init__(self, left, right, drive):
+        self.turned, self.drive = [left, right], drive
 
     def wheel_positions(self):
         return tuple(self.turned)
 
-    def drive(self, distance, turn, drive):
+    def roll(self, distance, turn):
         """Turn the wheels as if the robot drove on an arc: m, rad."""
         for wheel, side in enumerate((-1, 1)):
-            rim = distance + side * turn * drive.wheel_separation / 2
-            self.turned[wheel] += rim / (drive.wheel_diameter / 2)
+            rim = distance + side * turn * self.drive.wheel_separation / 2
+            self.turned[wheel] += rim / (self.drive.wheel_diameter / 2)
 
 
 @pytest.mark.parametrize('radius', [0.5, -0.5])
 def test_encoder_counts_a_circle_exactly_where_no_wheel_slips(radius):
-    drive, wheels = DriveSettings(wheel_separation=0.2, wheel_diameter=0.1), Wheels(7.0, -3.0)
-    odometry = WheelOdometry(wheels, drive, 0.05)
+    wheels = Wheels(7.0, -3.0, DriveSettings(wheel_separation=0.2, wheel_diameter=0.1))
+    odometry = WheelOdometry(Mount(wheels, None, None), OdometrySettings(odometry_period_s=0.05))
     places = []
     for _ in range(400):
         turn = math.copysign(2 * math.pi / 400, radius)
-        wheels.drive(0.5 * 2 * math.pi / 400, turn, drive)
+        wheels.roll(0.5 * 2 * math.pi / 400, turn)
         places.append(odometry.read())
     assert planar(places[99]) == pytest.approx((0.5, radius, turn * 100), abs=1e-4)
     assert planar(places[199])[:2] == pytest.approx((0.0, 2 * radius), abs=1e-4)

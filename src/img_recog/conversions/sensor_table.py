@@ -1,0 +1,24 @@
+"""The sensors of a simulated robot: a row each.
+
+The simulator's tags, settings, noise and readings, the topics of the node, the replay and the test
+of the documentation go by this table. Cameras are not in it: their images are drawn by another
+process.
+"""
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Imu, JointState, LaserScan
+
+from img_recog.conversions import robot_msgs
+from img_recog.simulation.sensors import imu, joint_states, laser_scanner, odometry
+from img_recog.simulation.sensors.sensor import SensorKind
+
+# sensors are read, and their readings published, in this order
+SENSORS = (
+    SensorKind('odometry', odometry.OdometrySettings, odometry.make_odometry, odometry.TAGS,
+               Odometry, robot_msgs.odometry_to_msg, noise_number=2),
+    SensorKind('joint_states', joint_states.JointStateSettings, joint_states.JointStateSensor,
+               joint_states.TAGS, JointState, robot_msgs.joint_states_to_msg, noise_number=3),
+    SensorKind('imu', imu.ImuSettings, imu.Imu, imu.TAGS, Imu, robot_msgs.imu_to_msg,
+               noise_number=1),
+    SensorKind('scan', laser_scanner.ScanSettings, laser_scanner.LaserScanner,
+               laser_scanner.TAGS, LaserScan, robot_msgs.scan_to_msg, noise_number=0),
+)

@@ -1,0 +1,28 @@
+"""The joints of a robot as a sensor measures them."""
+from dataclasses import dataclass
+
+from img_recog.settings import Settings, above, setting
+from img_recog.simulation.bodies.robot import JointStates
+from img_recog.simulation.descriptions.gazebo_tags import DRIVE_PLUGIN, RATE, Row, Tags
+from img_recog.simulation.sensors.sensor import Mount, Sensor
+
+# in Gazebo one plugin publishes odometry and joint states
+TAGS = Tags((DRIVE_PLUGIN,), (Row('joint_states_period_s', RATE, 'plugin', 'updateRate'),))
+
+
+@dataclass(frozen=True)
+class JointStateSettings(Settings):
+    """joint_states_period_s: a multiple of the physics step, in simulated s."""
+
+    joint_states_period_s: float = setting(0.033, above(0))
+
+
+class JointStateSensor(Sensor):
+    """Measures all movable joints."""
+
+    def __init__(self, mount: Mount, _: JointStateSettings):
+        self._robot = mount.robot
+
+    def read(self) -> JointStates:
+        """Return the states of the joints."""
+        return self._robot.joint_states()

@@ -1,0 +1,87 @@
+"""Sensors that cast rays into the world; those of all robots are read together."""
+import abc
+from typing import Any, List, Optional, Sequence
+
+import numpy as np
+import pybullet
+
+from img_recog import rotations
+from img_recog.simulation.bodies.solids import Bundles
+from img_recog.simulation.sensors.sensor import Mount, Sensor
+
+_MAX_OWN_SHAPES = 20        # of its own robot, that a ray may cross one after the other
+_PAST_M = 1e-3              # a ray goes on so far behind the surface of such a shape
+
+
+class RaySensor(Sensor):
+    """Casts all rays at one time from the origin of its frame; does not see its own robot."""
+
+    def __init__(self, mount: Mount, frame: str, directions: np.ndarray, longest: float):
+        """Mount the sensor on the link `frame`.
+
+        directions (3, rays): unit vectors in that frame; longest: of what is measured, in m.
+        """
+        self.solids = mount.world.solids
+        self._robot, self._frame = mount.robot, frame
+        self._directions, self._longest = directions, longest
+
+    @abc.abstractmethod
+    def measure(self, distances: np.ndarray) -> Any:
+        """Return what the sensor measures where its rays go so far, (rays,), in m; inf or farther
+        than the longest is nothing.
+        """
+
+    def read(self) -> Any:
+        """Return what is measured now."""
+        return read_together([self])[0]
+
+    @property
+    def rays(self) -> int:
+        """The number of rays."""
+        return self._directions.shape[1]
+
+    def bundle(self) -> Bundles:
+        """Return the rays from where the sensor is now, a bundle."""
+        motion = self._robot.motion(self._frame)
+        directions = (rotations.matrix(motion.orientation) @ self._directions).T
+        return Bundles(motion.position[None], directions[None], np.array([self._longest]),
+                       np.array([self._robot.body_id]))
+
+    def cast(self, bundle: Bundles) -> np.ndarray:
+        """Return what Solids.distances does, by PyBullet's rays, for shapes of all kinds."""
+        longest = self._longest
+        directions = bundle.directions[0]
+        ends = bundle.starts[0] + longest * directions
+        passed = np.zeros(len(directions))      # how far each ray has come
+        distances = np.full(len(directions), np.inf)
+        rays = np.arange(len(directions))
+        for _ in range(_MAX_OWN_SHAPES):
+            starts = bundle.starts[0] + passed[rays, None] * directions[rays]
+            hits = pybullet.rayTestBatch(
+                starts.tolist(), ends[rays].tolist(), numThreads=0,
+                physicsClientId=self._robot.physics_client_id)
+            bodies = np.array([hit[0] for hit in hits])
+            passed[rays] += (longest - passed[rays]) * [hit[2] for hit in hits]
+            others = rays[(bodies >= 0) & (bodies != self._robot.body_id)]
+            distances[others] = passed[others]
+            rays = rays[bodies == self._robot.body_id]
+            passed[rays] += _PAST_M
+            rays = rays[passed[rays] < longest]
+            if not len(rays):
+                break
+        return distances
+
+
+def read_together(sensors: Sequence[RaySensor]) -> List[Any]:
+    """Return what each of some sensors of a physics client measures now."""
+    bundles = [sensor.bundle() for sensor in sensors]
+    distances: List[Optional[np.ndarray]] = [None] * len(sensors)
+    for rays in {sensor.rays for sensor in sensors}:
+        numbers = [number for number, sensor in enumerate(sensors) if sensor.rays == rays]
+        found = sensors[0].solids.distances(Bundles(
+            *map(np.concatenate, zip(*(bundles[number] for number in numbers)))))
+        if found is not None:
+            for number, row in zip(numbers, found):
+                distances[number] = row
+    return [sensor.measure(sensor.cast(bundle) if found is None else found)
+            for sensor, bundle, found in zip(sensors, bundles, distances)]

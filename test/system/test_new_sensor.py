@@ -1,0 +1,145 @@
+"""A sensor is added by three edits: made in a copy of the tree, for a sonar that is not in it."""
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from img_recog_testing.pages import ROOT
+from img_recog_testing.processes import numbers
+from img_recog_testing.simulator_tools import burger
+
+PARTS = ('src', 'doc', 'launch', 'scripts', 'test', 'CONTRIBUTING.md', 'README.md', 'README.ja.md',
+         'run')
+
+SENSOR = '''"""A sonar: one ray."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from img_recog.settings import Settings, above, not_empty, setting
+from img_recog.simulation.descriptions.gazebo_tags import NAME, NUMBER, RATE, Row, Tags
+from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors.sensor import Mount
+
+TAGS = Tags(('gazebo_ros_range',), (
+    Row('sonar_period_s', RATE, 'plugin', 'updateRate'),
+    Row('sonar_range_max', NUMBER, 'sensor', 'ray/range/max'),
+    Row('sonar_topic', NAME, 'plugin', 'topicName')),
+    sensors=('ray', 'sonar'), frame='sonar_frame', needs_sensor=True)
+
+
+@dataclass(frozen=True)
+class SonarSettings(Settings):
+    """A ray along x of `sonar_frame`; m."""
+
+    sonar_frame: str = setting('base_scan', not_empty())
+    sonar_period_s: float = setting(0.05, above(0))
+    sonar_range_max: float = setting(4.0, above(0))
+    sonar_topic: str = setting('sonar', not_empty())
+
+
+class Sonar(RaySensor):
+    """Measures one distance."""
+
+    def __init__(self, mount: Mount, settings: SonarSettings):
+        mount.robot.check_frame('sonar_frame', settings.sonar_frame)
+        super().__init__(mount, settings.sonar_frame, np.array([[1.0], [0.0], [0.0]]),
+                         settings.sonar_range_max)
+
+    def measure(self, distances: np.ndarray) -> float:
+        return float(distances[0])
+'''
+
+CONVERSIONS = '''"""Converts sensor_msgs/Range."""
+from sensor_msgs.msg import Range
+
+
+def to_msg(distance, settings, stamp, out=None):
+    """Return the message for a distance in m."""
+    msg = out or Range(max_range=settings.sonar_range_max)
+    msg.header.frame_id, msg.header.stamp, msg.range = settings.sonar_frame, stamp, distance
+    return msg
+
+
+def from_msg(msg):
+    """Return the distance in a message in m."""
+    return msg.range
+'''
+
+IMPORTS = '''from img_recog.conversions import sonar_msgs
+from img_recog.simulation.sensors import sonar
+from sensor_msgs.msg import Range
+'''
+ROW = '''    SensorKind('sonar', sonar.SonarSettings, sonar.Sonar, sonar.TAGS, Range,
+               sonar_msgs.to_msg, noise_number=4),
+'''
+TAG = '''<gazebo reference="imu_link"><sensor type="ray" name="ear">
+  <ray><range><max>3</max></range></ray>
+  <plugin name="ear" filename="libgazebo_ros_range.so"><topicName>ear</topicName></plugin>
+  </sensor></gazebo>'''
+
+
+@pytest.fixture(scope='module')
+def tree(tmp_path_factory):
+    """A copy of the tree with a sonar."""
+    copy = tmp_path_factory.mktemp('copy')
+    for part in PARTS:
+        path = os.path.join(ROOT, part)
+        if os.path.isdir(path):
+            shutil.copytree(path, str(copy / part), ignore=shutil.ignore_patterns('__pycache__'))
+        else:
+            shutil.copy(path, str(copy / part))
+    package = copy / 'src' / 'img_recog'
+    (package / 'simulation' / 'sensors' / 'sonar.py').write_text(SENSOR)
+    (package / 'conversions' / 'sonar_msgs.py').write_text(CONVERSIONS)
+    table = package / 'conversions' / 'sensor_table.py'
+    head, end, row = 'from img_recog', '\n)\n', table.read_text()
+    assert row.count(end) == 1
+    row = row.replace(end, '\n' + ROW + ')\n')
+    table.write_text(row.replace(head, IMPORTS + head, 1))
+    return copy
+
+
+def env_of(ros, tree):
+    paths = [str(tree / 'src'), str(tree / 'test'), ros.env['PYTHONPATH']]
+    return dict(ros.env, PYTHONPATH=os.pathsep.join(paths))
+
+
+@pytest.mark.parametrize('addition, topic, frame', [
+    ('', '/sonar', 'base_scan'), (TAG, '/ear', 'imu_link')], ids=['default', 'tags'])
+def test_its_topic_is_published(roscore, tree, addition, topic, frame):
+    roscore.set_parameters('/gazebo')
+    roscore.set_parameters('/robot_description', burger(addition))
+    node = roscore.start(sys.executable, str(tree / 'scripts' / 'pybullet_sim.py'),
+                         '__name:=gazebo', '_x_pos:=-2.0', '_y_pos:=0.0',
+                         env=env_of(roscore, tree))
+    try:
+        node.wait_output('simulating')
+        roscore.wait_run('Type: sensor_msgs/Range', 'rostopic', 'info', topic)
+        ranges = numbers(roscore.run('rostopic', 'echo', '-n', '3', topic + '/range'))
+        # a post of radius 0.15 m at x -1.1; both links are 0.032 m behind the robot's root
+        assert ranges == pytest.approx([2.0 + 0.032 - 1.1 - 0.15] * 3, abs=0.01)
+        assert frame in roscore.run('rostopic', 'echo', '-n', '1', topic + '/header/frame_id')
+    finally:
+        assert node.interrupt() == 0, node.output
+    assert 'Traceback' not in node.output and '[WARN]' not in node.output
+
+
+def test_it_is_missing_in_the_documentation(ros, tree):
+    done = subprocess.run(
+        [sys.executable, '-m', 'pytest', '-q', '-p', 'no:cacheprovider', '-k',
+         '(topics or parameters) and gazebo', 'test/system/test_documentation.py'],
+        cwd=str(tree), env=env_of(ros, tree), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        check=False)
+    lines = done.stdout.decode()
+    assert done.returncode == 1, lines
+    assert 'missing: sonar (sensor_msgs/Range)' in lines
+    assert 'missing: | `sonar_range_max` | `4.0` | a finite number above 0 | |' in lines
+    assert '2 failed' in lines
+
+
+def test_no_wall_is_broken(ros, tree):
+    subprocess.run([sys.executable, '-m', 'pytest', '-q', '-p', 'no:cacheprovider',
+                    'test/unit/test_walls.py'], cwd=str(tree), env=env_of(ros, tree), check=True)
