@@ -26,7 +26,7 @@ def check(words):
         _check_robot_camera(given)
     if 'world' in given:
         resources = _module('resources')
-        _module('simulation.world_file').read(
+        _module('simulation.descriptions.world_file').read(
             given['world'], resources.worlds(), resources.find,
             given.get('allow_partial_world', '').lower() in ('1', 'true'))
 
