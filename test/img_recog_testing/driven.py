@@ -6,7 +6,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan, PointCloud
 
-from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing.recording import Recorder, call, from_node
+from img_recog_testing.waiting import wait_for
 
 START = -2.0, -0.5
 
@@ -23,18 +24,11 @@ class Robot:
             recorder.wait()
         self.commands.wait_connected('/color_extract')
 
-    def wait_start(self, reset):
-        """Call `reset`, which moves the robot to its start; forget what was before."""
-        before = len(self.odometry.messages)
-        reset()
-
-        def at_start():     # it may drive away at once
-            return [msg for msg in self.odometry.messages[before:]
-                    if math.dist(place(msg), START) < 0.05]
-        wait_for(at_start, 'the robot at its start')
-        now = at_start()[-1].header.stamp
+    def begin_again(self):
+        """Move the robot to its start, and forget what was before."""
+        since = reset_world({self.odometry: START})
         for recorder in (self.odometry, self.scans, self.detections):
-            recorder.messages = [msg for msg in recorder.messages if msg.header.stamp >= now]
+            recorder.forget(since)
         self.commands.messages = []
 
     def areas(self, color):
@@ -52,6 +46,21 @@ class Robot:
         return all(math.dist(place(msg), place(messages[-1])) < 0.002
                    and abs(yaw(msg) - yaw(messages[-1])) < 0.005 for msg in reversed(messages)
                    if last - msg.header.stamp < rospy.Duration(seconds))
+
+
+def reset_world(starts):
+    """Move all robots to their starts, and return when the last of them was there.
+
+    starts: x and y by the Recorder of a robot's odometry.
+    """
+    before = {recorder: len(recorder.messages) for recorder in starts}
+    call('/gazebo/reset_world')
+
+    def stamps():       # they may drive away at once
+        found = [[msg.header.stamp for msg in recorder.messages[before[recorder]:]
+                  if math.dist(place(msg), start) < 0.05] for recorder, start in starts.items()]
+        return [each[-1] for each in found] if all(found) else None
+    return max(wait_for(stamps, 'the robots at their starts'))
 
 
 def place(msg):

@@ -16,11 +16,16 @@ ARTICLE = (('blue', (50, 100, 100), (150, 255, 255), 10.0),
 AREA_LIMIT_PX = 1000
 
 
+def results(image):
+    """Return the area in pixels and the masked image of each color of the article, of bgr8."""
+    hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
+    masks = [cv2.inRange(hsv, np.array(low), np.array(high)) for _, low, high, _ in ARTICLE]
+    return [(cv2.countNonZero(mask), cv2.bitwise_and(image, image, mask=mask)) for mask in masks]
+
+
 def areas_px(image):
     """Return the area of each color of the article in a bgr8 image."""
-    hsv = cv2.cvtColor(image, cv2.COLOR_BGR2HSV)
-    return [int(np.count_nonzero(cv2.inRange(hsv, np.array(low), np.array(high))))
-            for _, low, high, _ in ARTICLE]
+    return [area_px for area_px, _ in results(image)]
 
 
 def commands(image):

@@ -97,6 +97,7 @@ class Ros:
     """Starts programs that share one ROS master; use it in a with statement.
 
     marker: an entry of the environment of all these programs, and of what they start.
+    stack: what is closed at the end, before the programs.
     master_uri: of the master, which `start_master` or roslaunch starts.
     """
 
@@ -115,6 +116,7 @@ class Ros:
         self.env.pop('DISPLAY', None)
         self.core = None
         self.processes = []
+        self.stack = contextlib.ExitStack()
 
     def __enter__(self):
         return self
@@ -125,7 +127,7 @@ class Ros:
     def beside(self):
         """Return a Ros with the same master; its end ends only what it has started itself."""
         other = copy.copy(self)
-        other.processes = []
+        other.processes, other.stack = [], contextlib.ExitStack()
         return other
 
     def start_master(self):
@@ -199,6 +201,7 @@ class Ros:
 
     def close(self):
         """End all programs: the master after the others, which unregister."""
+        self.stack.close()
         others = [process for process in self.processes if process is not self.core]
         for process in others:
             process.send_signal(signal.SIGINT)      # at once: each takes half a second

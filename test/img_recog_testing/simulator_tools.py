@@ -1,15 +1,25 @@
 """Tools for tests of the simulator node: its inputs, its messages and its processes."""
-import json
+import contextlib
+import itertools
 import os
 import re
-import sys
+import select
+import threading
 
+import genpy
+import numpy as np
+from geometry_msgs.msg import Twist, Vector3
+from roslib.message import get_message_class
+
+from img_recog_testing import wire
 from img_recog_testing.process_table import descendants
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 # what these warn of, each test notices by itself if it matters: images or messages are missing
 _OF_A_BUSY_MACHINE = ('this machine is too slow', 'the simulation waits for images',
                       'it has sent no complete header')
+_POLL_S = 0.02
+_driver_numbers = itertools.count()
 BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
 
 
@@ -20,24 +30,58 @@ def burger(addition=''):
 
 
 class Echo:
-    """The numbers in the messages of a topic, by `rostopic echo -p`: a row for each message."""
+    """Reads a topic in a thread: `rostopic echo` takes a second to start.
 
-    def __init__(self, ros, topic):
-        self._process = ros.start('rostopic', 'echo', '-p', topic)
-        self.pid = self._process.pid
+    rows: a list of numbers for each message, in order; times are in ns.
+    """
 
-    @property
-    def rows(self):
-        _, _, table = self._process.output.partition('%time')
-        # rostopic may also print a warning while it waits for the first message
-        lines = [line for line in table.split('\n')[1:-1] if line[:1].isdigit()]
-        return [[float(word) for word in line.split(',')[1:]] for line in lines]
+    def __init__(self, ros, path):
+        """path: a topic that may not be there yet, and fields of its messages, as in rostopic."""
+        self.rows = []
+        self._master, self._path = ros.master_uri, path
+        self._has_ended, self._may_read = threading.Event(), threading.Event()
+        self._may_read.set()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+        ros.stack.callback(self.close)
+
+    def _run(self):
+        while not self._has_ended.wait(_POLL_S):
+            with contextlib.suppress(*wire.ERRORS):
+                self._read()
+
+    def _read(self):
+        types = dict(wire.call(self._master, 'getTopicTypes'))
+        publishers = dict(wire.call(self._master, 'getSystemState')[0])
+        topic = max((name for name in publishers if (self._path + '/').startswith(name + '/')),
+                    default='', key=len)
+        data_class = get_message_class(types.get(topic, ''))
+        if data_class is None:
+            return
+        with contextlib.closing(wire.Subscription(
+                self._master, publishers[topic][0], topic, data_class, DEADLINE_S)) as messages:
+            while not self._has_ended.is_set():
+                if self._may_read.wait(_POLL_S) and select.select([messages.sock], [], [],
+                                                                  _POLL_S)[0]:
+                    self.rows += [self.row(msg, self._path[len(topic):])
+                                  for msg in messages.read()]
+
+    @staticmethod
+    def row(msg, fields):
+        """Return what is stored for a message."""
+        for name, index in re.findall(r'/(\w+)(?:\[(\d+)\])?', fields):
+            msg = getattr(msg, name)[int(index)] if index else getattr(msg, name)
+        return list(_numbers(msg))
+
+    def hang(self, is_hanging):
+        """Stop reading, or go on."""
+        (self._may_read.clear if is_hanging else self._may_read.set)()
 
     def wait(self, accept, what):
         """Wait until `accept` returns True for the newest row; return it."""
         def newest():
-            rows = self.rows
-            return rows[-1:] if rows and accept(*rows[-1]) else None
+            rows = self.rows[-1:]
+            return rows if rows and accept(*rows[-1]) else None
         return wait_for(newest, lambda: '{}; the newest are {}'.format(what, self.rows[-3:]))[0]
 
     def wait_more(self, count):
@@ -47,13 +91,28 @@ class Echo:
         return self.rows
 
     def close(self):
-        self._process.close()
+        self._has_ended.set()
+        self._thread.join()
+
+
+def _numbers(value):
+    """Yield the numbers in a field of a message."""
+    if isinstance(value, genpy.TVal):
+        yield value.to_nsec()
+    elif isinstance(value, genpy.Message):
+        for name in value.__slots__:
+            yield from _numbers(getattr(value, name))
+    else:
+        yield float(value)
 
 
 def drive(ros, linear, angular=0.0):
-    """Publish a command in m/s and rad/s; return the process that does so."""
-    return ros.start('rostopic', 'pub', '/cmd_vel', 'geometry_msgs/Twist',
-                     '{{linear: {{x: {}}}, angular: {{z: {}}}}}'.format(linear, angular))
+    """Publish a command in m/s and rad/s, to each subscriber once; return the publisher."""
+    command = Twist(Vector3(x=linear), Vector3(z=angular))
+    publisher = wire.RawPublisher(ros.master_uri, '/cmd_vel', Twist,
+                                  '/driver_{}'.format(next(_driver_numbers)), first=command)
+    ros.stack.callback(publisher.close)
+    return publisher
 
 
 def call(ros, service):
@@ -71,53 +130,35 @@ def drawing(node):
     return next((pid for pid, line in descendants(node.pid).items() if 'spawn_main' in line), None)
 
 
-IMAGES = '''
-import json
-import numpy, rospy
-from sensor_msgs.msg import Image
-
-def show(msg):
-    pixels = numpy.frombuffer(msg.data, numpy.uint8).reshape(msg.height, msg.width, 3)
-    def found(low, high):
-        rows, columns = numpy.nonzero(((pixels >= low) & (pixels <= high)).all(axis=2))
-        middle = [float(columns.mean()), float(rows.mean())] if len(rows) else None
-        return {'share': len(rows) / pixels[..., 0].size, 'middle': middle}
-    print(json.dumps({
-        'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id,
-        'size': [msg.width, msg.height, msg.step], 'encoding': msg.encoding,
-        'green': found((0, 90, 0), (60, 255, 60)), 'white': found((205,) * 3, (255,) * 3),
-        'red': found((150, 0, 0), (255, 30, 30)),
-        'wall': found((20,) * 3, (90,) * 3), 'dark': found((0,) * 3, (130,) * 3)}), flush=True)
-
-rospy.init_node('images', anonymous=True)
-rospy.Subscriber('/gazebo/view/image_raw', Image, show, queue_size=1, buff_size=1 << 24)
-rospy.spin()
-'''
-
-
-class Images:
-    """The contents of the images of the view."""
+class Images(Echo):
+    """The contents of the images of the view, instead of numbers."""
 
     def __init__(self, ros):
-        self._process = ros.start(sys.executable, '-c', IMAGES)
+        super().__init__(ros, '/gazebo/view/image_raw')
 
-    @property
-    def all(self):
-        return [json.loads(line) for line in self._process.output.split('\n')[:-1]
-                if line.startswith('{')]
+    @staticmethod
+    def row(msg, fields):
+        """Return the header and where pixels of some colors are: their share and middle."""
+        pixels = np.frombuffer(msg.data, np.uint8).reshape(msg.height, msg.width, 3)
+
+        def found(low, high):
+            rows, columns = np.nonzero(((pixels >= low) & (pixels <= high)).all(axis=2))
+            middle = [float(columns.mean()), float(rows.mean())] if len(rows) else None
+            return {'share': len(rows) / pixels[..., 0].size, 'middle': middle}
+        return {'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id,
+                'size': [msg.width, msg.height, msg.step], 'encoding': msg.encoding,
+                'green': found((0, 90, 0), (60, 255, 60)), 'white': found((205,) * 3, (255,) * 3),
+                'red': found((150, 0, 0), (255, 30, 30)),
+                'wall': found((20,) * 3, (90,) * 3), 'dark': found((0,) * 3, (130,) * 3)}
 
     def wait(self, accept=lambda image: True, count=1):
         """Wait for `count` more images and for one that `accept` returns True for; return it."""
-        goal = len(self.all) + count
+        goal = len(self.rows) + count
 
         def newest():
-            images = self.all
-            return images[-1] if len(images) >= goal and accept(images[-1]) else None
-        return wait_for(newest, lambda: 'an image; the newest: {}\n{}'.format(
-            self.all[-1:], self._process.output[-500:]))
-
-    def close(self):
-        self._process.close()
+            images = self.rows[-1:]
+            return images if len(self.rows) >= goal and accept(images[-1]) else None
+        return wait_for(newest, lambda: 'an image; the newest: {}'.format(self.rows[-1:]))[0]
 
 
 def standing(rows):

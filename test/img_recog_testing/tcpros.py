@@ -1,6 +1,5 @@
 """The other ends of a node's connections, over pairs of sockets and without a master."""
 import fcntl
-import io
 import itertools
 import socket
 import struct
@@ -12,15 +11,9 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub, TCPROSSub
 
 from img_recog_testing.waiting import DEADLINE_S
+from img_recog_testing.wire import packet
 
 _numbers = itertools.count()
-
-
-def packet(msg):
-    """Return what goes over the wire for a message."""
-    buffer = io.BytesIO()
-    msg.serialize(buffer)
-    return struct.pack('<I', buffer.tell()) + buffer.getvalue()
 
 
 class SubscriberEnd:

@@ -5,46 +5,15 @@ import unittest
 import cv2
 import numpy as np
 import rospy
-import rostest
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image
-from std_srvs.srv import Empty
 
-from img_recog_testing import statuses
-from img_recog_testing.recording import Recorder, from_node, wait_for
-
-BLUE, RED = (200, 60, 20), (60, 20, 220)        # BGR
-RANGES = {'blue': ((50, 100, 100), (150, 255, 255)), 'red': ((150, 100, 150), (180, 255, 255))}
-
-
-def picture(blue_px=0, red_px=0):
-    """Return a grey bgr8 picture of 320x240 with this number of pixels of each color."""
-    image = np.full((240 * 320, 3), 128, np.uint8)
-    image[:blue_px] = BLUE
-    image[len(image) - red_px:] = RED
-    return image.reshape(240, 320, 3)
-
-
-def message(image, encoding, padding=0):
-    """Return an Image message in which `padding` bytes of 255 follow each row."""
-    rows = image.reshape(image.shape[0], -1)
-    step = rows.shape[1] + padding
-    data = np.full((len(rows), step), 255, np.uint8)
-    data[:, :rows.shape[1]] = rows
-    msg = Image(height=image.shape[0], width=image.shape[1], encoding=encoding, step=step,
-                data=data.tobytes())
-    msg.header.stamp, msg.header.frame_id = rospy.Time.now(), 'test_camera'
-    return msg
-
-
-def expected(bgr, color):
-    """Return area and masked image by plain OpenCV."""
-    mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV),
-                       *(np.array(bound) for bound in RANGES[color]))
-    return cv2.countNonZero(mask), cv2.bitwise_and(bgr, bgr, mask=mask)
+from img_recog_testing import plain_opencv
+from img_recog_testing.frames import message, picture
+from img_recog_testing.recording import (AreaLines, Diagnostics, Recorder, call, from_node, main,
+                                         wait_for)
 
 
 class ColorsTest(unittest.TestCase):
@@ -56,9 +25,9 @@ class ColorsTest(unittest.TestCase):
         cls.drive = rospy.Publisher('/cmd_vel', Twist, queue_size=10)
         cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
         cls.images = {'blue': Recorder('/blue_image', Image), 'red': Recorder('/red_image', Image)}
-        cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
+        cls.areas = AreaLines()
         cls.warnings = Recorder('/rosout', Log, lambda msg: msg.level >= Log.WARN)
-        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
+        cls.diagnostics = Diagnostics()
         cls.odometry = Recorder('/odom', Odometry)
         cls.odometry.wait()
         wait_for(lambda: cls.camera.get_num_connections() == 1, 'color_extract to subscribe')
@@ -89,9 +58,8 @@ class ColorsTest(unittest.TestCase):
 
     def _commands(self):
         """Return how many Twists color_extract has sent, as of its next status."""
-        before = len(self.diagnostics.messages)
-        return int(self._wait_diagnostics('color_extract: recognition', lambda _: True,
-                                          before)['commands'])
+        return int(self.diagnostics.wait_values('color_extract: recognition',
+                                                is_new=True)['commands'])
 
     def _commands_for(self, msg):
         """Return linear.x of the Twists for a frame that is followed by a blue one."""
@@ -138,7 +106,7 @@ class ColorsTest(unittest.TestCase):
     def _check_images(self, msg, bgr):
         before = {name: len(each.messages) for name, each in self.images.items()}
         self._send(msg)
-        want = {name: expected(bgr, name) for name in RANGES}
+        want = dict(zip(('blue', 'red'), plain_opencv.results(bgr)))
         self.assertEqual('blue={}, red={}'.format(want['blue'][0], want['red'][0]),
                          self.areas.messages[-1].msg, msg.encoding)
         for name, recorder in self.images.items():
@@ -174,20 +142,8 @@ class ColorsTest(unittest.TestCase):
             received, *rest = (int(values['images ' + key]) for key in (
                 'received', 'processed', 'refused', 'replaced by newer ones'))
             return received == sum(rest) and rest[1] > 0
-        values = self._wait_diagnostics('color_extract: recognition', is_complete)
+        values = self.diagnostics.wait_values('color_extract: recognition', is_complete)
         self.assertRegex(values['last reason'], 'image')
-
-    def _wait_diagnostics(self, name, accept, first=0):
-        """Return the values of the first status of this name that is accepted."""
-        def found():
-            for msg in self.diagnostics.messages[first:]:
-                for status in msg.status:
-                    values = statuses.values(status)
-                    # the first message of a node has no values
-                    if status.name == name and values and accept(values):
-                        return values
-            return None
-        return wait_for(found, lambda: '{} in {}'.format(name, self.diagnostics.messages[-2:]))
 
     def test_nan_and_infinite_twists_are_ignored(self):
         self.drive.publish(Twist())
@@ -199,8 +155,8 @@ class ColorsTest(unittest.TestCase):
         twist.angular.z = float('nan')
         self.drive.publish(twist)
         self._wait_warning('ignored a message on cmd_vel', 'nan')
-        values = self._wait_diagnostics('gazebo: simulation',
-                                        lambda values: values['commands refused'] == '4')
+        values = self.diagnostics.wait_values('gazebo: simulation',
+                                              lambda values: values['commands refused'] == '4')
         self.assertIn('nan', values['last reason'])
         # a valid command afterwards is executed, until its timeout
         twist, before = Twist(), len(self.odometry.messages)
@@ -213,14 +169,9 @@ class ColorsTest(unittest.TestCase):
                  'the robot at rest')
 
     def test_command_from_before_a_reset_is_discarded(self):
-        def call(name):
-            rospy.wait_for_service(name)
-            rospy.ServiceProxy(name, Empty)()
-
         def received():
             """Return how many commands the simulator has, as of its next status."""
-            return int(self._wait_diagnostics('gazebo: simulation', lambda _: True,
-                                              len(self.diagnostics.messages))['commands'])
+            return int(self.diagnostics.wait_values('gazebo: simulation', is_new=True)['commands'])
         call('/gazebo/pause_physics')
         twist, before = Twist(), received()
         twist.linear.x = 0.5
@@ -235,5 +186,4 @@ class ColorsTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('colors_test')
-    rostest.rosrun('img_recog', 'colors', ColorsTest)
+    main(ColorsTest)

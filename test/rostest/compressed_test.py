@@ -6,7 +6,6 @@ from unittest import mock
 
 import numpy as np
 import rospy
-import rostest
 from cv_bridge import CvBridge
 from dynamic_reconfigure.client import Client
 from dynamic_reconfigure.msg import Config, ConfigDescription
@@ -17,19 +16,16 @@ from std_msgs.msg import Header
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing import frames
+from img_recog_testing.recording import AreaLines, Recorder, from_node, main, wait_for
 from img_recog_testing.waiting import DEADLINE_S, stretch
 
-BLUE, RED = (20, 60, 200), (220, 20, 60)        # RGB
 NODES = ('color_extract', 'from_compressed')
 
 
 def picture(blue_px=0, red_px=0, seed=1):
-    """Return a noisy grey rgb8 picture of 320x240 with this number of pixels of each color."""
-    image = np.random.RandomState(seed).randint(110, 150, (240 * 320, 3)).astype(np.uint8)
-    image[:blue_px] = BLUE
-    image[len(image) - red_px:] = RED
-    return image.reshape(240, 320, 3)
+    """Return a noisy grey rgb8 picture with this number of pixels of each color."""
+    return np.ascontiguousarray(frames.picture(blue_px, red_px, seed=seed)[..., ::-1])
 
 
 def header():
@@ -150,8 +146,7 @@ class CompressedTest(unittest.TestCase):
         rospy.set_param('/usb_cam/image_raw/compressed/format', 'png')
         raw = rospy.Publisher('/usb_cam/image_raw', Image, queue_size=10)
         compressed = self._publisher('/usb_cam/image_raw')
-        areas = {node: Recorder('/rosout', Log, lambda log, node=node: log.name == '/' + node and
-                                log.msg.startswith('blue=')) for node in NODES}
+        areas = {node: AreaLines('/' + node) for node in NODES}
         twists = {'color_extract': Recorder('/cmd_vel', Twist, from_node('/color_extract')),
                   'from_compressed': Recorder('/from_compressed/cmd_vel', Twist)}
         images = {(node, color): Recorder(prefix + color + '_image', Image)
@@ -201,5 +196,4 @@ class CompressedTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('compressed_test')
-    rostest.rosrun('img_recog', 'compressed', CompressedTest)
+    main(CompressedTest)

@@ -2,18 +2,10 @@
 """The robot drives forward on blue, backward on red, and stands if neither is visible."""
 import unittest
 
-import rospy
-import rostest
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Log
-from std_srvs.srv import Empty
 
-from img_recog_testing.recording import Recorder, wait_for
-
-
-def areas(msg):
-    """Return the areas in a log line of color_extract."""
-    return tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
+from img_recog_testing.recording import AreaLines, Recorder, areas, call, main, wait_for
 
 
 class DriveTest(unittest.TestCase):
@@ -22,10 +14,8 @@ class DriveTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.odometry = Recorder('/odom', Odometry)
-        cls.log = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
+        cls.log = AreaLines()
         cls.odometry.wait()
-        for name in ('/gazebo/reset_world', '/usb_cam/stop_capture', '/usb_cam/start_capture'):
-            rospy.wait_for_service(name)
 
     def setUp(self):
         self._next = 0          # log line from which on `_wait_areas` searches
@@ -52,7 +42,7 @@ class DriveTest(unittest.TestCase):
         self._wait_areas(False, True)
         self._wait_areas(False, False)
         # where it got to meanwhile, perhaps against the wall, depends on how busy the machine is
-        rospy.ServiceProxy('/gazebo/reset_world', Empty)()
+        call('/gazebo/reset_world')
         self._next = len(self.log.messages)
         self._wait_areas(False, False)
         for blue, red, direction in ((True, False, 1), (False, True, -1)):
@@ -67,15 +57,15 @@ class DriveTest(unittest.TestCase):
                             'driving, direction %d' % direction)
         gone = self._wait_areas(False, False)
         # a busy machine simulates slowly, and the next card comes by wall time
-        rospy.ServiceProxy('/usb_cam/stop_capture', Empty)()
+        call('/usb_cam/stop_capture')
         at_rest = self._wait_odometry(gone, lambda speed: abs(speed) < 0.002,
                                       'standing after %d' % direction)
         is_alone = {(0, 0)} == {areas(msg) for msg in list(self.log.messages)
                                 if gone <= msg.header.stamp <= at_rest.header.stamp}
         self._next = len(self.log.messages)
         # the camera begins with the blue card
-        rospy.ServiceProxy('/gazebo/reset_world', Empty)()
-        rospy.ServiceProxy('/usb_cam/start_capture', Empty)()
+        call('/gazebo/reset_world')
+        call('/usb_cam/start_capture')
         if not is_alone:
             return False
         end = at_rest.pose.pose.position
@@ -91,5 +81,4 @@ class DriveTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('drive_test')
-    rostest.rosrun('img_recog', 'drive', DriveTest)
+    main(DriveTest)

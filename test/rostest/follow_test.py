@@ -5,13 +5,11 @@ import shutil
 import unittest
 
 import rospy
-import rostest
 from gazebo_msgs.msg import ModelState
 from gazebo_msgs.srv import GetModelState, SetModelState
-from std_srvs.srv import Empty
 
 from img_recog_testing.driven import Robot, place, yaw
-from img_recog_testing.recording import wait_for
+from img_recog_testing.recording import main, wait_for
 
 POST, RADIUS_M = 'blue_post_1', 0.06
 SPEED, PERIOD_S = 0.1, 0.1
@@ -27,7 +25,6 @@ class FollowTest(unittest.TestCase):
         rospy.wait_for_service('/gazebo/set_model_state')
         cls.get = rospy.ServiceProxy('/gazebo/get_model_state', GetModelState)
         cls.set = rospy.ServiceProxy('/gazebo/set_model_state', SetModelState)
-        rospy.wait_for_service('/gazebo/reset_world')
         cls.robot = Robot()
 
     @classmethod
@@ -35,7 +32,7 @@ class FollowTest(unittest.TestCase):
         shutil.rmtree(rospy.get_param('~messages'), ignore_errors=True)
 
     def test_stops_before_a_post_and_follows_it(self):
-        self.robot.wait_start(rospy.ServiceProxy('/gazebo/reset_world', Empty))
+        self.robot.begin_again()
         self._wait_follows(0.5, -0.15)
 
         self._push(1.0, 0.0)            # away
@@ -88,5 +85,4 @@ class FollowTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('follow_test')
-    rostest.rosrun('img_recog', 'follow', FollowTest)
+    main(FollowTest)

@@ -5,18 +5,17 @@ import unittest
 
 import cv2
 import numpy as np
-import rospy
-import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 from tf2_msgs.msg import TFMessage
 
-from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing import plain_opencv
+from img_recog_testing.recording import Recorder, from_node, main, wait_for
 
-RANGES = {'/blue_image': ((50, 100, 100), (150, 255, 255)),
-          '/red_image': ((150, 100, 150), (180, 255, 255))}
+
+COLOR_IMAGES = ('/blue_image', '/red_image')
 
 
 def pixels(msg):
@@ -69,7 +68,7 @@ class FramesTest(unittest.TestCase):
             self.assertGreater(stamp(name), 0.0, name)
 
     def test_color_images_equal_plain_opencv_bit_for_bit(self):
-        recorders = [self.topics[name] for name in ('/usb_cam/image_raw', *RANGES)]
+        recorders = [self.topics[name] for name in ('/usb_cam/image_raw', *COLOR_IMAGES)]
 
         def count_common():
             frames, *others = (set(stamps(list(each.messages))) for each in recorders)
@@ -78,15 +77,13 @@ class FramesTest(unittest.TestCase):
         wait_for(lambda: count_common() > 30, lambda: '{} frames'.format(count_common()))
         frames = {msg.header.stamp: msg
                   for msg in list(self.topics['/usb_cam/image_raw'].messages)}
-        for topic, (lower, upper) in RANGES.items():
+        for number, topic in enumerate(COLOR_IMAGES):
             compared = 0
             for msg in list(self.topics[topic].messages):
                 if msg.header.stamp not in frames:
                     continue
                 bgr = cv2.cvtColor(pixels(frames[msg.header.stamp]), cv2.COLOR_RGB2BGR)
-                mask = cv2.inRange(cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV), np.array(lower),
-                                   np.array(upper))
-                expected = cv2.bitwise_and(bgr, bgr, mask=mask)
+                _, expected = plain_opencv.results(bgr)[number]
                 self.assertEqual(('bgr8', 'head_camera'), (msg.encoding, msg.header.frame_id))
                 self.assertTrue(np.array_equal(expected, pixels(msg)), topic)
                 compared += 1
@@ -166,5 +163,4 @@ class FramesTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('frames_test')
-    rostest.rosrun('img_recog', 'frames', FramesTest)
+    main(FramesTest)

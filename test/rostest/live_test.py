@@ -8,17 +8,17 @@ import cv2
 import numpy as np
 import rosnode
 import rospy
-import rostest
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import Twist
 from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import Image, PointCloud
 
-from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing.frames import BLUE, GREY, RED, message
+from img_recog_testing.recording import Recorder, from_node, main, wait_for
 from img_recog_testing.waiting import DEADLINE_S, stretch
 
 NODE = '/color_extract'
-BLUE, RED, YELLOW, GREY = (200, 60, 20), (60, 20, 220), (20, 180, 200), (128, 128, 128)     # BGR
+YELLOW = (20, 180, 200)     # BGR
 BLUE_HUE = 113
 DEFAULTS = {'blue_hue_min': 50, 'blue_saturation_min': 100, 'blue_saturation_max': 255,
             'blue_area_limit': 1000, 'blue_linear_x': 10.0, 'red_hue_min': 150,
@@ -32,13 +32,6 @@ def picture(*squares):
     for number, bgr in enumerate(squares):
         image[100:140, 60 * number + 10:60 * number + 50] = bgr
     return image
-
-
-def message(image):
-    msg = Image(height=image.shape[0], width=image.shape[1], encoding='bgr8',
-                step=3 * image.shape[1], data=image.tobytes())
-    msg.header.stamp, msg.header.frame_id = rospy.Time.now(), 'test_camera'
-    return msg
 
 
 class LiveTest(unittest.TestCase):
@@ -216,5 +209,4 @@ class LiveTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('live_test')
-    rostest.rosrun('img_recog', 'live', LiveTest)
+    main(LiveTest)

@@ -5,13 +5,12 @@ import unittest
 
 import numpy as np
 import rospy
-import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
-from std_srvs.srv import Empty
 
-from img_recog_testing.recording import Recorder, wait_for
+from img_recog_testing.driven import place, yaw
+from img_recog_testing.recording import Recorder, call, main, wait_for
 
 
 def twist(linear, angular):
@@ -25,11 +24,7 @@ def stamp(msg):
 
 
 def position(msg):
-    return np.array((msg.pose.pose.position.x, msg.pose.pose.position.y))
-
-
-def yaw(msg):
-    return 2 * math.atan2(msg.pose.pose.orientation.z, msg.pose.pose.orientation.w)
+    return np.array(place(msg))
 
 
 def is_at_rest(msg):
@@ -46,10 +41,9 @@ class MotionTest(unittest.TestCase):
     def setUpClass(cls):
         cls.commands = rospy.Publisher('/cmd_vel', Twist, queue_size=10)
         wait_for(lambda: cls.commands.get_num_connections(), 'the simulator')
-        rospy.wait_for_service('/gazebo/reset_world')
 
     def setUp(self):
-        rospy.ServiceProxy('/gazebo/reset_world', Empty)()
+        call('/gazebo/reset_world')
         self.odometry = Recorder('/odom', Odometry)
         self.joints = Recorder('/joint_states', JointState)
         # not only of the first test: messages from before the reset may arrive late
@@ -106,5 +100,4 @@ class MotionTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('motion_test')
-    rostest.rosrun('img_recog', 'motion', MotionTest)
+    main(MotionTest)

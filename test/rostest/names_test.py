@@ -4,13 +4,10 @@ import unittest
 
 import rosgraph
 import rospy
-import rostest
 import tf2_ros
 import yaml
-from diagnostic_msgs.msg import DiagnosticArray
 
-from img_recog_testing import statuses
-from img_recog_testing.recording import Recorder, wait_for
+from img_recog_testing.recording import Diagnostics, main, wait_for
 
 NODES = {'/color_extract', '/gazebo', '/robot_state_publisher', '/turtlebot3_teleop_keyboard',
          '/usb_cam'}
@@ -94,11 +91,8 @@ class NamesTest(unittest.TestCase):
         self.assertEqual(PARENTS, tree)
 
     def test_every_node_reports_its_state(self):
-        states = Recorder('/diagnostics', DiagnosticArray)
-
-        def found(name):
-            return [statuses.values(status) for msg in list(states.messages)
-                    for status in msg.status if status.name == name]
+        states = Diagnostics()
+        found = states.values
 
         def counts(name, counter):
             return [int(values.get(counter, 0)) for values in found(name)]
@@ -114,7 +108,7 @@ class NamesTest(unittest.TestCase):
                           ('usb_cam: camera', 'publishing a frame, max (ms)'),
                           ('gazebo: simulation', 'clock period, max (ms)')):
             def measured():
-                # the first message of a node has no values, a period without an event has none
+                # a period without an event has none
                 return [values[key] for values in found(name) if values.get(key, 'none') != 'none']
             wait_for(measured, lambda: (name, key, found(name)))
             self.assertTrue(all(0 <= float(value) < 60000 for value in measured()),
@@ -126,5 +120,4 @@ class NamesTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('names_test')
-    rostest.rosrun('img_recog', 'names', NamesTest)
+    main(NamesTest)

@@ -5,13 +5,13 @@ import unittest
 
 import numpy as np
 import rospy
-import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
 from img_recog_testing import turtlebot3_world
-from img_recog_testing.recording import Recorder, wait_for
+from img_recog_testing.driven import place, yaw
+from img_recog_testing.recording import Recorder, main, wait_for
 
 SIMULATED_S = 180.0
 # a circle around the burger seen from above: x of its center from base_footprint, and radius, m
@@ -45,10 +45,8 @@ class Driver:
 
 
 def center_of(msg):
-    pose = msg.pose.pose
-    yaw = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
-    return np.array((pose.position.x + CENTER_X * math.cos(yaw),
-                     pose.position.y + CENTER_X * math.sin(yaw)))
+    (x, y), angle = place(msg), yaw(msg)
+    return np.array((x + CENTER_X * math.cos(angle), y + CENTER_X * math.sin(angle)))
 
 
 class PatrolTest(unittest.TestCase):
@@ -72,5 +70,4 @@ class PatrolTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('patrol_test')
-    rostest.rosrun('img_recog', 'patrol', PatrolTest)
+    main(PatrolTest)

@@ -4,13 +4,11 @@ import math
 import unittest
 
 import rospy
-import rostest
 import tf2_ros
 from sensor_msgs.msg import CameraInfo, Image
-from std_srvs.srv import Empty
 
 from img_recog_testing.driven import START, Robot, place
-from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing.recording import Recorder, from_node, main, wait_for
 
 FOCAL_PX = 320 / math.tan(math.radians(62.2) / 2)
 
@@ -20,8 +18,7 @@ class PostsBlueTest(unittest.TestCase):
 
     def test_towards_blue_until_it_is_out_of_the_picture(self):
         robot = Robot()
-        rospy.wait_for_service('/gazebo/reset_world')
-        robot.wait_start(rospy.ServiceProxy('/gazebo/reset_world', Empty))
+        robot.begin_again()
         # out of the picture, not just between two images of a slow camera
         wait_for(lambda: place(robot.odometry.messages[-1])[0] > START[0] + 0.5
                  and robot.areas('blue')[-1][1] == 0 and robot.rests(1),
@@ -81,5 +78,4 @@ class PostsBlueTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('posts_blue_test')
-    rostest.rosrun('img_recog', 'posts_blue', PostsBlueTest)
+    main(PostsBlueTest)

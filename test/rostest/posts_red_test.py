@@ -2,12 +2,9 @@
 """A camera on the robot and the article's colors: away from red until it is small."""
 import unittest
 
-import rospy
-import rostest
-from std_srvs.srv import Empty
 
 from img_recog_testing.driven import START, Robot, place, yaw
-from img_recog_testing.recording import wait_for
+from img_recog_testing.recording import main, wait_for
 
 
 class PostsRedTest(unittest.TestCase):
@@ -15,8 +12,7 @@ class PostsRedTest(unittest.TestCase):
 
     def test_away_from_red_until_it_is_small(self):
         robot = Robot()
-        rospy.wait_for_service('/gazebo/reset_world')
-        robot.wait_start(rospy.ServiceProxy('/gazebo/reset_world', Empty))
+        robot.begin_again()
 
         def small():
             """Return the stamps of the images with less red than the limit."""
@@ -41,5 +37,4 @@ class PostsRedTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('posts_red_test')
-    rostest.rosrun('img_recog', 'posts_red', PostsRedTest)
+    main(PostsRedTest)

@@ -13,31 +13,23 @@ import unittest
 import numpy as np
 import rosbag
 import rospy
-import rostest
-from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist, Vector3
-from sensor_msgs.msg import Image, PointCloud
-from std_msgs.msg import Header
+from sensor_msgs.msg import PointCloud
 
-from img_recog_testing import statuses
 from img_recog_testing import plain_opencv
-from img_recog_testing.recording import Recorder, wait_for
+from img_recog_testing.frames import message, picture
+from img_recog_testing.recording import Diagnostics, Recorder, main, wait_for
 
 IMAGES, COMMANDS = '/usb_cam/image_raw', '/recorded/cmd_vel'
 RATE_HZ = 30.0
 START_S = 1000.0
-BLUE, RED, GREY = (200, 60, 20), (60, 20, 220), (128, 128, 128)     # BGR
 # pixels of blue and red around the limit, which must be exceeded
 AREAS = [(blue, red) for blue in (0, 1000, 1001, 5000) for red in (0, 1000, 1001)]
 
 
 def pictures():
     """Return bgr8 images: known areas, and noise in which the colors are at their limits."""
-    found = []
-    for blue, red in AREAS:
-        image = np.full((120 * 160, 3), GREY, np.uint8)
-        image[:blue], image[len(image) - red:] = BLUE, RED
-        found.append(image.reshape(120, 160, 3))
+    found = [picture(blue, red, (160, 120)) for blue, red in AREAS]
     for seed, (height, width) in enumerate([(120, 160), (97, 131), (240, 320), (61, 64)] * 2):
         rng = np.random.RandomState(seed)
         image = rng.randint(0, 256, (height, width, 3)).astype(np.uint8)
@@ -46,21 +38,14 @@ def pictures():
     return found
 
 
-def image_to_msg(image, stamp, encoding):
-    """Return the message for a bgr8 image; plain, so that it is independent of the package."""
-    pixels = image if encoding == 'bgr8' else image[..., ::-1]
-    height, width, _ = image.shape
-    return Image(Header(stamp=stamp, frame_id='recorded'), height, width, encoding, 0, 3 * width,
-                 pixels.tobytes())
-
-
 def write_bag(path):
     """Write a bag with images and their commands; return the number of images."""
     with rosbag.Bag(path, 'w') as bag:
         images = pictures()
         for number, image in enumerate(images):
             stamp = rospy.Time.from_sec(START_S + number / RATE_HZ)
-            bag.write(IMAGES, image_to_msg(image, stamp, ('bgr8', 'rgb8')[number % 2]), stamp)
+            encoding, pixels = (('bgr8', image), ('rgb8', image[..., ::-1]))[number % 2]
+            bag.write(IMAGES, message(pixels, encoding, stamp=stamp), stamp)
             for speed in plain_opencv.commands(image):
                 bag.write(COMMANDS, Twist(linear=Vector3(x=speed)), stamp)
     return len(images)
@@ -83,7 +68,7 @@ class RecordedTest(unittest.TestCase):
                 stamps = [msg.header.stamp for _, msg, _ in bag.read_messages([IMAGES])]
                 recorded = [msg for _, msg, _ in bag.read_messages([COMMANDS])]
             twists, details = Recorder('/cmd_vel', Twist), Recorder('/color_detection', PointCloud)
-            states = Recorder('/diagnostics', DiagnosticArray)
+            states = Diagnostics()
             wait_for(lambda: all(each.get_num_connections() for each in (twists, details, states)),
                      'color_extract')
             self._play(path, stamps, details)
@@ -114,16 +99,12 @@ class RecordedTest(unittest.TestCase):
     @staticmethod
     def _counters(states):
         """Return images received, processed, replaced and refused, and commands."""
-        for msg in reversed(states.messages):
-            for status in msg.status:
-                values = statuses.values(status)
-                if status.name == 'color_extract: recognition' and values:
-                    return tuple(int(values[key]) for key in (
-                        'images received', 'images processed', 'images replaced by newer ones',
-                        'images refused', 'commands'))
+        for values in states.values('color_extract: recognition')[-1:]:
+            return tuple(int(values[key]) for key in (
+                'images received', 'images processed', 'images replaced by newer ones',
+                'images refused', 'commands'))
         return None
 
 
 if __name__ == '__main__':
-    rospy.init_node('recorded_test')
-    rostest.rosrun('img_recog', 'recorded', RecordedTest)
+    main(RecordedTest)

@@ -4,19 +4,12 @@ import os
 import unittest
 
 import rospy
-import rostest
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, Imu, JointState, LaserScan
 from sensor_msgs.srv import SetCameraInfo
-from std_srvs.srv import Empty
 
-from img_recog_testing.recording import Recorder, wait_for
-
-
-def call(name):
-    rospy.wait_for_service(name)
-    return rospy.ServiceProxy(name, Empty)()
+from img_recog_testing.recording import Recorder, call, main, wait_for
 
 
 class ServicesTest(unittest.TestCase):
@@ -140,8 +133,7 @@ class ServicesTest(unittest.TestCase):
                            K=[500.0, 0, 320, 0, 510.0, 240, 0, 0, 1],
                            R=[1, 0, 0, 0, 1, 0, 0, 0, 1],
                            P=[500.0, 0, 320, 0, 0, 510.0, 240, 0, 0, 0, 1, 0])
-        rospy.wait_for_service('/usb_cam/set_camera_info')
-        answer = rospy.ServiceProxy('/usb_cam/set_camera_info', SetCameraInfo)(given)
+        answer = call('/usb_cam/set_camera_info', SetCameraInfo, given)
         self.assertTrue(answer.success, answer.status_message)
         self.addCleanup(os.unlink, answer.status_message)
         wait_for(lambda: self.infos.messages[-1].K == tuple(given.K), 'the calibration')
@@ -150,11 +142,10 @@ class ServicesTest(unittest.TestCase):
         with open(answer.status_message) as file:
             self.assertIn('camera_matrix', file.read())
         given.width = 320
-        refused = rospy.ServiceProxy('/usb_cam/set_camera_info', SetCameraInfo)(given)
+        refused = call('/usb_cam/set_camera_info', SetCameraInfo, given)
         self.assertFalse(refused.success)
         self.assertIn('320x480, the images are 640x480', refused.status_message)
 
 
 if __name__ == '__main__':
-    rospy.init_node('services_test')
-    rostest.rosrun('img_recog', 'services', ServicesTest)
+    main(ServicesTest)

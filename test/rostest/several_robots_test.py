@@ -5,14 +5,13 @@ import unittest
 import numpy as np
 import rosgraph
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image, Imu, JointState, LaserScan
-from std_srvs.srv import Empty
 
-from img_recog_testing.recording import Recorder, wait_for
+from img_recog_testing.driven import place, reset_world
+from img_recog_testing.recording import Recorder, main, wait_for
 
 NAMES = ['tb3_{}'.format(number) for number in range(4)]
 # what the robot of that number does: the velocities that its node commands
@@ -23,7 +22,7 @@ STARTS = {'tb3_0': (-1.0, -2.0), 'tb3_1': (0.0, -2.0), 'tb3_2': (-1.0, 1.5),
 
 
 def position(msg):
-    return np.array((msg.pose.pose.position.x, msg.pose.pose.position.y))
+    return np.array(place(msg))
 
 
 class SeveralRobotsTest(unittest.TestCase):
@@ -43,19 +42,9 @@ class SeveralRobotsTest(unittest.TestCase):
     @classmethod
     def _begin_again(cls):
         """Move the robots to their starts, and forget what was before: some may have arrived."""
-        rospy.wait_for_service('/gazebo/reset_world')
-        before = {name: len(recorder.messages) for name, recorder in cls.odometry.items()}
-        rospy.ServiceProxy('/gazebo/reset_world', Empty)()
-
-        def started():
-            """Return the stamp of the first odometry of each robot at its start."""
-            stamps = [next((msg.header.stamp for msg in recorder.messages[before[name]:]
-                            if np.linalg.norm(position(msg) - STARTS[name]) < 0.05), None)
-                      for name, recorder in cls.odometry.items()]
-            return stamps if None not in stamps else None
-        since = max(wait_for(started, 'the robots at their starts'))
+        since = reset_world({cls.odometry[name]: start for name, start in STARTS.items()})
         for recorder in (*cls.odometry.values(), *cls.scans.values()):
-            recorder.messages = [msg for msg in recorder.messages if msg.header.stamp >= since]
+            recorder.forget(since)
             recorder.wait()
 
     def start(self, name):
@@ -127,5 +116,4 @@ class SeveralRobotsTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('several_robots_test')
-    rostest.rosrun('img_recog', 'several_robots', SeveralRobotsTest)
+    main(SeveralRobotsTest)

@@ -4,14 +4,12 @@ import statistics
 import unittest
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from sensor_msgs.msg import CameraInfo, Image
-from std_srvs.srv import Empty
 
 from img_recog_testing import statuses
-from img_recog_testing.recording import Recorder, wait_for
+from img_recog_testing.recording import Recorder, call, main, wait_for
 from img_recog_testing.waiting import stretch
 
 MAX_AGE_S = 0.4         # of most; on a busy machine one may wait for a processor
@@ -61,12 +59,10 @@ class SlowTest(unittest.TestCase):
         twists = Recorder('/cmd_vel', Twist)
         # with each frame; so that this process is not late, it does not get the images
         frames = Recorder('/usb_cam/camera_info', CameraInfo)
-        rospy.wait_for_service('/usb_cam/stop_capture')
-        stop = rospy.ServiceProxy('/usb_cam/stop_capture', Empty)
         twists.wait(2)
         frames.wait(2)
-        self.addCleanup(rospy.ServiceProxy('/usb_cam/start_capture', Empty))
-        stop()
+        self.addCleanup(call, '/usb_cam/start_capture')
+        call('/usb_cam/stop_capture')
         before, last = len(twists.messages), len(frames.messages)
         # the last two frames take 0.5 s; wait for five times as long
         end = rospy.Time.now() + rospy.Duration(2.5)
@@ -76,5 +72,4 @@ class SlowTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('slow_test')
-    rostest.rosrun('img_recog', 'slow', SlowTest)
+    main(SlowTest)

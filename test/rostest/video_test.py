@@ -8,16 +8,13 @@ import cv2
 import cv_bridge
 import numpy as np
 import rospy
-import rostest
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
-from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import CompressedImage, Image
-from std_srvs.srv import Empty
 
-from img_recog_testing.recording import Recorder, from_node, wait_for
+from img_recog_testing import plain_opencv
+from img_recog_testing.recording import AreaLines, Recorder, call, from_node, main, wait_for
 
-RANGES = (((50, 100, 100), (150, 255, 255)), ((150, 100, 150), (180, 255, 255)))
 FRAMES, LIMIT_PX = 250, 1000
 QUIET_S = 2.0       # without a message: none is on its way
 
@@ -31,12 +28,9 @@ def read_video(path):
     capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
     good, bgr = capture.read()
     while good:
-        hsv = cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV)
-        masks = [cv2.inRange(hsv, *map(np.array, bounds)) for bounds in RANGES]
-        frames.append((digest(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).tobytes()),
-                       *map(cv2.countNonZero, masks),
-                       *(digest(cv2.bitwise_and(bgr, bgr, mask=mask).tobytes())
-                         for mask in masks)))
+        areas, masked = zip(*plain_opencv.results(bgr))
+        frames.append((digest(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).tobytes()), *areas,
+                       *(digest(image.tobytes()) for image in masked)))
         good, bgr = capture.read()
     return frames
 
@@ -55,7 +49,7 @@ class VideoTest(unittest.TestCase):
         cls.png = {}
         rospy.Subscriber('/usb_cam/image_raw/compressed', CompressedImage, cls._store_png,
                          queue_size=100, buff_size=1 << 26)
-        cls.areas = Recorder('/rosout', Log, lambda msg: msg.msg.startswith('blue='))
+        cls.areas = AreaLines()
         cls.twists = Recorder('/cmd_vel', Twist, from_node('/color_extract'))
         cls.odometry = Recorder('/odom', Odometry)
         wait_for(lambda: cls.areas.messages and cls.twists.messages and cls.blue and cls.red
@@ -68,7 +62,7 @@ class VideoTest(unittest.TestCase):
     @classmethod
     def _begin_again(cls):
         """Stop the video, forget all messages once none is on its way, and start it again."""
-        rospy.ServiceProxy('/usb_cam/stop_capture', Empty)()
+        call('/usb_cam/stop_capture')
         stores = (cls.raw, cls.blue, cls.red, cls.png, cls.areas.messages, cls.twists.messages)
         sizes, since_s = [], 0.0
 
@@ -80,13 +74,7 @@ class VideoTest(unittest.TestCase):
         wait_for(is_quiet, 'the last messages before the stop', 120)
         for store in stores:
             store.clear()
-        rospy.ServiceProxy('/usb_cam/start_capture', Empty)()
-
-    @classmethod
-    def _logged(cls):
-        """Return blue and red area of each log line."""
-        return [tuple(int(part.split('=')[1]) for part in msg.msg.split(', '))
-                for msg in list(cls.areas.messages)]
+        call('/usb_cam/start_capture')
 
     @classmethod
     def _digests(cls):
@@ -138,7 +126,7 @@ class VideoTest(unittest.TestCase):
 
     def _frame_numbers(self):
         """Return the frame number of each log line by its areas, None if they do not fit."""
-        lines = self._logged()
+        lines = self.areas.areas()
         video = [frame[1:3] for frame in self.video]
         for start in range(FRAMES):
             numbers, position = [], start
@@ -159,7 +147,7 @@ class VideoTest(unittest.TestCase):
 
     def test_commands_exactly_when_a_color_is_above_the_limit(self):
         wait_for(lambda: len(self.areas.messages) > FRAMES, 'a log line for each frame')
-        wanted = [speed for blue, red in self._logged()
+        wanted = [speed for blue, red in self.areas.areas()
                   for speed, area in ((10.0, blue), (-10.0, red)) if area > LIMIT_PX]
         self.assertEqual({10.0, -10.0}, set(wanted))
         # the commands for a line follow it
@@ -177,5 +165,4 @@ class VideoTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('video_test')
-    rostest.rosrun('img_recog', 'video', VideoTest)
+    main(VideoTest)

@@ -1,12 +1,14 @@
 """The simulator as a process: refused input, parameters and tags, and robustness."""
-import os
+import math
 import re
-import signal
 
 import numpy as np
 import pytest
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
+from std_msgs.msg import Header
 
 from img_recog.ros.transport.switch import is_plain
+from img_recog_testing import wire
 from img_recog_testing.process_table import descendants, is_alive
 from img_recog_testing.simulator_tools import (Echo, Images, burger, call, complaints, drawing,
                                                drive, standing)
@@ -178,16 +180,16 @@ def test_a_subscriber_that_hangs_does_not_block_the_simulator(ros, simulate):
     clock = Echo(ros, '/clock/clock')
     stopped = Echo(ros, '/odom/header/stamp')
     stopped.wait_more(10)
-    os.kill(stopped.pid, signal.SIGSTOP)
+    stopped.hang(True)
     try:
         since = clock.wait_more(1)[-1][0]
         # 1000 messages of 0.7 kB a second are more than the 40 MB that sockets may hold
         clock.wait(lambda now: now > since + 100e9, '100 s of simulated time')
         if not is_plain('subscribers'):
-            ros.wait_run(r'/rostopic_\S+ \(/odom\) do not read',
+            ros.wait_run(r'/test_wire \(/odom\) do not read',
                          'rostopic', 'echo', '-n', '1', '/diagnostics')
     finally:
-        os.kill(stopped.pid, signal.SIGCONT)
+        stopped.hang(False)
 
     def gap():
         stamps = [row[0] for row in stopped.rows]
@@ -233,21 +235,21 @@ def test_the_robot_is_moved_by_set_pose(ros, simulate):
     node = simulate('_world:=empty')
     place = Echo(ros, '/odom/pose/pose/position')
     place.wait(lambda x, y, z: True, 'odometry')
-    # again and again until its effect is seen: -1 ends after three seconds, warnings are throttled
-    publish = ('rostopic', 'pub', '-r', '1', '/gazebo/set_pose', 'geometry_msgs/PoseStamped')
-    publisher = ros.start(*publish,
-                          '{pose: {position: {x: 1.0, y: -2.0}, orientation: {w: 1.0}}}')
-    place.wait(lambda x, y, z: (x, y) == pytest.approx((1.0, -2.0), abs=0.01), 'the place')
-    publisher.close()
-    for bad, words in (('{pose: {position: {x: .nan}, orientation: {w: 1.0}}}', 'finite'),
-                       ('{header: {frame_id: base_link}, pose: {orientation: {w: 1.0}}}',
-                        "frame is 'base_link'"),
-                       ('{pose: {position: {x: 3.0}}}', 'quaternion of zeros'),
-                       ('{pose: {position: {x: 1.0e+12}, orientation: {w: 1.0}}}',
-                        'numbers up to')):
-        publisher = ros.start(*publish, bad)
-        wait_for(lambda words=words: words in node.output, words)
-        publisher.close()
+    publisher = wire.RawPublisher(ros.master_uri, '/gazebo/set_pose', PoseStamped)
+    ros.stack.callback(publisher.close)
+
+    def send_until(effect, what, frame='', x=0.0, y=0.0, w=1.0):
+        """Send a pose again and again: warnings are throttled."""
+        msg = PoseStamped(Header(frame_id=frame),
+                          Pose(Point(x, y, 0.0), Quaternion(0.0, 0.0, 0.0, w)))
+        wait_for(lambda: publisher.publish(msg) and effect(), what)
+    send_until(lambda: place.rows[-1][:2] == pytest.approx([1.0, -2.0], abs=0.01), 'the place',
+               x=1.0, y=-2.0)
+    for words, bad in (('finite', {'x': math.nan}),
+                       ("frame is 'base_link'", {'frame': 'base_link'}),
+                       ('quaternion of zeros', {'x': 3.0, 'w': 0.0}),
+                       ('numbers up to', {'x': 1e12})):
+        send_until(lambda words=words: words in node.output, words, **bad)
     assert place.wait_more(3)[-1][:2] == pytest.approx([1.0, -2.0], abs=0.01)
 
 

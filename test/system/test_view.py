@@ -29,7 +29,7 @@ def test_the_view_is_drawn_only_with_subscribers(ros, simulate):
     assert image['green']['share'] > 0.03
     assert image['white']['share'] > 0.0005
     assert image['wall']['share'] > 0.01
-    stamps = [each['stamp'] for each in images.all]
+    stamps = [each['stamp'] for each in images.rows]
     assert stamps == sorted(set(stamps))
 
     images.close()

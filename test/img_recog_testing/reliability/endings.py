@@ -14,7 +14,8 @@ from sensor_msgs.msg import Image
 from img_recog_testing import process_table
 from img_recog_testing.pages import ROOT
 from img_recog_testing.processes import Process
-from img_recog_testing.reliability import chain, wire
+from img_recog_testing import wire
+from img_recog_testing.reliability import chain
 from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import wait_for
 

@@ -10,8 +10,8 @@ import time
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing import process_table
-from img_recog_testing.reliability import chain, cutting, wire
+from img_recog_testing import process_table, wire
+from img_recog_testing.reliability import chain, cutting
 from img_recog_testing.reliability.demo import NODES, Demo
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 

@@ -20,7 +20,8 @@ from img_recog.recognition.settings import with_colors
 from img_recog.ros.transport import image_subscriber
 from img_recog_testing import plain_opencv
 from img_recog_testing.process_table import Usage, usage
-from img_recog_testing.reliability import chain, hostile, wire
+from img_recog_testing import wire
+from img_recog_testing.reliability import chain, hostile
 from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import wait_for
 

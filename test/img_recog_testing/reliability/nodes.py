@@ -4,7 +4,7 @@ import tempfile
 
 from img_recog_testing import process_table
 from img_recog_testing.processes import Process, Ros
-from img_recog_testing.reliability import wire
+from img_recog_testing import wire
 from img_recog_testing.simulator_tools import burger
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 

@@ -12,7 +12,8 @@ import genpy
 from rosgraph_msgs.msg import Clock
 
 from img_recog_testing.process_table import Usage
-from img_recog_testing.reliability import chain, faults, wire
+from img_recog_testing import wire
+from img_recog_testing.reliability import chain, faults
 from img_recog_testing.reliability import demo as demos
 from img_recog_testing.reliability.demo import LIMIT_S, START_LIMIT_S, Demo
 from img_recog_testing.reliability.faults import Fault

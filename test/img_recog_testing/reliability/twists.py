@@ -16,7 +16,8 @@ from img_recog.conversions.twist_msgs import TwistError
 from img_recog.simulation.settings import DriveSettings
 from img_recog_testing import robots
 from img_recog_testing.process_table import usage
-from img_recog_testing.reliability import hostile, wire
+from img_recog_testing import wire
+from img_recog_testing.reliability import hostile
 from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import wait_for
 

@@ -2,29 +2,30 @@
 
 They also do not depend on a master that has to stay alive, as a node of rospy does.
 """
+import contextlib
 import io
 import socket
 import struct
 import threading
-import xmlrpc.client
-from socketserver import ThreadingMixIn
-from typing import Dict, List, Optional, Tuple
-from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
+from typing import List, Optional, Tuple
+
+from rosgraph import network
 
 from img_recog import timed_xmlrpc
 from img_recog_testing.waiting import DEADLINE_S
+from img_recog_testing.xmlrpc_server import XmlRpcServer
 
-CALLER = '/reliability'
+CALLER = '/test_wire'
 _LENGTH = struct.Struct('<I')
-_MAX_HEADER_BYTES = 1 << 16
+_BUFFER_BYTES = 1 << 18
 # everything that a node or a master may do to a caller while it is stopped, started or killed
-ERRORS = (*timed_xmlrpc.ERRORS, ValueError, EOFError)
+ERRORS = (*timed_xmlrpc.ERRORS, network.ROSHandshakeException, ValueError, EOFError)
 
 
-def call(uri: str, method: str, *arguments, timeout_s: float = DEADLINE_S):
+def call(uri: str, method: str, *arguments, timeout_s: float = DEADLINE_S, caller: str = CALLER):
     """Call a method of a master or node; return its value. Raises one of ERRORS."""
     with timed_xmlrpc.server(uri, timeout_s) as server:
-        code, text, value = getattr(server, method)(CALLER, *arguments)
+        code, text, value = getattr(server, method)(caller, *arguments)
     if code != 1:
         raise ValueError('{} of {}: {}'.format(method, uri, text))
     return value
@@ -54,45 +55,11 @@ def data_address(master: str, node: str, topic: str,
     return protocol[1], protocol[2]
 
 
-def pack_header(fields: Dict[str, str]) -> bytes:
-    """Return a TCPROS header."""
-    lines = ['{}={}'.format(*item).encode() for item in fields.items()]
-    body = b''.join(_LENGTH.pack(len(line)) + line for line in lines)
-    return _LENGTH.pack(len(body)) + body
-
-
-def unpack_header(body: bytes) -> Dict[str, str]:
-    """Return the fields of a TCPROS header without its length."""
-    fields, begin = {}, 0
-    while begin < len(body):
-        end = begin + 4 + _LENGTH.unpack_from(body, begin)[0]
-        name, _, value = body[begin + 4:end].decode(errors='replace').partition('=')
-        fields[name], begin = value, end
-    return fields
-
-
 def packet(msg) -> bytes:
     """Return what goes over the wire for a message."""
     buffer = io.BytesIO()
     msg.serialize(buffer)
     return _LENGTH.pack(buffer.tell()) + buffer.getvalue()
-
-
-def _receive(sock: socket.socket, size: int) -> bytes:
-    data = b''
-    while len(data) < size:
-        piece = sock.recv(size - len(data))
-        if not piece:
-            raise EOFError('connection closed')
-        data += piece
-    return data
-
-
-def _read_header(sock: socket.socket) -> Dict[str, str]:
-    length = _LENGTH.unpack(_receive(sock, 4))[0]
-    if length > _MAX_HEADER_BYTES:
-        raise ValueError('a header of {} bytes'.format(length))
-    return unpack_header(_receive(sock, length))
 
 
 class Subscription:
@@ -106,19 +73,20 @@ class Subscription:
         buffer_bytes: size of the receive buffer, to fill it sooner.
         """
         self.topic, self.node, self._class = topic, node, data_class
-        self._data = b''
         self.sock = socket.socket()
         try:
             if buffer_bytes is not None:
                 self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer_bytes)
             self.sock.settimeout(timeout_s)
             self.sock.connect(data_address(master, node, topic, timeout_s))
-            self.sock.sendall(pack_header({
+            network.write_ros_handshake_header(self.sock, {
                 'callerid': CALLER, 'topic': topic, 'type': data_class._type,
-                'md5sum': data_class._md5sum, 'tcp_nodelay': '1'}))
-            answer = _read_header(self.sock)
+                'md5sum': data_class._md5sum, 'tcp_nodelay': '1'})
+            begin = io.BytesIO()
+            answer = network.read_ros_handshake_header(self.sock, begin, 4096)
             if 'error' in answer:
                 raise ValueError(answer['error'])
+            self._data = begin.getvalue()
         except BaseException:
             self.sock.close()
             raise
@@ -128,7 +96,7 @@ class Subscription:
         """Return the messages that have arrived; raises one of ERRORS at the end."""
         try:
             while True:
-                piece = self.sock.recv(1 << 18)
+                piece = self.sock.recv(_BUFFER_BYTES)
                 if not piece:
                     raise EOFError('{} has closed {}'.format(self.node, self.topic))
                 self._data += piece
@@ -147,41 +115,27 @@ class Subscription:
         self.sock.close()
 
 
-class _Server(ThreadingMixIn, SimpleXMLRPCServer):
-    daemon_threads = True
-
-
-class _Handler(SimpleXMLRPCRequestHandler):
-    rpc_paths = ()          # any
-
-
 class RawPublisher:
-    """Publishes a topic, and sends to its subscribers any bytes at all."""
+    """Publishes a topic, and sends to its subscribers any bytes at all.
 
-    def __init__(self, master: str, topic: str, data_class: type, caller: str = CALLER):
+    first: a message that each new subscriber gets.
+    """
+
+    def __init__(self, master: str, topic: str, data_class: type, caller: str = CALLER,
+                 first=None):
         self._master, self.topic, self._caller = master, topic, caller
-        self._header = pack_header({
+        self._begin = network.encode_ros_handshake_header({
             'callerid': caller, 'type': data_class._type, 'md5sum': data_class._md5sum,
             'message_definition': data_class._full_text, 'latching': '0', 'topic': topic})
+        if first is not None:
+            self._begin += packet(first)
         self._subscribers: List[socket.socket] = []
         self._listener = socket.create_server(('127.0.0.1', 0))
-        self._xmlrpc = _Server(('127.0.0.1', 0), _Handler, logRequests=False, allow_none=True)
-        self._xmlrpc.register_function(self._request_topic, 'requestTopic')
-        for name in ('publisherUpdate', 'paramUpdate', 'shutdown'):
-            self._xmlrpc.register_function(lambda *_: [1, '', 0], name)
-        self._xmlrpc.register_function(lambda *_: [1, '', 0], 'getPid')
-        self._uri = 'http://127.0.0.1:{}/'.format(self._xmlrpc.server_address[1])
-        for target in (self._xmlrpc.serve_forever, self._accept):
-            threading.Thread(target=target, daemon=True).start()
-        self.register()
-
-    def register(self) -> None:
-        """Tell the master about this topic."""
-        with xmlrpc.client.ServerProxy(self._master) as master:
-            master.registerPublisher(self._caller, self.topic, '*', self._uri)
-
-    def _request_topic(self, *_):
-        return [1, '', ['TCPROS', '127.0.0.1', self._listener.getsockname()[1]]]
+        address = ['TCPROS', *self._listener.getsockname()]
+        self._node = XmlRpcServer(requestTopic=lambda *_: [1, '', address],
+                                  dispatch=lambda *_: [1, '', 0])
+        threading.Thread(target=self._accept, daemon=True).start()
+        call(master, 'registerPublisher', topic, '*', self._node.uri, caller=caller)
 
     def _accept(self) -> None:
         while True:
@@ -192,8 +146,8 @@ class RawPublisher:
             try:
                 sock.settimeout(DEADLINE_S)
                 sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                _read_header(sock)
-                sock.sendall(self._header)
+                network.read_ros_handshake_header(sock, io.BytesIO(), 4096)
+                sock.sendall(self._begin)
             except ERRORS:
                 sock.close()
             else:
@@ -218,19 +172,12 @@ class RawPublisher:
         """Send a message; return the number of subscribers that took it."""
         return self.send(packet(msg))
 
-    def disconnect(self) -> None:
-        """Close the connections to all subscribers."""
-        while self._subscribers:
-            self._subscribers.pop().close()
-
     def close(self) -> None:
         """Unregister and close everything."""
-        try:
-            with xmlrpc.client.ServerProxy(self._master) as master:
-                master.unregisterPublisher(self._caller, self.topic, self._uri)
-        except ERRORS:
-            pass                # the master has gone
+        with contextlib.suppress(*ERRORS):          # the master may have gone
+            call(self._master, 'unregisterPublisher', self.topic, self._node.uri,
+                 caller=self._caller)
         self._listener.close()
-        self.disconnect()
-        self._xmlrpc.shutdown()
-        self._xmlrpc.server_close()
+        while self._subscribers:
+            self._subscribers.pop().close()
+        self._node.stop()
