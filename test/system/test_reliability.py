@@ -1,7 +1,4 @@
 """Short forms of ./run chaos and ./run test --long, which use the same functions."""
-import importlib.util
-import json
-import os
 import socket
 import subprocess
 import sys
@@ -9,12 +6,11 @@ import sys
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.pages import ROOT
-from img_recog_testing.reliability import (chaos, cutting, endings, figures, images, soak,
-                                           surroundings, twists)
+from img_recog_testing.reliability import (chaos, cutting, endings, figures, images, long_tests,
+                                           soak, surroundings, twists)
 from img_recog_testing.reliability.demo import NODES, START_LIMIT_S, STOP_LIMIT_S, Demo
 from img_recog_testing.reliability.faults import KINDS, Fault, possible
-from img_recog_testing.reliability.parts import PARTS
+from img_recog_testing.reliability.parts import PARTS, Options
 from img_recog_testing.reliability.nodes import Nodes
 from img_recog_testing.waiting import DEADLINE_S, stretch
 
@@ -158,32 +154,23 @@ def test_a_cut_is_seen_at_both_ends():
             assert end.endswith('Error') if reset else end == 'end'
 
 
-@pytest.fixture
-def long_main():
-    """The module that runs the long tests."""
-    spec = importlib.util.spec_from_file_location(
-        'long_main', os.path.join(ROOT, 'test', 'long', 'main.py'))
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_the_long_tests_refuse_an_unknown_part(long_main, capsys):
+def test_the_long_tests_refuse_an_unknown_part(capsys):
     with pytest.raises(SystemExit):
-        long_main.main(['soaks'])
+        long_tests.main(['soaks'])
     assert 'no part soaks; parts are {}'.format(', '.join(PARTS)) in capsys.readouterr().err
 
 
-def test_a_long_test_that_fails_is_a_failure(long_main, monkeypatch, tmp_path):
+def test_a_long_test_that_fails_is_a_failure(monkeypatch, capsys):
     def fail(options):
         raise AssertionError('seed {}'.format(options.seed))
-    result = tmp_path / 'result.json'
     monkeypatch.setitem(PARTS, 'clock', fail)
-    assert long_main.main(['--run-part', 'clock', str(result), '--seed', '5']) == 1
-    assert 'AssertionError: seed 5' in json.loads(result.read_text())['error']
+    rows, error = long_tests.run_part('clock', Options(5))
+    assert rows == [] and 'AssertionError: seed 5' in error
     monkeypatch.setitem(PARTS, 'clock', lambda options: [('a', 'b', 'c')])
-    assert long_main.main(['--run-part', 'clock', str(result)]) == 0
-    assert json.loads(result.read_text()) == {'rows': [['a', 'b', 'c']], 'error': ''}
+    assert long_tests.run_part('clock', Options(5)) == ([('a', 'b', 'c')], '')
+    # in another process, which cannot do anything in no time
+    assert long_tests.main(['clock', '--factor', '0']) == 1
+    assert 'FAILED: clock after 0 min, seed ' in capsys.readouterr().out
 
 
 def test_tables():

@@ -182,3 +182,7 @@ def main(words: Optional[Sequence[str]] = None) -> int:
 def _say(line: str) -> None:
     sys.stdout.write(line + '\n')
     sys.stdout.flush()
+
+
+if __name__ == '__main__':
+    sys.exit(main())
