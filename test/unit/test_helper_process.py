@@ -28,8 +28,9 @@ def report(connection, *args):
 
 
 def echo(connection):
-    """Send back what comes, until the other end is closed."""
+    """Send the process id, then what comes, until the other end is closed."""
     try:
+        connection.send(os.getpid())
         while True:
             connection.send(connection.recv())
     except (EOFError, OSError):
@@ -42,7 +43,7 @@ def write(connection, memory, value):
 
 def hang(connection):
     """Neither read the connection nor end."""
-    connection.send('here')
+    connection.send(os.getpid())
     time.sleep(DEADLINE_S * 10)
 
 
@@ -69,13 +70,14 @@ def test_it_runs_its_target_and_exits_when_it_is_to_end(start):
 def test_what_only_a_new_process_can_get(start):
     memory = multiprocessing.get_context('spawn').RawArray('B', 1)
     helper = start(write, (7,), 0, (memory,))
-    helper._process.join(DEADLINE_S * stretch())
+    wait_for(lambda: helper.wait() is not None, 'its exit')
     assert helper.end() == 0
     assert memory[0] == 7
 
 
 def test_messages_arrive_in_order(start):
     helper = start(echo, (), 0)
+    receive(helper)
     for number in range(100):
         helper.send(number)
     assert [receive(helper) for _ in range(100)] == list(range(100))
@@ -85,9 +87,7 @@ def test_messages_arrive_in_order(start):
 
 def test_to_send_never_waits(start):
     helper = start(echo, (), 0)
-    helper.send('ready')
-    receive(helper)
-    os.kill(helper._process.pid, signal.SIGSTOP)
+    os.kill(receive(helper), signal.SIGSTOP)
     for _ in range(3):
         helper.send(bytes(10 ** 7))     # more than a pipe holds
     assert helper.is_sending and not helper.is_broken
@@ -111,7 +111,7 @@ def test_ctrl_c_does_not_end_it(start):
 
 def test_a_defect_in_the_target_gives_another_exit_code(start):
     helper = start(operator.methodcaller('no_such_method'), (), 0)
-    helper._process.join(DEADLINE_S * stretch())
+    wait_for(lambda: helper.wait() is not None, 'its exit')
     assert helper.wait() == 1 and helper.end() == 1
 
 
@@ -125,10 +125,10 @@ def test_one_that_is_killed(start):
 def test_one_that_hangs_or_is_stopped_is_killed(start, monkeypatch, is_stopped):
     monkeypatch.setattr('img_recog.helper_process._EXIT_TIMEOUT_S', 0.2)
     helper = start(hang, (), 0)
-    assert receive(helper) == 'here'
+    pid = receive(helper)
     if is_stopped:
-        os.kill(helper._process.pid, signal.SIGSTOP)
+        os.kill(pid, signal.SIGSTOP)
     assert helper.wait() is None
     helper.end()
-    helper._process.join(DEADLINE_S * stretch())
+    wait_for(lambda: helper.wait() is not None, 'its exit')
     assert helper.wait() == -signal.SIGKILL

@@ -1,5 +1,6 @@
 """Compares the statistics of the tuning picture with plain numpy, and checks its pixels."""
 import colorsys
+import io
 import os
 
 import cv2
@@ -184,7 +185,10 @@ def test_layout_is_as_it_was(name, settings, shape, tmp_path):
     image = noise(3, shape)
     image[:, shape[1] // 2:] = (215, 70, 25)
     figure, _ = tuning_picture.draw(image, settings)
-    assert_unchanged(figure, os.path.join(os.path.dirname(__file__), name + '.txt'), tmp_path)
+    png = io.BytesIO()
+    figure.savefig(png)
+    assert_unchanged(png.getvalue(), os.path.join(os.path.dirname(__file__), name + '.png'),
+                     tmp_path)
 
 
 @pytest.mark.parametrize('limit_px, ticks', [

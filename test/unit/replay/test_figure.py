@@ -35,5 +35,5 @@ def test_layout_is_as_it_was(name, colors, turns, recognition, teleop, outlines,
         colors, rows(colors, turns), np.reshape(recognition, (-1, 3)), np.reshape(teleop, (-1, 3)),
         0.24, outlines))
     assert file.getvalue().startswith(b'\x89PNG')
-    assert_unchanged(drawn.figure, os.path.join(os.path.dirname(__file__), name + '.txt'),
+    assert_unchanged(file.getvalue(), os.path.join(os.path.dirname(__file__), name + '.png'),
                      tmp_path)
