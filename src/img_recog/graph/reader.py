@@ -113,7 +113,12 @@ def uncounted(edges: Iterable[Edge], samples: Mapping[str, Optional[_Sample]]) -
 
 
 def counts_in(node: str, answer: Any) -> Counts:
-    """Return the numbers of messages in the answer of getBusStats."""
+    """Return the numbers of messages in the answer of getBusStats.
+
+    >>> of_roscpp = [[['/odom', [[3, 4000, 3900, 12, 0]]]], []]
+    >>> counts_in('/gazebo', of_roscpp) == {Edge('/gazebo', '/odom', is_published=True): {3: 12}}
+    True
+    """
     counts: Counts = {}
     # rospy answers [code, text, stats], roscpp with the stats alone
     stats = answer if isinstance(answer[0], list) else answer[2]
@@ -136,6 +141,11 @@ def new_messages(edge: Edge, before: Dict[int, int], now: Dict[int, int]) -> Opt
 
     before, now: the number of messages on each connection. A publisher sends each message on all
     of its connections, and a subscriber gets other messages on each.
+
+    >>> new_messages(Edge('/gazebo', '/odom', is_published=True), {1: 5, 2: 5}, {1: 9, 2: 8})
+    4
+    >>> new_messages(Edge('/viewer', '/odom', is_published=False), {1: 5, 2: 5}, {1: 9, 2: 8})
+    7
     """
     differences = [count - before[number] for number, count in now.items()
                    if count >= before.get(number, count + 1)]
@@ -149,6 +159,11 @@ def completed(edges: Iterable[Edge], rates_hz: Dict[Edge, float]) -> Dict[Edge, 
 
     What all publishers send arrives at each subscriber, and what a subscriber gets is sent by the
     publisher if there is only one.
+
+    >>> sent = Edge('/gazebo', '/odom', is_published=True)
+    >>> got = Edge('/viewer', '/odom', is_published=False)
+    >>> completed([sent, got], {got: 30.0}) == {sent: 30.0, got: 30.0}
+    True
     """
     by_topic: Dict[str, Tuple[List[Edge], List[Edge]]] = {}
     for edge in edges:

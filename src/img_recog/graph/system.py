@@ -60,7 +60,14 @@ class Choice(NamedTuple):
 
 
 def visible(system: System, choice: Choice = Choice()) -> System:
-    """Return the part of a system that a picture shows. Its nodes may be without an edge."""
+    """Return the part of a system that a picture shows. Its nodes may be without an edge.
+
+    >>> odom, clock = (Edge('/gazebo', topic, is_published=True) for topic in ('/odom', '/clock'))
+    >>> rviz = Edge('/viewer', '/odom', is_published=False)
+    >>> system = System(frozenset(['/gazebo', '/viewer']), frozenset([odom, clock, rviz]))
+    >>> visible(system).edges == {odom, rviz}
+    True
+    """
     nodes, topics = system.nodes, system.topics
     if not choice.debug:
         nodes, topics = _without_debug(nodes), _without_debug(topics)
@@ -102,6 +109,9 @@ def clusters_of(name: str, levels: int = 2) -> Tuple[str, ...]:
     """Return the namespaces of a name, from the outermost one, without the root.
 
     levels: how many at most; rqt_graph draws a box around each.
+
+    >>> clusters_of('/tb3_0/camera/rgb/image_raw')
+    ('/tb3_0', '/tb3_0/camera')
     """
     parts = name.strip('/').split('/')[:-1][:levels]
     return tuple('/' + '/'.join(parts[:number + 1]) for number in range(len(parts)))

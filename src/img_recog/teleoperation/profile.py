@@ -11,6 +11,14 @@ class VelocityProfile:
     """The target velocity, which keys change, and the sent velocity, which approaches it.
 
     target_linear in m/s, target_angular in rad/s.
+
+    >>> profile = VelocityProfile()
+    >>> [profile.press(key) for key in 'wwa?']
+    [True, True, True, False]
+    >>> profile.target_linear, profile.target_angular
+    (0.02, 0.1)
+    >>> [profile.tick() for _ in range(5)]
+    [(0.005, 0.05), (0.01, 0.1), (0.015, 0.1), (0.02, 0.1), (0.02, 0.1)]
     """
 
     def __init__(self, settings: TeleopSettings = TeleopSettings()):

@@ -18,6 +18,11 @@ class TeleopSettings(VelocityLimits):
 
     linear_step, angular_step: how much one key changes the target velocity, in m/s and rad/s; each
     tick changes the sent velocity by at most half of it.
+
+    >>> TeleopSettings(linear_step=0)
+    Traceback (most recent call last):
+    ...
+    img_recog.settings.SettingError: linear_step: got 0.0, allowed is a finite number above 0
     """
 
     linear_step: float = setting(0.01, above(0))

@@ -26,15 +26,6 @@ def serve():
         server.stop()
 
 
-class Clock:
-    """A time that a test sets."""
-
-    time_s = 0.0
-
-    def __call__(self):
-        return self.time_s
-
-
 @pytest.fixture
 def timeout_s():
     """The time limit of a call; a busy machine needs longer than the usual one."""
@@ -42,9 +33,9 @@ def timeout_s():
 
 
 @pytest.fixture
-def read(serve, monkeypatch, timeout_s):
+def read(serve, monkeypatch, timeout_s, clock):
     """A function that reads the system of nodes with the given answers of getBusStats."""
-    clock, uris = Clock(), {}
+    uris = {}
 
     def lookup(_, node):
         return [1, '', uris[node]] if node in uris else [-1, 'unknown node', '']
@@ -55,7 +46,7 @@ def read(serve, monkeypatch, timeout_s):
     system_reader = SystemReader(clock, timeout_s)
 
     def call(time_s, **answers):
-        clock.time_s = time_s
+        clock.now_s = time_s
         for node, answer in answers.items():
             if node == 'other':
                 publishers.append('/other')

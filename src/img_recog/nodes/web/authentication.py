@@ -163,8 +163,9 @@ class _Visit:
 
     def __init__(self, scope: Scope, receive: Receive):
         self._receive, self._is_http = receive, scope['type'] == 'http'
-        self._allowance = Allowance(_MESSAGES_HZ, _MESSAGES_BURST)
         self._body_bytes = 0
+        # of a token bucket: at most a burst at once, and _MESSAGES_HZ in the long run
+        self._messages_left, self._time_s = _MESSAGES_BURST, time.monotonic()
         self.has_ended = False
 
     async def receive(self) -> Message:
@@ -174,25 +175,15 @@ class _Visit:
             self._body_bytes += len(message.get('body', b''))
             if self._body_bytes > MAX_BODY_BYTES:
                 message = {'type': 'http.disconnect'}
-        elif message['type'] == 'websocket.receive' and not self._allowance.take():
+        elif message['type'] == 'websocket.receive' and not self._take():
             message = {'type': 'websocket.disconnect', 'code': _TOO_MANY}
         self.has_ended = self.has_ended or message['type'].endswith('.disconnect')
         return message
 
-
-class Allowance:
-    """A token bucket: at most `burst` events at once, and `rate_hz` in the long run."""
-
-    def __init__(self, rate_hz: float, burst: float, now: Callable[[], float] = time.monotonic):
-        self._rate_hz, self._burst, self._now = rate_hz, burst, now
-        self._left, self._time_s = burst, now()
-
-    def take(self) -> bool:
-        """Count an event; return whether it is allowed."""
-        now_s = self._now()
-        self._left = min(self._burst, self._left + (now_s - self._time_s) * self._rate_hz)
+    def _take(self) -> bool:
+        """Count a message of a WebSocket; return whether it is allowed."""
+        now_s = time.monotonic()
+        self._messages_left = min(
+            _MESSAGES_BURST, self._messages_left + (now_s - self._time_s) * _MESSAGES_HZ) - 1
         self._time_s = now_s
-        if self._left < 1:
-            return False
-        self._left -= 1
-        return True
+        return self._messages_left >= 0

@@ -16,6 +16,7 @@ TEXTS = {
     'log': ('Log', 'ログ'),
     'level': ('From level', '表示する最低レベル')}
 _REPEAT_S = 1.0         # lines that differ only in numbers are sent once in this time
+_MAX_KEPT = 100         # for a page that is opened now
 _MAX_LINES = 1000       # whose times are known
 _LEVELS = {Log.DEBUG: 'debug', Log.INFO: 'info', Log.WARN: 'warn', Log.ERROR: 'error',
            Log.FATAL: 'fatal'}
@@ -46,5 +47,5 @@ def topics(updates: Updates) -> List[Topic]:
             sent_s.clear()
         sent_s[key] = now_s
         updates.add('log', [round(msg.header.stamp.to_sec(), 3), _LEVELS.get(msg.level, 'info'),
-                            shortened(msg.name), shortened(msg.msg)])
+                            shortened(msg.name), shortened(msg.msg)], _MAX_KEPT)
     return [('/rosout_agg', Log, logged)]

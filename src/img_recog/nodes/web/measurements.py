@@ -19,6 +19,9 @@ from img_recog.ros.throttle import ThrottledWarning
 _DIGITS = 4             # of a number, after the decimal point
 _PLACES_PERIOD_S = 0.2
 _BUFFER_BYTES = 1 << 20
+_MAX_PATH = 4000        # points
+_PATH_STEP_M = 0.02
+_JUMP_M = 0.5           # between two positions that follow one another: the robot was moved
 
 Topic = Tuple[str, type, Callable[[Any], None]]         # resolved name, message, callback
 Source = Callable[[Updates], Iterable[Topic]]           # topics, and where their callbacks write
@@ -133,6 +136,7 @@ class RobotTopics(Topics):
         super().__init__()
         self.frame_id = ''
         self._pose: Optional[List[Any]] = None
+        self._path_end: Optional[Tuple[float, float]] = None
         self._colors: List[str] = []
         self._warn = ThrottledWarning()
         self._topics: List[Topic] = [
@@ -146,7 +150,7 @@ class RobotTopics(Topics):
 
     def _forget(self) -> None:
         super()._forget()
-        self._pose, self._colors = None, []
+        self._pose, self._path_end, self._colors = None, None, []
 
     def _asked(self, msg: Twist) -> None:
         self.updates.add('asked', _rounded(time.monotonic(), msg.linear.x, msg.angular.z))
@@ -160,9 +164,23 @@ class RobotTopics(Topics):
         self.frame_id = msg.header.frame_id
         twist = msg.twist.twist
         self.updates.add('driven', _rounded(time.monotonic(), twist.linear.x, twist.angular.z))
+        self._extend_path(pose)
         self._pose = _rounded(*pose)
         self.updates.set('pose', self._pose)
-        self.updates.extend_path(*_rounded(pose.x, pose.y))
+
+    def _extend_path(self, pose: plane_msgs.PlanePose) -> None:
+        """Add a position to the path if it is far enough from the last one of the path.
+
+        None is added before a position to which the robot was moved.
+        """
+        x, y = _rounded(pose.x, pose.y)
+        if self._pose is not None and math.dist((x, y), self._pose[:2]) > _JUMP_M:
+            self.updates.add('path', None, _MAX_PATH)
+        elif self._path_end is not None and (
+                abs(x - self._path_end[0]) + abs(y - self._path_end[1]) < _PATH_STEP_M):
+            return
+        self._path_end = x, y
+        self.updates.add('path', (x, y), _MAX_PATH)
 
     def _scanned(self, msg: LaserScan) -> None:
         if not (math.isfinite(msg.angle_min) and math.isfinite(msg.angle_increment)):

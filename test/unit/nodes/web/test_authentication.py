@@ -1,10 +1,11 @@
 """Who may use the page: requests to the ASGI middleware, one by one."""
 import asyncio
+from types import SimpleNamespace
 
 import pytest
 
 from img_recog.nodes.web import authentication
-from img_recog.nodes.web.authentication import MAX_BODY_BYTES, Allowance, Authentication
+from img_recog.nodes.web.authentication import MAX_BODY_BYTES, Authentication
 
 TOKEN, PORT = 'a-secret', 8080
 COOKIE = 'img_recog_8080=' + TOKEN
@@ -153,12 +154,15 @@ def test_a_request_that_is_larger_than_it_says_ends():
 
 
 def test_thousands_of_messages_end_a_web_socket(monkeypatch):
-    monkeypatch.setattr(authentication, '_MESSAGES_BURST', 3.0)
-    monkeypatch.setattr(authentication, '_MESSAGES_HZ', 0.001)
+    monkeypatch.setattr(authentication, '_MESSAGES_BURST', 2.0)
+    monkeypatch.setattr(authentication, '_MESSAGES_HZ', 2.0)
+    times = iter([0.0, 0.0, 0.0, 0.5, 100.0, 100.0, 100.1, 100.2])
+    monkeypatch.setattr(authentication, 'time', SimpleNamespace(monotonic=lambda: next(times)))
     messages = [{'type': 'websocket.connect'}] + [
-        {'type': 'websocket.receive', 'text': text} for text in 'abcdef']
+        {'type': 'websocket.receive', 'text': text} for text in 'abcdefg']
     app, _, _ = visit('/live', kind='websocket', cookie=COOKIE, origin=OWN, messages=messages)
-    assert [message.get('text') for message in app.received] == [None, 'a', 'b', 'c', None]
+    # two at once, one after half a second, and no more than two later
+    assert [message.get('text') for message in app.received] == [None, *'abcde', None]
     assert app.received[-1]['code'] == 1008
 
 
@@ -183,10 +187,3 @@ def test_an_error_of_the_application_is_reported_unless_the_visitor_is_gone(mess
     app.error = ValueError('a mistake')
     errors = visit(cookie=COOKIE, messages=messages, app=app)[2]
     assert errors == ([app.error] if is_reported else [])
-
-
-def test_an_allowance_is_filled_again():
-    times = iter([0.0, 0.0, 0.0, 0.0, 0.5, 0.5, 100.0, 100.0, 100.0])
-    allowance = Allowance(2.0, 2.0, lambda: next(times))
-    assert [allowance.take() for _ in range(8)] == [
-        True, True, False, True, False, True, True, False]

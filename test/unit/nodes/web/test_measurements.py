@@ -1,4 +1,6 @@
 """What pages get of the messages of topics, without a master."""
+from types import SimpleNamespace
+
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from nav_msgs.msg import Odometry
@@ -66,6 +68,16 @@ def test_a_scan_has_the_pose_of_its_moment():
     assert robot.updates.since(None)[1]['pose'] == [4.0, 3.0, 0.0]
 
 
+@pytest.mark.parametrize('positions, path', [
+    ((0.0, 0.01, 0.03, 0.04, 0.06, 0.4), [0.0, 0.03, 0.06, 0.4]),      # those that are apart
+    ((0.0, 0.3, 0.31, 0.82, 0.2), [0.0, 0.3, None, 0.82, None, 0.2])])  # the robot was moved
+def test_the_path(positions, path):
+    robot = RobotTopics('/{}'.format)
+    for x in positions:
+        callbacks(robot.topics())['/odom'](odometry(x, 1.0))
+    assert robot.updates.since(None)[1]['path'] == [x if x is None else (x, 1.0) for x in path]
+
+
 def test_states_of_nodes_up_to_a_number(monkeypatch):
     monkeypatch.setattr(updates, 'MAX_STATES', 2)
     found = Updates()
@@ -82,7 +94,7 @@ def test_states_of_nodes_up_to_a_number(monkeypatch):
 
 def test_log_lines_that_differ_only_in_numbers_are_sent_once_a_second(monkeypatch):
     found, times = Updates(), iter([0.0, 0.5, 0.6, 0.7, 1.1])
-    monkeypatch.setattr(log_tab.time, 'monotonic', lambda: next(times))
+    monkeypatch.setattr(log_tab, 'time', SimpleNamespace(monotonic=lambda: next(times)))
     (_, _, logged), = log_tab.topics(found)
     for text in ('blue=1', 'blue=2', 'red=2', 'blue=3', 'blue=4'):
         logged(Log(level=Log.INFO, name='/a', msg=text))
