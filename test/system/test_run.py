@@ -9,9 +9,9 @@ import time
 
 import pytest
 
+from img_recog_testing.pages import ROOT
 from img_recog_testing.waiting import DEADLINE_S, stretch
 
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 SHARED = ('.venv', os.path.join('test', 'data'))        # takes too long to make again
 
 

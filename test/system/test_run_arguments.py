@@ -6,9 +6,9 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
+from img_recog_testing.pages import ROOT
 from img_recog_testing.waiting import DEADLINE_S, stretch
 
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 LAUNCH = os.path.join(ROOT, 'launch', 'demo.launch')
 
 
@@ -20,6 +20,8 @@ def checked(*words):
     return done.returncode, done.stdout.decode()
 
 
+SWITCHES = ('gui', 'image_view', 'recognition', 'simulator', 'teleop', 'use_sim_time',
+            'allow_partial_world')
 REFUSED = {
     ('camera=synthetic',): 'got camera=synthetic; write camera:=synthetic',
     ('camera:=', 'synthetic'): 'got a space after camera:=; write camera:=synthetic',
@@ -47,6 +49,8 @@ REFUSED = {
     ('framerate:=fast',): 'framerate: got fast, allowed is a number; ',
     ('image_width:=640.5',): 'image_width: got 640.5, allowed is a whole number; ',
     ('--screen', 'gui:=yes'): 'gui: got yes, allowed is true or false; write gui:=true',
+    **{(name + ':=auto',): '{0}: got auto, allowed is true or false; write {0}:=true\n'.format(
+        name) for name in SWITCHES},
 }
 
 
@@ -70,38 +74,19 @@ def test_a_recording_replaces_no_file(tmp_path, name):
     assert output.startswith('[run] record: {}/new.bag.active exists: '.format(tmp_path))
 
 
-SWITCHES = ('gui', 'image_view', 'recognition', 'simulator', 'teleop', 'use_sim_time',
-            'allow_partial_world')
-
-
-@pytest.mark.parametrize('name', SWITCHES)
-def test_every_switch_is_true_or_false(name):
-    code, output = checked(name + ':=auto')
-    assert code == 1
-    assert output == ('[run] {0}: got auto, allowed is true or false; '
-                      'write {0}:=true\n'.format(name))
-
-
-def test_every_switch_can_be_false():
-    # with --ros-args, roslaunch lists the arguments and exits
-    code, output = checked('--ros-args', *(name + ':=False' for name in SWITCHES))
-    assert code == 0, output
+DEFAULTS = [(arg.get('name'), arg.get('default'))
+            for arg in ElementTree.parse(LAUNCH).getroot().iterfind('.//arg[@default]')]
 
 
 @pytest.mark.parametrize('words', [
+    [name + ':=False' for name in SWITCHES],
     ('camera:=none', 'world:=empty', 'x_pos:=-1e-3', 'framerate:=29.97', '--screen'),
     ('camera:=rtsp://user:word@host/stream', '-p', '11399', 'gui:=1'),
-    ('camera:=urdf', '_some_parameter:=3')])
+    ('camera:=urdf', '_some_parameter:=3'),
+    ['{}:={}'.format(name, value) for name, value in DEFAULTS if '$(' not in value]])
 def test_accepted(words):
+    # with --ros-args, roslaunch lists the arguments and exits
     code, output = checked('--ros-args', *words)
-    assert code == 0, output
-
-
-def test_the_defaults_are_accepted():
-    defaults = [(arg.get('name'), arg.get('default'))
-                for arg in ElementTree.parse(LAUNCH).getroot().iterfind('.//arg[@default]')]
-    code, output = checked('--ros-args', *('{}:={}'.format(name, value)
-                                           for name, value in defaults if '$(' not in value))
     assert code == 0, output
 
 

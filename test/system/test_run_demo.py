@@ -11,10 +11,10 @@ import urllib.parse
 import psutil
 import pytest
 
+from img_recog_testing.pages import ROOT
 from img_recog_testing.process_table import end_all, marked, ports
 from img_recog_testing.waiting import wait_for
 
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 END_S = 10.0
 # so that also on a busy machine the nodes end by themselves, before the supervisor kills them
 PATIENT = {'IMG_RECOG_END_SCALE': '10'}

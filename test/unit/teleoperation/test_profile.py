@@ -16,22 +16,18 @@ def targets(profile):
     return profile.target_linear, profile.target_angular
 
 
-def test_idle_sends_zeros():
-    profile = VelocityProfile()
-    assert [profile.tick() for _ in range(3)] == [(0.0, 0.0)] * 3
-
-
 @pytest.mark.parametrize('keys, linear, angular', [
-    ('w', 0.01, 0.0), ('x', -0.01, 0.0), ('a', 0.0, 0.1), ('d', 0.0, -0.1),
-    ('wx', 0.0, 0.0), ('ad', 0.0, 0.0), ('wwa', 0.02, 0.1), ('xdd', -0.01, -0.2)])
+    ('', 0.0, 0.0), ('w', 0.01, 0.0), ('x', -0.01, 0.0), ('a', 0.0, 0.1), ('d', 0.0, -0.1),
+    ('wx', 0.0, 0.0), ('ad', 0.0, 0.0), ('wwa', 0.02, 0.1), ('xdd', -0.01, -0.2),
+    # exactly ten steps
+    ('w' * 10, 0.1, 0.0), ('x' * 10, -0.1, 0.0), ('a' * 10, 0.0, 1.0), ('d' * 10, 0.0, -1.0)])
 def test_keys_move_the_target_by_a_step(keys, linear, angular):
-    assert targets(pressed(keys)) == (linear, angular)
-
-
-@pytest.mark.parametrize('key, linear, angular', [
-    ('w', 0.1, 0.0), ('x', -0.1, 0.0), ('a', 0.0, 1.0), ('d', 0.0, -1.0)])
-def test_ten_presses_are_exactly_ten_steps(key, linear, angular):
-    assert targets(pressed(key * 10)) == (linear, angular)
+    profile = pressed(keys)
+    assert targets(profile) == (linear, angular)
+    sent = [profile.tick() for _ in range(20)]
+    assert sent[0] == pytest.approx((linear / abs(linear) * 0.005 if linear else 0.0,
+                                     angular / abs(angular) * 0.05 if angular else 0.0))
+    assert sent[-1] == (linear, angular)
 
 
 @pytest.mark.parametrize('key, linear, angular', [
@@ -90,8 +86,3 @@ def test_steps_are_those_of_the_settings():
                                              max_linear_velocity=1.0, max_angular_velocity=1.0))
     assert targets(pressed('waaa', profile)) == (0.02, 1.0)
     assert profile.tick() == (0.01, 0.25)
-
-
-def test_profiles_are_independent():
-    pressed('wa')
-    assert targets(VelocityProfile()) == (0.0, 0.0)
