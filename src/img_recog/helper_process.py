@@ -33,20 +33,18 @@ class HelperProcess:
         self._process.start()
         other.close()
         self._outbox: 'queue.Queue[Any]' = queue.Queue()
-        self._given = self._taken = 0       # messages
         self._is_broken = False
         threading.Thread(target=self._send_all, name='to the helper', daemon=True).start()
         self.send(args)
 
     def send(self, message: object) -> None:
         """Send a message; never waits, also if the process does not read."""
-        self._given += 1
         self._outbox.put(message)
 
     @property
     def is_sending(self) -> bool:
         """Whether the process has not taken all messages yet."""
-        return self._given > self._taken
+        return self._outbox.unfinished_tasks > 0
 
     @property
     def is_broken(self) -> bool:
@@ -62,7 +60,7 @@ class HelperProcess:
                 self.connection.send(message)
             except Exception:       # the process has ended, or `end` has closed the connection
                 self._is_broken = True
-            self._taken += 1
+            self._outbox.task_done()
 
     def wait(self) -> Optional[int]:
         """Wait for the exit of a process that must be about to exit; return its exit code.

@@ -4,11 +4,10 @@ from typing import Dict, List, Sequence, Tuple
 import moderngl
 import numpy as np
 
-from img_recog.errors import one_line
+from img_recog.errors import UserError, one_line
 from img_recog.rendering import coverage, matrices, shaders
 from img_recog.rendering.batches import Batch, Loader
 from img_recog.rendering.camera import Camera
-from img_recog.rendering.errors import OpenGLError
 from img_recog.rendering.shadow_map import ShadowMap
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
@@ -22,7 +21,7 @@ class Renderer:
     """Draws images of a scene. To be used in the thread that made it."""
 
     def __init__(self) -> None:
-        """Make the programs; raise OpenGLError if there is no OpenGL. `load` must come next."""
+        """Make the programs; UserError if there is no OpenGL. `load` must come next."""
         self._context = context = _create_context()
         context.front_face = 'cw'       # as images are drawn upside down
         self._loader = Loader(context)
@@ -166,7 +165,7 @@ def _create_context() -> moderngl.Context:
         context = moderngl.create_context(standalone=True, require=330, backend='egl',
                                           libgl='libGL.so.1', libegl='libEGL.so.1')
     except Exception as error:      # of several types
-        raise OpenGLError('no OpenGL 3.3 without a display: {}'.format(one_line(error)),
-                          'install libegl1 and libgl1-mesa-dri')
+        raise UserError('no OpenGL 3.3 without a display: {}'.format(one_line(error)),
+                        'install libegl1 and libgl1-mesa-dri')
     context.gc_mode = 'context_gc'  # not at once, which may be in another context
     return context

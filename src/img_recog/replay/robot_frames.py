@@ -40,7 +40,7 @@ class RobotFrames:
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
         self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
         self.warnings: List[str] = []
-        self._renderer, reason = renderer.make_or(renderer.make, TinyRenderer)
+        self._renderer, reason = renderer.make_or(TinyRenderer)
         if reason:
             _log.warning('images are drawn without shadows, and slowly: %s', reason)
         for reason in self._renderer.load(visual_scene.read(built.scene, self._parts),

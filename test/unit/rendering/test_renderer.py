@@ -1,12 +1,11 @@
-"""The renderer is made when it is needed; without its libraries there is a clear error."""
+"""What draws is made when it is needed; without its libraries there is a clear reason."""
 import subprocess
 import sys
 
 import pytest
 
-from img_recog.rendering import renderer
-from img_recog.rendering.errors import OpenGLError
-from img_recog.rendering.opengl import Renderer
+from img_recog.errors import UserError
+from img_recog.rendering import opengl, renderer
 
 # imports what a node and replay.py import before anything is drawn
 LOADED = ('import sys, img_recog.nodes.gazebo.node, img_recog.replay.robot_frames; '
@@ -14,20 +13,26 @@ LOADED = ('import sys, img_recog.nodes.gazebo.node, img_recog.replay.robot_frame
 
 
 def test_it_draws_by_opengl():
-    assert isinstance(renderer.make(), Renderer)
+    made, reason = renderer.make_or(list)
+    assert isinstance(made, opengl.Renderer) and reason == ''
+
+
+def test_without_opengl_something_else_draws(monkeypatch):
+    def refuse(self):
+        raise UserError('no OpenGL', 'install it')
+    monkeypatch.setattr(opengl.Renderer, '__init__', refuse)
+    assert renderer.make_or(list) == ([], 'no OpenGL; install it')
 
 
 @pytest.mark.parametrize('library', ['moderngl', 'trimesh'])
-def test_a_library_that_is_missing_is_an_error_that_names_it(monkeypatch, library):
+def test_a_library_that_is_missing_is_named(monkeypatch, library):
     for name in [name for name in sys.modules if name.startswith('img_recog.rendering')]:
         if name != renderer.__name__:
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, library, None)
-    with pytest.raises(OpenGLError) as error:
-        renderer.make()
-    assert 'moderngl or trimesh cannot be loaded: import of {} halted'.format(library) in str(
-        error.value)
-    assert '\n' not in str(error.value)
+    made, reason = renderer.make_or(list)
+    assert made == [] and '\n' not in reason
+    assert 'moderngl or trimesh cannot be loaded: import of {} halted'.format(library) in reason
 
 
 def test_its_libraries_are_not_loaded_before():

@@ -1,7 +1,6 @@
 """The topics of the cameras on a simulated robot."""
-import itertools
 import threading
-from typing import Dict, Iterable, List, Tuple
+from typing import Dict, Iterable, Optional
 
 import numpy as np
 import rosgraph
@@ -14,16 +13,14 @@ from img_recog import rotations
 from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog.nodes.gazebo.drawing import Drawing, Job
 from img_recog.nodes.gazebo.names import topic_fields
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.noise import PixelNoise
-from img_recog.rendering.process import Drawn, Shot
+from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.settings import SettingError
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
 from img_recog.simulation.settings import CameraSettings
-from img_recog.simulation.vehicle import Reading, Vehicle
 
 _INFO_QUEUE_SIZE = 10       # so that each image has its camera info, also if a sender has to wait
 
@@ -50,13 +47,11 @@ class CameraTopics:
     Topics, all with the same header: images (sensor_msgs/Image, rgb8), the same compressed, as a
     Gazebo with compressed_image_transport publishes them, depths (sensor_msgs/Image, 32FC1, m;
     only of a depth camera), and for images and depths a sensor_msgs/CameraInfo each.
-
-    number: of the camera among those that are drawn.
     """
 
-    def __init__(self, settings: CameraSettings, number: int):
-        """Advertise the topics."""
-        self._settings, self.number = settings, number
+    def __init__(self, settings: CameraSettings):
+        """Advertise the topics; settings: with the names that others see."""
+        self.settings = settings
         self._lock, self._is_closed = threading.Lock(), False
         self.camera = Camera(settings.camera_width, settings.camera_height,
                              settings.camera_horizontal_fov, settings.camera_near,
@@ -82,27 +77,27 @@ class CameraTopics:
     def _wants_depth(self) -> bool:
         return self._depths is not None and self._depths.get_num_connections() > 0
 
-    def job(self, exposure: Exposure, time_s: float) -> Job:
-        """Return what is to be drawn of an exposure, and how it is published."""
-        shot = Shot(self.number, exposure.camera_pose, self._wants_depth())
-        return Job(shot, lambda drawn: self._publish(drawn, time_s))
+    def shot(self, exposure: Exposure) -> Shot:
+        """Return what is to be drawn of an exposure."""
+        return Shot(self.camera, exposure.camera_pose, self._wants_depth())
 
-    def _publish(self, drawn: Drawn, time_s: float) -> None:
+    def publish(self, picture: Picture, time_s: float) -> None:
+        """Publish what was drawn of the exposure at a simulated time; may change the image."""
         with self._lock:        # the robot may be removed while its image is drawn
             if not self._is_closed:
-                self._publish_open(drawn, time_s)
+                self._publish(*picture, time_s)
 
-    def _publish_open(self, drawn: Drawn, time_s: float) -> None:
+    def _publish(self, image: np.ndarray, depth: Optional[np.ndarray], time_s: float) -> None:
         header = Header(stamp=robot_msgs.stamp_of(time_s),
-                        frame_id=self._settings.camera_optical_frame)
+                        frame_id=self.settings.camera_optical_frame)
         if self._noise is not None:
-            self._noise.add(drawn.image, round(time_s * 1e6))
-        self._images.publish(drawn.image, 'rgb8', header)
+            self._noise.add(image, round(time_s * 1e6))
+        self._images.publish(image, 'rgb8', header)
         if self._compressed.is_wanted():
             # it is compressed later, when what is drawn may not be valid any more
-            self._compressed.publish(drawn.image.copy(), 'rgb8', header)
-        if self._depths is not None and drawn.depth is not None:
-            as_bytes = drawn.depth.view(np.uint8).reshape(*drawn.depth.shape, 4)
+            self._compressed.publish(image.copy(), 'rgb8', header)
+        if self._depths is not None and depth is not None:
+            as_bytes = depth.view(np.uint8).reshape(*depth.shape, 4)
             self._depths.publish(as_bytes, '32FC1', header)
         info = self.info(header)
         for publisher in self._infos:
@@ -128,55 +123,6 @@ class CameraTopics:
             self._depths.unregister()
         for publisher in self._infos:
             publisher.unregister()
-
-
-class RobotCameras:
-    """The cameras of all robots. A camera is used while one of its topics has a subscriber."""
-
-    def __init__(self, drawing: Drawing):
-        """drawing: draws the images."""
-        self._drawing = drawing
-        self._cameras: Dict[Tuple[str, str], Tuple[Vehicle, CameraTopics]] = {}
-
-    def add(self, vehicle: Vehicle, sensor: str, topics: CameraTopics) -> None:
-        """Connect a sensor of a vehicle to topics."""
-        self._cameras[vehicle.robot.name, sensor] = vehicle, topics
-
-    def remove(self, vehicle: Vehicle) -> None:
-        """End the topics of a vehicle."""
-        for key, (owner, topics) in list(self._cameras.items()):
-            if owner is vehicle:
-                topics.close()
-                del self._cameras[key]
-
-    @property
-    def topics(self) -> List[CameraTopics]:
-        """Those of all cameras."""
-        return [topics for _, topics in self._cameras.values()]
-
-    def is_reading(self, reading: Reading) -> bool:
-        """Return whether a reading is that of one of the cameras."""
-        return (reading.robot, reading.sensor) in self._cameras
-
-    def update(self) -> None:
-        """Enable the cameras that are used; to be called by the loop before it simulates."""
-        for (_, sensor), (vehicle, topics) in self._cameras.items():
-            is_wanted = topics.is_wanted()
-            if is_wanted:
-                self._drawing.start()
-            vehicle.set_sensor_enabled(sensor, is_wanted and self._drawing.is_ready)
-
-    def draw(self, readings: Iterable[Reading]) -> None:
-        """Draw what the cameras among the sensors have read; waits for earlier images."""
-        for _, same_time in itertools.groupby(filter(self.is_reading, readings),
-                                              key=lambda each: each.time_s):
-            exposed = list(same_time)
-            self._drawing.submit([self._job(each) for each in exposed], exposed[0].value.poses,
-                                 exposed[0].time_s)
-
-    def _job(self, reading: Reading) -> Job:
-        _, topics = self._cameras[reading.robot, reading.sensor]
-        return topics.job(reading.value, reading.time_s)
 
 
 def optical_transform(settings: CameraSettings) -> TransformStamped:

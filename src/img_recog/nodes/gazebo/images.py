@@ -1,6 +1,6 @@
 """All images of the node: of the cameras on robots, and of the view."""
 import itertools
-from typing import Dict, List, Sequence
+from typing import Callable, Dict, List, Sequence, Tuple, Union
 
 import numpy as np
 import rospy
@@ -8,11 +8,12 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo import camera_topics
-from img_recog.nodes.gazebo.camera_topics import CameraTopics, RobotCameras, optical_transform
-from img_recog.nodes.gazebo.drawing import Drawing
+from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
+from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
-from img_recog.nodes.gazebo.view import ViewTopic, camera_of
+from img_recog.nodes.gazebo.view import ViewTopic
+from img_recog.rendering.server import Picture, Shot
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.pictures.view import above
@@ -24,23 +25,30 @@ from img_recog.simulation.vehicle import Reading, Vehicle
 
 
 class Images:
-    """Draws what the simulation looks like. All methods are for the thread that simulates."""
+    """Draws what the simulation looks like. All methods are for the thread that simulates.
 
-    def __init__(self, simulator: Simulator, view: ViewSettings, statics: StaticTransforms):
+    A camera is used while one of its topics has a subscriber. At most one image of the view is
+    drawn in each period of wall time, with the next one of a camera if there are such: the
+    simulation does not wait for it.
+    """
+
+    def __init__(self, simulator: Simulator, view: ViewSettings, statics: StaticTransforms,
+                 make_process: Callable[..., ImageProcess] = ImageProcess):
         self._simulator, self._statics = simulator, statics
         self._parts = Parts(simulator)
-        self._view_camera = camera_of(view)
-        self._drawing = Drawing(visual_scene.read(scene_of(simulator), self._parts),
-                                self._parts.poses(), [self._view_camera])
-        self._view = ViewTopic(view, self._drawing, 0, above(simulator.world))
-        self._cameras = RobotCameras(self._drawing)
-        self._seen: Dict[str, List[CameraSettings]] = {}    # by robot, with the names others see
+        self._view = ViewTopic(view, above(simulator.world))
+        self._process = make_process(visual_scene.read(scene_of(simulator), self._parts),
+                                     self._parts.poses(), [self._view.camera])
+        # by the names of robot and sensor
+        self._cameras: Dict[Tuple[str, str], Tuple[Vehicle, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
+        self._is_view_due = False
 
     def check_cameras(self, cameras: Sequence[CameraSettings], names: Names) -> None:
         """Raise a UserError if the topics of more cameras cannot be used."""
         camera_topics.check(itertools.chain(
-            *self._seen.values(), (names.seen(each) for each in cameras)))
+            (topics.settings for _, topics in self._cameras.values()),
+            (names.seen(each) for each in cameras)))
 
     def add_cameras(self, vehicle: Vehicle, cameras: Sequence[CameraSettings],
                     names: Names) -> None:
@@ -55,12 +63,12 @@ class Images:
         sensors = [vehicle.mount_camera(each, self._poses) for each in cameras]
         try:
             for sensor, each in zip(sensors, seen):
-                self._cameras.add(vehicle, sensor, CameraTopics(each, 0))
+                self._cameras[vehicle.robot.name, sensor] = vehicle, CameraTopics(each)
         except UserError:
-            self._cameras.remove(vehicle)
+            self.remove_cameras(vehicle)
             raise
-        self._seen[vehicle.robot.name] = seen
-        self._number_cameras()
+        self._process.set_cameras([self._view.camera, *(
+            topics.camera for _, topics in self._cameras.values())])
         for each in cameras:
             warning = robot_camera.warning_about_frame(vehicle.robot, each)
             if warning:
@@ -71,16 +79,11 @@ class Images:
 
     def remove_cameras(self, vehicle: Vehicle) -> None:
         """End the images of a robot's cameras."""
-        if self._seen.pop(vehicle.robot.name, None):
-            self._cameras.remove(vehicle)
-            self._statics.remove('cameras of ' + vehicle.robot.name)
-            self._number_cameras()
-
-    def _number_cameras(self) -> None:
-        topics = self._cameras.topics
-        self._drawing.set_cameras([self._view_camera, *(each.camera for each in topics)])
-        for number, each in enumerate(topics, 1):
-            each.number = number
+        for key, (owner, topics) in list(self._cameras.items()):
+            if owner is vehicle:
+                topics.close()
+                del self._cameras[key]
+        self._statics.remove('cameras of ' + vehicle.robot.name)
 
     def _poses(self) -> np.ndarray:
         """Return the poses of all parts, read once for all cameras that are read together."""
@@ -91,25 +94,52 @@ class Images:
 
     def is_camera(self, reading: Reading) -> bool:
         """Return whether a reading is that of a camera."""
-        return self._cameras.is_reading(reading)
+        return (reading.robot, reading.sensor) in self._cameras
 
     def set_scene(self, scene: Scene) -> None:
         """Show another scene from now on: something was added to the simulator or removed."""
         self._parts.refresh()
-        self._drawing.set_scene(visual_scene.read(scene, self._parts), self._parts.poses())
+        self._process.set_scene(visual_scene.read(scene, self._parts), self._parts.poses())
 
     def enable_cameras(self) -> None:
         """Enable the cameras that are used; to be called before each simulated period."""
         self._last_poses_s = -1.0       # since then, anything may have been moved
-        self._cameras.update()
+        for (_, sensor), (vehicle, topics) in self._cameras.items():
+            is_wanted = topics.is_wanted()
+            if is_wanted:
+                self._process.start()
+            vehicle.set_sensor_enabled(sensor, is_wanted and self._process.is_ready)
 
     def draw(self, readings: Sequence[Reading]) -> None:
         """Draw what cameras among the sensors have read; waits for earlier images of them."""
-        self._cameras.draw(readings)
+        for time_s, same_time in itertools.groupby(filter(self.is_camera, readings),
+                                                   key=lambda each: each.time_s):
+            exposed = list(same_time)
+            topics = [self._cameras[each.robot, each.sensor][1] for each in exposed]
+            self._draw(topics, [camera.shot(each.value) for camera, each in zip(topics, exposed)],
+                       exposed[0].value.poses, time_s)
 
     def update_view(self) -> None:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
-        self._view.update(self._simulator, self._parts)
+        if not self._view.is_wanted():
+            return
+        self._process.start()
+        if self._process.is_ready and self._view.take_due():
+            self._is_view_due = True
+            if not self._process.is_busy:
+                self._draw([], [], self._parts.poses(), self._simulator.time_s)
+
+    def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
+              time_s: float) -> None:
+        publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
+        if self._is_view_due:
+            self._is_view_due = False
+            publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
+
+        def publish(pictures: Sequence[Picture]) -> None:
+            for each, picture in zip(publishers, pictures):
+                each.publish(picture, time_s)
+        self._process.draw(shots, poses, publish)
 
     def set_view(self, view: str) -> None:
         """Show the view from another viewpoint, one of VIEWS."""
@@ -117,8 +147,8 @@ class Images:
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add to a status what was drawn; may be called in any thread."""
-        self._drawing.report(status)
+        self._process.report(status)
 
     def close(self) -> None:
         """End the process that draws."""
-        self._drawing.close()
+        self._process.close()

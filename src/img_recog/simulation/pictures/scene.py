@@ -13,7 +13,7 @@ from img_recog.simulation.bodies.loading import load_urdf
 from img_recog.simulation.bodies.world import add_floor, load_bodies
 from img_recog.simulation.descriptions.description import Description
 from img_recog.simulation.descriptions.world_file import WorldFile
-from img_recog.simulation.pictures.drawing import split_links_by_color
+from img_recog.simulation.pictures.link_colors import split_links_by_color
 from img_recog.simulation.simulator import Simulator
 
 

@@ -1,6 +1,5 @@
 """The topics of a camera on the simulated robot."""
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,58 +7,14 @@ from sensor_msgs.msg import CameraInfo
 
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo import camera_topics
-from img_recog.nodes.gazebo.camera_topics import CameraTopics, RobotCameras, optical_transform
-from img_recog.rendering.process import Drawn
+from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.simulation.sensors.robot_camera import Exposure
 from img_recog.simulation.settings import CameraSettings
-from img_recog.simulation.vehicle import Reading
 
 SETTINGS = CameraSettings(camera_frame='camera_link', camera_width=32, camera_height=24,
                           camera_horizontal_fov=1.0, camera_optical_frame='lens',
                           camera_image_topic='eye/image_raw', camera_info_topic='eye/camera_info')
 DEPTH = dict(camera_depth_topic='eye/depth', camera_depth_info_topic='eye/depth_info')
-
-
-class FakePublisher:
-    """Takes what is published; `subscribers` is set by the test."""
-
-    made = {}
-
-    def __init__(self, topic, *_, **__):
-        self.sent, self.subscribers, self.is_ended = [], 0, False
-        self.made[topic] = self
-
-    def get_num_connections(self):
-        return self.subscribers
-
-    def publish(self, *values):
-        self.sent.append(values)
-
-    def unregister(self):
-        self.is_ended = True
-
-
-class FakeCompressed(FakePublisher):
-    """Stands in for CompressedImages."""
-
-    def __init__(self, topic):
-        super().__init__(topic + '/compressed')
-
-    def is_wanted(self):
-        return self.subscribers > 0
-
-    def close(self):
-        self.unregister()
-
-
-@pytest.fixture
-def publishers(monkeypatch):
-    """The publishers that are made, by topic."""
-    monkeypatch.setattr(FakePublisher, 'made', {})
-    monkeypatch.setattr(camera_topics, 'ImagePublisher', FakePublisher)
-    monkeypatch.setattr(camera_topics, 'CompressedImages', FakeCompressed)
-    monkeypatch.setattr(camera_topics.rospy, 'Publisher', FakePublisher)
-    return FakePublisher.made
 
 
 def settings(**more):
@@ -72,17 +27,18 @@ def exposure(x=0.0):
     return Exposure(pose, np.full((2, 7), x))
 
 
-def drawn(depth=False):
-    return Drawn(np.full((24, 32, 3), 7, np.uint8),
-                 np.full((24, 32), 1.5, np.float32) if depth else None)
+def picture(depth=False):
+    return (np.full((24, 32, 3), 7, np.uint8),
+            np.full((24, 32), 1.5, np.float32) if depth else None)
 
 
 def test_an_image_and_its_info_have_one_header(publishers):
-    topics = CameraTopics(SETTINGS, 3)
+    topics = CameraTopics(SETTINGS)
     assert set(publishers) == {'eye/image_raw', 'eye/image_raw/compressed', 'eye/camera_info'}
-    job = topics.job(exposure(5.0), 1.25)
-    assert (job.shot.camera, job.shot.depth) == (3, False) and job.shot.pose[0, 3] == 5.0
-    job.publish(drawn())
+    shot = topics.shot(exposure(5.0))
+    assert (shot.camera.width, shot.camera.height, shot.camera.horizontal_fov) == (32, 24, 1.0)
+    assert shot.pose[0, 3] == 5.0 and shot.depth is False
+    topics.publish(picture(), 1.25)
     (image, encoding, header), = publishers['eye/image_raw'].sent
     (info,), = publishers['eye/camera_info'].sent
     assert image.shape == (24, 32, 3) and encoding == 'rgb8' and np.all(image == 7)
@@ -91,15 +47,14 @@ def test_an_image_and_its_info_have_one_header(publishers):
 
 
 def test_an_image_that_is_drawn_when_the_camera_is_removed_is_dropped(publishers):
-    topics = CameraTopics(SETTINGS, 0)
-    job = topics.job(exposure(), 1.0)
+    topics = CameraTopics(SETTINGS)
     topics.close()
-    job.publish(drawn())
+    topics.publish(picture(), 1.0)
     assert all(each.is_ended and not each.sent for each in publishers.values())
 
 
 def test_the_info_is_that_of_a_pinhole_camera(publishers):
-    info = CameraTopics(SETTINGS, 0).info(None)
+    info = CameraTopics(SETTINGS).info(None)
     assert isinstance(info, CameraInfo) and (info.width, info.height) == (32, 24)
     focal = 16 / math.tan(0.5)
     assert info.K == pytest.approx([focal, 0, 15.5, 0, focal, 11.5, 0, 0, 1])
@@ -109,31 +64,29 @@ def test_the_info_is_that_of_a_pinhole_camera(publishers):
 
 
 def test_images_are_copied_for_the_compression_only_if_somebody_wants_it(publishers):
-    topics, image = CameraTopics(SETTINGS, 0), drawn()
-    topics.job(exposure(), 1.0).publish(image)
+    topics, drawn = CameraTopics(SETTINGS), picture()
+    topics.publish(drawn, 1.0)
     assert publishers['eye/image_raw/compressed'].sent == []
     publishers['eye/image_raw/compressed'].subscribers = 1
-    topics.job(exposure(), 2.0).publish(image)
+    topics.publish(drawn, 2.0)
     (copy, encoding, header), = publishers['eye/image_raw/compressed'].sent
-    image.image[:] = 0          # as when the next one is drawn
+    drawn[0][:] = 0          # as when the next one is drawn
     assert np.all(copy == 7) and encoding == 'rgb8' and header.stamp.to_sec() == 2.0
 
 
 @pytest.mark.parametrize('topic', ['eye/image_raw', 'eye/camera_info', 'eye/depth',
-                                   'eye/image_raw/compressed',
-                                   'eye/depth_info'])
+                                   'eye/image_raw/compressed', 'eye/depth_info'])
 def test_a_subscriber_of_any_topic_wants_images(publishers, topic):
-    topics = CameraTopics(settings(**DEPTH), 0)
+    topics = CameraTopics(settings(**DEPTH))
     assert not topics.is_wanted()
     publishers[topic].subscribers = 1
     assert topics.is_wanted()
-    assert topics.job(exposure(), 0.0).shot.depth is (topic == 'eye/depth')
+    assert topics.shot(exposure()).depth is (topic == 'eye/depth')
 
 
 def test_depths_are_published_as_floats(publishers):
-    topics = CameraTopics(settings(**DEPTH), 0)
-    publishers['eye/depth'].subscribers = 1
-    topics.job(exposure(), 2.0).publish(drawn(depth=True))
+    topics = CameraTopics(settings(**DEPTH))
+    topics.publish(picture(depth=True), 2.0)
     (image, encoding, header), = publishers['eye/depth'].sent
     assert encoding == '32FC1' and image.shape == (24, 32, 4) and image.dtype == np.uint8
     assert np.all(image.copy().view(np.float32) == 1.5)
@@ -141,86 +94,11 @@ def test_depths_are_published_as_floats(publishers):
 
 
 def test_noise_is_that_of_the_time(publishers):
-    topics = CameraTopics(settings(camera_noise=0.1), 0)
+    topics = CameraTopics(settings(camera_noise=0.1))
     for time_s in (1.0, 2.0, 1.0):
-        topics.job(exposure(), time_s).publish(drawn())
+        topics.publish(picture(), time_s)
     first, second, again = (values[0] for values in publishers['eye/image_raw'].sent)
     assert first.std() > 5 and np.array_equal(first, again) and not np.array_equal(first, second)
-
-
-class FakeDrawing:
-    """Takes requests."""
-
-    def __init__(self):
-        self.is_ready, self.is_started, self.requests = False, False, []
-
-    def start(self):
-        self.is_started = True
-
-    def submit(self, jobs, poses, time_s):
-        self.requests.append((jobs, poses, time_s))
-
-
-class FakeVehicle:
-    """Keeps which sensors are enabled."""
-
-    def __init__(self, name='r'):
-        self.enabled, self.robot = {}, SimpleNamespace(name=name)
-
-    def set_sensor_enabled(self, name, enabled):
-        self.enabled[name] = enabled
-
-
-@pytest.fixture
-def rig(publishers):
-    """Two cameras on a vehicle."""
-    other = settings(camera_image_topic='back/image_raw', camera_info_topic='back/camera_info')
-    vehicle, drawing = FakeVehicle(), FakeDrawing()
-    cameras = RobotCameras(drawing)
-    cameras.add(vehicle, 'camera_0', CameraTopics(SETTINGS, 1))
-    cameras.add(vehicle, 'camera_1', CameraTopics(other, 2))
-    return cameras, vehicle, drawing
-
-
-def test_a_camera_is_enabled_while_it_is_used_and_can_be_drawn(rig, publishers):
-    cameras, vehicle, drawing = rig
-    cameras.update()
-    assert vehicle.enabled == {'camera_0': False, 'camera_1': False} and not drawing.is_started
-    publishers['back/image_raw'].subscribers = 1
-    cameras.update()
-    assert drawing.is_started and not any(vehicle.enabled.values())
-    drawing.is_ready = True
-    cameras.update()
-    assert vehicle.enabled == {'camera_0': False, 'camera_1': True}
-    publishers['back/image_raw'].subscribers = 0
-    cameras.update()
-    assert not any(vehicle.enabled.values())
-
-
-def test_exposures_of_one_time_are_one_request(rig):
-    cameras, _, drawing = rig
-    assert [cameras.is_reading(Reading(robot, sensor, 0.0, None)) for robot, sensor in (
-        ('r', 'camera_0'), ('r', 'scan'), ('other', 'camera_0'))] == [True, False, False]
-    cameras.draw([Reading('r', 'odometry', 0.5, None), Reading('r', 'camera_0', 0.5, exposure(1)),
-                  Reading('r', 'camera_1', 0.5, exposure(1)),
-                  Reading('r', 'camera_0', 0.6, exposure(2))])
-    assert [[job.shot.camera for job in jobs] for jobs, *_ in drawing.requests] == [[1, 2], [1]]
-    assert [(poses[0, 0], time_s) for _, poses, time_s in drawing.requests] == [(1, 0.5), (2, 0.6)]
-    cameras.draw([])
-    assert len(drawing.requests) == 2
-
-
-def test_cameras_of_two_robots_are_one_request(rig, publishers):
-    cameras, vehicle, drawing = rig
-    cameras.add(FakeVehicle('s'), 'camera_0', CameraTopics(settings(
-        camera_image_topic='s/image_raw', camera_info_topic='s/camera_info'), 3))
-    cameras.draw([Reading('r', 'camera_0', 0.5, exposure(1)),
-                  Reading('s', 'camera_0', 0.5, exposure(1))])
-    (jobs, *_), = drawing.requests
-    assert [job.shot.camera for job in jobs] == [1, 3]
-    cameras.remove(vehicle)
-    assert [topics.number for topics in cameras.topics] == [3]
-    assert publishers['back/image_raw'].is_ended and not publishers['s/image_raw'].is_ended
 
 
 def test_the_optical_frame_of_a_camera_that_looks_ahead():

@@ -2,7 +2,7 @@
 import xml.etree.ElementTree as ElementTree
 
 from img_recog.simulation.descriptions.description import parse
-from img_recog.simulation.pictures.drawing import split_links_by_color
+from img_recog.simulation.pictures.link_colors import split_links_by_color
 from img_recog_testing.robots import WORLDS, burger
 
 

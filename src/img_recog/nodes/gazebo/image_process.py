@@ -1,0 +1,232 @@
+"""The process that draws images, and a thread that waits for them."""
+import functools
+import math
+import multiprocessing
+import threading
+import time
+from typing import Callable, List, Optional, Sequence, Set
+
+import numpy as np
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from img_recog.errors import one_line
+from img_recog.helper_process import HelperProcess
+from img_recog.rendering import renderer, server
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.server import Answer, Picture, Request, Shot
+from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durations
+from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
+from img_recog.visuals import VisualScene
+
+_NICENESS = 5               # where OpenGL runs on the processor, the physics comes first
+_POLL_PERIOD_S = 0.1
+_MAX_WAIT_S = 60.0          # for images, a scene or the start; then the process hangs
+_WARN_AFTER_S = 5.0
+_MAX_FAILURES = 3           # of processes, one after the other, that end before they draw
+# OpenGL compiles its programs when they are first used: not while the simulation waits
+_FIRST_SHOT = Shot(Camera(16, 16, 1.0), np.eye(4), depth=True)
+
+Publish = Callable[[List[Picture]], None]
+
+
+class ImageProcess:
+    """Draws one request at a time in a process, and publishes its pictures in a thread.
+
+    They come back through memory that both processes share. It is not a file: nothing is left
+    over when a process is killed. A process that dies or hangs is replaced by the next `start`,
+    unless three in a row have not drawn.
+
+    `report` may be called in any thread, the other methods in that of the simulation.
+    """
+
+    def __init__(self, scene: VisualScene, poses: np.ndarray, cameras: Sequence[Camera],
+                 make: server.Make = functools.partial(renderer.make_or, TinyRenderer)):
+        """poses (n, 7): of all parts; make: makes what draws, in the process."""
+        self._scene, self._poses, self._cameras, self._make = scene, poses, cameras, make
+        self._helper: Optional[HelperProcess] = None
+        self._memory = np.empty((server.SLOTS, 0), np.uint8)
+        self._thread: Optional[threading.Thread] = None
+        self._condition = threading.Condition()
+        self._is_ready = self._is_busy = self._has_ended = False
+        self._request, self._requested_s = Request([], poses), 0.0
+        self._publish: Optional[Publish] = None
+        self._failures = 0
+        self._said: Set[str] = set()
+        self._problem = ''
+        self._images, self._durations = Counter(), Durations()
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it can draw; False until the scene is loaded, and after an error."""
+        return self._is_ready and not self._has_ended
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a request is being drawn."""
+        return self._is_busy
+
+    def start(self) -> None:
+        """Start the process, which loads the scene; no effect if it is started."""
+        if self._helper is not None or self._has_ended:
+            return
+        try:
+            memory = multiprocessing.get_context('spawn').RawArray(
+                'B', server.SLOTS * self._memory_size())
+            helper = HelperProcess(server.serve, (self._make,), _NICENESS, inherited=(memory,))
+        except OSError as error:        # too many open files, for example
+            self._give_up('cannot start the process that draws: ' + one_line(error))
+            return
+        with self._condition:
+            self._helper = helper
+            self._memory = np.frombuffer(memory, np.uint8).reshape(server.SLOTS, -1)
+            self._send(helper, Request([_FIRST_SHOT], self._poses, self._scene))
+        self._thread = threading.Thread(target=self._run, args=(helper,), name='drawing',
+                                        daemon=True)
+        self._thread.start()
+
+    def _memory_size(self) -> int:
+        return server.memory_size([*self._cameras, _FIRST_SHOT.camera])
+
+    def set_scene(self, scene: VisualScene, poses: np.ndarray) -> None:
+        """Draw another scene from now on; waits until earlier images are drawn.
+
+        A process that still loads is replaced by the next `start`: to wait for it takes longer.
+        """
+        with self._condition:
+            self._scene, self._poses = scene, poses
+            if not self._is_ready:
+                self._drop()
+            elif self._wait_idle() and self._helper is not None:
+                self._send(self._helper, Request([], poses, scene))
+
+    def set_cameras(self, cameras: Sequence[Camera]) -> None:
+        """Draw for other cameras from now on; waits until earlier images are drawn.
+
+        If they need more memory, another process is started for them, with the next `start`.
+        """
+        with self._condition:
+            self._cameras = cameras
+            if self._helper is not None and self._memory_size() > self._memory.shape[1]:
+                if self._is_ready:
+                    self._wait_idle()
+                self._drop()
+
+    def _drop(self) -> None:
+        """Use another process from the next `start` on; the thread of this one ends it."""
+        self._helper, self._is_ready, self._is_busy = None, False, False
+
+    def draw(self, shots: Sequence[Shot], poses: np.ndarray, publish: Publish) -> None:
+        """Draw all parts at `poses` (n, 7); waits until the pictures before are drawn.
+
+        publish: is called in the thread; the pictures, in the order of the shots, are valid until
+        it returns.
+        """
+        with self._condition:
+            if self.is_ready and self._wait_idle() and self._helper is not None:
+                self._send(self._helper, Request(shots, poses), publish)
+
+    def _send(self, helper: HelperProcess, request: Request,
+              publish: Optional[Publish] = None) -> None:
+        # of two slots, the other one may still be published
+        self._request = request._replace(slot=1 - self._request.slot)
+        self._publish, self._requested_s, self._is_busy = publish, time.monotonic(), True
+        helper.send(self._request)      # if the process has ended, the thread notices
+
+    def _wait_idle(self) -> bool:
+        """Wait until nothing is drawn; return whether there may be a next request."""
+        begin_s, warn_after_s = time.monotonic(), _WARN_AFTER_S
+        while self._is_busy and not rospy.is_shutdown():
+            self._condition.wait(_POLL_PERIOD_S)
+            waited_s = time.monotonic() - begin_s
+            if self._is_busy and waited_s > warn_after_s:
+                warn_after_s = math.inf
+                rospy.logwarn('the simulation waits for images: the process that draws has not '
+                              'answered for %.0f s; it is replaced after %.0f s', waited_s,
+                              _MAX_WAIT_S)
+        return not self._has_ended and not rospy.is_shutdown()
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """Add to a status what was drawn; to be called once in each period."""
+        add_counter(status, 'images', self._images)
+        add_durations(status, 'drawing', self._durations)
+        if self._problem:
+            status.mergeSummary(DiagnosticStatus.WARN, 'no more images: ' + self._problem)
+
+    def close(self) -> None:
+        """End the process."""
+        with self._condition:
+            self._has_ended = True
+            self._condition.notify_all()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _run(self, helper: HelperProcess) -> None:
+        """Take the answers of a process until it is replaced or has ended."""
+        try:
+            while self._is_used(helper):
+                answer = self._receive(helper)
+                if answer is None:
+                    break
+                if answer.problem:
+                    self._give_up(answer.problem)
+                else:
+                    self._take(helper, answer)
+        finally:
+            helper.end()
+            with self._condition:
+                if self._helper is helper:
+                    self._drop()
+                    self._condition.notify_all()
+
+    def _is_used(self, helper: HelperProcess) -> bool:
+        return not self._has_ended and self._helper is helper
+
+    def _receive(self, helper: HelperProcess) -> Optional[Answer]:
+        """Return the next answer of a process, None if it is not used any more or has ended."""
+        try:
+            while self._is_used(helper):
+                if helper.connection.poll(_POLL_PERIOD_S):
+                    return helper.connection.recv()
+                if self._is_busy and time.monotonic() - self._requested_s > _MAX_WAIT_S:
+                    helper.kill()       # a defect of a driver, for example
+        except (EOFError, OSError):
+            if self._is_used(helper):
+                self._failed('the process that draws has ended with exit code {}'.format(
+                    helper.wait()))
+        return None
+
+    def _failed(self, problem: str) -> None:
+        self._failures += 1
+        if self._failures < _MAX_FAILURES:
+            rospy.logwarn('%s; it is started again', problem)
+        else:
+            self._give_up(problem)
+
+    def _give_up(self, problem: str) -> None:
+        self._has_ended, self._problem = True, problem
+        rospy.logwarn('no more images: %s; the simulation goes on without them', problem)
+
+    def _take(self, helper: HelperProcess, answer: Answer) -> None:
+        """Log what an answer says, and publish its pictures."""
+        if answer.fallback_reason and not self._is_ready:
+            rospy.logwarn('images are drawn without shadows, and slowly: %s',
+                          answer.fallback_reason)
+        for line in answer.missing:
+            if line not in self._said:
+                self._said.add(line)
+                rospy.logwarn('not drawn: %s', line)
+        with self._condition:
+            if not self._is_used(helper):
+                return
+            request, publish = self._request, self._publish
+            pictures = server.pictures(self._memory[request.slot], request.shots)
+            duration_s = time.monotonic() - self._requested_s
+            self._is_ready, self._is_busy = True, False
+            self._condition.notify_all()
+        if publish is not None:
+            self._durations.add(duration_s)
+            self._failures = 0
+            publish(pictures)
+            self._images.add(len(pictures))

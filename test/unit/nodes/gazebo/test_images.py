@@ -1,0 +1,186 @@
+"""When images of the cameras on robots and of the view are drawn, and where they go."""
+import pytest
+
+from img_recog.errors import UserError
+from img_recog.nodes.gazebo import view
+from img_recog.nodes.gazebo.images import Images
+from img_recog.nodes.gazebo.names import Names
+from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
+from img_recog.simulation.pictures.scene import scene_of
+from img_recog.simulation.settings import CameraSettings, ViewSettings
+from img_recog_testing import robots
+
+CAMERA = CameraSettings(camera_frame='base_link', camera_width=32, camera_height=24,
+                        camera_rate=50.0, camera_optical_frame='lens',
+                        camera_image_topic='eye/image', camera_info_topic='eye/info')
+BACK = CameraSettings(**{**vars(CAMERA), 'camera_rate': 25.0, 'camera_width': 16,
+                         'camera_image_topic': 'back/image', 'camera_info_topic': 'back/info'})
+VIEW = '~view/image_raw'
+
+
+class FakeProcess:
+    """Takes requests."""
+
+    def __init__(self, scene, poses, cameras):
+        self.scene, self.poses, self.cameras = scene, poses, cameras
+        self.is_ready = self.is_busy = self.is_started = False
+        self.requests = []
+
+    def start(self):
+        self.is_started = True
+
+    def set_scene(self, scene, poses):
+        self.scene, self.poses = scene, poses
+
+    def set_cameras(self, cameras):
+        self.cameras = cameras
+
+    def draw(self, shots, poses, publish):
+        self.requests.append((shots, poses, publish))
+
+    def widths(self):
+        """Return those of the images of each request, and forget the requests."""
+        requests, self.requests = self.requests, []
+        return [[shot.camera.width for shot in shots] for shots, *_ in requests]
+
+
+class FakeStatics(dict):
+    """Takes static transforms by their owner."""
+
+    set, remove = dict.__setitem__, dict.pop
+
+
+class Rig:
+    """Images of a simulated robot with two cameras, of 32 and 16 pixels in a row."""
+
+    def __init__(self, publishers, **settings):
+        self.simulator, self.statics = robots.simulator(x=1.0), FakeStatics()
+        self.vehicle, self.publishers = self.simulator.vehicles[0], publishers
+        self.images = Images(self.simulator, ViewSettings(view_width=64, view_height=48,
+                                                          **settings),
+                             self.statics, self._make_process)
+        self.images.add_cameras(self.vehicle, [CAMERA, BACK], Names())
+
+    def _make_process(self, *args):
+        self.process = FakeProcess(*args)
+        return self.process
+
+    def step(self, steps=40):
+        """Simulate, by default 40 ms: two images of the first camera, one of the second."""
+        self.images.enable_cameras()
+        self.images.draw(self.simulator.advance(steps))
+
+
+@pytest.fixture
+def rig(publishers):
+    return Rig(publishers)
+
+
+def test_a_camera_is_used_while_it_has_a_subscriber_and_can_be_drawn(rig, publishers):
+    rig.step()
+    assert not rig.process.is_started and rig.process.requests == []
+    publishers['back/info'].subscribers = 1
+    rig.step()
+    assert rig.process.is_started and rig.process.requests == []
+    rig.process.is_ready = True
+    rig.step()
+    assert rig.process.widths() == [[16]]
+    publishers['back/info'].subscribers = 0
+    rig.step()
+    assert rig.process.requests == []
+
+
+def test_images_of_one_time_are_one_request(rig, publishers):
+    publishers['eye/image'].subscribers = publishers['back/image'].subscribers = 1
+    rig.process.is_ready = True
+    rig.step()
+    (_, first_poses, first), (shots, poses, publish) = rig.process.requests
+    assert rig.process.widths() == [[32], [32, 16]]
+    assert first_poses[0, :3] == pytest.approx([1, 0, 0], abs=1e-3) and poses is not first_poses
+    assert shots[0].pose[:3, 3] == pytest.approx([1, 0, 0.01], abs=1e-3)
+    publish([('image', None), ('small', None)])
+    image, _, header = publishers['eye/image'].sent[0]
+    small, _, same = publishers['back/image'].sent[0]
+    assert (image, small, header.stamp.to_sec(), same.stamp) == (
+        'image', 'small', 0.04, header.stamp)
+
+
+def test_cameras_of_a_robot_that_is_removed(rig, publishers):
+    def is_camera(reading):
+        return rig.images.is_camera(reading)
+    publishers['eye/image'].subscribers = 1
+    rig.process.is_ready = True
+    rig.images.enable_cameras()
+    readings = list(filter(is_camera, rig.simulator.advance(40)))
+    assert len(readings) == 2 and set(rig.statics) == {'cameras of turtlebot3_burger'}
+    assert [each.width for each in rig.process.cameras] == [64, 32, 16]
+    rig.images.remove_cameras(rig.vehicle)
+    assert not any(map(is_camera, readings)) and rig.statics == {}
+    assert publishers['eye/image'].is_ended and publishers['back/info'].is_ended
+    rig.images.draw(readings)
+    assert rig.process.requests == []
+    rig.images.check_cameras([CAMERA], Names())
+
+
+def test_cameras_with_the_topics_of_others_are_refused(rig):
+    with pytest.raises(UserError, match='the topic eye/image is camera_image_topic of the camera'):
+        rig.images.check_cameras([CAMERA], Names())
+    rig.images.check_cameras([CAMERA], Names('robot2', 'robot2'))
+
+
+def test_the_names_of_a_namespace(rig, publishers):
+    rig.images.remove_cameras(rig.vehicle)
+    rig.images.add_cameras(rig.vehicle, [CAMERA], Names('r', 'p'))
+    transform, = rig.statics['cameras of turtlebot3_burger']
+    assert transform.header.frame_id == 'p/base_link' and transform.child_frame_id == 'p/lens'
+    assert not publishers['r/eye/image'].is_ended
+
+
+def test_another_scene(rig):
+    rig.simulator.remove(rig.vehicle)
+    rig.images.set_scene(scene_of(rig.simulator))
+    assert rig.process.scene.visuals == () and rig.process.poses.shape == (0, 7)
+
+
+def test_the_view_is_drawn_once_in_a_period_while_it_has_a_subscriber(
+        publishers, clock, monkeypatch):
+    monkeypatch.setattr(view.time, 'monotonic', clock)
+    rig = Rig(publishers, view_rate=10.0)
+    rig.images.update_view()
+    assert not rig.process.is_started
+    publishers[VIEW].subscribers = 1
+    rig.images.update_view()
+    assert rig.process.is_started and rig.process.requests == []
+    rig.process.is_ready = True
+    rig.images.update_view()
+    clock.advance(0.09)
+    rig.images.update_view()
+    (shots, _, publish), = rig.process.requests
+    assert rig.process.widths() == [[64]]
+    assert shots[0].camera[:3] == (64, 48, horizontal_fov(64, 48))
+    assert shots[0].pose == pytest.approx(ABOVE.pose())
+    publish([('image', None)])
+    (image, encoding, header), = publishers[VIEW].sent
+    assert (image, encoding, header.frame_id) == ('image', 'rgb8', 'view')
+    clock.advance(0.02)
+    rig.images.update_view()
+    assert rig.process.widths() == [[64]]
+
+
+def test_the_view_is_drawn_with_the_image_of_a_camera(rig, publishers):
+    publishers[VIEW].subscribers = publishers['back/image'].subscribers = 1
+    rig.process.is_ready = rig.process.is_busy = True
+    rig.images.update_view()
+    assert rig.process.requests == []
+    rig.step()
+    rig.step()
+    assert rig.process.widths() == [[16, 64], [16]]
+
+
+def test_a_view_that_follows(rig, publishers):
+    publishers[VIEW].subscribers = 1
+    rig.process.is_ready = True
+    rig.images.set_view('follow')
+    rig.images.update_view()
+    (shot,), *_ = rig.process.requests[0]
+    assert shot.pose == pytest.approx(follow(rig.vehicle.robot.pose()).pose())
