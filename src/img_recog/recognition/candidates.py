@@ -1,6 +1,6 @@
 """Search of the pixels that can have a color, which takes a third of the time of HSV."""
 import functools
-from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import FrozenSet, Iterable, NamedTuple, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -18,41 +18,33 @@ _MAX_LEVEL_RATIO = 1.5
 
 
 def padded(size_px: int) -> int:
-    """Return the size of the whole groups that so many pixels are in."""
-    return -(-size_px // GROUP_PX) * GROUP_PX
+    """Return the size of the whole groups that so many pixels are in.
 
-
-class _Arrays(NamedTuple):
-    """Parts of buffers, with the shape of an image: its channels, and others of one channel.
-
-    groups: all pixels of `found`, as GROUP; beyond: those of the last group after the last row.
+    >>> padded(16), padded(17)
+    (16, 24)
     """
-
-    planes: List[np.ndarray]
-    largest: np.ndarray
-    found: np.ndarray
-    groups: np.ndarray
-    beyond: np.ndarray
+    return -(-size_px // GROUP_PX) * GROUP_PX
 
 
 class Search:
     """Finds the groups of pixels in which a pixel can have a color: GROUP_PX in a row each.
 
-    A pixel with the saturation of a color has different values in its channels.
+    A pixel with the saturation of a color has different values in its channels. Without the
+    search, a frame of a film takes 28 % more CPU time at 640x480 and 52 % to 61 % at 1920x1080.
 
     is_useful: whether it can save much; if not, do not search.
     """
 
-    def __init__(self, max_px: int, colors: Iterable[Color]):
-        """Prepare for these colors, and images of up to `max_px` pixels."""
+    def __init__(self, shape: Tuple[int, int], colors: Iterable[Color]):
+        """Prepare for these colors, and images of up to so many rows and of so many columns."""
         self._bound = _chroma_bound(frozenset((color.saturation, color.value)
                                               for color in colors))
         self.is_useful = self._bound is not None
-        size_px = padded(max_px)
-        # three channels and alpha, then the largest of the channels
-        *self._planes, self._largest = (np.empty(size_px, np.uint8) for _ in range(5))
-        self._found = np.empty(size_px, np.uint8)       # nonzero where a pixel can have a color
-        self._shaped: Dict[Tuple[int, ...], _Arrays] = {}
+        size_px = shape[0] * shape[1]
+        # three channels and alpha, the largest of the channels, and nonzero where a pixel can
+        # have a color
+        self._flat = [np.empty(padded(size_px), np.uint8) for _ in range(6)]
+        self._shaped = [flat[:size_px].reshape(shape) for flat in self._flat]
 
     def find(self, image: np.ndarray) -> np.ndarray:
         """Return the indices of the groups, in order.
@@ -60,9 +52,9 @@ class Search:
         image: uint8 of shape (height, width, 3 or 4). After its last row, the last group may have
         pixels that are not of the image.
         """
-        planes, largest, found, groups, beyond = self._arrays(image.shape)
+        *planes, largest, found = (array[:len(image)] for array in self._shaped)
         first, second, third = planes[:3]
-        cv2.split(image, planes)
+        cv2.split(image, planes[:image.shape[2]])
         cv2.max(first, second, largest)
         cv2.max(largest, third, largest)
         cv2.min(first, second, found)
@@ -75,28 +67,17 @@ class Search:
         else:
             cv2.subtract(largest, found, found)
             cv2.threshold(found, offset - 1, 255, cv2.THRESH_TOZERO, found)
-        beyond.fill(0)
-        indices, = (groups != 0).nonzero()      # faster than that of the numbers
+        flat = self._flat[-1][:padded(found.size)]
+        flat[found.size:] = 0
+        indices, = (flat.view(GROUP) != 0).nonzero()        # faster than that of the numbers
         return indices
-
-    def _arrays(self, shape: Tuple[int, ...]) -> _Arrays:
-        """Return the buffers for an image of this shape; there are few different ones."""
-        if shape not in self._shaped:
-            size_px = shape[0] * shape[1]
-            planes = [plane[:size_px].reshape(shape[:2]) for plane in self._planes[:shape[2]]]
-            largest, found = (array[:size_px].reshape(shape[:2])
-                              for array in (self._largest, self._found))
-            whole = self._found[:padded(size_px)]
-            self._shaped[shape] = _Arrays(planes, largest, found, whole.view(GROUP),
-                                          whole[size_px:])
-        return self._shaped[shape]
 
     def take(self, groups: np.ndarray, channels: Sequence[np.ndarray]) -> None:
         """Write each channel of groups of the last image to an array.
 
         channels: three arrays of type GROUP and of the length of `groups`.
         """
-        for plane, channel in zip(self._planes, channels):
+        for plane, channel in zip(self._flat, channels):
             # 'clip' is faster than 'raise'
             plane.view(GROUP).take(groups, out=channel, mode='clip')
 

@@ -141,27 +141,6 @@ def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
         pytest.fail('the search is never repeated')
 
 
-def test_a_color_of_all_pixels_needs_no_conversion(monkeypatch):
-    converted = []
-    convert = cv2.cvtColor
-    monkeypatch.setattr(masks_module.cv2, 'cvtColor', lambda image, *others, **names: (
-        converted.append(image.shape) or convert(image, *others, **names)))
-    blue, red = ARTICLE
-    everything, = colors(saturation_min=0, value_min=0)
-    for given in ([everything], [blue, everything, red], [everything, blue, everything]):
-        masks = Masks((40, 60), given)
-        image = np.full((40, 60, 3), 99, np.uint8)
-        image[10:20, 30:33] = BLUE
-        for _ in range(2):
-            masks.mask(given.index(everything))[:5] = 0         # like a part that does not count
-            del converted[:]
-            masks.compute(image, cv2.COLOR_BGR2HSV)
-            assert masks.areas_px == [
-                2400 if color is everything else 30 if color is blue else 0 for color in given]
-            assert converted == ([(1, 120, 3)] if blue in given else [])
-        assert_equal_to_plain_opencv(masks, image, given)
-
-
 @pytest.mark.parametrize('conversion', [cv2.COLOR_BGR2HSV, cv2.COLOR_RGB2HSV])
 @pytest.mark.parametrize('channels', [3, 4])
 def test_the_groups_of_a_color(conversion, channels):
