@@ -15,10 +15,10 @@ import cv2
 from img_recog.nodes.color_extract import node
 from img_recog.nodes.color_extract.node import ColorExtract
 from img_recog.recognition.masks import Masks
-from img_recog.ros.log.recurring_line import RecurringLine
 from img_recog.ros.transport import image_publisher, image_subscriber
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
+from img_recog.ros.transport.rosout import RecurringLine
 
 # where the parts are: name of the part, owner and name of the function
 PARTS = (

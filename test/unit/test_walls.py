@@ -72,7 +72,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('graph/a.py', 'import rospy', 'graph runs without a node'),
     ('graph/a.py', 'from img_recog.ros import queues', 'graph may use'),
     ('conversions/a.py', 'import rospy.rostime', 'conversions runs without a node'),
-    ('conversions/a.py', 'from img_recog.ros import throttle', 'conversions may use'),
+    ('conversions/a.py', 'from img_recog.ros import queues', 'conversions may use'),
     ('ros/deeper/a.py', 'from img_recog.simulation.bodies import body', 'ros may use'),
     ('ros/a.py', 'from img_recog.conversions import image_msgs', 'ros may use'),
     ('ros/a.py', 'from rospy.impl import tcpros', 'internals of rospy'),

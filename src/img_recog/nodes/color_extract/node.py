@@ -41,11 +41,11 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log import console
 from img_recog.ros.log.console import ConsoleThrottle
-from img_recog.ros.log.recurring_line import RecurringLine
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.reconfigure import Reconfigurable
-from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.transport.rosout import RecurringLine
 from img_recog.ros.yielding import Yielding
 from img_recog.settings import Settings, one_of, setting
 from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS

@@ -8,7 +8,7 @@ from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose, PoseError
 from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.simulation.settings import SimulationError
 
 _WORLD_FRAMES = ('', 'world')

@@ -9,8 +9,8 @@ from tf2_msgs.msg import TFMessage
 from img_recog.conversions import robot_msgs, twist_msgs
 from img_recog.nodes.gazebo.diagnostics import CommandCounts
 from img_recog.nodes.gazebo.names import Names
+from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
-from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind

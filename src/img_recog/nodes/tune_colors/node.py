@@ -17,8 +17,8 @@ from img_recog.nodes.tune_colors.output import PictureOutput
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.ros import image_topics, parameters
+from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
-from img_recog.ros.throttle import Throttle, ThrottledWarning
 from img_recog.settings import ParameterError
 
 _NODE = '/color_extract'

@@ -34,8 +34,8 @@ from img_recog.nodes.usb_cam.controls import CameraControls
 from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics, add_counter
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.reconfigure import Reconfigurable
-from img_recog.ros.throttle import ThrottledWarning
 from img_recog.ros.transport.image_publisher import ImagePublisher
 
 _CHECK_PERIOD_S = 0.2

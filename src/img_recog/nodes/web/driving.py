@@ -9,9 +9,9 @@ from std_srvs.srv import Trigger
 
 from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
 from img_recog.ros.stopping_publisher import StoppingPublisher
-from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 
 _PERIOD_S = 0.05

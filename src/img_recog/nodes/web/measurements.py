@@ -14,7 +14,7 @@ from visualization_msgs.msg import MarkerArray
 
 from img_recog.conversions import color_detection_msgs, plane_msgs
 from img_recog.nodes.web.updates import Updates
-from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.log.throttle import ThrottledWarning
 
 _DIGITS = 4             # of a number, after the decimal point
 _PLACES_PERIOD_S = 0.2

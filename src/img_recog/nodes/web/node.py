@@ -44,8 +44,8 @@ from img_recog.nodes.web.visit import System
 from img_recog.ros import bag_recording, lifecycle, parameters
 from img_recog.ros.bag_recording import BagRecording, Recorder
 from img_recog.ros.diagnostics import NodeDiagnostics
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
-from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 
 _POLL_PERIOD_S = 0.5

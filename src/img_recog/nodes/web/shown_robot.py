@@ -12,7 +12,7 @@ from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.simulation import PosePublisher
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
 from img_recog.recognition.settings import DEFAULT_COLORS, color_names
-from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.settings import SettingError
 from img_recog.teleoperation.settings import VelocityLimits
 

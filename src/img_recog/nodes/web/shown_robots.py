@@ -10,8 +10,8 @@ from img_recog.errors import one_line
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.shown_robot import ShownRobot
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
-from img_recog.ros.throttle import ThrottledWarning
 from img_recog.teleoperation.settings import VelocityLimits
 
 _COMMANDS, _ODOMETRY = 'cmd_vel', 'odom'

@@ -3,9 +3,8 @@ import logging
 import os
 import stat
 import sys
-import time
 from logging.handlers import RotatingFileHandler
-from typing import Iterator, Optional, Set
+from typing import Iterator, Set
 
 from rosgraph.roslogging import RosStreamHandler
 
@@ -15,9 +14,6 @@ _CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 _DEFAULT_SIZE = 50000000, 4     # rosgraph's limit: bytes of a file, number of older files
 _SIZE = 10000000, 4             # ours, 50 MB for a node, which is five hours of color_extract
 _MAX_REASONS = 5
-_FORMAT = '[%(name)s][%(levelname)s] %(asctime)s: %(message)s'      # rosgraph's
-_TIME_FORMAT = '%Y-%m-%d %H:%M:%S'
-_CHECK_LINES = 100      # of a LineFile: after so many lines it checks the size of the file
 
 
 def protect() -> None:
@@ -56,52 +52,6 @@ def _is_full(handler: RotatingFileHandler) -> bool:
         handler.stream = handler._open()
     status = os.fstat(handler.stream.fileno())
     return stat.S_ISREG(status.st_mode) and status.st_size >= _SIZE[0]
-
-
-class LineFile:
-    """Writes lines to the log file as rosgraph's format has them, without LogRecords."""
-
-    def __init__(self, handler: RotatingFileHandler, logger: str, level: str):
-        """Write to the file of a handler; see `of`."""
-        self._handler, self._head = handler, '[{}][{}] '.format(logger, level)
-        self._second, self._second_text = 0, ''
-        self._lines = 0
-
-    @classmethod
-    def of(cls, handler: logging.Handler, logger: str, level: str) -> 'Optional[LineFile]':
-        """Return the file of a handler; None if somebody has configured it in another way.
-
-        logger, level: their names, which are in each line.
-        """
-        formatter: Optional[logging.Formatter] = handler.formatter
-        is_usual = ('shouldRollover' in vars(handler) and not handler.filters
-                    and type(formatter) is logging.Formatter
-                    and formatter._fmt == _FORMAT and formatter.datefmt is None)
-        return (cls(handler, logger, level)
-                if is_usual and isinstance(handler, RotatingFileHandler) else None)
-
-    def write(self, text: str) -> None:
-        """Write a line; an error is reported like those of the handler."""
-        handler, now_s = self._handler, time.time()
-        handler.acquire()
-        try:
-            # _is_full opens a file that could not be opened
-            if (handler.stream is None or self._lines % _CHECK_LINES == 0) and _is_full(handler):
-                handler.doRollover()
-            self._lines += 1
-            if int(now_s) != self._second:
-                self._second = int(now_s)
-                self._second_text = time.strftime(_TIME_FORMAT, time.localtime(now_s))
-            handler.stream.write('{}{},{:03d}: {}\n'.format(
-                self._head, self._second_text, int((now_s - self._second) * 1000), text))
-            handler.flush()
-        except Exception:
-            handler.handleError(_NO_RECORD)
-        finally:
-            handler.release()
-
-
-_NO_RECORD = logging.makeLogRecord({})
 
 
 class _Notice:

@@ -11,7 +11,7 @@ from rosgraph import network
 from rospy.impl import tcpros_base
 
 from img_recog.errors import one_line, shortened
-from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.transport.switch import is_plain
 
 _TIME_LIMIT_S = 5.0     # the other end may be on a busy machine, and may not try again

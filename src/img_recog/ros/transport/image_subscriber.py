@@ -15,7 +15,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 from img_recog.errors import one_line, shortened
-from img_recog.ros.throttle import ThrottledWarning
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.transport.switch import is_plain
 
 _LENGTH, _WAITING = struct.Struct('<I'), struct.Struct('i')

@@ -1,9 +1,14 @@
-"""Publish the log lines of a node on /rosout synchronously."""
+"""The log lines of a node on /rosout, and lines that come at the rate of a camera."""
 import logging
-import struct
-from typing import Callable, Optional, Set
+import os
+import sys
+import time
+from logging.handlers import RotatingFileHandler
+from types import FrameType
+from typing import Callable, List, Optional, Tuple
 
 import rospy
+from rosgraph.roslogging import RosStreamHandler
 from rosgraph_msgs.msg import Log
 from rospy.impl import registration, rosout
 
@@ -14,7 +19,11 @@ from img_recog.ros.transport.switch import is_plain
 
 _LEVELS = {logging.DEBUG: Log.DEBUG, logging.INFO: Log.INFO, logging.WARNING: Log.WARN,
            logging.ERROR: Log.ERROR, logging.CRITICAL: Log.FATAL}
-_HEADER, _LENGTH = struct.Struct('<IIII'), struct.Struct('<I')
+_FORMAT = '[%(name)s][%(levelname)s] %(asctime)s: %(message)s'      # rosgraph's, of a file
+_TIME_FORMAT = '%Y-%m-%d %H:%M:%S'
+_HEAD = '[rosout][INFO] '
+_CHECK_LINES = 100      # after so many lines, the size of the file is checked
+_NO_RECORD = logging.makeLogRecord({})
 
 
 def init_node(name: str, **options) -> None:
@@ -33,58 +42,8 @@ def _publisher(name: str, data_class: type, latch: bool, queue_size: int) -> Dir
     return DirectPublisher(name, data_class, latch)
 
 
-class LineTopic:
-    """Publishes lines of one place in the code on /rosout, without LogRecords."""
-
-    def __init__(self, handler: 'RosoutHandler', level: int, file: str, function: str, line: int):
-        """Publish by a handler.
-
-        level: of logging; file, function, line: where the place is.
-        """
-        self._handler = handler
-        self._msg = _Line(level=_LEVELS[level], name=rospy.get_name(), file=file,
-                          function=function, line=line)
-
-    def write(self, text: str) -> None:
-        """Publish a line; errors are handled like those of the handler."""
-        self._handler.publish(lambda: self._msg.fill(text, self._handler.topics()))
-
-
-class _Line(Log):
-    """A Log of which mostly only the header and the text change, serialized quickly."""
-
-    def __init__(self, *args, **kwds):
-        super().__init__(*args, **kwds)
-        self._before = struct.pack('<b', self.level) + _string(self.name)
-        self._place = _string(self.file) + _string(self.function) + _LENGTH.pack(self.line)
-        self._names: Set[str] = set()
-        self._after = self._place + _LENGTH.pack(0)
-
-    def fill(self, text: str, topics: Set[str]) -> '_Line':
-        """Set what may change except for the header; return the message."""
-        self.msg = text
-        if topics != self._names:
-            # a copy: other threads add topics
-            self._names = set(topics)
-            self.topics = list(self._names)
-            self._after = self._place + _LENGTH.pack(len(self.topics)) + b''.join(
-                map(_string, self.topics))
-        return self
-
-    def serialize(self, buff):
-        """Write the message to a buffer."""
-        header = self.header
-        buff.write(_HEADER.pack(header.seq, header.stamp.secs, header.stamp.nsecs, 0)
-                   + self._before + _string(self.msg) + self._after)
-
-
-def _string(text: str) -> bytes:
-    data = text.encode()
-    return _LENGTH.pack(len(data)) + data
-
-
 class RosoutHandler(logging.Handler):
-    """Publishes records as rosgraph_msgs/Log. logging.Handler locks, so threads may share it.
+    """Publishes records as rosgraph_msgs/Log.
 
     Like rospy, swallow every error: logging must never break the caller.
     """
@@ -94,30 +53,25 @@ class RosoutHandler(logging.Handler):
         self._is_publishing = False
         self._names_topics: Optional[bool] = None
 
-    def topics(self) -> Set[str]:
-        """Return the topics of the node, if messages contain them."""
-        if self._names_topics is None:
-            self._names_topics = parameters.log_topics_are_wanted()
-        return registration.get_topic_manager().get_topics() if self._names_topics else set()
-
     def emit(self, record: logging.LogRecord) -> None:
-        self._publish(lambda: self._to_msg(record))
+        self.publish(lambda: Log(
+            level=_LEVELS[record.levelno], name=rospy.get_name(), msg=self.format(record),
+            file=record.filename, line=record.lineno, function=record.funcName))
 
-    def publish(self, to_msg: Callable[[], Log]) -> None:
-        """Publish a message like one of a record."""
-        self.acquire()
+    def publish(self, message: Callable[[], Log]) -> None:
+        """Publish a message, whose stamp and topics are set here."""
+        self.acquire()      # again, if a record has come by `handle`
         try:
-            self._publish(to_msg)
+            if rosout._rosout_pub is not None and not self._is_publishing:
+                self._publish(message)
         finally:
             self.release()
 
-    def _publish(self, to_msg: Callable[[], Log]) -> None:
-        if rosout._rosout_pub is None or self._is_publishing:
-            return
+    def _publish(self, message: Callable[[], Log]) -> None:
         self._is_publishing = True      # lines that are logged meanwhile would end up here again
         try:
-            msg = to_msg()
-            msg.header.stamp = rospy.Time.now()
+            msg = message()
+            msg.header.stamp, msg.topics = rospy.Time.now(), self._topics()
             rosout._rosout_pub.publish(msg)
         except rospy.ROSException:      # the topic is closed during shutdown
             pass
@@ -127,7 +81,88 @@ class RosoutHandler(logging.Handler):
         finally:
             self._is_publishing = False
 
-    def _to_msg(self, record: logging.LogRecord) -> Log:
-        return Log(level=_LEVELS[record.levelno], name=rospy.get_name(), msg=self.format(record),
-                   topics=list(self.topics()), file=record.filename, line=record.lineno,
-                   function=record.funcName)
+    def _topics(self) -> List[str]:
+        """Return the topics of the node, if messages contain them."""
+        if self._names_topics is None:
+            self._names_topics = parameters.log_topics_are_wanted()
+        return list(registration.get_topic_manager().get_topics()) if self._names_topics else []
+
+
+class RecurringLine:
+    """Writes lines to the log file and to /rosout, like rospy.loginfo, but not to the terminal.
+
+    Between two frames, the code and data of Python's logging leave the cache of the processor:
+    then a line takes ten times as long as in a loop. By rospy.loginfo, a frame of a film takes
+    11 % to 20 % more CPU time at 640x480, and 0 to 3 % at 1920x1080; by a record that is passed
+    to the handlers again and again, 9 % to 12 % at 640x480.
+    """
+
+    def __init__(self) -> None:
+        self._logger, self._root = logging.getLogger('rosout'), logging.getLogger()
+        self._outputs: Optional[Tuple[RotatingFileHandler, RosoutHandler]] = None
+        self._handlers: Tuple[list, list] = [], []      # that the outputs are of
+        self._msg = Log(level=Log.INFO, name=rospy.get_name())
+        self._second, self._second_text, self._lines = 0, '', 0
+
+    def write(self, text: str) -> bool:
+        """Write a line; to be called from one place.
+
+        Returns whether it is done. If not, because the log is not as usual, call rospy.loginfo.
+        """
+        if not self._logger.isEnabledFor(logging.INFO):
+            return True
+        if (self._logger.handlers, self._root.handlers) != self._handlers:
+            self._handlers = list(self._logger.handlers), list(self._root.handlers)
+            self._outputs = self._find_outputs()
+            self._set_place(sys._getframe(1))
+        if self._outputs is None:
+            return False
+        file, topic = self._outputs
+        self._write_to_file(file, text)
+        self._msg.msg = text
+        topic.publish(lambda: self._msg)
+        return True
+
+    def _find_outputs(self) -> Optional[Tuple[RotatingFileHandler, RosoutHandler]]:
+        """Return what writes to file and topic; None if a handler does more than usual."""
+        topics = [each for each in self._logger.handlers if isinstance(each, RosoutHandler)]
+        others = [each for each in self._logger.handlers
+                  if not isinstance(each, (RosoutHandler, RosStreamHandler))]
+        if (others or len(topics) != 1 or len(self._root.handlers) != 1
+                or not self._logger.propagate):
+            return None
+        file, topic = self._root.handlers[0], topics[0]
+        formatter: Optional[logging.Formatter] = file.formatter
+        # log_handlers.protect has replaced shouldRollover
+        is_usual = (max(file.level, topic.level) <= logging.INFO and not file.filters
+                    and 'shouldRollover' in vars(file) and type(formatter) is logging.Formatter
+                    and formatter._fmt == _FORMAT and formatter.datefmt is None)
+        return (file, topic) if is_usual and isinstance(file, RotatingFileHandler) else None
+
+    def _set_place(self, caller: FrameType) -> None:
+        """Name the place in the code as rosgraph's logger does."""
+        code, owner = caller.f_code, caller.f_locals.get('self')
+        self._msg.file, self._msg.line = os.path.basename(code.co_filename), caller.f_lineno
+        self._msg.function = (code.co_name if owner is None
+                              else '{}.{}'.format(type(owner).__name__, code.co_name))
+
+    def _write_to_file(self, handler: RotatingFileHandler, text: str) -> None:
+        """Write a line; an error is reported like those of the handler."""
+        now_s = time.time()
+        handler.acquire()
+        try:
+            # shouldRollover opens a file that could not be opened
+            if ((handler.stream is None or self._lines % _CHECK_LINES == 0)
+                    and handler.shouldRollover(_NO_RECORD)):
+                handler.doRollover()
+            self._lines += 1
+            if int(now_s) != self._second:
+                self._second = int(now_s)
+                self._second_text = time.strftime(_TIME_FORMAT, time.localtime(now_s))
+            handler.stream.write('{}{},{:03d}: {}\n'.format(
+                _HEAD, self._second_text, int((now_s - self._second) * 1000), text))
+            handler.flush()
+        except Exception:
+            handler.handleError(_NO_RECORD)
+        finally:
+            handler.release()

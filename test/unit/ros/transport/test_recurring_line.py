@@ -13,8 +13,8 @@ from rospy.impl import rosout as rospy_rosout
 from rospy.msg import serialize_message
 
 from img_recog.ros.log import log_handlers
-from img_recog.ros.log.recurring_line import RecurringLine
 from img_recog.ros.transport import rosout
+from img_recog.ros.transport.rosout import RecurringLine
 
 FORMAT = '[%(name)s][%(levelname)s] %(asctime)s: %(message)s'
 TEXTS = ['blue=12, red=3', '100 %', '%s %d', 'Größe 青', 'two\nlines', '']
@@ -55,14 +55,14 @@ def setup(tmp_path, monkeypatch):
     monkeypatch.setattr(rospy_rosout, '_rosout_pub', made)
     monkeypatch.setattr(logging.getLogger(), 'handlers', [made.file])
     logger = logging.getLogger('rosout')
-    for name, value in (('handlers', [made.screen, made.topic]), ('level', logging.INFO),
-                        ('propagate', True)):
+    level = logger.level
+    for name, value in (('handlers', [made.screen, made.topic]), ('propagate', True)):
         monkeypatch.setattr(logger, name, value)
-    logger._cache.clear()
+    logger.setLevel(logging.INFO)
     log_handlers.protect()
     yield made
     made.file.close()
-    logger._cache.clear()
+    logger.setLevel(level)
 
 
 class Node:
@@ -99,7 +99,7 @@ def test_lines_are_those_of_loginfo(setup, text):
 def test_the_time_is_that_of_the_line(setup, monkeypatch):
     node = setup.node()
     for now_s in (1e9, 1e9 + 0.9999, 1e9 + 1.25):
-        monkeypatch.setattr(log_handlers.time, 'time', lambda now_s=now_s: now_s)
+        monkeypatch.setattr(rosout.time, 'time', lambda now_s=now_s: now_s)
         assert node.handle('a line')
         node.log('a line')
     lines = setup.written().splitlines()
@@ -107,53 +107,22 @@ def test_the_time_is_that_of_the_line(setup, monkeypatch):
     assert [line[-11:-8] for line in lines[::2]] == ['000', '999', '250']
 
 
-def other_handler(setup):
-    logging.getLogger('rosout').handlers.append(logging.NullHandler())
+OTHER_FORMATTER = type('Other', (logging.Formatter,), {})
+UNUSUAL = {
+    'another handler': lambda _: logging.getLogger('rosout').addHandler(logging.NullHandler()),
+    'a second file': lambda _: logging.getLogger().addHandler(logging.NullHandler()),
+    'no file': lambda _: logging.getLogger().handlers.clear(),
+    'no topic': lambda setup: logging.getLogger('rosout').removeHandler(setup.topic),
+    'a format': lambda setup: setup.file.setFormatter(logging.Formatter('%(message)s')),
+    'a format of times': lambda setup: setup.file.setFormatter(logging.Formatter(FORMAT, '%H')),
+    'a formatter': lambda setup: setup.file.setFormatter(OTHER_FORMATTER(FORMAT)),
+    'a filter': lambda setup: setup.file.addFilter(lambda record: False),
+    'few in the file': lambda setup: setup.file.setLevel(logging.WARNING),
+    'few on the topic': lambda setup: setup.topic.setLevel(logging.WARNING),
+    'not in the file': lambda _: setattr(logging.getLogger('rosout'), 'propagate', False)}
 
 
-def second_file(setup):
-    logging.getLogger().handlers.append(logging.NullHandler())
-
-
-def no_file(setup):
-    logging.getLogger().handlers.clear()
-
-
-def no_topic(setup):
-    logging.getLogger('rosout').handlers.remove(setup.topic)
-
-
-def other_format(setup):
-    setup.file.setFormatter(logging.Formatter('%(message)s'))
-
-
-def other_time_format(setup):
-    setup.file.setFormatter(logging.Formatter(FORMAT, '%H'))
-
-
-def other_formatter(setup):
-    setup.file.setFormatter(type('Other', (logging.Formatter,), {})(FORMAT))
-
-
-def filtered(setup):
-    setup.file.addFilter(lambda record: False)
-
-
-def few_in_the_file(setup):
-    setup.file.setLevel(logging.WARNING)
-
-
-def few_on_the_topic(setup):
-    setup.topic.setLevel(logging.WARNING)
-
-
-def not_in_the_file(setup):
-    logging.getLogger('rosout').propagate = False
-
-
-@pytest.mark.parametrize('change', [
-    other_handler, second_file, no_file, no_topic, other_format, other_time_format,
-    other_formatter, filtered, few_in_the_file, few_on_the_topic, not_in_the_file])
+@pytest.mark.parametrize('change', UNUSUAL.values(), ids=list(UNUSUAL))
 def test_an_unusual_log_is_left_to_loginfo(setup, change):
     node = setup.node()
     change(setup)
@@ -191,15 +160,18 @@ def test_a_level_above_info_hides_the_lines(setup):
     assert not setup.sent and not setup.written()
 
 
-def test_a_full_file_is_replaced(setup, monkeypatch):
-    monkeypatch.setattr(log_handlers, '_SIZE', (100, 4))
-    monkeypatch.setattr(log_handlers, '_CHECK_LINES', 3)
+def test_a_full_file_is_replaced(setup):
+    """Its size is checked every 100 lines."""
+    setup.path.write_bytes(b'x' * 10000000)
     node = setup.node()
-    for number in range(9):
+    assert node.handle('first')
+    with setup.path.open('ab') as file:
+        file.write(b'y' * 10000000)
+    for number in range(100):
         assert node.handle('line {}'.format(number))
-    assert [re.findall('line (.)', path.read_text()) for path in (
-        setup.path, setup.path.with_name('node.log.1'), setup.path.with_name('node.log.2'))] == [
-            ['6', '7', '8'], ['3', '4', '5'], ['0', '1', '2']]
+    assert setup.written().endswith(': line 99\n') and setup.written().count('\n') == 1
+    first, second = (setup.path.with_name('node.log.' + end).read_bytes() for end in '21')
+    assert first == b'x' * 10000000 and second.count(b'\n') == 100 and b': first\n' in second
 
 
 def test_a_file_that_could_not_be_opened_is_opened_for_the_next_line(setup):

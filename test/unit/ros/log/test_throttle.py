@@ -1,5 +1,5 @@
 """Actions and warnings at most once per period of wall time."""
-from img_recog.ros.throttle import Throttle, ThrottledWarning
+from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 
 
 def test_ready_once_in_a_period(clock):
