@@ -55,7 +55,11 @@ def rectangles(corners: np.ndarray, to_clip: np.ndarray, near: float) -> np.ndar
 
 
 def are_on_image(rectangles_: np.ndarray) -> np.ndarray:
-    """Return (n,) which rectangles (n, 4), as returned by `rectangles`, overlap the image."""
+    """Return (n,) which rectangles (n, 4), as returned by `rectangles`, overlap the image.
+
+    >>> are_on_image(np.array([[0.5, 0, 2, 0.2], [1.5, 0, 2, 0.2]])).tolist()
+    [True, False]
+    """
     return (rectangles_[:, :2] <= 1).all(axis=1) & (rectangles_[:, 2:] >= -1).all(axis=1)
 
 

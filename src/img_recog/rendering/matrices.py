@@ -48,6 +48,9 @@ def view(camera_pose: np.ndarray) -> np.ndarray:
     """Return the transform from the world to OpenGL's camera frame.
 
     camera_pose (4, 4): of the camera body, which looks along its x axis, in the world.
+
+    >>> (view(np.eye(4)) @ (5, 0, 1, 1)).tolist()       # 5 m ahead and 1 m up
+    [0.0, 1.0, -5.0, 1.0]
     """
     return BODY_TO_OPENGL @ inverse(camera_pose)
 
@@ -63,7 +66,11 @@ def perspective(slope_x: float, slope_y: float, near: float, far: float) -> np.n
 
 
 def orthographic(half_x: float, half_y: float, near: float, far: float) -> np.ndarray:
-    """Return the projection of parallel light."""
+    """Return the projection of parallel light.
+
+    >>> (orthographic(2, 4, -1, 1) @ (2, 2, -1, 1)).tolist()    # at the right edge, far
+    [1.0, 0.5, 1.0, 1.0]
+    """
     return np.array([[1 / half_x, 0, 0, 0], [0, 1 / half_y, 0, 0],
                      [0, 0, -2 / (far - near), -(far + near) / (far - near)], [0, 0, 0, 1]])
 

@@ -25,12 +25,12 @@ class Scene(NamedTuple):
 
 
 class SceneCopy:
-    """The bodies of a scene in a physics client that never steps."""
+    """The bodies of a scene in a physics client that never steps, in the order of `poses_of`."""
 
     def __init__(self, scene: Scene, physics_client_id: int, floor: bool):
         """Load the scene; floor: whether to add a visible floor."""
         self._physics_client_id = physics_client_id
-        self._bodies: List[Body] = []
+        self.bodies: List[Body] = []
         self.load(scene)
         if floor:
             add_floor(physics_client_id, visible=True)
@@ -38,15 +38,15 @@ class SceneCopy:
     def load(self, scene: Scene) -> None:
         """Replace the bodies by those of a scene."""
         physics_client_id = self._physics_client_id
-        for body in self._bodies:
+        for body in self.bodies:
             pybullet.removeBody(body.body_id, physicsClientId=physics_client_id)
         trees = [tree._replace(urdf=split_links_by_color(tree.urdf))
                  for tree in scene.world.trees]
-        self._bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id,
-                                       visuals=True), physics_client_id)
-                        for robot in scene.robots]
-        self._bodies += load_bodies(trees, physics_client_id, visuals=True)
-        for body in self._bodies:
+        self.bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id,
+                                      visuals=True), physics_client_id)
+                       for robot in scene.robots]
+        self.bodies += load_bodies(trees, physics_client_id, visuals=True)
+        for body in self.bodies:
             for link in body.links:
                 # otherwise each tall body would show a reflection of the sun
                 pybullet.changeVisualShape(body.body_id, link, specularColor=(0, 0, 0),
@@ -54,7 +54,7 @@ class SceneCopy:
 
     def place(self, poses: Sequence[Pose]) -> None:
         """Move the bodies to the poses that `poses_of` returns for the simulation."""
-        for body, pose in zip(self._bodies, poses):
+        for body, pose in zip(self.bodies, poses):
             body.place(pose)
 
 

@@ -90,5 +90,9 @@ def follow(pose: Pose) -> Viewpoint:
 
 
 def horizontal_fov(width: int, height: int) -> float:
-    """Return the horizontal field of view of an image, in rad."""
+    """Return the horizontal field of view of an image, in rad.
+
+    >>> round(math.degrees(horizontal_fov(640, 480)))
+    60
+    """
     return 2 * math.atan(math.tan(math.radians(FIELD_OF_VIEW / 2)) * width / height)

@@ -32,7 +32,7 @@ class Window:
 
     def __init__(self, scene: Scene, viewpoint: Viewpoint = ABOVE):
         """Open the window, which shows the scene from `viewpoint`."""
-        self._helper = HelperProcess(_show, (scene, viewpoint), _NICENESS)
+        self._helper = HelperProcess(show_until_closed, (scene, viewpoint), _NICENESS)
         self._next_s = 0.0
         self._new_scene: Optional[Scene] = None
 
@@ -61,7 +61,7 @@ class Window:
         self._helper.end()
 
 
-def _show(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
+def show_until_closed(connection: Connection, scene: Scene, viewpoint: Viewpoint) -> None:
     """Show the newest poses until the window or the other end of the connection is closed."""
     physics_client_id = connect(pybullet.GUI, _OPTIONS)
     pybullet.configureDebugVisualizer(pybullet.COV_ENABLE_GUI, 0,

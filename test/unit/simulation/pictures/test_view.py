@@ -138,7 +138,7 @@ def test_copy_has_the_bodies_at_their_poses_and_maybe_a_floor(floor):
     assert pybullet.getNumBodies(physicsClientId=client) == 2 + floor
     moved = [poses[0]._replace(position=(1.0, 2.0, 0.0)), poses[1]]
     copy.place(moved)
-    assert [body.pose().position for body in copy._bodies] == [
+    assert [body.pose().position for body in copy.bodies] == [
         pytest.approx(pose.position, abs=1e-6) for pose in moved]
     for body in range(2):
         shapes = pybullet.getVisualShapeData(body, physicsClientId=client)
@@ -155,7 +155,7 @@ def test_copy_of_another_scene_replaces_all_but_the_floor():
     copy.load(second.scene)
     assert pybullet.getNumBodies(physicsClientId=client) == 2
     copy.place(poses_of(second.simulator))
-    assert [body.pose().position[:2] for body in copy._bodies] == [
+    assert [body.pose().position[:2] for body in copy.bodies] == [
         pytest.approx((3.0, 0.0), abs=1e-6)]
 
 
@@ -175,8 +175,8 @@ def test_window_never_places_poses_of_an_old_scene(monkeypatch):
     for name in ('place', 'load'):
         monkeypatch.setattr(SceneCopy, name, lambda _, value, name=name: done.append(
             (name, value)))
-    window._show(Requests('old', second.scene, 'new', None, 'old', second.scene), first.scene,
-                 ABOVE)
+    window.show_until_closed(
+        Requests('old', second.scene, 'new', None, 'old', second.scene), first.scene, ABOVE)
     assert done == [('load', first.scene), ('load', second.scene), ('place', 'new'),
                     ('load', second.scene)]
 
@@ -199,7 +199,7 @@ def test_no_part_of_a_copy_reflects_the_sun(monkeypatch):
     copy = SceneCopy(assembly.scene, client, False)
     assert changed == [((body.body_id, link), {'specularColor': (0, 0, 0),
                                                'physicsClientId': client})
-                       for body in copy._bodies for link in body.links]
+                       for body in copy.bodies for link in body.links]
     assert len(changed) > 10
 
 
@@ -232,7 +232,7 @@ def test_window_shows_the_newest_poses_from_the_camera_above(monkeypatch):
                         seen.update(camera=kwargs))
     placed = []
     monkeypatch.setattr(SceneCopy, 'place', lambda _, poses: placed.append(poses))
-    window._show(Requests('old', poses, None), assembly.scene, ABOVE)
+    window.show_until_closed(Requests('old', poses, None), assembly.scene, ABOVE)
     assert placed == [poses, None]
     assert seen['connected'][0] == pybullet.GUI
     assert seen['connected'][1].split() == [
@@ -253,6 +253,6 @@ def test_window_ends_when_it_is_closed(monkeypatch):
     assembly, client = robots.assemble(), connect()
     monkeypatch.setattr(window, 'connect', lambda *args: client)
     monkeypatch.setattr(pybullet, 'isConnected', lambda **kwargs: False)
-    window._show(None, assembly.scene._replace(world=assembly.scene.world._replace(
+    window.show_until_closed(None, assembly.scene._replace(world=assembly.scene.world._replace(
         has_floor=False)), ABOVE)
     assert pybullet.getNumBodies(physicsClientId=client) == 1      # the robot
