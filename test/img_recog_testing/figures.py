@@ -14,6 +14,9 @@ _TOLERANCE = 8          # of 255
 def assert_unchanged(png: bytes, path: str, folder) -> None:
     """Compare a picture with the one that is kept in a file; write what it is now to `folder`.
 
+    By the largest difference: a marker that is one point longer changes the root mean square,
+    which matplotlib's compare_images returns, by only 0.09 of 255.
+
     Skips the test for another version of matplotlib: ticks and sizes of texts differ.
     """
     if not matplotlib.__version__.startswith(_RECORDED_WITH):

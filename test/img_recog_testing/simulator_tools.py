@@ -19,7 +19,7 @@ from img_recog_testing.waiting import DEADLINE_S, wait_for
 _OF_A_BUSY_MACHINE = ('this machine is too slow', 'the simulation waits for images',
                       'it has sent no complete header')
 _POLL_S = 0.02
-_driver_numbers = itertools.count()
+_numbers_of_nodes = itertools.count()
 BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
 
 
@@ -39,6 +39,7 @@ class Echo:
         """path: a topic that may not be there yet, and fields of its messages, as in rostopic."""
         self.rows = []
         self._master, self._path = ros.master_uri, path
+        self._caller = '/echo_{}'.format(next(_numbers_of_nodes))
         self._has_ended, self._may_read = threading.Event(), threading.Event()
         self._may_read.set()
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -59,7 +60,8 @@ class Echo:
         if data_class is None:
             return
         with contextlib.closing(wire.Subscription(
-                self._master, publishers[topic][0], topic, data_class, DEADLINE_S)) as messages:
+                self._master, publishers[topic][0], topic, data_class, DEADLINE_S,
+                caller=self._caller)) as messages:
             while not self._has_ended.is_set():
                 if self._may_read.wait(_POLL_S) and select.select([messages.sock], [], [],
                                                                   _POLL_S)[0]:
@@ -110,7 +112,7 @@ def drive(ros, linear, angular=0.0):
     """Publish a command in m/s and rad/s, to each subscriber once; return the publisher."""
     command = Twist(Vector3(x=linear), Vector3(z=angular))
     publisher = wire.RawPublisher(ros.master_uri, '/cmd_vel', Twist,
-                                  '/driver_{}'.format(next(_driver_numbers)), first=command)
+                                  '/driver_{}'.format(next(_numbers_of_nodes)), first=command)
     ros.stack.callback(publisher.close)
     return publisher
 

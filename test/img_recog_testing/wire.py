@@ -66,13 +66,16 @@ class Subscription:
     """A connection to one publisher of a topic. It reads only when it is asked to."""
 
     def __init__(self, master: str, node: str, topic: str, data_class: type,
-                 timeout_s: float = 1.0, buffer_bytes: Optional[int] = None):
+                 timeout_s: float = 1.0, buffer_bytes: Optional[int] = None,
+                 caller: str = CALLER):
         """Connect; raises one of ERRORS.
 
         timeout_s: for each answer of the master and of the node.
         buffer_bytes: size of the receive buffer, to fill it sooner.
+        caller: the name of this subscriber; of several with one name, rospy keeps the last.
         """
         self.topic, self.node, self._class = topic, node, data_class
+        self._has_ended = False
         self.sock = socket.socket()
         try:
             if buffer_bytes is not None:
@@ -80,7 +83,7 @@ class Subscription:
             self.sock.settimeout(timeout_s)
             self.sock.connect(data_address(master, node, topic, timeout_s))
             network.write_ros_handshake_header(self.sock, {
-                'callerid': CALLER, 'topic': topic, 'type': data_class._type,
+                'callerid': caller, 'topic': topic, 'type': data_class._type,
                 'md5sum': data_class._md5sum, 'tcp_nodelay': '1'})
             begin = io.BytesIO()
             answer = network.read_ros_handshake_header(self.sock, begin, 4096)
@@ -94,14 +97,12 @@ class Subscription:
 
     def read(self) -> list:
         """Return the messages that have arrived; raises one of ERRORS at the end."""
-        try:
-            while True:
-                piece = self.sock.recv(_BUFFER_BYTES)
-                if not piece:
-                    raise EOFError('{} has closed {}'.format(self.node, self.topic))
+        with contextlib.suppress(BlockingIOError):
+            piece = self.sock.recv(_BUFFER_BYTES)
+            while piece:
                 self._data += piece
-        except BlockingIOError:
-            pass
+                piece = self.sock.recv(_BUFFER_BYTES)
+            self._has_ended = True
         messages = []
         while len(self._data) >= 4:
             end = 4 + _LENGTH.unpack_from(self._data)[0]
@@ -109,6 +110,8 @@ class Subscription:
                 break
             messages.append(self._class().deserialize(self._data[4:end]))
             self._data = self._data[end:]
+        if self._has_ended and not messages:
+            raise EOFError('{} has closed {}'.format(self.node, self.topic))
         return messages
 
     def close(self) -> None:

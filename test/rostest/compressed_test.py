@@ -81,7 +81,7 @@ class CompressedTest(unittest.TestCase):
             self._get(publisher, recorder, picture())
             self.assertGreaterEqual(min(done), first)
             recorder.close()
-            wait_for(lambda: publisher._publisher.get_num_connections() == 0, 'no subscriber')
+            wait_for(lambda: not publisher.is_wanted(), 'no subscriber')
             last = rospy.Time.now()
             for _ in range(20):
                 publisher.publish(picture(), 'rgb8', header())
@@ -93,7 +93,8 @@ class CompressedTest(unittest.TestCase):
     def test_cv_bridge_reads_the_messages(self):
         publisher = self._publisher('/small/image_raw')
         recorder = Recorder('/small/image_raw/compressed', CompressedImage)
-        wait_for(lambda: publisher._publisher.get_num_connections() == 1, 'a subscriber')
+        updates = Recorder('/small/image_raw/compressed/parameter_updates', Config)
+        wait_for(publisher.is_wanted, 'a subscriber')
         sent = header()
         publisher.publish(picture(500, 700), 'rgb8', sent)
         wait_for(lambda: recorder.messages, 'a compressed image')
@@ -103,7 +104,9 @@ class CompressedTest(unittest.TestCase):
         self.assertEqual((sent.stamp, sent.frame_id), (msg.header.stamp, msg.header.frame_id))
         read = CvBridge().compressed_imgmsg_to_cv2(msg, 'rgb8')
         self.assertTrue(np.array_equal(picture(500, 700), read))
-        self.assertEqual(1, publisher._parameters.settings.png_level)
+        wait_for(lambda: updates.messages, 'the parameters')
+        self.assertIn(('png_level', 1),
+                      [(each.name, each.value) for each in updates.messages[-1].ints])
         self._wait_log(Log.WARN, '/small/image_raw/compressed/jpeg_qualty',
                        'did you mean jpeg_quality?')
         publisher.publish(picture(), 'mono8', header())
@@ -152,8 +155,8 @@ class CompressedTest(unittest.TestCase):
         images = {(node, color): Recorder(prefix + color + '_image', Image)
                   for node, prefix in zip(NODES, ('/', '/from_compressed/'))
                   for color in ('blue', 'red')}
-        wait_for(lambda: raw.get_num_connections() == 1 and
-                 compressed._publisher.get_num_connections() == 1, 'both nodes to subscribe')
+        wait_for(lambda: raw.get_num_connections() == 1 and compressed.is_wanted(),
+                 'both nodes to subscribe')
 
         def send(image):
             before = {node: len(areas[node].messages) for node in NODES}

@@ -102,6 +102,10 @@ def test_jumps_of_the_clock(nodes):
     assert len(surroundings.clock_jumps(2, SEED, nodes, factor())) == 2
 
 
+def test_recognitions_end_whose_images_have_just_stopped(nodes):
+    endings.stop_after_the_images(nodes, count=3, seed=1, deadline_s=30.0)
+
+
 @NOT_PLAIN
 def test_a_few_stops_and_kills():
     result = endings.run(lambda rng: rng.choice((endings.draw_stop, endings.draw_kill))(rng), 6,

@@ -186,7 +186,7 @@ def test_a_subscriber_that_hangs_does_not_block_the_simulator(ros, simulate):
         # 1000 messages of 0.7 kB a second are more than the 40 MB that sockets may hold
         clock.wait(lambda now: now > since + 100e9, '100 s of simulated time')
         if not is_plain('subscribers'):
-            ros.wait_run(r'/test_wire \(/odom\) do not read',
+            ros.wait_run(r'/echo_\d+ \(/odom\) do not read',
                          'rostopic', 'echo', '-n', '1', '/diagnostics')
     finally:
         stopped.hang(False)

@@ -5,6 +5,7 @@ import re
 import signal
 import termios
 
+from img_recog_testing.simulator_tools import Echo
 from img_recog_testing.waiting import wait_for
 
 NAME = '/turtlebot3_teleop_keyboard'
@@ -51,23 +52,20 @@ class Terminal:
             os.close(self._fd)
 
 
-def values(text, field):
-    """Return the numbers of a field of `rostopic echo -p`, in order."""
-    column, rows = None, []
-    for line in text.splitlines():
-        if line.startswith('%time'):
-            column = line.split(',').index('field.' + field)
-        elif column is not None and line:
-            rows.append(float(line.split(',')[column]))
-    return rows
+LINEAR_X, ANGULAR_Z = 0, 5
+
+
+def values(echo, column=LINEAR_X):
+    """Return the values of a field of a Twist, in order."""
+    return [row[column] for row in list(echo.rows)]
 
 
 def test_started_by_hand_it_takes_over_drives_and_stops(ros):
     demo = ros.demo('camera:=none', 'recognition:=false')
     demo.wait_output('no terminal to read keys from')
     demo.wait_output('simulating 1.0017 kg')
-    echo = ros.start('rostopic', 'echo', '-p', '/cmd_vel')
-    wait_for(lambda: values(echo.output, 'linear.x')[:5] == [0.0] * 5, lambda: echo.output)
+    echo = Echo(ros, '/cmd_vel')
+    wait_for(lambda: values(echo)[:5] == [0.0] * 5, lambda: echo.rows[-9:])
 
     terminal = Terminal(ros)
     try:
@@ -75,22 +73,22 @@ def test_started_by_hand_it_takes_over_drives_and_stops(ros):
                          'again: another node has taken its name')
         wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
         # the first one may not be connected to this publisher yet
-        echo = ros.start('rostopic', 'echo', '-p', '/cmd_vel')
-        wait_for(lambda: values(echo.output, 'linear.x')[:1] == [0.0], lambda: echo.output)
+        echo = Echo(ros, '/cmd_vel')
+        wait_for(lambda: values(echo)[:1] == [0.0], lambda: echo.rows[-9:])
         terminal.type(b'w')
-        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.01, lambda: echo.output)
-        moving = [value for value in values(echo.output, 'linear.x') if value]
+        wait_for(lambda: values(echo)[-1] == 0.01, lambda: echo.rows[-9:])
+        moving = [value for value in values(echo) if value]
         assert moving[:2] == [0.005, 0.01]
         terminal.type(b'aa')
-        wait_for(lambda: values(echo.output, 'angular.z')[-1] == 0.2, lambda: echo.output)
+        wait_for(lambda: values(echo, ANGULAR_Z)[-1] == 0.2, lambda: echo.rows[-9:])
         terminal.type(b's')
-        wait_for(lambda: values(echo.output, 'angular.z')[-1] == 0.0, lambda: echo.output)
-        assert values(echo.output, 'linear.x')[-1] == 0.0
+        wait_for(lambda: values(echo, ANGULAR_Z)[-1] == 0.0, lambda: echo.rows[-9:])
+        assert values(echo)[-1] == 0.0
         terminal.type(b'wwww')
-        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.04, lambda: echo.output)
+        wait_for(lambda: values(echo)[-1] == 0.04, lambda: echo.rows[-9:])
         terminal.type(b'\x03')
         assert terminal.wait() == 0
-        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.0, lambda: echo.output)
+        wait_for(lambda: values(echo)[-1] == 0.0, lambda: echo.rows[-9:])
         assert terminal.echoes()
     finally:
         terminal.close()
@@ -116,15 +114,15 @@ def leaves_no_name(ros):
 
 def test_closing_its_terminal_stops_the_robot(ros):
     ros.demo('camera:=none', 'recognition:=false', 'teleop:=false').wait_output('simulating')
-    echo = ros.start('rostopic', 'echo', '-p', '/cmd_vel')
+    echo = Echo(ros, '/cmd_vel')
     terminal = Terminal(ros)
     try:
-        wait_for(lambda: values(echo.output, 'linear.x')[:1] == [0.0], lambda: echo.output)
+        wait_for(lambda: values(echo)[:1] == [0.0], lambda: echo.rows[-9:])
         wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
         terminal.type(b'www')
-        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.03, lambda: echo.output)
+        wait_for(lambda: values(echo)[-1] == 0.03, lambda: echo.rows[-9:])
         terminal.hang_up()
-        wait_for(lambda: values(echo.output, 'linear.x')[-1] == 0.0, lambda: echo.output)
+        wait_for(lambda: values(echo)[-1] == 0.0, lambda: echo.rows[-9:])
         assert terminal.wait() == 0
     finally:
         terminal.close()
@@ -141,20 +139,20 @@ def test_in_the_namespace_of_a_robot_it_drives_only_that_robot(ros):
     demo = ros.demo('robots:=2', 'camera:=none', 'recognition:=false', 'teleop:=false',
                     'world:=empty')
     demo.wait_output(r'process\[tb3_1/robot_state_publisher-\d\]: started')
-    speeds = {name: ros.start('rostopic', 'echo', '-p', '/{}/odom/twist/twist'.format(name))
+    speeds = {name: Echo(ros, '/{}/odom/twist/twist'.format(name))
               for name in ('tb3_0', 'tb3_1')}
     terminal = Terminal(ros, '__ns:=tb3_1')
     try:
         wait_for(lambda: not terminal.echoes(), 'the teleop')
-        wait_for(lambda: all(values(each.output, 'linear.x') for each in speeds.values()),
+        wait_for(lambda: all(values(each) for each in speeds.values()),
                  'the speeds of both')
         terminal.type(b'w' * 10)
-        wait_for(lambda: max(values(speeds['tb3_1'].output, 'linear.x'), default=0) > 0.09,
-                 lambda: speeds['tb3_1'].output[-300:])
-        count = len(values(speeds['tb3_0'].output, 'linear.x'))
-        wait_for(lambda: len(values(speeds['tb3_0'].output, 'linear.x')) > count + 10,
+        wait_for(lambda: max(values(speeds['tb3_1']), default=0) > 0.09,
+                 lambda: speeds['tb3_1'].rows[-9:])
+        count = len(values(speeds['tb3_0']))
+        wait_for(lambda: len(values(speeds['tb3_0'])) > count + 10,
                  'newer speeds of the first robot')
-        assert max(map(abs, values(speeds['tb3_0'].output, 'linear.x'))) < 0.01
+        assert max(map(abs, values(speeds['tb3_0']))) < 0.01
     finally:
         terminal.close()
     assert demo.interrupt() == 0

@@ -24,6 +24,8 @@ MASTER_LIMIT_S = 1.5          # for which a node that ends waits for the master
 _MAX_DELAY_S, _MAX_DEMO_DELAY_S = 3.0, 8.0
 _DEMO_SHARE = 25                            # one of so many stops is one of the whole demo
 _REPLAY_SHARE = 20                          # one of so many kills is one of replay.py
+_MAX_LATE_S = 0.2           # twice the time for which the recognition waits for an image
+_AT_ONCE = 8
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _VIEW = '/gazebo/view/image_raw'
 _SCRIPTS: Dict[str, Tuple[str, ...]] = {
@@ -218,3 +220,36 @@ def _check_replay(nodes: Nodes) -> None:
     left = [name for name in os.listdir(nodes.folder) if name.startswith('.')]
     assert left == [], left
     assert os.listdir(nodes.temporary) == [], os.listdir(nodes.temporary)
+
+
+def stop_many(count, seed, deadline_s):
+    """Stop at least `count` recognitions, some at a time; return the longest time, in s."""
+    with Nodes() as nodes:
+        return max(stop_after_the_images(nodes, _AT_ONCE, seed + first, deadline_s)
+                   for first in range(0, count, _AT_ONCE))
+
+
+def stop_after_the_images(ros, count, seed, deadline_s):
+    """Start `count` recognitions; stop the camera, then each of them at a random moment.
+
+    ros: a Ros with a running master; its other nodes may go on.
+    Returns the seconds from the end of the camera to the end of the last recognition. Raises
+    AssertionError when one does not end within `deadline_s`, or not with code 0.
+    """
+    moments = random.Random(seed)
+    camera = ros.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic')
+    nodes = [ros.start('rosrun', 'img_recog', 'color_img_recog.py',
+                       '__name:=color_extract_{}'.format(number)) for number in range(count)]
+    for node in nodes:
+        node.wait_output('blue=')
+    assert camera.interrupt() == 0, camera.output
+    begin_s = time.monotonic()
+    for delay_s, node in sorted(((moments.uniform(0, _MAX_LATE_S), node) for node in nodes),
+                                key=lambda pair: pair[0]):
+        time.sleep(max(0.0, begin_s + delay_s - time.monotonic()))
+        node.send_signal(signal.SIGINT)
+    for node in nodes:
+        wait_for(lambda: not node.is_running(), lambda: 'the end of a recognition, seed {}:\n{}'
+                 .format(seed, node.output), deadline_s)
+        assert node.wait() == 0, node.output
+    return time.monotonic() - begin_s

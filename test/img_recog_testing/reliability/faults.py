@@ -127,31 +127,22 @@ def master(demo: Demo, fault: Fault) -> Undo:
 def readers(demo: Demo, fault: Fault) -> Undo:
     """Subscribe many times and never read; the chain has to work while they are there."""
     stream, (count,) = _TOPICS[fault.node], fault.details
-    connections: List[wire.Subscription] = []
-    try:
+    with contextlib.ExitStack() as stack:
         for _ in range(count):
-            connections.append(wire.Subscription(demo.master_uri, stream.node, stream.topic,
-                                                 stream.data_class, DEADLINE_S,
-                                                 buffer_bytes=4096))
+            stack.callback(wire.Subscription(
+                demo.master_uri, stream.node, stream.topic, stream.data_class, DEADLINE_S,
+                buffer_bytes=4096).close)
         yield time.monotonic()
-    finally:
-        for each in connections:
-            each.close()
 
 
 @contextlib.contextmanager
 def idle(demo: Demo, fault: Fault) -> Undo:
     """Connect to both ports of a node and say nothing; the chain has to work meanwhile."""
     (count,) = fault.details
-    sockets: List[socket.socket] = []
-    try:
-        for address in _addresses(demo, fault.node):
-            for _ in range(count):
-                sockets.append(socket.create_connection(address, DEADLINE_S))
+    with contextlib.ExitStack() as stack:
+        for address in _addresses(demo, fault.node) * count:
+            stack.enter_context(socket.create_connection(address, DEADLINE_S))
         yield time.monotonic()
-    finally:
-        for each in sockets:
-            each.close()
 
 
 @contextlib.contextmanager
@@ -162,21 +153,15 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
     starts = (b'', b'POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n',
               b'GET / HTTP/1.0\r\n\r\n', b'\xff\xff\xff\xff', b'\x00\x00\x00\x00',
               b'\x04\x00\x00\x00\xff\xff\xff\x7f')
-    sockets: List[socket.socket] = []
-    try:
-        for address in _addresses(demo, fault.node):
-            for _ in range(count):
-                sock = socket.create_connection(address, DEADLINE_S)
-                sockets.append(sock)
-                with contextlib.suppress(OSError):      # it may hang up at once
-                    sock.sendall(rng.choice(starts) + bytes(
-                        rng.randrange(256) for _ in range(rng.randrange(_GARBAGE_BYTES))))
-                if rng.random() < 0.7:
-                    sock.close()
+    with contextlib.ExitStack() as stack:
+        for address in _addresses(demo, fault.node) * count:
+            sock = stack.enter_context(socket.create_connection(address, DEADLINE_S))
+            with contextlib.suppress(OSError):      # it may hang up at once
+                sock.sendall(rng.choice(starts) + bytes(
+                    rng.randrange(256) for _ in range(rng.randrange(_GARBAGE_BYTES))))
+            if rng.random() < 0.7:
+                sock.close()
         yield time.monotonic()
-    finally:
-        for sock in sockets:
-            sock.close()
 
 
 def _addresses(demo: Demo, node: str) -> List[Tuple[str, int]]:

@@ -2,7 +2,6 @@
 from types import ModuleType
 from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
-from img_recog_testing import stops
 from img_recog_testing.reliability import endings, figures, images, soak, surroundings, twists
 from img_recog_testing.reliability.nodes import Nodes
 
@@ -91,7 +90,7 @@ def run_stops(options: Options) -> List[Row]:
 def run_stops_without_images(options: Options) -> List[Row]:
     """SIGINT to recognitions whose images have just stopped."""
     count, limit_s = options.count(STOPS_WITHOUT_IMAGES), 30.0 * options.factor
-    longest_s = stops.stop_many(count, options.seed, limit_s)
+    longest_s = endings.stop_many(count, options.seed, limit_s)
     return [('{} stops of color_img_recog.py after the last image'.format(count),
              'maximum {:.2f} s'.format(longest_s), '{:g} s'.format(limit_s))]
 
