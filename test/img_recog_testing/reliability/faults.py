@@ -128,10 +128,10 @@ def readers(demo: Demo, fault: Fault) -> Undo:
     """Subscribe many times and never read; the chain has to work while they are there."""
     stream, (count,) = _TOPICS[fault.node], fault.details
     with contextlib.ExitStack() as stack:
-        for _ in range(count):
+        for number in range(count):
             stack.callback(wire.Subscription(
                 demo.master_uri, stream.node, stream.topic, stream.data_class, DEADLINE_S,
-                buffer_bytes=4096).close)
+                buffer_bytes=4096, caller='/reader_{}'.format(number)).close)
         yield time.monotonic()
 
 
