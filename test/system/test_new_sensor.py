@@ -124,7 +124,10 @@ def test_its_topic_is_published(roscore, tree, addition, topic, frame):
         assert frame in roscore.run('rostopic', 'echo', '-n', '1', topic + '/header/frame_id')
     finally:
         assert node.interrupt() == 0, node.output
-    assert 'Traceback' not in node.output and '[WARN]' not in node.output
+    assert 'Traceback' not in node.output
+    # on a busy machine it may say that it is slow
+    assert [line for line in node.output.splitlines()
+            if '[WARN]' in line and 'too slow for real_time_factor' not in line] == []
 
 
 def test_it_is_missing_in_the_documentation(ros, tree):
