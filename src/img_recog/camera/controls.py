@@ -9,7 +9,7 @@ import fcntl
 import os
 import re
 import struct
-from typing import Dict, List, Mapping, NamedTuple, Optional
+from typing import Iterable, List, Mapping, NamedTuple, Optional
 
 from img_recog.camera.settings import ControlSettings
 
@@ -20,6 +20,7 @@ EXPOSURE_AUTO, EXPOSURE_ABSOLUTE = 0x009a0901, 0x009a0902
 FOCUS_ABSOLUTE, FOCUS_AUTO = 0x009a090a, 0x009a090c
 
 EXPOSURE_MANUAL, EXPOSURE_APERTURE_PRIORITY = 1, 3      # enum v4l2_exposure_auto_type
+_UNCHANGED = -1         # the value of a setting that sets nothing
 
 # the names that v4l2-ctl prints with older and newer kernels
 KNOWN_NAMES = {
@@ -125,6 +126,9 @@ def variable_name(name: bytes) -> str:
     """Return a control's name as v4l2-ctl prints it: white_balance_auto for 'White Balance, Auto'.
 
     name: from the driver, terminated by a zero byte.
+
+    >>> variable_name(b'White Balance, Automatic\\0')
+    'white_balance_automatic'
     """
     text = name.split(b'\0')[0].decode('latin-1')
     return re.sub('[^0-9a-z]+', '_', text.lower()).strip('_')
@@ -138,77 +142,65 @@ def apply(device: ControlDevice, settings: ControlSettings,
     Returns one line for each control that could not be set. A default that the camera has no
     control for, such as autofocus off on a camera without autofocus, is not a problem.
     """
-    setter = _Setter(device)
-    for name, control_id in (('brightness', BRIGHTNESS), ('contrast', CONTRAST),
-                             ('saturation', SATURATION), ('sharpness', SHARPNESS),
-                             ('gain', GAIN)):
-        setter.set_given(name, control_id, getattr(settings, name))
-    setter.set_automatic('auto_white_balance', AUTO_WHITE_BALANCE,
-                         settings.auto_white_balance, default=True)
-    if not settings.auto_white_balance:
-        setter.set_given('white_balance', WHITE_BALANCE_TEMPERATURE, settings.white_balance)
-    setter.set_exposure(settings.autoexposure)
-    if not settings.autoexposure:
-        setter.set_given('exposure', EXPOSURE_ABSOLUTE, settings.exposure)
-    setter.set_automatic('autofocus', FOCUS_AUTO, settings.autofocus, default=False)
-    if not settings.autofocus:
-        setter.set_given('focus', FOCUS_ABSOLUTE, settings.focus)
-    for name, value in intrinsic.items():
-        setter.set_named(name, value)
-    return setter.problems
+    controls = device.controls()
+    by_id = {each.id: each for each in controls}
+    by_name = {each.name: each for each in controls}
+
+    def automatic(control_id: int, is_wanted: bool, default: bool) -> int:
+        return int(is_wanted) if control_id in by_id or is_wanted != default else _UNCHANGED
+    wanted = [
+        ('brightness', BRIGHTNESS, settings.brightness),
+        ('contrast', CONTRAST, settings.contrast),
+        ('saturation', SATURATION, settings.saturation),
+        ('sharpness', SHARPNESS, settings.sharpness),
+        ('gain', GAIN, settings.gain),
+        ('auto_white_balance', AUTO_WHITE_BALANCE,
+         automatic(AUTO_WHITE_BALANCE, settings.auto_white_balance, True)),
+        ('white_balance', WHITE_BALANCE_TEMPERATURE,
+         _UNCHANGED if settings.auto_white_balance else settings.white_balance),
+        ('autoexposure', EXPOSURE_AUTO,
+         _automatic_exposure(device, by_id.get(EXPOSURE_AUTO)) if settings.autoexposure
+         else EXPOSURE_MANUAL),
+        ('exposure', EXPOSURE_ABSOLUTE,
+         _UNCHANGED if settings.autoexposure else settings.exposure),
+        ('autofocus', FOCUS_AUTO, automatic(FOCUS_AUTO, settings.autofocus, False)),
+        ('focus', FOCUS_ABSOLUTE, _UNCHANGED if settings.autofocus else settings.focus)]
+    chosen = [(name, by_id.get(control_id), value)
+              for name, control_id, value in wanted if value != _UNCHANGED]
+    chosen += [(name, by_name.get(name) or by_id.get(KNOWN_NAMES.get(name, 0)), value)
+               for name, value in intrinsic.items()]
+    problems = [_set(device, name, control, value) if control else _missing(name, by_name)
+                for name, control, value in chosen]
+    return list(filter(None, problems))
 
 
-class _Setter:
-    """Sets controls of one device and collects the problems."""
+def _automatic_exposure(device: ControlDevice, control: Optional[Control]) -> int:
+    """Return the mode to set; usb_cam would never turn it on again."""
+    try:
+        if control is not None and device.get(control.id) == EXPOSURE_MANUAL:
+            # cameras have mode 3, mode 0, or both
+            return EXPOSURE_APERTURE_PRIORITY if control.maximum >= 3 else 0
+    except OSError:
+        pass
+    return _UNCHANGED
 
-    def __init__(self, device: ControlDevice):
-        self._device = device
-        controls = device.controls()
-        self._by_id: Dict[int, Control] = {each.id: each for each in controls}
-        self._by_name: Dict[str, Control] = {each.name: each for each in controls}
-        self.problems: List[str] = []
 
-    def set_given(self, name: str, control_id: int, value: int) -> None:
-        if value >= 0:
-            self._set(name, self._by_id.get(control_id), value)
+def _missing(name: str, names: Iterable[str]) -> str:
+    similar = difflib.get_close_matches(name, names, 1)
+    return 'the camera has no control {}; {}'.format(
+        name, 'did you mean {}?'.format(similar[0]) if similar else
+        'v4l2-ctl --list-ctrls lists its controls')
 
-    def set_automatic(self, name: str, control_id: int, wanted: bool, default: bool) -> None:
-        if control_id in self._by_id or wanted != default:
-            self._set(name, self._by_id.get(control_id), int(wanted))
 
-    def set_exposure(self, automatic: bool) -> None:
-        control = self._by_id.get(EXPOSURE_AUTO)
-        if not automatic:
-            self._set('autoexposure', control, EXPOSURE_MANUAL)
-        elif control is not None and self._get(control) == EXPOSURE_MANUAL:
-            # usb_cam never turns it on again; cameras have mode 3, mode 0, or both
-            wanted = EXPOSURE_APERTURE_PRIORITY if control.maximum >= 3 else 0
-            self._set('autoexposure', control, wanted)
-
-    def set_named(self, name: str, value: int) -> None:
-        control = self._by_name.get(name) or self._by_id.get(KNOWN_NAMES.get(name, 0))
-        self._set(name, control, value)
-
-    def _get(self, control: Control) -> Optional[int]:
-        try:
-            return self._device.get(control.id)
-        except OSError:
-            return None
-
-    def _set(self, name: str, control: Optional[Control], value: int) -> None:
-        if control is None:
-            similar = difflib.get_close_matches(name, self._by_name, 1)
-            self.problems.append('the camera has no control {}; {}'.format(
-                name, 'did you mean {}?'.format(similar[0]) if similar else
-                'v4l2-ctl --list-ctrls lists its controls'))
-        elif not control.settable:
-            self.problems.append('control {}: it cannot be set'.format(name))
-        elif not control.minimum <= value <= control.maximum:
-            self.problems.append('control {}: got {}, allowed is {} to {}'.format(
-                name, value, control.minimum, control.maximum))
-        else:
-            try:
-                self._device.set(control.id, value)
-            except OSError as error:
-                self.problems.append('control {}: the camera refuses {}: {}'.format(
-                    name, value, error.strerror))
+def _set(device: ControlDevice, name: str, control: Control, value: int) -> str:
+    """Set a control; return why that failed, or ''."""
+    if not control.settable:
+        return 'control {}: it cannot be set'.format(name)
+    if not control.minimum <= value <= control.maximum:
+        return 'control {}: got {}, allowed is {} to {}'.format(
+            name, value, control.minimum, control.maximum)
+    try:
+        device.set(control.id, value)
+    except OSError as error:
+        return 'control {}: the camera refuses {}: {}'.format(name, value, error.strerror)
+    return ''

@@ -7,9 +7,8 @@ from typing import Callable
 import cv2
 import numpy as np
 
-from img_recog.camera.pixels import convert
 from img_recog.camera.settings import FOURCC, GREY_FORMATS, CameraSettings
-from img_recog.camera.source import FrameSkipped, FrameSource, SourceError
+from img_recog.camera.source import FrameSkipped, FrameSource, SourceError, convert
 from img_recog.errors import one_line
 
 # A read that takes longer than this, and than three periods of a slow camera, is a stall.

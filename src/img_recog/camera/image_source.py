@@ -6,9 +6,8 @@ import cv2
 import numpy as np
 
 from img_recog import still_images
-from img_recog.camera.pixels import convert
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
-                                     SourceTooLarge)
+                                     SourceTooLarge, convert)
 from img_recog.errors import one_line
 from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
 

@@ -1,4 +1,4 @@
-"""Even pacing of sources without a clock, and a limit for the rate of a camera."""
+"""When frames are due, are kept and were captured: pacing, a limit of the rate, and stamps."""
 import time
 from typing import Callable, Optional
 
@@ -8,6 +8,11 @@ class Pacer:
 
     Deadlines are multiples of the period, counted from the first frame, so errors do not add up.
     Deadlines that are missed by more than a period are dropped: there is no burst of frames.
+
+    >>> times_s = iter([0.0, 0.125, 0.75, 2.0])
+    >>> pacer = Pacer(2.0, lambda: next(times_s))
+    >>> [pacer.delay_s() for _ in range(4)]
+    [0.0, 0.375, 0.25, 0.0]
     """
 
     def __init__(self, rate_hz: float, now: Callable[[], float] = time.monotonic):
@@ -32,6 +37,10 @@ class Throttle:
 
     A camera that exceeds the rate by less than 5 % keeps all its frames: two clocks never agree,
     and otherwise a frame would be dropped now and then.
+
+    >>> throttle = Throttle(10.0)
+    >>> [throttle.accepts(number / 20) for number in range(6)]
+    [True, False, True, False, True, False]
     """
 
     _TOLERANCE = 0.05
@@ -64,3 +73,27 @@ class Throttle:
         if self._due_s < captured_s:
             self._due_s = captured_s + self._period_s
         return True
+
+
+class Stamps:
+    """Makes strictly increasing stamps, also while the clock is stopped.
+
+    When the clock jumps back, as that of a simulation does on a reset, the stamps follow.
+
+    >>> stamps = Stamps()
+    >>> [stamps.stamp_ns(now_ns) for now_ns in (1000, 1000, 1000, 400)]
+    [1000, 1001, 1002, 400]
+    """
+
+    def __init__(self) -> None:
+        self._last_ns: Optional[int] = None
+        self._last_now_ns: Optional[int] = None
+
+    def stamp_ns(self, now_ns: int, age_s: float = 0.0) -> int:
+        """Return the stamp of a frame that was captured `age_s` before the time `now_ns`."""
+        stamp_ns = max(0, now_ns - int(age_s * 1e9))
+        jumped = self._last_now_ns is not None and now_ns < self._last_now_ns
+        if self._last_ns is not None and not jumped:
+            stamp_ns = max(stamp_ns, self._last_ns + 1)
+        self._last_ns, self._last_now_ns = stamp_ns, now_ns
+        return stamp_ns

@@ -8,13 +8,12 @@ import cv2
 
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import FolderSource, ImageSource, is_truncated, read_image
-from img_recog.camera.pixels import convert
 from img_recog.camera.settings import CameraSettings
-from img_recog.camera.source import FrameSource, SourceError, SourceTooLarge
+from img_recog.camera.source import FrameSource, SourceError, check_size, convert
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.camera.url_source import open_url
 from img_recog.camera.video_source import VideoSource, not_playable
-from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge, check_size
+from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 DEFAULT_DEVICE = '/dev/video0'
 
@@ -41,10 +40,11 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
     settings = resolve_auto(settings)
     name = settings.video_device
     if name == 'synthetic':
-        _check_synthetic(settings)
+        check_size('cannot draw the synthetic scene', settings.image_width, settings.image_height,
+                   settings.max_image_pixels)
         return SyntheticSource(settings.image_width, settings.image_height, settings.framerate)
     if '://' in name:
-        return open_url(name, settings.framerate, settings.loop, warn, settings.max_image_pixels)
+        return open_url(settings, warn)
     path = _find(name, folders)
     mode = os.stat(path).st_mode
     if stat.S_ISREG(mode):
@@ -76,13 +76,6 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     if cv2.haveImageReader(path) or _is_text(path):
         raise not_playable(path)
     return VideoSource(path, loop, warn, max_pixels)
-
-
-def _check_synthetic(settings: CameraSettings) -> None:
-    try:
-        check_size(settings.image_width, settings.image_height, settings.max_image_pixels)
-    except ImageTooLarge as error:
-        raise SourceTooLarge('cannot draw the synthetic scene: ' + error.problem, error.advice)
 
 
 def _find(name: str, folders: Sequence[str]) -> str:

@@ -1,9 +1,11 @@
-"""The interface of all frame sources."""
+"""The interface of all frame sources, and what they have in common."""
 import abc
 from typing import Optional
 
+import cv2
 import numpy as np
 
+from img_recog import still_images
 from img_recog.errors import UserError
 
 
@@ -63,3 +65,24 @@ class FrameSource(abc.ABC):
 
     def close(self) -> None:
         """Release the resources of the source; no effect when it is closed already."""
+
+
+def convert(image: np.ndarray, encoding: str) -> np.ndarray:
+    """Return an image from OpenCV, bgr8 or mono8, in the encoding to publish.
+
+    encoding: `rgb8` or `mono8`.
+
+    >>> convert(np.array([[[255, 128, 0]]], np.uint8), 'rgb8').tolist()
+    [[[0, 128, 255]]]
+    """
+    if encoding == 'mono8':
+        return image if image.ndim == 2 else cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)
+    return cv2.cvtColor(image, cv2.COLOR_GRAY2RGB if image.ndim == 2 else cv2.COLOR_BGR2RGB)
+
+
+def check_size(action: str, width: float, height: float, max_pixels: int) -> None:
+    """Raise SourceTooLarge, which says `action`, for frames of more than `max_pixels` pixels."""
+    try:
+        still_images.check_size(width, height, max_pixels)
+    except still_images.ImageTooLarge as error:
+        raise SourceTooLarge('{}: {}'.format(action, error.problem), error.advice)

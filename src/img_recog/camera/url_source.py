@@ -7,9 +7,10 @@ import numpy as np
 
 from img_recog.camera import urls
 from img_recog.camera.image_source import EXTENSIONS, ImageSource
-from img_recog.camera.pixels import convert
-from img_recog.camera.source import FrameSkipped, FrameSource, SourceError, SourceTooLarge
-from img_recog.camera.video_source import VideoSource, check_capture, check_frame
+from img_recog.camera.settings import CameraSettings
+from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
+                                     check_size, convert)
+from img_recog.camera.video_source import VideoSource, check_capture
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 # When a read times out, ffmpeg may return a frame made from the data that has arrived.
@@ -23,16 +24,14 @@ _FAST_FAILURE_S, _MAX_FAST_FAILURES = 0.005, 4
 _VIDEO_EXTENSIONS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.ogv', '.webm')
 
 
-def open_url(url: str, rate_hz: float, loop: bool = True,
-             warn: Callable[[str], None] = lambda _: None,
-             max_pixels: int = DEFAULT_MAX_PIXELS) -> FrameSource:
-    """Open a live stream, a video (at its own rate) or an image (fetched once, for `rate_hz`).
+def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSource:
+    """Open a live stream, a video (at its own rate) or an image (fetched once).
 
-    Raises SourceError when it is none of these, when it has more than `max_pixels` pixels, or when
-    the server does not answer.
+    Raises SourceError when it is none of these, when it has too many pixels, or when the server
+    does not answer.
     """
-    scheme, url = urls.split(url)
-    name = urls.redacted(url)
+    scheme, url = urls.split(settings.video_device)
+    name, max_pixels = urls.redacted(url), settings.max_image_pixels
     if scheme not in urls.SCHEMES:
         raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
             name, ', '.join(known + '://' for known in urls.SCHEMES)))
@@ -51,10 +50,10 @@ def open_url(url: str, rate_hz: float, loop: bool = True,
     # the frame count of a video is known; for a live stream ffmpeg gives 0 or a negative number
     count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
     if count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS):
-        return RemoteVideoSource(url, capture, loop, warn, max_pixels=max_pixels)
+        return RemoteVideoSource(url, capture, settings.loop, warn, max_pixels=max_pixels)
     stream = StreamSource(name, capture, max_pixels=max_pixels)
     if count == 1 or urls.ends_with(url, EXTENSIONS):
-        return _image_or_stream(stream, rate_hz)
+        return _image_or_stream(stream, settings.framerate)
     return stream
 
 
@@ -92,15 +91,13 @@ class RemoteVideoSource(VideoSource):
                  warn: Callable[[str], None], now: Callable[[], float] = time.monotonic,
                  max_pixels: int = DEFAULT_MAX_PIXELS):
         """Play the video that `capture` has just opened at `url`."""
-        self._opened: Optional[cv2.VideoCapture] = capture
         self._now = now
         self.reconnects = loop      # a video that plays once must not start again
         self.stall_timeout_s = _STALL_TIMEOUT_S if loop else None
-        super().__init__(url, loop, warn, max_pixels)
+        super().__init__(url, loop, warn, max_pixels, capture)
 
     def _open(self) -> cv2.VideoCapture:
-        opened, self._opened = self._opened, None
-        return opened or _open_capture(self._path)
+        return _open_capture(self._path)
 
     def _not_playable(self) -> SourceError:
         return SourceError(
@@ -175,7 +172,8 @@ class StreamSource(FrameSource):
             now_s = self._now()
             in_time = now_s - before_s < _READ_TIMEOUT_S
             if decoded and in_time and frame is not None and frame.size > 0:
-                check_frame(self.name, frame.shape[1], frame.shape[0], self._max_pixels)
+                check_size('cannot play ' + self.name, frame.shape[1], frame.shape[0],
+                           self._max_pixels)
                 self._count += 1
                 return frame, damaged_count
             damaged_count += 1

@@ -6,10 +6,9 @@ from typing import Callable, Optional, Tuple
 import cv2
 import numpy as np
 
-from img_recog.camera.pixels import convert
-from img_recog.camera.source import FrameSource, SourceEnded, SourceError, SourceTooLarge
+from img_recog.camera.source import FrameSource, SourceEnded, SourceError, check_size, convert
 from img_recog.camera.urls import redacted
-from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge, check_size
+from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 # The frame count in a video's index may differ by a few from what its decoder gives.
 _MISSING_SHARE = 0.02
@@ -24,16 +23,8 @@ def check_capture(capture: cv2.VideoCapture, name: str, max_pixels: int) -> None
 
     Raises SourceTooLarge when it has more than `max_pixels` pixels; `name` is named.
     """
-    check_frame(name, capture.get(cv2.CAP_PROP_FRAME_WIDTH),
-                capture.get(cv2.CAP_PROP_FRAME_HEIGHT), max_pixels)
-
-
-def check_frame(name: str, width: float, height: float, max_pixels: int) -> None:
-    """Raise SourceTooLarge for a frame of more than `max_pixels` pixels in the video `name`."""
-    try:
-        check_size(width, height, max_pixels)
-    except ImageTooLarge as error:
-        raise SourceTooLarge('cannot play {}: {}'.format(name, error.problem), error.advice)
+    check_size('cannot play ' + name, capture.get(cv2.CAP_PROP_FRAME_WIDTH),
+               capture.get(cv2.CAP_PROP_FRAME_HEIGHT), max_pixels)
 
 
 def not_playable(name: str) -> SourceError:
@@ -55,16 +46,18 @@ class VideoSource(FrameSource):
     _opens_ahead = True
 
     def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None,
-                 max_pixels: int = DEFAULT_MAX_PIXELS):
+                 max_pixels: int = DEFAULT_MAX_PIXELS,
+                 capture: Optional[cv2.VideoCapture] = None):
         """Open a video; raise SourceError when it cannot be played.
 
         warn: called with one line when the video turns out to be incomplete.
         max_pixels: a video whose frames have more pixels cannot be played.
+        capture: if the video is open already.
         """
         self._path, self._loop, self._warn, self._max_pixels = path, loop, warn, max_pixels
         self.name = redacted(path)
         self._ahead: 'Optional[Future[_Opened]]' = None
-        self._capture = self._open()
+        self._capture = capture or self._open()
         try:
             check_capture(self._capture, self.name, max_pixels)
             self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
@@ -113,7 +106,7 @@ class VideoSource(FrameSource):
         decoded, image = capture.read()
         if not decoded:
             return None
-        check_frame(self.name, image.shape[1], image.shape[0], self._max_pixels)
+        check_size('cannot play ' + self.name, image.shape[1], image.shape[0], self._max_pixels)
         return image
 
     def _rewind(self) -> np.ndarray:

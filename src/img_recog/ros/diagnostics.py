@@ -14,34 +14,49 @@ from img_recog.ros import lifecycle
 from img_recog.ros.transport.subscribers import SubscriberCheck
 
 _PERIOD_S = 1.0
-_WINDOW_S = 3.0             # in which rates are measured
+WINDOW_S = 3.0              # in which rates are measured
 _MAX_NAMED = 5              # of the subscribers that do not read
 
 Report = Callable[[DiagnosticStatusWrapper], None]
 
 
 class Counter:
-    """Counts events. Any thread counts, one thread calls `rate_hz`."""
+    """Counts events. Any thread counts, one thread at a time calls `restart` and `rate_hz`.
+
+    measured_s: the time in which the last rate was measured.
+
+    >>> times_s = iter([0.0, 2.0])
+    >>> counter = Counter(lambda: next(times_s))
+    >>> counter.add(3)
+    >>> counter.rate_hz()
+    1.5
+    """
 
     def __init__(self, now: Callable[[], float] = time.monotonic):
         self._now, self._lock = now, threading.Lock()
-        self.total = 0
+        self.total, self.measured_s = 0, 0.0
         # (time, total at that time) within the window
-        self._samples: Deque[Tuple[float, int]] = deque([(now(), 0)])
+        self._samples: Deque[Tuple[float, int]] = deque()
+        self.restart()
 
     def add(self, count: int = 1) -> None:
         """Count an event, or several."""
         with self._lock:
             self.total += count
 
-    def rate_hz(self) -> float:
-        """Return the rate in the last seconds; to be called once in each period."""
+    def restart(self) -> None:
+        """Measure the rate from now on."""
+        self._samples = deque([(self._now(), self.total)])
+
+    def rate_hz(self, window_s: float = WINDOW_S) -> float:
+        """Return the rate in the last `window_s`; to be called once in each period."""
         now_s, total = self._now(), self.total
-        while len(self._samples) > 1 and self._samples[1][0] <= now_s - _WINDOW_S:
+        while len(self._samples) > 1 and self._samples[1][0] <= now_s - window_s:
             self._samples.popleft()
         begin_s, begin = self._samples[0]
         self._samples.append((now_s, total))
-        return (total - begin) / (now_s - begin_s) if now_s > begin_s else 0.0
+        self.measured_s = now_s - begin_s
+        return (total - begin) / self.measured_s if self.measured_s > 0 else 0.0
 
 
 class Refusals:

@@ -135,33 +135,5 @@ def test_start_after_shut_down_does_nothing(running):
     capture, listener, _ = running
     assert capture.shut_down()
     capture.start()
-    assert listener.frames == 0 and not capture._thread.is_alive()
-
-
-def test_stop_and_shut_down_wait_as_long_as_they_say(clock):
-    waited = []
-
-    class Closed:
-        def wait(self, timeout_s):
-            waited.append(timeout_s)
-            return False
-
-    class Thread:
-        def join(self, timeout_s):
-            waited.append(timeout_s)
-
-        def is_alive(self):
-            return waited[-1:] == [1.0]
-
-    capture = Capture(lambda: None, Listener(), clock)
-    assert capture.shut_down() is True      # there is no thread
-    capture._closed, capture._thread = Closed(), Thread()
-    assert capture.stop() is False and capture.shut_down() is False
-    assert waited == [1.5, 1.0]
-
-
-def test_thread_is_a_daemon_with_a_name(clock):
-    capture = Capture(lambda: None, Listener(), clock)
-    capture.start_thread()
-    assert capture._thread.name == 'capture' and capture._thread.daemon
-    assert capture.shut_down()
+    assert listener.frames == 0
+    assert 'capture' not in [thread.name for thread in threading.enumerate()]

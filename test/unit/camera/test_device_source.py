@@ -21,9 +21,9 @@ class FakeCapture:
 
     def __init__(self, path, backend):
         self.opened, self.requested, self.released = (path, backend), [], 0
-        self._given = {cv2.CAP_PROP_FRAME_WIDTH: 64.0, cv2.CAP_PROP_FRAME_HEIGHT: 48.0,
-                       cv2.CAP_PROP_FPS: 15.0, cv2.CAP_PROP_POS_MSEC: self.captured_s * 1000.0,
-                       cv2.CAP_PROP_FOURCC: float(cv2.VideoWriter_fourcc(*'YUYV'))}
+        self.given = {cv2.CAP_PROP_FRAME_WIDTH: 64.0, cv2.CAP_PROP_FRAME_HEIGHT: 48.0,
+                      cv2.CAP_PROP_FPS: 15.0, cv2.CAP_PROP_POS_MSEC: self.captured_s * 1000.0,
+                      cv2.CAP_PROP_FOURCC: float(cv2.VideoWriter_fourcc(*'YUYV'))}
         self._frames = iter(self.frames)
 
     def isOpened(self):
@@ -34,7 +34,7 @@ class FakeCapture:
         return True
 
     def get(self, prop):
-        return self._given[prop]
+        return self.given[prop]
 
     def grab(self):
         self._image = next(self._frames, None)
@@ -200,7 +200,7 @@ def test_clock_of_a_driver_that_was_wrong_once_is_ignored(open_device, monkeypat
     source, capture = open_device()
     ages = []
     for captured_s in (99.5, 100.5, 99.5):
-        capture._given[cv2.CAP_PROP_POS_MSEC] = captured_s * 1000.0
+        capture.given[cv2.CAP_PROP_POS_MSEC] = captured_s * 1000.0
         source.read()
         ages.append(source.age_s)
     assert ages == pytest.approx([0.5, 0.0, 0.0])

@@ -1,6 +1,7 @@
 """JPEG files by their markers, and folders of images."""
 import os
 
+import cv2
 import numpy as np
 import pytest
 
@@ -85,7 +86,7 @@ class FakeCapture:
     (4, 4, True), (4, 2, True), (4, 1, False), (200, 196, True), (200, 195, False),
     (100, 98, True), (100, 97, False), (0, 3, True), (-1, 3, True), (3, 9, True)])
 def test_a_few_frames_may_be_missing_at_the_end_of_a_video(monkeypatch, stated, count, complete):
-    monkeypatch.setattr(VideoSource, '_open', lambda _: FakeCapture(stated, count))
+    monkeypatch.setattr(cv2, 'VideoCapture', lambda *_: FakeCapture(stated, count))
     warnings = []
     source = VideoSource('a.avi', warn=warnings.append)
     assert source.expected_frames == max(0, stated) and source.rate_hz == source.expected_hz == 25

@@ -3,7 +3,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.camera import url_source, urls
+from img_recog.camera import urls
 from img_recog.camera.image_source import ImageSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
@@ -90,10 +90,6 @@ def test_stream_that_ends_after_its_first_frame_may_be_an_image(clock):
         'stream, not an image')
 
 
-def test_damaged_frames_for_too_long_end_a_stream(clock):
-    assert results(stream(clock, True, -0.5, -0.5, -0.5, -0.5))[0] == ['frame']
-
-
 def test_stream_without_a_first_frame_is_refused_and_closed(clock):
     capture = FakeCapture(clock, [False] * 4)
     with pytest.raises(SourceError, match='^cannot open x: no frame arrives'):
@@ -122,13 +118,12 @@ def test_stream_that_grows_midway_ends(clock):
         source.read()
 
 
-def test_rate_of_a_stream_is_known_if_it_is_announced(clock):
-    assert stream(clock, True, announces_rate=True).expected_hz == 25.0
-    assert stream(clock, True).expected_hz is None
-
-
 def at_url(monkeypatch, capture, url, **settings):
-    monkeypatch.setattr(url_source, '_open_capture', lambda given: capture)
+    monkeypatch.setattr(cv2, 'VideoCapture', lambda *given: capture)
+    return opened(url, **settings)
+
+
+def opened(url, **settings):
     return open_source(CameraSettings(video_device=url, **settings))
 
 
@@ -210,7 +205,7 @@ def test_video_that_is_truncated_by_its_server_is_one_warning(clock):
 
 def test_video_whose_server_is_gone_when_it_loops(clock, monkeypatch):
     source = remote_video(clock, True, False, count=1)
-    monkeypatch.setattr(url_source, '_open_capture', lambda _: FakeCapture(clock, [False]))
+    monkeypatch.setattr(cv2, 'VideoCapture', lambda *_: FakeCapture(clock, [False]))
     with pytest.raises(SourceError, match='its server is gone, or has another video now$'):
         source.read()
 
@@ -243,22 +238,18 @@ def test_rate_that_cannot_be_right_is_not_known(clock, rate_hz, expected_hz):
     assert (source.name, source.description) == ('x', 'stream x, 64x48')
 
 
-def test_ffmpeg_opens_for_five_seconds_and_reads_for_two(monkeypatch):
-    given = []
-    monkeypatch.setattr(cv2, 'VideoCapture', lambda *args: given.append(args))
-    url_source._open_capture('rtsp://h')
+def test_ffmpeg_opens_for_five_seconds_and_reads_for_two(monkeypatch, clock):
+    given, capture = [], FakeCapture(clock, [True], FPS=25.0)
+    monkeypatch.setattr(cv2, 'VideoCapture', lambda *args: given.append(args) or capture)
+    opened('rtsp://h')
     assert given == [('rtsp://h', cv2.CAP_FFMPEG, [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, 5000,
                                                    cv2.CAP_PROP_READ_TIMEOUT_MSEC, 2000])]
 
 
-@pytest.mark.parametrize('failure_s, ends', [(-0.004, True), (-0.0051, False)])
-def test_four_reads_that_fail_within_five_milliseconds_are_the_end(clock, failure_s, ends):
-    source = stream(clock, True, *[failure_s] * 4, True, *[False] * 4)
-    assert results(source)[0] == (['frame'] if ends else ['frame'] + ['skipped'] * 4 + ['frame'])
-
-
-@pytest.mark.parametrize('failure_s, ends', [(-0.45, True), (-0.4375, False)])
-def test_a_stall_of_less_than_1_8_seconds_is_not_the_end(clock, failure_s, ends):
+@pytest.mark.parametrize('failure_s, ends', [
+    (-0.004, True), (-0.0051, False),       # four reads that fail within 5 ms
+    (-0.45, True), (-0.4375, False)])       # a stall of 1.8 s
+def test_failures_that_are_the_end_of_a_stream(clock, failure_s, ends):
     clock.now_s = 0.0       # so that the sums are exact
     source = stream(clock, True, *[failure_s] * 4, True, *[False] * 4)
     assert results(source)[0] == (['frame'] if ends else ['frame'] + ['skipped'] * 4 + ['frame'])

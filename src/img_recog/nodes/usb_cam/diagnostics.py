@@ -1,56 +1,41 @@
 """The state of the camera, as in /diagnostics."""
 import threading
 import time
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.camera.source import FrameSource
-from img_recog.ros.diagnostics import Durations, Refusals, add_durations
+from img_recog.ros.diagnostics import WINDOW_S, Counter, Durations, Refusals, add_durations
 
-_WINDOW_S = 3.0         # in which the rate is measured
 _MIN_SHARE = 0.8        # of the expected rate: below is a warning
+_MIN_MEASURED_S = 0.5
 
 
 class CameraDiagnostics:
     """Counts frames, and reports the counts and the rate.
 
+    frames: that were published. skipped: those that could not be used. dropped: those that were
+    dropped to keep the rate.
     ages: of the frames when they are captured, where the source knows it.
     publishing: how long it takes to publish a frame.
     """
 
     def __init__(self, device: str, now: Callable[[], float] = time.monotonic):
-        self._device, self._now = device, now
+        self._device = device
         self._lock = threading.Lock()
         self._source: Optional[FrameSource] = None
-        self._frames = self._dropped = self._losses = 0
-        self._skipped = Refusals()
+        self.frames, self.dropped, self.skipped = Counter(now), Counter(now), Refusals()
         self.ages, self.publishing = Durations(), Durations()
         self._lost: Optional[str] = None
-        self._active = False
-        # (time, frame count at that time) within the window
-        self._samples: List[Tuple[float, int]] = []
+        self._losses, self._active = 0, False
 
     def opened(self, source: FrameSource) -> None:
         """Store the source that was opened, and start to measure its rate."""
         with self._lock:
             self._source = source
-            self._samples = [(self._now(), self._frames)]
-
-    def count_frame(self) -> None:
-        """Count a frame that was published."""
-        with self._lock:
-            self._frames += 1
-
-    def count_skipped(self, reason: str) -> None:
-        """Count a frame that could not be used."""
-        self._skipped.add(reason)
-
-    def count_dropped(self) -> None:
-        """Count a frame that was dropped to keep the rate."""
-        with self._lock:
-            self._dropped += 1
+            self.frames.restart()
 
     def lost(self, reason: str) -> None:
         """Report the loss of the device as an error from now on."""
@@ -66,7 +51,8 @@ class CameraDiagnostics:
         """Store whether the camera is capturing, not suspended; to be called again and again."""
         with self._lock:
             if active != self._active:
-                self._active, self._samples = active, [(self._now(), self._frames)]
+                self._active = active
+                self.frames.restart()
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status; to be called once in each period."""
@@ -82,15 +68,16 @@ class CameraDiagnostics:
                        else '{:.2f}'.format(rate_hz))
             status.add('expected rate (Hz)', '{:.2f}'.format(expected_hz) if expected_hz
                        else 'unknown')
-            for name, count in (('frames', self._frames), ('failed reads', self._skipped.total),
-                                ('frames dropped', self._dropped),
+            for name, count in (('frames', self.frames.total),
+                                ('failed reads', self.skipped.total),
+                                ('frames dropped', self.dropped.total),
                                 ('losses of the device', self._losses)):
                 status.add(name, str(count))
-        status.add('last failed read', self._skipped.last_reason)
+        status.add('last failed read', self.skipped.last_reason)
         add_durations(status, 'age of a frame', self.ages)
         add_durations(status, 'publishing a frame', self.publishing)
-        if self._skipped.take_recent():
-            status.mergeSummary(DiagnosticStatus.WARN, 'failed read: ' + self._skipped.last_reason)
+        if self.skipped.take_recent():
+            status.mergeSummary(DiagnosticStatus.WARN, 'failed read: ' + self.skipped.last_reason)
 
     def _summary(self, rate_hz: Optional[float],
                  expected_hz: Optional[float]) -> Tuple[int, str]:
@@ -109,15 +96,10 @@ class CameraDiagnostics:
         return DiagnosticStatus.OK, '{:.1f} Hz'.format(rate_hz)
 
     def _rate_hz(self) -> Optional[float]:
-        """Return the rate within the window, or None when there is not enough data yet."""
-        now_s, three_periods_s = self._now(), 0.0
-        if self._source is not None and self._source.expected_hz:
-            three_periods_s = 3.0 / self._source.expected_hz
-        self._samples.append((now_s, self._frames))
-        window_s = max(_WINDOW_S, three_periods_s)      # a slow camera needs a longer window
-        while len(self._samples) > 2 and self._samples[1][0] < now_s - window_s:
-            self._samples.pop(0)
-        begin_s, begin_count = self._samples[0]
-        if now_s - begin_s < max(0.5, three_periods_s):
-            return None
-        return (self._frames - begin_count) / (now_s - begin_s)
+        """Return the rate, or None when there is not enough data yet."""
+        expected_hz = self._source.expected_hz if self._source is not None else None
+        three_periods_s = 3.0 / expected_hz if expected_hz else 0.0
+        # a slow camera needs a longer window
+        rate_hz = self.frames.rate_hz(max(WINDOW_S, three_periods_s))
+        is_enough = self.frames.measured_s >= max(_MIN_MEASURED_S, three_periods_s)
+        return rate_hz if is_enough else None

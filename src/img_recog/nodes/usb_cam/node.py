@@ -25,9 +25,9 @@ from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 from img_recog import files
 from img_recog.camera import selection, urls
 from img_recog.camera.capture import Capture, Listener
+from img_recog.camera.pacing import Stamps
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
-from img_recog.camera.stamps import Stamps
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.usb_cam.calibration import CameraCalibration
 from img_recog.nodes.usb_cam.controls import CameraControls
@@ -124,15 +124,15 @@ class UsbCam(Listener):
         self._images.publish(image, source.encoding, header)
         self._compressed.publish(image, source.encoding, header)
         self._infos.publish(self._calibration.to_msg(header))
-        self._diagnostics.count_frame()
+        self._diagnostics.frames.add()
         self._diagnostics.publishing.add(time.perf_counter() - begin_s)
 
     def skipped(self, reason: str) -> None:
-        self._diagnostics.count_skipped(reason)
+        self._diagnostics.skipped.add(reason)
         self._warn('frame skipped: %s', reason)
 
     def dropped(self) -> None:
-        self._diagnostics.count_dropped()
+        self._diagnostics.dropped.add()
 
     def lost(self, reason: str) -> None:
         self._diagnostics.lost(reason)

@@ -28,7 +28,7 @@ def run(diagnostics, clock, seconds, rate_hz):
     for _ in range(seconds):
         for _ in range(rate_hz):
             clock.advance(1.0 / rate_hz)
-            diagnostics.count_frame()
+            diagnostics.frames.add()
         if not rate_hz:
             clock.advance(1.0)
         last = report(diagnostics)
@@ -76,8 +76,8 @@ def test_suspended_camera_is_ok(diagnostics, clock):
 def test_skipped_and_dropped_frames_are_counted(diagnostics, clock):
     run(diagnostics, clock, 5, 10)
     for number in range(3):
-        diagnostics.count_skipped('cannot decode frame {}'.format(number))
-    diagnostics.count_dropped()
+        diagnostics.skipped.add('cannot decode frame {}'.format(number))
+    diagnostics.dropped.add()
     level, message, values = run(diagnostics, clock, 1, 10)
     assert (values['failed reads'], values['frames dropped']) == ('3', '1')
     assert (level, message) == (DiagnosticStatus.WARN, 'failed read: cannot decode frame 2')
