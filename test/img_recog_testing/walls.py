@@ -3,8 +3,9 @@ import ast
 import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'resources', 'robot_file',
-                'rotations', 'settings', 'signals', 'still_images', 'timed_xmlrpc', 'visuals')
+GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'mesh_file', 'resources',
+                'robot_file', 'rotations', 'settings', 'signals', 'still_images', 'textures',
+                'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -13,7 +14,7 @@ OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(
         'simulation/' + room for room in SIMULATION_ROOMS if room != 'descriptions')),
     'moderngl': ('rendering',),
-    'trimesh': ('rendering', 'simulation/descriptions/meshes'),
+    **dict.fromkeys(('collada', 'trimesh'), ('mesh_file',)),
     **dict.fromkeys(('fastapi', 'nicegui', 'starlette', 'uvicorn'), ('nodes/web',))}
 # of rospy's objects
 PRIVATE_ATTRIBUTES = ('impl', '_connection_header', '_invoke_callback')
@@ -23,11 +24,12 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'helper_process', 'markup', 'rotations', 'settings',
-                'still_images', 'visuals') for folder in PURE},
+    **{folder: ('errors', 'files', 'helper_process', 'markup', 'mesh_file', 'rotations',
+                'settings', 'still_images', 'textures', 'visuals') for folder in PURE},
     'markup': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'rotations': (), 'signals': (),
-    'timed_xmlrpc': (), 'visuals': (),
+    'timed_xmlrpc': (), 'visuals': (), 'textures': ('errors',),
+    'mesh_file': ('errors', 'textures', 'visuals'),
     'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'markup'), 'still_images': ('errors', 'settings'),

@@ -4,8 +4,10 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 import moderngl
 import numpy as np
 
+from img_recog import mesh_file, textures
 from img_recog.errors import one_line
-from img_recog.rendering import shaders, textures, triangles
+from img_recog.mesh_file import MeshError, Triangles
+from img_recog.rendering import shaders, triangles
 from img_recog.rendering.file_cache import FileCache
 from img_recog.visuals import BOX, CYLINDER, PLANE, SPHERE, Shape, Visual, VisualScene
 
@@ -78,7 +80,7 @@ class Loader:
             for fragment in (shaders.PLAIN_FRAGMENT, shaders.TEXTURED_FRAGMENT))
         self.depth = context.program(vertex_shader=shaders.SHADOW_VERTEX,
                                      fragment_shader=shaders.SHADOW_FRAGMENT)
-        self._meshes, self._images = FileCache(triangles.read), FileCache(textures.read)
+        self._meshes, self._images = FileCache(mesh_file.read), FileCache(textures.read)
         # by the id of their image, which therefore is kept
         self._textures: Dict[int, Tuple[np.ndarray, moderngl.Texture]] = {}
         self._missing: List[str] = []
@@ -114,17 +116,17 @@ class Loader:
                 found.append((_corners(part, pose, color), image, color[3] < 1))
         return found
 
-    def _triangles(self, shape: Shape) -> List[triangles.Triangles]:
+    def _triangles(self, shape: Shape) -> List[Triangles]:
         try:
             parts = triangles.of_shape(shape, self._meshes.get)
-        except triangles.MeshError as error:
+        except MeshError as error:
             self._miss(one_line(error))
             return []
         for part in parts:
             self._miss(part.problem)
         return parts
 
-    def _appearance(self, visual: Visual, part: triangles.Triangles
+    def _appearance(self, visual: Visual, part: Triangles
                     ) -> Tuple[Sequence[float], Optional[np.ndarray]]:
         """Return color and image of triangles: the material's, or those of the file."""
         material = visual.material
@@ -181,7 +183,7 @@ class Loader:
         return key
 
 
-def _corners(part: triangles.Triangles, pose: np.ndarray, color: Sequence[float]) -> np.ndarray:
+def _corners(part: Triangles, pose: np.ndarray, color: Sequence[float]) -> np.ndarray:
     """Return the corners of triangles, moved by `pose` (4, 4), as an array of _VERTEX."""
     corners = np.empty(len(part.positions) * 3, _VERTEX)
     corners['position'] = part.positions.reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3]

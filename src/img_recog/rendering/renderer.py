@@ -11,8 +11,8 @@ def make_or(make_fallback: Callable[[], Any]) -> Tuple[Any, str]:
         from img_recog.rendering.opengl import Renderer
         return Renderer(), ''
     except ImportError as error:
-        reason = ('moderngl or trimesh cannot be loaded: {}; install them, see '
-                  'packages-debian.txt and requirements.txt'.format(one_line(error)))
+        reason = ('moderngl cannot be loaded: {}; install it, see packages-debian.txt and '
+                  'requirements.txt'.format(one_line(error)))
     except UserError as error:
         reason = str(error)
     return make_fallback(), reason

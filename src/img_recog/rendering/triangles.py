@@ -1,58 +1,18 @@
-"""The triangles of shapes, and meshes of files, which trimesh reads."""
-import os
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+"""The triangles of shapes: of primitive ones, and of meshes in their scale."""
+from typing import Callable, Dict, List
 
 import numpy as np
-import trimesh
 
-from img_recog.errors import UserError, one_line
-from img_recog.rendering.mesh_images import MeshImages
-from img_recog.visuals import BOX, CYLINDER, GREY, MESH, PLANE, SPHERE, Color, Shape
+from img_recog import mesh_file
+from img_recog.mesh_file import Triangles
+from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Shape
 
 _SECTIONS = 48              # of a full circle
-# of a mesh file; a triangle takes 300 bytes while it is read, and 108 when it is drawn
-_MAX_BYTES, _MAX_TRIANGLES = 1 << 28, 3_000_000
-_MAX_POSITION = 1e9
 
 
-class Triangles(NamedTuple):
-    """Triangles of one material.
-
-    positions (n, 3, 3): in m, a row a corner; normals (n, 3, 3): unit vectors; uvs (n, 3, 2): from
-    the lower left corner of the texture; color: of the material; texture (rows, columns, 3): RGB,
-    uint8, or None; has_material: whether the file states the color or texture; problem: what of
-    the file cannot be read, else ''.
-    """
-
-    positions: np.ndarray
-    normals: np.ndarray
-    uvs: np.ndarray
-    color: Color = GREY
-    texture: Optional[np.ndarray] = None
-    has_material: bool = False
-    problem: str = ''
-
-
-class MeshError(UserError):
-    """A mesh file cannot be read."""
-
-
-def read(path: str) -> List[Triangles]:
-    """Return the triangles of a mesh file, in m, in the axes that the file uses.
-
-    Like in Gazebo, the unit that a COLLADA file states counts, and its <up_axis> does not.
-    Raises MeshError naming the file.
-    """
-    try:
-        return _read(path)
-    except Exception as error:      # the readers raise errors of many types
-        raise MeshError('cannot read the mesh {}: {}'.format(path, one_line(error)),
-                        'give a DAE, OBJ or STL file that is complete')
-
-
-def of_shape(shape: Shape, read_file: Callable[[str], List[Triangles]] = read
+def of_shape(shape: Shape, read_file: Callable[[str], List[Triangles]] = mesh_file.read
              ) -> List[Triangles]:
-    """Return the triangles of a shape; read_file: `read`, or a cache of it.
+    """Return the triangles of a shape; read_file: `mesh_file.read`, or a cache of it.
 
     Raises MeshError when its file cannot be read.
     """
@@ -60,49 +20,6 @@ def of_shape(shape: Shape, read_file: Callable[[str], List[Triangles]] = read
         scale = np.array(shape.size)
         return [_scaled(part, scale) for part in read_file(shape.path)]
     return [_PRIMITIVES[shape.kind](*shape.size)]
-
-
-def _read(path: str) -> List[Triangles]:
-    if os.path.getsize(path) > _MAX_BYTES:
-        raise ValueError('it has {} bytes, more than {}'.format(os.path.getsize(path), _MAX_BYTES))
-    images = MeshImages(path)
-    scene = trimesh.load_scene(path, process=False, resolver=images)
-    parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh)
-             and len(part.faces)]
-    count = sum(len(part.faces) for part in parts)
-    if not 0 < count <= _MAX_TRIANGLES:
-        raise ValueError('it has {} triangles, allowed are 1 to {}'.format(count, _MAX_TRIANGLES))
-    # what is not a number is not less either
-    if not all(np.abs(part.vertices).max() < _MAX_POSITION for part in parts):
-        raise ValueError('it has a coordinate of more than {:g}'.format(_MAX_POSITION))
-    words = str(scene.units or '').split(' * ')     # as load_collada writes it
-    unit = float(words[0]) if len(words) == 2 else 1.0
-    triangles = [_from_trimesh(part, unit, images) for part in parts]
-    if images.problems:
-        triangles[0] = triangles[0]._replace(problem='cannot read all of the mesh {}: {}'.format(
-            path, ', '.join(images.problems)))
-    return triangles
-
-
-def _from_trimesh(mesh: 'trimesh.Trimesh', unit: float, images: MeshImages) -> Triangles:
-    positions = np.asarray(mesh.triangles, float) * unit
-    has_normals = 'vertex_normals' in mesh._cache       # not a getter, which would compute them
-    normals = (mesh.vertex_normals[mesh.faces] if has_normals
-               else np.repeat(mesh.face_normals[:, None], 3, axis=1))
-    color, texture, uvs = GREY, None, np.zeros((len(positions), 3, 2))
-    visual: Any = mesh.visual
-    if visual.kind == 'texture':
-        material = visual.material.to_simple() if hasattr(
-            visual.material, 'to_simple') else visual.material
-        color = _color(material.main_color)
-        if visual.uv is not None and material.image is not None:
-            texture = images.decoded(material.image)
-        if texture is not None:
-            uvs, color = np.asarray(visual.uv)[mesh.faces], (1.0, 1.0, 1.0, color[3])
-    elif visual.kind is not None:
-        color = _color(visual.main_color)
-    return Triangles(positions, np.asarray(normals, float), uvs, color, texture,
-                     visual.kind is not None)
 
 
 def _scaled(part: Triangles, scale: np.ndarray) -> Triangles:
@@ -203,12 +120,6 @@ def _joined(parts: List[Triangles]) -> Triangles:
     positions, normals, uvs = (np.concatenate(values)
                                for values in zip(*(part[:3] for part in parts)))
     return Triangles(positions, normals, uvs)
-
-
-def _color(values: Any) -> Color:
-    """Return a color of 0 to 255 as one of 0 to 1."""
-    red, green, blue, opacity = (float(value) / 255 for value in values)
-    return red, green, blue, opacity
 
 
 _PRIMITIVES: Dict[str, Callable[..., Triangles]] = {

@@ -1,13 +1,16 @@
 """Loads the text of a URDF into a physics client."""
 import contextlib
 import os
+import tempfile
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterator, Tuple
 
 import pybullet
 
-from img_recog import rotations
-from img_recog.simulation.descriptions import mesh_check, names
+from img_recog import mesh_file, rotations
+from img_recog.mesh_file import MeshError
+from img_recog.simulation.bodies import mesh_cache
+from img_recog.simulation.descriptions import names
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.settings import SimulationError
 
@@ -57,59 +60,40 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
     """
     robot = ElementTree.fromstring(urdf)
     names.check_robot(robot)
+    for mesh in robot.findall('link/collision/geometry/mesh'):
+        mesh.set('filename', mesh_cache.cached(mesh.get('filename', '')))
     if not visuals:
         for link in robot.findall('link'):
             for visual in link.findall('visual'):
                 link.remove(visual)
-            # without any, PyBullet shows the collision shapes, and reads their meshes again
-            link.append(ElementTree.fromstring(_NOTHING))
-        urdf = ElementTree.tostring(robot, 'unicode')
-    elif _remove_unreadable(robot):
-        urdf = ElementTree.tostring(robot, 'unicode')
-    for mesh in robot.findall('link/collision/geometry/mesh'):
-        mesh_check.check(mesh.get('filename', ''))
-    orientation = rotations.quaternion_of(pose.rotation)
-    with _file(urdf) as path, _refusal('URDF'):
-        body_id = pybullet.loadURDF(path, pose.translation.tolist(), orientation,
-                                    useFixedBase=fixed, flags=_URDF_FLAGS,
-                                    physicsClientId=physics_client_id)
-    try:
-        _check_meshes(robot, body_id, physics_client_id)
-    except SimulationError:
-        pybullet.removeBody(body_id, physicsClientId=physics_client_id)
-        raise
-    return body_id
+        return _load(robot, physics_client_id, fixed, pose)
+    with tempfile.TemporaryDirectory(prefix='img_recog_') as folder:
+        _write_meshes(robot, folder)
+        return _load(robot, physics_client_id, fixed, pose)
 
 
-def _remove_unreadable(robot: ElementTree.Element) -> bool:
-    """Remove the visuals with which PyBullet could crash; return whether there is one."""
-    is_changed = False
+def _write_meshes(robot: ElementTree.Element, folder: str) -> None:
+    """Replace the meshes of visuals by files that PyBullet can read; remove those without one."""
     for link in robot.findall('link'):
         for visual in link.findall('visual'):
             try:
                 for mesh in visual.findall('geometry/mesh'):
-                    mesh_check.check(mesh.get('filename', ''))
-            except SimulationError:
+                    mesh.set('filename', mesh_file.write(
+                        mesh.get('filename', ''), tempfile.mkdtemp(dir=folder), materials=True))
+            except MeshError:
                 link.remove(visual)
-                is_changed = True
-                if link.find('visual') is None:
-                    link.append(ElementTree.fromstring(_NOTHING))
-    return is_changed
 
 
-def _check_meshes(robot: ElementTree.Element, body_id: int, physics_client_id: int) -> None:
-    """Raise SimulationError if PyBullet could not read a mesh: it loads the link without it."""
-    links = robot.findall('link')
-    if not any(link.find('collision/geometry/mesh') is not None for link in links):
-        return
-    loaded = link_indices(body_id, physics_client_id)
-    for link in links:
-        meshes = [mesh.get('filename', '') for mesh in link.findall('collision/geometry/mesh')]
-        shapes = pybullet.getCollisionShapeData(body_id, loaded[link.get('name', '')],
-                                                physicsClientId=physics_client_id)
-        if meshes and len(shapes) < len(link.findall('collision')):
-            raise SimulationError('PyBullet cannot read {}'.format(
-                ' or '.join(sorted(set(meshes)))), 'give a complete DAE, OBJ or STL file')
+def _load(robot: ElementTree.Element, physics_client_id: int, fixed: bool,
+          pose: Transform) -> int:
+    for link in robot.findall('link'):
+        if link.find('visual') is None:
+            # without any, PyBullet shows the collision shapes, and reads their meshes again
+            link.append(ElementTree.fromstring(_NOTHING))
+    orientation = rotations.quaternion_of(pose.rotation)
+    with _file(ElementTree.tostring(robot, 'unicode')) as path, _refusal('URDF'):
+        return pybullet.loadURDF(path, pose.translation.tolist(), orientation, useFixedBase=fixed,
+                                 flags=_URDF_FLAGS, physicsClientId=physics_client_id)
 
 
 @contextlib.contextmanager

@@ -5,8 +5,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import List, Optional, Sequence
 
 from img_recog.files import FindFile
-
-READABLE = ('.dae', '.obj', '.stl')         # by PyBullet
+from img_recog.mesh_file import READABLE
 
 
 def resolve(root: ElementTree.Element, find: FindFile) -> List[str]:

@@ -7,9 +7,9 @@ import numpy as np
 
 from img_recog import rotations
 from img_recog.files import FindFile
+from img_recog.mesh_file import READABLE
 from img_recog.simulation.descriptions import link_materials, materials
 from img_recog.simulation.descriptions.geometry import Transform
-from img_recog.simulation.descriptions.meshes import READABLE
 from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
 

@@ -1,0 +1,40 @@
+"""The files of meshes that PyBullet reads: written from what trimesh has read, once for each mesh.
+
+They stay in the user's folder for caches, so that trimesh, which takes 0.3 s and 40 MB, is only
+loaded for a mesh that is new. They can be deleted at any time.
+"""
+import hashlib
+import os
+import tempfile
+
+from img_recog import mesh_file
+from img_recog.errors import one_line
+from img_recog.mesh_file import MeshError
+from img_recog.simulation.settings import SimulationError
+
+_FOLDER = os.path.join('img_recog', 'meshes_1')     # another number when the files change
+
+
+def cached(path: str) -> str:
+    """Return the path of a file for PyBullet with the shapes of a mesh file.
+
+    The content of the mesh file tells which one. Raises SimulationError when that cannot be read
+    or the cache cannot be written.
+    """
+    folder = os.path.join(os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'),
+                          _FOLDER)
+    try:
+        key = hashlib.sha256(mesh_file.read_content(path)).hexdigest()
+        kept = os.path.join(folder, key + mesh_file.written_suffix(path))
+        if os.path.isfile(kept):
+            return kept
+        os.makedirs(folder, exist_ok=True)
+        # another process may write the same file
+        with tempfile.TemporaryDirectory(dir=folder) as own:
+            os.replace(mesh_file.write(path, own), kept)
+    except MeshError as error:
+        raise SimulationError(error.problem, error.advice)
+    except OSError as error:
+        raise SimulationError('cannot write to {}: {}'.format(folder, one_line(error)),
+                              'set XDG_CACHE_HOME to a folder where files can be written')
+    return kept
