@@ -29,10 +29,11 @@ class SubscriberEnd:
 
     def receive(self):
         """Return the next packet, with its length."""
-        head = self._read(4)
-        return head + self._read(struct.unpack('<I', head)[0])
+        head = self.read(4)
+        return head + self.read(struct.unpack('<I', head)[0])
 
-    def _read(self, size):
+    def read(self, size):
+        """Return so many of the next bytes."""
         data = b''
         while len(data) < size:
             piece = self.sock.recv(size - len(data))
@@ -40,14 +41,10 @@ class SubscriberEnd:
             data += piece
         return data
 
-    def waiting_bytes(self):
-        """Return how many bytes have come and are not received yet."""
-        count, = struct.unpack('i', fcntl.ioctl(self.sock, termios.FIONREAD, bytes(4)))
-        return count
-
     def is_idle(self):
         """Return whether nothing has come."""
-        return not self.waiting_bytes()
+        count, = struct.unpack('i', fcntl.ioctl(self.sock, termios.FIONREAD, bytes(4)))
+        return count == 0
 
 
 class PublisherEnd:

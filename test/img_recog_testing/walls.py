@@ -149,8 +149,8 @@ def _is_in(name, place):
 
 
 def _reason_within(name, part, target):
-    if target[:3] == ['ros', 'transport', 'packets'] and part != 'ros':
-        return 'packets are for ros/transport alone'
+    if target[:3] == ['ros', 'transport', 'outbox'] and part != 'ros':
+        return 'outbox is for ros/transport alone'
     if target[0] == part:
         node = name.parts[1].replace('.py', '') if len(name.parts) > 1 else ''
         if part == 'nodes' and target[1] not in (node, 'color_parameters', 'compressed_images'):

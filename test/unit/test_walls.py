@@ -85,7 +85,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('ros/a.py', 'from rospy import rostime as t\nt._x', 'internals of rospy'),
     ('ros/a.py', 'from rospy import *', 'internals of rospy'),
     ('nodes/usb_cam/a.py', 'msg._connection_header', 'internals of rospy'),
-    ('nodes/usb_cam/a.py', 'from img_recog.ros.transport import packets', 'packets are for'),
+    ('nodes/usb_cam/a.py', 'from img_recog.ros.transport import outbox', 'outbox is for'),
     ('__init__.py', 'import rosgraph', '__init__ must not use ROS'),
     ('__init__.py', 'from img_recog.ros import queues', '__init__ may use nothing'),
     ('helpers/a.py', 'import math', 'helpers is not a part'),

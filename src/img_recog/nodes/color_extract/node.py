@@ -89,9 +89,9 @@ class ColorExtract:
         self._counts = counts = RecognitionDiagnostics(rospy.resolve_name(_CAMERA) + (
             '' if transport == 'raw' else '/' + transport))
         self._velocity, self._yielding = DirectPublisher('cmd_vel', Twist), Yielding()
-        self._masked = [ImagePublisher(topic, leave_large=True) for topic in topics]
+        self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
-        self._overlay = ImagePublisher('color_overlay', leave_large=True)
+        self._overlay = ImagePublisher('color_overlay')
         self._is_shutdown = threading.Event()
         self._frame_lock = threading.Lock()
         self._failure: Optional[Exception] = None       # of another thread, for the loop

@@ -1,22 +1,23 @@
 """Faster and safer transport by means of the internals of rospy, which no other folder uses.
 
 Checked with rospy 1.15.15 (Debian 12) and 1.16.0 (noetic-devel), whose tcpros and rosout code is
-identical. test/unit/ros/transport/test_contract.py fails for another version of rospy if a name
-or a signature is different.
+identical. test/unit/ros/transport fails for another version of rospy if a name or a signature is
+different.
 
 Names that are used
     image_publisher.py
         `impl` of a Publisher: connections, seq.
+    outbox.py
+        `impl` of a Publisher: c_lock, connections; add_connection, which is replaced. A
+        connection's socket, close, stat_bytes, stat_num_msg; write_data, which is replaced, and
+        `outbox`, which is added.
     image_subscriber.py
         `impl` of a Subscriber: c_lock, connections, callbacks, statistics_logger, add_callback,
         _invoke_callback; add_connection, which is replaced. A connection's endpoint_id, header,
-        _connection_header (of its messages), is_latched, stat_num_msg, socket and protocol; of
+        _connection_header (of its messages), is_latched, stat_num_msg and protocol; of
         the protocol, buff_size, and read_messages, which is replaced.
     direct_publisher.py
-        `impl` of a Publisher: c_lock, publock, connections, is_latch, latch, seq; add_connection,
-        which is replaced. A connection's close; write_data, which is replaced.
-    outbox.py
-        A connection's socket, close, stat_bytes, stat_num_msg.
+        `impl` of a Publisher: publock, closed, connections, is_latch, latch, seq.
     rosout.py
         rospy.impl.rosout: Publisher and RosOutHandler, which are replaced, and _rosout_pub.
         rospy.impl.registration.get_topic_manager().get_topics().

@@ -1,12 +1,11 @@
 """A publisher for small messages at high rates."""
 import io
-import warnings
+from typing import Callable
 
 import rospy
-from rospy.exceptions import TransportTerminated
 from rospy.msg import serialize_message
 
-from img_recog.ros.transport.outbox import Outbox, close
+from img_recog.ros.transport.outbox import Packet, advertise, send
 from img_recog.ros.transport.switch import is_plain
 
 _QUEUE_SIZE = 10        # with plain rospy
@@ -30,7 +29,8 @@ class DirectPublisher:
     With a queue, rospy passes each message to a thread per subscriber, which takes four times
     as long as sending it; without one, a subscriber that does not read blocks the publisher
     forever. Here an Outbox sends to each subscriber: one whose socket buffer is full misses
-    messages and gets those that were published together last when it reads again.
+    messages and gets those that were published together last when it reads again. With a queue, a
+    frame of a film takes 7 % more CPU time at 640x480, and a step of the simulator 26 % more.
     """
 
     def __init__(self, name: str, data_class: type, latch: bool = False):
@@ -44,8 +44,7 @@ class DirectPublisher:
             self._publisher = rospy.Publisher(name, data_class, latch=latch,
                                               queue_size=_QUEUE_SIZE)
         else:
-            self._publisher = synchronous_publisher(name, data_class, latch)
-            self._adopt_connections(self._publisher.impl)
+            self._publisher = advertise(name, data_class, latch, self._connect)
 
     def get_num_connections(self) -> int:
         """Return the number of subscribers."""
@@ -102,35 +101,13 @@ class DirectPublisher:
                 return
             buffer.seek(0)
             buffer.truncate()
-            for connection in topic.connections:
-                try:
-                    connection.write_data(data, count)
-                except (OSError, TransportTerminated):
-                    close(connection)
+            send(Packet(data, count), topic.connections)
 
-    def _adopt_connections(self, topic) -> None:
-        """Give an Outbox to each connection before rospy sends the latched message."""
-        with topic.c_lock:
-            if 'add_connection' in vars(topic):     # another DirectPublisher of this topic
-                return
-            add_connection = topic.add_connection
-
-            def connect(connection):
-                connection.write_data = Outbox(connection).write_data
-                lock = topic.publock
-                if lock is None:        # rospy has closed the topic
-                    return add_connection(connection)
-                # a new subscriber gets the latched message first, and once
-                with lock:
-                    self.flush()
-                    return add_connection(connection)
-            topic.add_connection = connect
-            for connection in topic.connections:
-                connection.write_data = Outbox(connection).write_data
-
-
-def synchronous_publisher(name: str, data_class: type, latch: bool = False) -> rospy.Publisher:
-    """Return a publisher whose connections have no queue."""
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore', SyntaxWarning)      # about the missing queue
-        return rospy.Publisher(name, data_class, latch=latch, queue_size=None)
+    def _connect(self, add: Callable[[], bool]) -> bool:
+        """Add a subscriber, which gets the latched message first, and once."""
+        lock = self._publisher.impl.publock
+        if lock is None:        # rospy has closed the topic
+            return add()
+        with lock:
+            self.flush()
+            return add()

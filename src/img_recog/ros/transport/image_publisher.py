@@ -8,35 +8,26 @@ import rospy
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.ros.transport.direct_publisher import synchronous_publisher
-from img_recog.ros.transport.outbox import Outboxes
-from img_recog.ros.transport.packets import PacketPool
+from img_recog.ros.transport.outbox import PacketPool, advertise, send
 from img_recog.ros.transport.switch import is_plain
 
 _LENGTH = struct.Struct('<I')
-_NUMBERS = struct.Struct('<III')        # after the length: seq and stamp
 
 
 class ImagePublisher:
     """Sends images from reused buffers; `publish_drawn` saves a copy of the image too.
 
-    rospy serializes each message into new memory. Here each subscriber has an Outbox: it never
-    blocks the publisher. Use it from one thread at a time.
+    rospy serializes each message into new memory; a frame of a film whose images are viewed then
+    takes 56 % more CPU time at 640x480 and 97 % more at 1920x1080. Here each subscriber has an
+    Outbox: it never blocks the publisher. Use it from one thread at a time.
     """
 
-    def __init__(self, name: str, leave_large: bool = False):
-        """Advertise the topic `name`.
-
-        leave_large: whether to send large images in threads, so that the caller goes on meanwhile:
-        more images a second, which arrive later and less regularly. Not with plain rospy.
-        """
-        self._leave_large = leave_large
+    def __init__(self, name: str):
+        """Advertise the topic `name`."""
         self._is_plain = is_plain('image_publisher')
         self._publisher = (rospy.Publisher(name, Image, queue_size=1) if self._is_plain
-                           else synchronous_publisher(name, Image))
-        self._pool, self._outboxes = PacketPool(), Outboxes()
-        self._layout: tuple = ()
-        self._head = bytearray()        # the bytes before the data for this layout
+                           else advertise(name, Image))
+        self._pool = PacketPool()
 
     def get_num_connections(self) -> int:
         """Return the number of subscribers."""
@@ -67,7 +58,8 @@ class ImagePublisher:
 
         draw: writes the image into a uint8 array of that shape. Its second argument is what `draw`
         returned when it wrote to the same memory before, which has kept its content; if that is
-        None, the content is arbitrary.
+        None, the content is arbitrary. Without it, a frame of a film whose images are viewed takes
+        13 % more CPU time at 640x480, and 9 % more at 1920x1080.
         shape: (height, width, channels).
         encoding: as for `publish`.
         """
@@ -83,35 +75,22 @@ class ImagePublisher:
         if topic is None:
             return
         connections = topic.connections
-        self._outboxes.follow(connections)
         if not connections:
             return
         topic.seq += 1
-        head = self._head_of(header, topic.seq, encoding, shape)
+        head = _serialized_head(_without_data(header, topic.seq, encoding, shape))
         size = shape[0] * shape[1] * shape[2]
         packet = self._pool.take(len(head) + size)
         try:
-            packet.data[:len(head)] = head
+            memoryview(packet.data)[:len(head)] = head
             image = np.frombuffer(packet.data, np.uint8, size, len(head)).reshape(shape)
             layout, drawn = packet.note
             packet.note = None, None        # if it raises an error, the content is arbitrary
             packet.note = (len(head), shape), draw(
                 image, drawn if layout == (len(head), shape) else None)
-            self._outboxes.put(packet, self._leave_large)
+            send(packet, connections)
         finally:
             packet.release()
-
-    def _head_of(self, header: Header, seq: int, encoding: str, shape: tuple) -> bytearray:
-        """Return the bytes that precede the image data on the wire; they last until the next call.
-
-        Only their numbers change from image to image.
-        """
-        layout = header.frame_id, encoding, shape
-        if layout != self._layout:
-            self._head = bytearray(_serialized_head(_without_data(header, seq, encoding, shape)))
-            self._layout = layout
-        _NUMBERS.pack_into(self._head, _LENGTH.size, seq, header.stamp.secs, header.stamp.nsecs)
-        return self._head
 
 
 def _without_data(header: Header, seq: int, encoding: str, shape: tuple) -> Image:
@@ -123,12 +102,7 @@ def _without_data(header: Header, seq: int, encoding: str, shape: tuple) -> Imag
 def _serialized_head(msg: Image) -> bytes:
     """Return the bytes that precede the image data on the wire; `msg` has no data."""
     size = msg.height * msg.step
-    buffer = io.BytesIO(_LENGTH.pack(0))
-    buffer.seek(0, io.SEEK_END)
+    buffer = io.BytesIO()
     msg.serialize(buffer)
-    buffer.seek(-_LENGTH.size, io.SEEK_END)
-    buffer.write(_LENGTH.pack(size))
-    length = buffer.tell() - _LENGTH.size + size
-    buffer.seek(0)
-    buffer.write(_LENGTH.pack(length))
-    return buffer.getvalue()
+    fields = buffer.getvalue()[:-_LENGTH.size]
+    return b''.join((_LENGTH.pack(len(fields) + _LENGTH.size + size), fields, _LENGTH.pack(size)))

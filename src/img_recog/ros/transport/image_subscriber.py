@@ -1,6 +1,5 @@
 """A subscriber for large images."""
 import fcntl
-import functools
 import socket
 import struct
 import termios
@@ -12,21 +11,18 @@ import numpy as np
 import rospy
 from rospy.exceptions import TransportTerminated
 from sensor_msgs.msg import Image
-from std_msgs.msg import Header
 
 from img_recog.errors import one_line, shortened
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.transport.switch import is_plain
 
 _LENGTH, _WAITING = struct.Struct('<I'), struct.Struct('i')
-_NUMBERS = struct.Struct('<III')        # seq and stamp
 # sizes of the fields of a serialized Image before its strings and its data, bytes
 _STAMP_END, _SIZE_BYTES, _STEP_BYTES = 12, 8, 5
 _EMPTY = np.empty(0, np.uint8)
 _MAX_OVERSIZE = 4       # a buffer more than this many times larger than an image is dropped
 _MAX_LENGTH = (1 << 32) - 1
 _SCRATCH_BYTES = 1 << 16
-_MAX_KEPT_BYTES = 256       # of the fields that are kept from image to image: usual texts
 _PLAIN_BUFFER_BYTES = 1 << 26       # larger than a message: rospy reads this much at once
 
 
@@ -197,27 +193,12 @@ def _image(memory: np.ndarray, view: memoryview) -> _BufferedImage:
     end = _after_text(view, _STAMP_END) + _SIZE_BYTES       # frame_id, height and width
     end = _after_text(view, end) + _STEP_BYTES              # encoding, is_bigendian and step
     size, = _LENGTH.unpack_from(view, end)
-    seq, secs, nsecs = _NUMBERS.unpack_from(view, 0)
-    serialized = bytes(view[_STAMP_END:end])
-    frame_id, *fields = (_kept_fields(serialized) if end < _MAX_KEPT_BYTES
-                         else _fields(serialized))
     data = view[end + _LENGTH.size:]
     if len(data) < size:
         raise ValueError('its data ends early')
-    stamp = genpy.Time()
-    stamp.secs, stamp.nsecs = secs, nsecs       # as they are, like genpy
-    msg = _BufferedImage(Header(seq, stamp, frame_id), *fields, data[:size])
-    msg.memory = memory
+    msg = _BufferedImage().deserialize(bytes(view[:end]) + _LENGTH.pack(0))
+    msg.data, msg.memory = data[:size], memory
     return msg
-
-
-def _fields(serialized: bytes) -> tuple:
-    """Return the fields of an image between its stamp and its data."""
-    msg = Image().deserialize(bytes(_STAMP_END) + serialized + _LENGTH.pack(0))
-    return (msg.header.frame_id, msg.height, msg.width, msg.encoding, msg.is_bigendian, msg.step)
-
-
-_kept_fields = functools.lru_cache(maxsize=8)(_fields)      # from image to image they are the same
 
 
 def _after_text(view: memoryview, start: int) -> int:

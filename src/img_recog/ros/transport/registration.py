@@ -47,8 +47,8 @@ def end_calls() -> None:
 
     For the begin of the shutdown, before rospy unregisters the node.
     """
-    _Connection.is_ending.set()
-    for connection in list(_Connection.all):
+    MasterConnection.is_ending.set()
+    for connection in list(MasterConnection.all):
         connection.interrupt()
 
 
@@ -97,11 +97,11 @@ def connect(topic: str, publisher_uri: str) -> None:
             listener._connect_topic_thread(topic, publisher_uri)
 
 
-class _Connection(http.client.HTTPConnection):
+class MasterConnection(http.client.HTTPConnection):
     """Waits for the master without limit until the node is shut down."""
 
     is_ending = threading.Event()
-    all: 'weakref.WeakSet[_Connection]' = weakref.WeakSet()
+    all: 'weakref.WeakSet[MasterConnection]' = weakref.WeakSet()
 
     def connect(self) -> None:
         self.timeout = _CONNECT_TIMEOUT_S
@@ -124,12 +124,12 @@ class _Connection(http.client.HTTPConnection):
 
 
 class _Transport(xmlrpc.client.Transport):
-    """Uses _Connection; a timeout is an error that rospy expects from a master that is gone."""
+    """Uses MasterConnection; a timeout is the error that rospy expects without a master."""
 
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         known_host, connection = self._connection or (None, None)
         if connection is None or host != known_host:
-            connection = _Connection(host)
+            connection = MasterConnection(host)
             self._connection = host, connection
         return connection
 

@@ -10,7 +10,6 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from img_recog.ros.transport.direct_publisher import DirectPublisher
-from img_recog.ros.transport.outbox import Outbox
 from img_recog_testing.tcpros import packet
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -20,6 +19,11 @@ _FIRST_TOO_HIGH_FOR_SELECT = 1024
 @pytest.fixture
 def publisher(name):
     return DirectPublisher(name, String)
+
+
+def impl_of(name):
+    """Return what rospy has of a topic."""
+    return rospy.topics.get_topic_manager().get_publisher_impl(name)
 
 
 def text(number):
@@ -81,7 +85,7 @@ def test_a_subscriber_whose_buffer_is_full_misses_all_but_two_messages(fast, nam
     count = fill(end.transport.socket)
     for number in range(10):
         publisher.publish(text(number))
-    end._read(count)
+    end.read(count)
     assert end.receive() == packet(text(0))     # was begun; then the newest
     assert end.receive() == packet(text(9)) and end.is_idle()
     for number in range(10):
@@ -113,18 +117,16 @@ def test_a_latched_message_larger_than_the_buffer_does_not_block(fast, name, sub
 
 
 def test_a_connection_that_is_closed_while_a_message_waits_is_removed(fast, name, publisher,
-                                                                      subscribe, monkeypatch):
-    threads, send = [], Outbox._run
-    monkeypatch.setattr(Outbox, '_run', lambda outbox, sock: (
-        threads.append(threading.current_thread()), send(outbox, sock)))
+                                                                      subscribe):
+    before = set(threading.enumerate())
     gone, closed = subscribe(name, String), subscribe(name, String)
     ends(publisher.publish, large('a'))
     ends(publisher.publish, large('b'))
+    assert len(set(threading.enumerate()) - before) == 2
     gone.sock.close()               # by the subscriber
     closed.transport.close()        # by rospy
     wait_for(lambda: publisher.get_num_connections() == 0, 'the end of both connections')
-    wait_for(lambda: len(threads) == 2 and not any(thread.is_alive() for thread in threads),
-             'the end of the threads')
+    wait_for(lambda: set(threading.enumerate()) <= before, 'the end of the threads')
 
 
 def test_a_slow_subscriber_gets_whole_messages_in_order_and_the_last_one(fast, name, publisher,
@@ -163,7 +165,7 @@ def test_a_closed_subscriber_is_removed(fast, name, publisher, subscribe):
 
 def test_a_topic_that_rospy_closes_meanwhile(fast, name, publisher, subscribe):
     """At the shutdown of a node, another thread closes its topics step by step."""
-    topic = publisher._publisher.impl
+    topic = impl_of(name)
     subscribe(name, String).sock.close()
     topic.subscriber_listeners = None
     publisher.publish(text(1))                  # it finds that the subscriber is gone
@@ -202,7 +204,7 @@ def test_descriptors_above_1023(fast, name, publisher, subscribe, high):
     assert end.receive() == packet(text(1))
     count = fill(end.transport.socket)
     publisher.publish(text(2))
-    end._read(count)
+    end.read(count)
     assert end.receive() == packet(text(2))
     end.transport.socket.close()
 
@@ -238,7 +240,7 @@ def test_messages_that_are_sent_together_are_counted(fast, name, publisher, subs
     publisher.publish(text(3))
     for number in range(4):
         assert end.receive() == packet(text(number))
-    connection, = publisher._publisher.impl.connections
+    connection, = impl_of(name).connections
     assert connection.stat_num_msg == 4
     assert connection.stat_bytes == sum(len(packet(text(number))) for number in range(4))
 
@@ -302,7 +304,7 @@ def test_a_message_that_is_published_while_a_subscriber_connects_comes_once(fast
                                                                             subscribe):
     publisher = DirectPublisher(name, String, latch=True)
     publisher.publish(text(0))
-    topic = publisher._publisher.impl
+    topic = impl_of(name)
     other = threading.Thread(target=publisher.publish, args=(text(1),), daemon=True)
 
     class Listener(rospy.SubscribeListener):
@@ -341,6 +343,6 @@ def test_headers_are_counted(way, name, subscribe):
 
 
 def test_publishing_on_a_closed_topic_is_an_error(way, name, publisher):
-    publisher._publisher.impl.close()
+    impl_of(name).close()
     with pytest.raises(rospy.ROSException, match='closed topic'):
         publisher.publish(text(1))

@@ -41,7 +41,7 @@ def lines(monkeypatch):
 def test_a_message_above_the_limit_is_read_and_dropped(fast, name, images, lines, publish_to, size,
                                                        sent_first):
     refused = []
-    subscriber = ImageSubscriber(name, images.put, LIMIT, refused.append)
+    ImageSubscriber(name, images.put, LIMIT, refused.append)
     publisher = publish_to(name, Image, begin=False)
     data = packet(image(size)) + packet(image(LIMIT))
     # what rospy reads with the handshake
@@ -52,7 +52,6 @@ def test_a_message_above_the_limit_is_read_and_dropped(fast, name, images, lines
     assert len(got.data) == len(image(LIMIT).data) and images.empty()
     assert refused == lines == ['image of {} skipped: {} bytes, at most {} are read'.format(
         publisher.transport.endpoint_id, size, LIMIT)]
-    assert sum(map(len, subscriber._free)) == 0
 
 
 def test_data_that_is_not_an_image_is_refused(fast, name, images, lines, publish_to):

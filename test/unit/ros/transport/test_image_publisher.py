@@ -1,6 +1,5 @@
 """Images to real connections of rospy: the same bytes that rospy sends, from reused buffers."""
 import io
-import os
 import warnings
 
 import numpy as np
@@ -10,8 +9,8 @@ from rospy.msg import serialize_message
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.ros.transport import outbox
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.transport.outbox import PacketPool
 from img_recog_testing.extraction import random_image
 from img_recog_testing.waiting import wait_for
 
@@ -100,40 +99,6 @@ def test_a_subscriber_that_does_not_read_blocks_no_other_and_gets_whole_images_l
     assert stuck.receive() == wire(random_image(21, LARGE), 21)
 
 
-@pytest.mark.parametrize('leave_large, shape, sent', [
-    (True, (1080, 1920, 3), {0}), (True, (480, 640, 3), None), (False, (1080, 1920, 3), None)])
-def test_large_images_can_be_left_to_a_thread(fast, name, subscribe, monkeypatch, leave_large,
-                                              shape, sent):
-    counts, catch_up = [], outbox.Outbox._catch_up
-
-    def note(self, sock, message, count):
-        counts.append(count)
-        catch_up(self, sock, message, count)
-    monkeypatch.setattr(outbox.Outbox, '_catch_up', note)
-    publisher = ImagePublisher(name, leave_large)
-    subscriber, image = subscribe(name, Image), random_image(1, shape)
-    for seq in range(1, 4):
-        publish(publisher, image)
-        assert subscriber.receive() == wire(image, seq)
-    # how much of each message the caller had sent
-    assert set(counts) == sent if sent else all(counts)
-
-
-@pytest.mark.parametrize('shape, sent', [((1080, 1920, 3), [4096, 4096]), ((480, 640, 3), [])])
-def test_a_subscriber_may_read_the_first_bytes_of_a_large_image_first(
-        fast, name, publisher, subscribe, monkeypatch, shape, sent):
-    """When the sender gives up its processor for once, only they are sent."""
-    subscriber, image, waiting = subscribe(name, Image), random_image(1, shape), []
-    monkeypatch.setattr(os, 'sched_yield', lambda: waiting.append(subscriber.waiting_bytes()))
-    for seq in (1, 2):
-        # what is published before the thread has ended its work is left to it, whole
-        wait_for(lambda: not any(each._is_behind for each in
-                                 publisher._outboxes._outboxes.values()), 'the thread')
-        publish(publisher, image)
-        assert subscriber.receive() == wire(image, seq)
-    assert waiting == sent
-
-
 def test_a_read_only_image_is_not_copied_again(fast, name, publisher, subscribe):
     subscriber, copied = subscribe(name, Image), []
 
@@ -153,69 +118,76 @@ def test_a_read_only_image_is_not_copied_again(fast, name, publisher, subscribe)
 
 
 @pytest.fixture
-def buffers(publisher, monkeypatch):
-    """The buffers that a publisher has used, by number."""
-    used, take = {}, publisher._pool.take
+def draw(publisher):
+    """A function that publishes an image and returns the address of the buffer it is drawn to."""
+    drawn = []      # these arrays keep their buffers, so no two buffers have the same address
 
-    def note(size):
-        packet = take(size)
-        used[id(packet)] = packet
-        return packet
-    monkeypatch.setattr(publisher._pool, 'take', note)
-    return used
+    def call(number=0):
+        publisher.publish_drawn(lambda result, _: (
+            drawn.append(result), np.copyto(result, random_image(number, LARGE)), None)[-1],
+            LARGE, 'bgr8', header())
+        return drawn[-1].ctypes.data
+    return call
 
 
 def test_buffers_are_reused_and_a_subscriber_that_does_not_read_keeps_two(
-        fast, name, publisher, subscribe, buffers):
-    reading = subscribe(name, Image)
-    for seq in range(20):
-        publish(publisher, random_image(seq, LARGE))
-        reading.receive()
-    assert len(buffers) <= 2
-    subscribe(name, Image)
-    for seq in range(20):
-        publish(publisher, random_image(seq, LARGE))
-        reading.receive()
-    assert len(buffers) <= 4
-
-
-def test_a_buffer_is_free_only_after_the_last_connection_has_sent_it(
-        fast, name, publisher, subscribe, buffers):
-    ends = [subscribe(name, Image) for _ in range(2)]
-    publish(publisher, random_image(1, LARGE))
-    packet, = buffers.values()
-    ends[0].receive()
-    wait_for(lambda: packet._owners == 1, 'the first sender')
-    assert publisher._pool.free == []
-    ends[1].receive()
-    wait_for(lambda: publisher._pool.free == [packet], 'the buffer')
-
-
-def test_a_buffer_is_free_again_when_its_subscriber_closes(
-        fast, name, publisher, subscribe, buffers):
-    stuck = subscribe(name, Image)
-    for seq in range(5):
-        publish(publisher, random_image(seq, LARGE))
+        fast, name, subscribe, draw):
+    reading, used = subscribe(name, Image), set()
+    for most in (2, 4):
+        for _ in range(20):
+            used.add(draw())
+            reading.receive()
+        assert len(used) <= most
+        stuck = subscribe(name, Image)
     stuck.sock.close()
-    wait_for(lambda: not publisher.get_num_connections(), 'the end of the connection')
-    publish(publisher, random_image(6, LARGE))
-    wait_for(lambda: len(publisher._pool.free) == len(buffers), 'all buffers')
+    for _ in range(20):
+        used.add(draw())
+        reading.receive()
+    assert len(used) <= 4
 
 
-def test_a_buffer_is_free_again_when_drawing_fails(fast, name, publisher, subscribe, buffers):
-    subscriber = subscribe(name, Image)
-    with pytest.raises(ZeroDivisionError):
-        publisher.publish_drawn(lambda *_: 1 / 0, (4, 4, 3), 'bgr8', header())
-    assert publisher._pool.free == list(buffers.values()) and subscriber.is_idle()
+def test_a_buffer_is_free_only_after_the_last_connection_has_sent_it(fast, name, subscribe, draw):
+    ends = [subscribe(name, Image) for _ in range(2)]
+    first = draw(1)
+    ends[0].receive()
+    second = draw(2)
+    assert second != first
+    for seq in (1, 2):
+        assert ends[1].receive() == wire(random_image(seq, LARGE), seq)
+
+    def is_used_again():
+        address = draw(3)
+        for end in ends:
+            end.receive()
+        return address in (first, second)
+    ends[0].receive()
+    wait_for(is_used_again, 'one of them')
 
 
-def test_buffers_of_another_size_are_dropped(fast, name, publisher, subscribe):
-    subscriber = subscribe(name, Image)
-    for seed, shape in enumerate([(480, 640, 3), (4, 4, 3), (480, 640, 3)]):
-        publish(publisher, random_image(seed, shape))
-        subscriber.receive()
-        wait_for(lambda: publisher._pool.free, 'the buffer')
-        assert len(publisher._pool.free) == 1
+def test_a_buffer_is_free_again_when_drawing_fails(fast, name, publisher, subscribe):
+    subscriber, addresses = subscribe(name, Image), []
+
+    def fail(result, note):
+        addresses.append(result.ctypes.data)
+        assert note is None
+        raise ZeroDivisionError
+    for _ in range(3):
+        with pytest.raises(ZeroDivisionError):
+            publisher.publish_drawn(fail, (4, 4, 3), 'bgr8', header())
+    assert len(set(addresses)) == 1 and subscriber.is_idle()
+
+
+def test_buffers_of_another_size_are_dropped():
+    pool = PacketPool()
+    packet = pool.take(10)
+    packet.retain()
+    packet.release()
+    assert pool.free == []
+    packet.release()
+    assert pool.free == [packet] and pool.take(10) is packet
+    packet.release()
+    other = pool.take(20)
+    assert pool.free == [] and len(other.data) == 20
 
 
 def test_a_closed_subscriber_is_removed_and_others_continue(

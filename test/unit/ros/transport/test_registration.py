@@ -1,4 +1,5 @@
 """Calls to the master: registering again, and no wait for a silent master at the end."""
+import os
 import socket
 import threading
 import time
@@ -19,7 +20,7 @@ from img_recog_testing.waiting import wait_for
 def silent(monkeypatch):
     """The proxy of a master that accepts connections and never answers."""
     monkeypatch.delenv(VARIABLE, raising=False)
-    monkeypatch.setattr(registration._Connection, 'is_ending', threading.Event())
+    monkeypatch.setattr(registration.MasterConnection, 'is_ending', threading.Event())
     monkeypatch.setattr(rospy.core, '_xmlrpc_cache', {})
     with socket.socket() as server:
         server.bind(('127.0.0.1', 0))
@@ -40,7 +41,7 @@ def test_a_call_that_waits_for_an_answer_is_interrupted(silent):
             errors.append(error)
     thread = threading.Thread(target=call, daemon=True)
     thread.start()
-    wait_for(lambda: len(registration._Connection.all) > 0, 'the connection')
+    wait_for(lambda: len(registration.MasterConnection.all) > 0, 'the connection')
     assert thread.is_alive()
     registration.end_calls()
     thread.join(30.0)
@@ -57,7 +58,7 @@ def test_a_call_during_the_shutdown_does_not_wait(silent):
 
 
 def test_a_call_to_a_host_that_drops_packets_is_interrupted(silent):
-    host, port = silent._ServerProxy__host.split(':')
+    host, port = os.environ['ROS_MASTER_URI'][len('http://'):].split(':')
     errors, waiting = [], []
     for _ in range(20):             # until the queue of the listening socket is full
         waiting.append(socket.socket())
