@@ -2,6 +2,12 @@
 
 A mutant is a copy of the tree with one small change, like > to >=. It is killed if a unit test
 fails or takes too long. Started by ./run mutants.
+
+The operators are those of cosmic-ray. Its runner was tried: it has one test command for all
+mutants and starts Python for each (2 s for one file of tests, in place of 0.2 s in a fork), and
+drawing, choosing tests by line, two copies at a time and the list of equivalent mutants would be
+code of ours all the same, around a database and 12 more packages. mutmut 3 does not change what
+is outside of functions or in decorated ones: 16 % of the places here.
 """
 import argparse
 import concurrent.futures
@@ -9,20 +15,14 @@ import os
 import queue
 import random
 import sys
-from typing import List, NamedTuple, Optional
+from collections import Counter
+from typing import List, Optional
 
 from mutations import Mutant, mutate, places
 from records import Equivalents, Record, recorded
 from trees import Tree, Worker
 
 _MIN_KILLED = 0.9
-
-
-class Result(NamedTuple):
-    """What became of a mutant. outcome: killed, survived or equivalent."""
-
-    mutant: Mutant
-    outcome: str
 
 
 def draw(tree: Tree, count: int, seed: int, only: str) -> List[Mutant]:
@@ -45,37 +45,39 @@ def draw(tree: Tree, count: int, seed: int, only: str) -> List[Mutant]:
 
 
 def run(mutants: List[Mutant], workers: List[Worker], record: Record,
-        equivalents: Equivalents) -> List[Result]:
-    """Test mutants with all workers; print each that survives."""
+        equivalents: Equivalents) -> Counter:
+    """Test mutants with all workers and print each that survives.
+
+    Returns how many were killed, survived, and are equivalent.
+    """
     free: 'queue.Queue[Worker]' = queue.Queue()
     for worker in workers:
         free.put(worker)
 
-    def test(mutant: Mutant) -> Result:
+    def outcome(mutant: Mutant) -> str:
         if mutant in equivalents:
-            return Result(mutant, 'equivalent')
+            return 'equivalent'
         worker = free.get()
         try:
-            killed = worker.is_killed(mutant, record.tests(mutant.place), record.limits)
+            if worker.is_killed(mutant, record.tests(mutant.place), record.limits):
+                return 'killed'
         finally:
             free.put(worker)
-        if not killed:
-            print('{}:{}\n    {}\n    {}'.format(
-                mutant.place.file, mutant.place.line, mutant.before, mutant.after), flush=True)
-        return Result(mutant, 'killed' if killed else 'survived')
+        print('{}:{}\n    {}\n    {}'.format(
+            mutant.place.file, mutant.place.line, mutant.before, mutant.after), flush=True)
+        return 'survived'
 
-    results: List[Result] = []
+    counts: Counter = Counter(killed=0, survived=0, equivalent=0)
     with concurrent.futures.ThreadPoolExecutor(len(workers)) as pool:
-        for result in pool.map(test, mutants):
-            results.append(result)
-            if len(results) % 50 == 0:
-                print('[mutants] {}'.format(_counts(results)), flush=True)
-    return results
+        for number, each in enumerate(pool.map(outcome, mutants), 1):
+            counts[each] += 1
+            if number % 50 == 0:
+                print('[mutants]', _shown(counts), flush=True)
+    return counts
 
 
-def _counts(results: List[Result]) -> str:
-    return ', '.join('{} {}'.format(sum(result.outcome == outcome for result in results), outcome)
-                     for outcome in ('killed', 'survived', 'equivalent'))
+def _shown(counts: Counter) -> str:
+    return ', '.join('{} {}'.format(count, name) for name, count in counts.items())
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
@@ -93,16 +95,13 @@ def main(arguments: Optional[List[str]] = None) -> int:
     workers = [Worker(tree.copy('copy{}'.format(number)), os.environ['MUTANTS_PYTHON'])
                for number in range(options.workers)]
     try:
-        record = recorded(tree, workers[0], folder)
-        results = run(mutants, workers, record,
-                      Equivalents(tree.source('test/equivalent_mutants.yaml')))
+        counts = run(mutants, workers, recorded(tree, workers[0], folder),
+                     Equivalents(tree.source('test/equivalent_mutants.yaml')))
     finally:
         for worker in workers:
             worker.close()
-    print('[mutants] --seed {}: {}'.format(seed, _counts(results)))
-    killed, survived = (sum(result.outcome == outcome for result in results)
-                        for outcome in ('killed', 'survived'))
-    return 0 if killed >= _MIN_KILLED * (killed + survived) else 1
+    print('[mutants] --seed {}: {}'.format(seed, _shown(counts)))
+    return 0 if counts['killed'] >= _MIN_KILLED * (counts['killed'] + counts['survived']) else 1
 
 
 if __name__ == '__main__':

@@ -2,6 +2,7 @@
 import json
 import os
 import sys
+from collections import defaultdict
 from typing import Dict, Iterable, List
 
 import yaml
@@ -15,15 +16,15 @@ class Record:
 
     def __init__(self, paths: Iterable[str]):
         self._seconds: Dict[str, float] = {}
-        self._lines: Dict[str, Dict[str, List[str]]] = {}
+        self._lines: Dict[str, Dict[int, List[str]]] = defaultdict(lambda: defaultdict(list))
         for path in paths:
             with open(path) as stream:
                 record = json.load(stream)
-            self._seconds.update(record['seconds'])
-            for file, lines in record['lines'].items():
-                known = self._lines.setdefault(file, {})
-                for line, tests in lines.items():
-                    known.setdefault(line, []).extend(tests)
+            for test, (seconds, lines) in record.items():
+                self._seconds[test] = seconds
+                for file, numbers in lines.items():
+                    for number in numbers:
+                        self._lines[file][number].append(test)
         self.limits = {test: 10 + 5 * seconds for test, seconds in self._seconds.items()}
 
     def tests(self, place: Place) -> List[str]:
@@ -33,13 +34,13 @@ class Record:
         by the first test only). Other lines are run once, by the import: the tests of the file,
         those that run anything of it, all others of its folder and of test/unit itself.
         """
-        lines = self._lines.get(place.file, {})
+        lines = self._lines[place.file]
         folder, name = os.path.split(os.path.relpath(place.file, SOURCES))
         mirror = 'test/unit/' + (folder + '/' if folder else '')
         of_file = [test for test in self._seconds if test.startswith(mirror + 'test_' + name[:-3])]
         if place.in_function:
             numbers = range(place.line, place.end_line + 1)
-            groups = [{test for number in numbers for test in lines.get(str(number), [])}, of_file]
+            groups = [{test for number in numbers for test in lines[number]}, of_file]
         else:
             groups = [of_file, {test for tests in lines.values() for test in tests},
                       [test for test in self._seconds if test.startswith(mirror)
@@ -78,11 +79,7 @@ def recorded(tree: Tree, worker: Worker, folder: str) -> Record:
         for test in record['failed']:
             print('[mutants] not used, it fails without a mutant: {}'.format(test), flush=True)
         for name in missing:
-            part = {'seconds': {test: value for test, value in record['seconds'].items()
-                                if test.startswith(name + '::')},
-                    'lines': {file: {line: [test for test in tests if test.startswith(name + '::')]
-                                     for line, tests in lines.items()}
-                              for file, lines in record['lines'].items()}}
             with open(paths[name], 'w') as stream:
-                json.dump(part, stream)
+                json.dump({test: value for test, value in record['tests'].items()
+                           if test.startswith(name + '::')}, stream)
     return Record(paths.values())

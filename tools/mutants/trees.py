@@ -12,8 +12,8 @@ from mutations import Mutant
 PURE = ('camera', 'conversions', 'recognition', 'rendering', 'replay', 'simulation',
         'teleoperation')
 SOURCES = 'src/img_recog'
-# what tests read, beside their own file
-SHARED = ('config/', 'src/', 'test/img_recog_testing/', 'test/unit/', 'urdf/')
+# what decides their results, beside their own file
+SHARED = ('config/', 'src/', 'test/img_recog_testing/', 'test/unit/', 'tools/mutants/', 'urdf/')
 # in test/unit; all others are run
 OTHER_TESTS = ('nodes', 'ros', 'test_walls.py')
 
@@ -42,16 +42,19 @@ class Tree:
 
     def test_files(self) -> Dict[str, str]:
         """Return the files with tests that are run, and a digest of all that decides each result.
+
+        A pure file with examples in its docstrings is one of them.
         """
         tests = [name for name in self.files if name.startswith('test/unit/')
                  and os.path.basename(name).startswith('test_')
                  and name[len('test/unit/'):].split('/')[0] not in OTHER_TESTS]
+        examples = [name for name in self.pure_files() if '>>> ' in self.source(name)]
         shared = hashlib.sha1()
         for name in self.files:
             if name.startswith(SHARED) and name not in tests:
                 shared.update(name.encode() + self._content(name))
         return {name: hashlib.sha1(shared.digest() + self._content(name)).hexdigest()
-                for name in tests}
+                for name in tests + examples}
 
     def _content(self, name: str) -> bytes:
         with open(os.path.join(self._root, name), 'rb') as stream:

@@ -68,14 +68,14 @@ class _Recorder:
     def pytest_sessionfinish(self):
         self._coverage.stop()
         data = self._coverage.get_data()
-        useless = {'', *self._failed}
-        lines = {os.path.relpath(file): {
-            line: [test for test in tests if test not in useless]
-            for line, tests in data.contexts_by_lineno(file).items()}
-            for file in data.measured_files()}
-        seconds = {test: value for test, value in self._seconds.items() if test not in useless}
+        tests = {test: (seconds, {}) for test, seconds in self._seconds.items()
+                 if test not in self._failed}
+        for file in data.measured_files():
+            for line, names in data.contexts_by_lineno(file).items():
+                for test in tests.keys() & names:
+                    tests[test][1].setdefault(os.path.relpath(file), []).append(line)
         with open(self._path, 'w') as stream:
-            json.dump({'lines': lines, 'seconds': seconds, 'failed': sorted(self._failed)}, stream)
+            json.dump({'tests': tests, 'failed': sorted(self._failed)}, stream)
 
 
 def _run(request, copy):
@@ -87,7 +87,7 @@ def _run(request, copy):
     resource.setrlimit(resource.RLIMIT_DATA, (_MAX_DATA_BYTES, _MAX_DATA_BYTES))
     for number, name in ((0, os.devnull), (1, copy + '.log'), (2, copy + '.log')):
         os.dup2(os.open(name, os.O_RDWR | os.O_CREAT | os.O_TRUNC), number)
-    arguments = ['-q', '-p', 'no:cacheprovider', '--basetemp', copy + '.tmp']
+    arguments = ['-q', '-p', 'no:cacheprovider', '--basetemp', copy + '.tmp', '--doctest-modules']
     if 'record' in request:
         plugin = _Recorder(request['record'])
         arguments += request['files']
