@@ -4,10 +4,10 @@ For a file it is not a node and needs no master; for a topic it is an anonymous 
 TuneColorsNode.
 """
 import argparse
-import math
+import contextlib
 import os
 import sys
-from typing import Optional, Sequence
+from typing import Any, Callable, Optional, Sequence
 
 import cv2
 import numpy as np
@@ -30,7 +30,6 @@ _TIMEOUT_S = 10.0
 _ANY_RATE_HZ = 30.0     # of no effect: frames are read one by one
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _ADVICE = 'give an image, a video or the name of a topic with images'
-_EXPECTED = 'got {!r}, expected {}'
 
 
 def _tune_file(path: str, options: argparse.Namespace, picture: PictureOutput) -> None:
@@ -99,17 +98,21 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('image_or_topic', metavar='IMAGE_OR_TOPIC',
                         help='an image file, a video file, or a topic with images (a window '
                         'shows its newest image)')
-    parser.add_argument('--frame', type=_frame_number, metavar='N',
+    parser.add_argument('--frame', metavar='N', type=_allowed(
+                            int, lambda number: number >= 0, 'a whole number of at least 0'),
                         help='frame of a video, counted from 0 (default: 0)')
     colors = parser.add_mutually_exclusive_group()
     colors.add_argument('--colors', metavar='YAML', help='parameter file with the colors')
     colors.add_argument('--node', metavar='NAME', help='for a topic: the node whose '
                         'parameters define the colors (default: /color_extract; without '
                         'parameters, the article\'s colors)')
-    parser.add_argument('--timeout', type=_seconds, default=_TIMEOUT_S, metavar='S',
+    parser.add_argument('--timeout', default=_TIMEOUT_S, metavar='S', type=_allowed(
+                            float, lambda seconds: seconds > 0, 'a number of seconds above 0'),
                         help='how long to wait for an image on a topic (default: %(default)g s)')
     still_images.add_option(parser)
-    parser.add_argument('--output', type=_png, default=_OUTPUT, metavar='PATH.png',
+    parser.add_argument('--output', default=_OUTPUT, metavar='PATH.png', type=_allowed(
+                            str, lambda path: path.lower().endswith('.png'),
+                            'a path that ends in .png'),
                         help='where to write the picture (default: %(default)s)')
     parser.add_argument('--watch', action='store_true',
                         help='for a topic: write the picture every second until Ctrl-C')
@@ -118,26 +121,15 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def _frame_number(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(_EXPECTED.format(text, 'a whole number of at least 0'))
-    return int(text)
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not value > 0:
-        raise argparse.ArgumentTypeError(_EXPECTED.format(text, 'a number of seconds above 0'))
+def _allowed(kind: Callable[[str], Any], is_allowed: Callable[[Any], bool],
+             expected: str) -> Callable[[str], Any]:
+    """Return a type of an option for argparse: a kind of value, of which not all are allowed."""
+    def value(text: str) -> Any:
+        with contextlib.suppress(ValueError):
+            if is_allowed(kind(text)):
+                return kind(text)
+        raise argparse.ArgumentTypeError('got {!r}, expected {}'.format(text, expected))
     return value
-
-
-def _png(text: str) -> str:
-    if not text.lower().endswith('.png'):
-        raise argparse.ArgumentTypeError(_EXPECTED.format(text, 'a path that ends in .png'))
-    return text
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
