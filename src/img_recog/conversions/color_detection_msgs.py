@@ -34,6 +34,10 @@ def to_msg(names: Sequence[str], areas_px: Sequence[int], centroids: Sequence[Ce
     """Return the message for the colors of one image; all sequences have the same order.
 
     header: of the image. Values are float32: areas above 2**24 pixels are rounded.
+
+    >>> msg = to_msg(['blue', 'red'], [1600, 0], [(29.5, 119.5), None], Header())
+    >>> [(channel.name, channel.values) for channel in msg.channels]
+    [('blue', [1600.0, 0.0]), ('red', [0.0, 0.0])]
     """
     points = [Point32(*(centroid or _NO_CENTROID), 0.0) for centroid in centroids]
     channels = [ChannelFloat32(name, [0.0] * len(names)) for name in names]
@@ -44,6 +48,9 @@ def to_msg(names: Sequence[str], areas_px: Sequence[int], centroids: Sequence[Ce
 
 def from_msg(msg: PointCloud) -> ColorDetection:
     """Return the colors in a message.
+
+    >>> from_msg(to_msg(['blue'], [1600], [(29.5, 119.5)], Header()))
+    ColorDetection(names=['blue'], areas_px=[1600], centroids=[(29.5, 119.5)])
 
     Raises ColorDetectionError if there is not one channel for each point, with one value for each
     point, or an area is no number.

@@ -42,6 +42,9 @@ def to_msg(image: np.ndarray, encoding: str, header: Header,
     compressed_image_transport: color is always compressed as bgr8, and grey has no second
     encoding: 'rgb8; jpeg compressed bgr8', 'mono8; png compressed '.
     Raises ImageError when the image cannot be compressed.
+
+    >>> to_msg(np.zeros((2, 4, 3), np.uint8), 'rgb8', Header()).format
+    'rgb8; jpeg compressed bgr8'
     """
     try:
         if image.ndim < 2 or image.shape[2:] != _PIXEL_SHAPES[encoding] or image.dtype != np.uint8:

@@ -43,7 +43,16 @@ def to_msg(image: np.ndarray, encoding: str, header: Header) -> Image:
     """Return the message for `image`, uint8 of shape (height, width[, channels]).
 
     encoding: that of the array, as in sensor_msgs/image_encodings.h.
+
+    >>> msg = to_msg(np.zeros((2, 3, 3), np.uint8), 'bgr8', Header())
+    >>> msg.height, msg.width, msg.step, msg.encoding
+    (2, 3, 9, 'bgr8')
+
     Raises ImageError when the array does not have the shape for its encoding.
+
+    >>> msg = to_msg(np.zeros((2, 4, 3), np.uint8), 'bgr8', Header())
+    >>> msg.height, msg.width, msg.step, len(msg.data)
+    (2, 4, 12, 24)
     """
     try:
         msg = _bridge().cv2_to_imgmsg(image, encoding)
@@ -59,6 +68,10 @@ def from_msg(msg: Image, encoding: str = 'bgr8') -> np.ndarray:
 
     Rows may be padded (step larger than a row) and multi-byte pixels may have either endianness.
     Raises ImageError naming the size, encoding and reason.
+
+    >>> data = bytes([1, 2, 3, 4, 5, 6, 0, 0])
+    >>> from_msg(Image(height=1, width=2, encoding='rgb8', step=8, data=data)).tolist()
+    [[[3, 2, 1], [6, 5, 4]]]
     """
     with _image_errors(msg, encoding):
         return _bridge().imgmsg_to_cv2(_normalized(msg), encoding)

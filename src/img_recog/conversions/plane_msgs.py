@@ -28,13 +28,21 @@ class PlanePose(NamedTuple):
     yaw: float
 
     def compose(self, pose: 'PlanePose') -> 'PlanePose':
-        """Return, in the parent's frame, a pose that is given in the frame of this one."""
+        """Return, in the parent's frame, a pose that is given in the frame of this one.
+
+        >>> PlanePose(1.0, 2.0, 0.0).compose(PlanePose(0.5, 0.0, 0.25))
+        PlanePose(x=1.5, y=2.0, yaw=0.25)
+        """
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return PlanePose(self.x + cos * pose.x - sin * pose.y,
                          self.y + sin * pose.x + cos * pose.y, self.yaw + pose.yaw)
 
     def inverse(self) -> 'PlanePose':
-        """Return the pose of the parent in the frame of this pose."""
+        """Return the pose of the parent in the frame of this pose.
+
+        >>> PlanePose(1.0, 2.0, 0.0).inverse()
+        PlanePose(x=-1.0, y=-2.0, yaw=-0.0)
+        """
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return PlanePose(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.yaw)
 
@@ -49,6 +57,9 @@ def pose_to_msg(pose: PlanePose, header: Header) -> PoseStamped:
 
 def pose_from_msg(msg: Union[PoseStamped, PoseWithCovariance]) -> PlanePose:
     """Return the pose in a message; its height, roll and pitch are ignored.
+
+    >>> pose_from_msg(pose_to_msg(PlanePose(1.0, 2.0, 0.5), Header()))
+    PlanePose(x=1.0, y=2.0, yaw=0.5)
 
     Raises PoseError when a number is not finite or above MAX_NUMBER, or the quaternion is zero.
     """

@@ -28,6 +28,9 @@ _POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist(
 def stamp_of(time_s: float) -> genpy.Time:
     """Return simulated time as a stamp, to the nearest nanosecond (from_sec truncates).
 
+    >>> stamp_of(1.1)
+    genpy.Time[1100000000]
+
     It must not be changed.
     """
     return genpy.Time(*divmod(round(time_s * 1e9), 1000000000))

@@ -12,7 +12,11 @@ class TwistError(UserError):
 
 
 def to_msg(linear_x: float, angular_z: float = 0.0) -> Twist:
-    """Return the message for linear_x m/s and angular_z rad/s; every other field is 0."""
+    """Return the message for linear_x m/s and angular_z rad/s; every other field is 0.
+
+    >>> to_msg(0.2, -0.5).linear.x, to_msg(0.2, -0.5).angular.z
+    (0.2, -0.5)
+    """
     msg = Twist()
     msg.linear.x, msg.angular.z = linear_x, angular_z
     return msg
@@ -20,6 +24,9 @@ def to_msg(linear_x: float, angular_z: float = 0.0) -> Twist:
 
 def from_msg(msg: Twist) -> Tuple[float, float]:
     """Return linear.x in m/s and angular.z in rad/s.
+
+    >>> from_msg(to_msg(0.2, -0.5))
+    (0.2, -0.5)
 
     Raises TwistError when any of the six fields is not a finite number.
     """

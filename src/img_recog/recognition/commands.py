@@ -20,6 +20,10 @@ def commands_for(areas_px: Sequence[int], settings: RecognitionSettings) -> List
     areas_px: the area of each color in pixels. If no color is above its limit, there is no
     command at all: stopping the robot is left to another node (in the article, the idle
     teleoperation) or to a Commander.
+
+    >>> from img_recog.recognition.settings import with_colors
+    >>> commands_for([1001, 1000], with_colors(['blue', 'red'])())
+    [Command(linear_x=10.0, angular_z=0.0)]
     """
     return [Command(color.linear_x, color.angular_z)
             for color, area_px in zip(settings.colors, areas_px)

@@ -43,7 +43,11 @@ def draw(extractor: ColorExtractor, colors: Sequence[Color], areas_px: Sequence[
 
 
 def bright_bgr(color: Color) -> _Bgr:
-    """Return the middle of a color's range of hues as a bright BGR color."""
+    """Return the middle of a color's range of hues as a bright BGR color.
+
+    >>> bright_bgr(Color('blue', (110, 130), (0, 255), (0, 255), 0, 0.0, 0.0))
+    (255, 35, 35)
+    """
     pixel = cv2.cvtColor(np.array([[[color.middle_hue, 220, 255]]], np.uint8), cv2.COLOR_HSV2BGR)
     return tuple(int(value) for value in pixel[0, 0])
 

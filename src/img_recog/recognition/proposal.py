@@ -13,12 +13,16 @@ _MIN_SATURATION, _MIN_VALUE = 40, 30
 
 
 def propose_bounds(image: np.ndarray, x: float, y: float) -> Dict[str, int]:
-    """Return hue, saturation and value bounds that contain the color at a point and its likes.
+    """Return hue, saturation and value bounds that contain the color at a point and similar ones.
 
     image: bgr8, uint8 of shape (height, width, 3). x, y: shares of width and height, 0 to 1.
     The bounds are on OpenCV's 8-bit scale; if hue_min is above hue_max, the hue wraps around.
     Brighter and more saturated pixels of the same hue are within them.
     Raises UserError for a part that is too gray or too dark to have a hue that is steady.
+
+    >>> bounds = propose_bounds(np.full((20, 20, 3), (60, 25, 215), np.uint8), 0.5, 0.5)
+    >>> bounds['hue_min'], bounds['hue_max'], bounds['saturation_min'], bounds['value_min']
+    (164, 4, 165, 155)
     """
     height, width = image.shape[:2]
     column, row = (min(size - 1, max(0, int(share * size)))

@@ -32,7 +32,11 @@ class Color(NamedTuple):
 
     @property
     def middle_hue(self) -> int:
-        """The hue in the middle of the range, 0 to 179."""
+        """The hue in the middle of the range, 0 to 179.
+
+        >>> Color('red', (170, 10), (0, 255), (0, 255), 0, 0.0, 0.0).middle_hue
+        0
+        """
         low, high = self.hue
         span = high - low if low <= high else high - low + _HUES
         return (low + span // 2) % _HUES
@@ -112,6 +116,9 @@ class RecognitionSettings(Settings):
         """Return the rows and columns of the image that are in the region of interest.
 
         shape: height and width of the image in pixels.
+
+        >>> RecognitionSettings(roi_x_offset=600, roi_width=100).region((480, 640))
+        (slice(0, 480, None), slice(600, 640, None))
         """
         return (_cut(self.roi_y_offset, self.roi_height, shape[0]),
                 _cut(self.roi_x_offset, self.roi_width, shape[1]))
@@ -140,7 +147,11 @@ def with_colors(names: Iterable[str] = DEFAULT_COLORS) -> Type[RecognitionSettin
 
 
 def color_in(parameter: str) -> Optional[str]:
-    """Return the name of the color that a parameter is named after, None if there is none."""
+    """Return the name of the color that a parameter is named after, None if there is none.
+
+    >>> color_in('light_blue_hue_min')
+    'light_blue'
+    """
     for part in (*_PARTS, 'image_topic'):
         if parameter.endswith('_' + part):
             return parameter[:-len(part) - 1]
@@ -151,6 +162,9 @@ def color_names(value: Any) -> Tuple[str, ...]:
     """Return the value of the parameter `colors` as a tuple.
 
     Raises SettingError if it is not a list of different names.
+
+    >>> color_names(['blue', 'red'])
+    ('blue', 'red')
     """
     if (isinstance(value, (list, tuple)) and value
             and all(isinstance(name, str) and _NAME.fullmatch(name) for name in value)

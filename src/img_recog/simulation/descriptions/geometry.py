@@ -24,7 +24,12 @@ class Transform(NamedTuple):
         return Transform(self.rotation.T, -self.rotation.T @ self.translation)
 
     def apply(self, point: np.ndarray) -> np.ndarray:
-        """Return `point`, given in the child frame, in the parent frame."""
+        """Return `point`, given in the child frame, in the parent frame.
+
+        >>> raised = Transform(np.eye(3), np.array((0.0, 0.0, 0.1)))
+        >>> raised.apply(np.array((1.0, 0.0, 0.0))).tolist()
+        [1.0, 0.0, 0.1]
+        """
         return self.rotation @ point + self.translation
 
     def matrix(self) -> np.ndarray:
@@ -38,7 +43,11 @@ IDENTITY = Transform(np.eye(3), np.zeros(3))
 
 
 def from_rpy(xyz: Numbers, rpy: Numbers) -> Transform:
-    """Return the transform of a URDF <origin>: about fixed axes, roll, then pitch, then yaw."""
+    """Return the transform of a URDF <origin>: about fixed axes, roll, then pitch, then yaw.
+
+    >>> np.round(from_rpy((1, 0, 0), (0, 0, np.pi / 2)).apply(np.array((2.0, 0, 0))), 6).tolist()
+    [1.0, 2.0, 0.0]
+    """
     return Transform(rotations.from_rpy(rpy), np.array(xyz, float))
 
 

@@ -9,7 +9,12 @@ _MIN = 1e-20
 
 
 def check_mass(name: str, mass: float, otherwise: str = '') -> None:
-    """Raise SimulationError unless a mass in kg can be used; otherwise: what else is allowed."""
+    """Raise SimulationError unless a mass in kg can be used; otherwise: what else is allowed.
+
+    >>> check_mass('mass of link a', 0.0)
+    Traceback (most recent call last):
+    img_recog.simulation.settings.SimulationError: mass of link a: got 0 kg, expected more than 0
+    """
     if not _MIN <= mass <= _MAX_MASS:
         limit = 'more than 0' if mass < _MIN else 'at most {:g}'.format(_MAX_MASS)
         raise SimulationError('{}: got {:g} kg, expected {}{}'.format(

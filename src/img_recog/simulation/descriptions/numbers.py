@@ -10,7 +10,11 @@ _MAX_LENGTH = 1e6
 
 
 def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
-    """Return `count` finite numbers; SimulationError naming what they are when it is not that."""
+    """Return `count` finite numbers; SimulationError naming what they are when it is not that.
+
+    >>> read_numbers('xyz of link a', '0 -1.5 2', 3).tolist()
+    [0.0, -1.5, 2.0]
+    """
     try:
         values = np.array([float(word) for word in (text or '').split()])
     except ValueError:
@@ -22,7 +26,11 @@ def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
 
 
 def read_lengths(name: str, text: Optional[str], count: int) -> np.ndarray:
-    """Return `count` lengths in m, or scales; SimulationError when one is too large to be used."""
+    """Return `count` lengths in m, or scales; SimulationError when one is too large to be used.
+
+    >>> read_lengths('size of a box', '1 2 0.5', 3).tolist()
+    [1.0, 2.0, 0.5]
+    """
     values = read_numbers(name, text, count)
     if np.abs(values).max() > _MAX_LENGTH:
         raise SimulationError('{}: got {!r}, expected numbers from {:g} to {:g}'.format(
@@ -31,7 +39,12 @@ def read_lengths(name: str, text: Optional[str], count: int) -> np.ndarray:
 
 
 def read_coefficient(name: str, text: Optional[str]) -> float:
-    """Return a coefficient of friction; SimulationError naming it when it is negative."""
+    """Return a coefficient of friction; SimulationError naming it when it is negative.
+
+    >>> read_coefficient('mu1 of link a', '-1')
+    Traceback (most recent call last):
+    img_recog.simulation.settings.SimulationError: mu1 of link a: got -1, expected at least 0
+    """
     value = float(read_numbers(name, text, 1)[0])
     if value < 0:
         raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
