@@ -1,6 +1,6 @@
 """Search of the pixels that can have a color, which takes a third of the time of HSV."""
 import functools
-from typing import FrozenSet, Iterable, NamedTuple, Optional, Sequence, Tuple
+from typing import FrozenSet, Iterable, List, NamedTuple, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -45,12 +45,14 @@ class Search:
         # have a color
         self._flat = [np.empty(padded(size_px), np.uint8) for _ in range(6)]
         self._shaped = [flat[:size_px].reshape(shape) for flat in self._flat]
+        self._taken = [np.empty((1, padded(size_px)), np.uint8) for _ in range(3)]
 
-    def find(self, image: np.ndarray) -> np.ndarray:
-        """Return the indices of the groups, in order.
+    def find(self, image: np.ndarray) -> Tuple[np.ndarray, List[np.ndarray]]:
+        """Return the indices of the groups, in order, and each channel of their pixels.
 
         image: uint8 of shape (height, width, 3 or 4). After its last row, the last group may have
         pixels that are not of the image.
+        The channels are uint8 of shape (1, pixels), and last until the next call.
         """
         *planes, largest, found = (array[:len(image)] for array in self._shaped)
         first, second, third = planes[:3]
@@ -70,16 +72,11 @@ class Search:
         flat = self._flat[-1][:padded(found.size)]
         flat[found.size:] = 0
         indices, = (flat.view(GROUP) != 0).nonzero()        # faster than that of the numbers
-        return indices
-
-    def take(self, groups: np.ndarray, channels: Sequence[np.ndarray]) -> None:
-        """Write each channel of groups of the last image to an array.
-
-        channels: three arrays of type GROUP and of the length of `groups`.
-        """
+        channels = [taken[:, :len(indices) * GROUP_PX] for taken in self._taken]
         for plane, channel in zip(self._flat, channels):
             # 'clip' is faster than 'raise'
-            plane.view(GROUP).take(groups, out=channel, mode='clip')
+            plane.view(GROUP).take(indices, out=channel[0].view(GROUP), mode='clip')
+        return indices, channels
 
 
 class ChromaBound(NamedTuple):

@@ -73,9 +73,11 @@ class Masks:
         self._groups.clear()
         self._is_written = [False] * len(self._masks)
         for strip in self._strips:
-            groups = self._search.find(image[strip])
-            self._groups.add(self._search, groups, strip.start * self.shape[1] // GROUP_PX,
-                             conversion)
+            indices, channels = self._search.find(image[strip])
+            if len(indices):
+                if conversion == cv2.COLOR_RGB2HSV:
+                    channels.reverse()
+                self._groups.add(indices + strip.start * self.shape[1] // GROUP_PX, channels)
         self._groups.test()
         self.areas_px = list(self._groups.areas_px)
         if self._groups.count * GROUP_PX > (1 - MIN_SAVED) * image.shape[0] * image.shape[1]:
@@ -148,26 +150,16 @@ class _Groups:
         self.count, self.areas_px = 0, [0] * colors
         self._indices = np.empty(size_px // GROUP_PX, np.intp)
         self._results = [np.empty((1, size_px), np.uint8) for _ in range(colors)]
-        self._channels = [np.empty((1, tester.max_px), np.uint8) for _ in range(3)]
         self._image = np.empty((1, size_px, 3), np.uint8)       # all pixels of the groups, bgr8
 
     def clear(self) -> None:
         """Forget all groups."""
         self.count, self.areas_px = 0, [0] * len(self.areas_px)
 
-    def add(self, search: Search, groups: np.ndarray, first: int, conversion: int) -> None:
-        """Add groups of the strip that was searched last.
-
-        first: the index in the image of the strip's first group.
-        """
-        if not len(groups):
-            return
-        start, self.count = self.count, self.count + len(groups)
-        np.add(groups, first, out=self._indices[start:self.count])
-        channels = [channel[:, :len(groups) * GROUP_PX] for channel in self._channels]
-        search.take(groups, [channel[0].view(GROUP) for channel in channels])
-        if conversion == cv2.COLOR_RGB2HSV:
-            channels.reverse()
+    def add(self, indices: np.ndarray, channels: Sequence[np.ndarray]) -> None:
+        """Add groups of the image, with blue, green and red of their pixels."""
+        start, self.count = self.count, self.count + len(indices)
+        self._indices[start:self.count] = indices
         cv2.merge(channels, self._image[:, start * GROUP_PX:self.count * GROUP_PX])
 
     def test(self) -> None:

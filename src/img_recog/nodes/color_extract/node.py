@@ -52,7 +52,7 @@ from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
 _CAMERA = 'usb_cam/image_raw'
 _TOPICS = (_CAMERA, 'cmd_vel', 'color_detection', 'color_overlay', '/rosout')
-_POLL_PERIOD_S = 0.1    # without frames: how often settings, stop and shutdown are checked
+_POLL_PERIOD_S = 0.1    # without frames: how often stop and shutdown are checked
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class ColorExtract:
         self._frame_lock = threading.Lock()
         self._failure: Optional[Exception] = None       # of another thread, for the loop
         lifecycle.on_shutdown(self._shutdown)
-        self._reconfigurable = Reconfigurable(settings, lambda _: None)
+        Reconfigurable(settings, self._configure)
         with self._frame_lock:      # images may come before it returns
             self._input = inputs.subscribe(transport, _CAMERA, counts, given.max_image_pixels,
                                            self.process)
@@ -113,7 +113,6 @@ class ColorExtract:
                 if self._is_shutdown.is_set():
                     return
                 if msg is None:
-                    self._configure(self._reconfigurable.settings)
                     self._publish_commands(self._commander.wait(time.monotonic()))
                 else:
                     self._process(msg)
@@ -136,7 +135,6 @@ class ColorExtract:
 
     def _process(self, msg: Union[Image, CompressedImage]) -> None:
         begin_s = time.perf_counter()
-        self._configure(self._reconfigurable.settings)
         self.handle(msg)
         self._input.done(msg, time.perf_counter() - begin_s)
 
@@ -190,7 +188,7 @@ class ColorExtract:
             self._counts.commands.add()
 
     def _configure(self, settings: RecognitionSettings) -> None:
-        if settings is not self._settings:
+        with self._frame_lock:
             self._settings = settings
             self._extractor.configure(settings)
             self._commander.configure(settings)
