@@ -35,25 +35,19 @@ def config_type(settings_class: Type[Settings]) -> SimpleNamespace:
         all_level=0, **by_name)
 
 
-def changed(settings: SettingsType, values: Mapping[str, Any]) -> SettingsType:
-    """Return `settings` with some values replaced.
-
-    Raises SettingError with the field, its value and what is allowed.
-    """
-    names = [field.name for field in setting_fields(type(settings))]
-    for name, value in values.items():
-        if name not in names:
-            raise SettingError(name, value, 'one of the parameters ' + ', '.join(names))
-    return dataclasses.replace(settings, **values)
-
-
-class Reconfigurable(Generic[SettingsType]):
+class Reconfigurable(Server, Generic[SettingsType]):
     """Serves settings under a namespace as dynamic_reconfigure's tools expect them.
 
     Publishes, latched: parameter_descriptions (dynamic_reconfigure/ConfigDescription) and
     parameter_updates (dynamic_reconfigure/Config). Serves: set_parameters
     (dynamic_reconfigure/Reconfigure). Writes the current values to the parameter server, where
     those tools and the next start of the node find them.
+
+    It is the distribution's server without its own checks: that would read the parameter server
+    again, would clamp a value that is out of bounds instead of refusing it, and fails on groups
+    that it does not have.
+
+    settings: the current ones.
     """
 
     def __init__(self, settings: SettingsType, on_change: Callable[[SettingsType], None],
@@ -65,32 +59,42 @@ class Reconfigurable(Generic[SettingsType]):
         time; raises a UserError to refuse them.
         namespace: a resolved name; the node's by default.
         """
-        self._settings, self._on_change = settings, on_change
+        self.settings, self._on_change = settings, on_change
         self._namespace = namespace or rospy.get_name()
-        self._server = _Server(config_type(type(settings)), settings, self._change,
-                               self._log_refusal, self._namespace)
-
-    @property
-    def settings(self) -> SettingsType:
-        """The current settings."""
-        return self._settings
+        super().__init__(config_type(type(settings)), self._apply, self._namespace)
 
     def close(self) -> None:
         """Stop serving."""
-        self._server.set_service.shutdown('closed')
-        self._server.descr_topic.unregister()
-        self._server.update_topic.unregister()
+        self.set_service.shutdown('closed')
+        self.descr_topic.unregister()
+        self.update_topic.unregister()
 
-    def _change(self, values: Mapping[str, Any]) -> Settings:
-        """Apply the values, or log why not; return the current settings."""
+    def _copy_from_parameter_server(self) -> None:
+        self.config.update(_values(self.settings))
+
+    def _clamp(self, config: Config) -> None:
+        pass
+
+    def _set_callback(self, request: ReconfigureRequest) -> ConfigMsg:
+        values: Mapping[str, Any] = {}
         try:
-            settings = changed(self._settings, values)
-            if settings != self._settings:
-                self._on_change(settings)
-                self._settings = settings
+            values = _requested(request.config, list(_values(self.settings)))
         except UserError as error:
             self._log_refusal(error)
-        return self._settings
+        return encode_config(self.update_configuration(values))
+
+    def _apply(self, config: Config, _level: int) -> Config:
+        """Apply the values, or log why not; return the current ones."""
+        try:
+            settings = dataclasses.replace(self.settings, **{
+                name: value for name, value in config.items() if name != 'groups'})
+            if settings != self.settings:
+                self._on_change(settings)
+                self.settings = settings
+        except UserError as error:
+            self._log_refusal(error)
+        config.update(_values(self.settings))
+        return config
 
     def _log_refusal(self, error: UserError) -> None:
         if isinstance(error, SettingError):
@@ -99,42 +103,6 @@ class Reconfigurable(Generic[SettingsType]):
         else:
             rospy.logerr('parameters of %s: %s; nothing is changed', self._namespace,
                          one_line(error))
-
-
-class _Server(Server):
-    """The distribution's server, without its own checks.
-
-    It would read the parameter server again, would clamp a value that is out of bounds instead of
-    refusing it, and fails on groups that it does not have.
-    """
-
-    def __init__(self, kind: SimpleNamespace, settings: Settings,
-                 change: Callable[[Mapping[str, Any]], Settings],
-                 log_refusal: Callable[[UserError], None], namespace: str):
-        self._initial, self._change, self._log_refusal = _values(settings), change, log_refusal
-        super().__init__(kind, self._called, namespace)
-
-    def _copy_from_parameter_server(self) -> None:
-        self.config.update(self._initial)
-
-    def _clamp(self, config: Config) -> None:
-        pass
-
-    def _set_callback(self, request: ReconfigureRequest) -> ConfigMsg:
-        values: Mapping[str, Any] = {}
-        try:
-            values = _requested(request.config, list(self._initial))
-        except UserError as error:
-            self._log_refusal(error)
-        return encode_config(self.update_configuration(values))
-
-    def _called(self, config: Config, _level: int) -> Config:
-        values = {name: value for name, value in config.items() if name != 'groups'}
-        current = _values(self._change(values))
-        result = Config((name, value) for name, value in config.items()
-                        if name in current or name == 'groups')
-        result.update(current)
-        return result
 
 
 def _requested(config: ConfigMsg, names: Sequence[str]) -> Mapping[str, Any]:

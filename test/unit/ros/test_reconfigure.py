@@ -13,10 +13,9 @@ from dynamic_reconfigure.srv import ReconfigureRequest
 
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.errors import UserError
-from img_recog.ros import reconfigure
-from img_recog.ros.reconfigure import Reconfigurable, changed, config_type
-from img_recog.settings import (SettingError, Settings, above, at_least, between, not_empty,
-                                one_of, setting)
+from img_recog.ros.reconfigure import Reconfigurable, config_type
+from img_recog.settings import (Settings, above, at_least, between, not_empty, one_of,
+                                setting)
 
 INFINITY = float('inf')
 
@@ -83,36 +82,6 @@ def test_compression_has_the_parameters_of_the_plugin():
     assert (made.min['jpeg_quality'], made.max['jpeg_quality']) == (1, 100)
 
 
-def test_changed_replaces_some_values():
-    assert changed(Sample(width=2), {'rate': 5, 'mode': 'fast'}) == Sample(
-        width=2, rate=5.0, mode='fast')
-
-
-@pytest.mark.parametrize('name, value, allowed', [
-    ('width', 801, 'a whole number from 1 to 800'),
-    ('width', '5', 'a whole number from 1 to 800'),
-    ('rate', 0.0, 'a finite number above 0'),
-    ('rate', INFINITY, 'a finite number above 0'),
-    ('enabled', 1, 'true or false'),
-    ('mode', 'medium', 'one of slow, fast'),
-    ('nmae', 'x', 'one of the parameters ' + ', '.join(EXPECTED)),
-    ('unchecked', 1, 'one of the parameters ' + ', '.join(EXPECTED))])
-def test_refusal_names_what_is_allowed(name, value, allowed):
-    before = Sample(width=2)
-    with pytest.raises(SettingError) as refused:
-        changed(before, {name: value, 'count': 7})
-    assert (refused.value.name, refused.value.value, refused.value.allowed) == (
-        name, value, allowed)
-    assert before == Sample(width=2)
-
-
-class Caller:
-    """Replaces the server; keeps the function that a request would call."""
-
-    def __init__(self, _kind, settings, change, _log_refusal, namespace):
-        self.settings, self.change, self.namespace = settings, change, namespace
-
-
 @pytest.fixture
 def errors():
     """The lines that rospy logs at ERROR."""
@@ -125,51 +94,60 @@ def errors():
     logger.removeHandler(handler)
 
 
-def served(monkeypatch, on_change):
-    monkeypatch.setattr(reconfigure, '_Server', Caller)
-    each = Reconfigurable(Sample(width=2), on_change, '/camera')
-    return each, each._server.change
+@pytest.fixture
+def serve(monkeypatch):
+    """A function that serves Sample(width=2); it returns the server, and a function to call it.
+
+    That returns the settings and the reply.
+    """
+    services = []
+    topic = SimpleNamespace(publish=lambda msg: None)
+    monkeypatch.setattr(server, 'rospy', SimpleNamespace(
+        Publisher=lambda *_, **__: topic, set_param=lambda *_: None,
+        Service=lambda *words: services.append(words)))
+
+    def start(on_change=lambda settings: None):
+        reconfigurable = Reconfigurable(Sample(width=2), on_change, '/camera')
+        (name, _, handler), = services
+        assert name == '/camera/set_parameters'
+
+        def request(config):
+            reply = handler(ReconfigureRequest(config))
+            assert reply.groups == [GROUP]
+            return reconfigurable.settings, decode_config(reply)
+        return reconfigurable, request
+    return start
 
 
-def test_change_is_passed_to_the_receiver_and_applied(monkeypatch, errors):
+def ints(**values):
+    return Config(ints=[IntParameter(*each) for each in values.items()])
+
+
+def test_change_is_passed_to_the_receiver_and_applied(serve, errors):
     seen = []
-    reconfigurable, change = served(monkeypatch, seen.append)
+    reconfigurable, request = serve(seen.append)
     assert reconfigurable.settings == Sample(width=2) and seen == []
-    assert change({'width': 5}) == reconfigurable.settings == Sample(width=5)
-    change({'width': 5, 'count': 0})
+    assert request(ints(width=5))[0] == Sample(width=5)
+    request(ints(width=5, count=0))
     assert seen == [Sample(width=5)] and errors == []
 
 
-def test_refused_value_changes_nothing_and_logs_one_line(monkeypatch, errors):
+def test_refused_value_changes_nothing_and_logs_one_line(serve, errors):
     seen = []
-    reconfigurable, change = served(monkeypatch, seen.append)
-    assert change({'width': 801, 'count': 7}) == reconfigurable.settings == Sample(width=2)
+    _, request = serve(seen.append)
+    assert request(ints(width=801, count=7))[0] == Sample(width=2)
     assert seen == []
     assert errors == ['parameter /camera/width: got 801, allowed is a whole number from 1 to 800; '
                       'nothing is changed']
 
 
-def test_refusal_by_the_receiver_changes_nothing(monkeypatch, errors):
+def test_refusal_by_the_receiver_changes_nothing(serve, errors):
     def refuse(_):
         raise UserError('the camera\nis gone')
-    reconfigurable, change = served(monkeypatch, refuse)
-    assert change({'width': 5}) == reconfigurable.settings == Sample(width=2)
+    _, request = serve(refuse)
+    settings, reply = request(ints(width=5))
+    assert settings == Sample(width=2) and reply['width'] == 2
     assert errors == ['parameters of /camera: the camera is gone; nothing is changed']
-
-
-@pytest.fixture
-def request_of(monkeypatch):
-    """A function that sends a Config to a Reconfigurable, and returns settings and reply."""
-    topic = SimpleNamespace(publish=lambda msg: None)
-    monkeypatch.setattr(server, 'rospy', SimpleNamespace(
-        Publisher=lambda *_, **__: topic, Service=lambda *_: None, set_param=lambda *_: None))
-    reconfigurable = Reconfigurable(Sample(width=2), lambda settings: None, '/camera')
-
-    def request(config):
-        reply = reconfigurable._server._set_callback(ReconfigureRequest(config))
-        assert reply.groups == [GROUP]
-        return reconfigurable.settings, decode_config(reply)
-    return request
 
 
 GROUP = GroupState('Default', True, 0, 0)
@@ -178,7 +156,7 @@ MALFORMED = {
     'group parent': (Config(groups=[GroupState('', False, 0, -1)]), 'in the group -1'),
     'groups': (Config(groups=[GROUP, GroupState('y', True, -2 ** 31, 2 ** 31 - 1)]),
                'got a group \'y\''),
-    'group as a value': (Config(ints=[IntParameter('groups', 5)]),
+    'group as a value': (ints(groups=5),
                          '/camera/groups: got 5, allowed is one of the parameters width'),
     'unknown name': (Config(bools=[BoolParameter('', True)]), 'got True, allowed is one of'),
     'twice': (Config(ints=[IntParameter('width', 5), IntParameter('width', 6)]),
@@ -186,29 +164,31 @@ MALFORMED = {
     'in two lists': (Config(ints=[IntParameter('width', 5)], strs=[StrParameter('width', '6')]),
                      'got two values of width'),
     'wrong list': (Config(strs=[StrParameter('width', '6')]), "got '6', allowed is a whole"),
-    'number for a bool': (Config(ints=[IntParameter('enabled', 1)]), 'got 1, allowed is true'),
+    'number for a bool': (ints(enabled=1), 'got 1, allowed is true'),
     'NaN': (Config(doubles=[DoubleParameter('rate', float('nan'))]), 'got nan, allowed is a fin'),
     'infinite': (Config(doubles=[DoubleParameter('gain', -INFINITY)]), 'got -inf, allowed is'),
-    'one of several': (Config(ints=[IntParameter('count', 3), IntParameter('width', 0)]),
+    'one of several': (ints(count=3, width=0),
                        'width: got 0, allowed is a whole number from 1 to 800'),
 }
 
 
 @pytest.mark.parametrize('config, words', list(MALFORMED.values()), ids=list(MALFORMED))
-def test_malformed_request_is_one_line_and_the_next_one_works(request_of, errors, config, words):
-    settings, reply = request_of(config)
+def test_malformed_request_is_one_line_and_the_next_one_works(serve, errors, config, words):
+    _, request = serve()
+    settings, reply = request(config)
     assert settings == Sample(width=2) and reply['width'] == 2
     line, = errors
     assert words in line and line.endswith('nothing is changed') and '/camera' in line
-    settings, reply = request_of(Config(ints=[IntParameter('width', 5)], groups=[GROUP]))
+    settings, reply = request(Config(ints=[IntParameter('width', 5)], groups=[GROUP]))
     assert settings == Sample(width=5) and reply['width'] == 5 and len(errors) == 1
     assert {name: reply[name] for name in EXPECTED} == {
         **{name: expected[1] for name, expected in EXPECTED.items()}, 'width': 5}
 
 
-def test_empty_request_and_states_of_the_group_change_nothing(request_of, errors):
+def test_empty_request_and_states_of_the_group_change_nothing(serve, errors):
+    _, request = serve()
     for config in (Config(), Config(groups=[GROUP]),
                    Config(groups=[GroupState('Default', False, 0, 0)] * 3)):
-        settings, reply = request_of(config)
+        settings, reply = request(config)
         assert settings == Sample(width=2) and reply['width'] == 2
     assert errors == []
