@@ -10,7 +10,7 @@ from img_recog.camera.image_source import EXTENSIONS, ImageSource
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
                                      check_size, convert)
-from img_recog.camera.video_source import VideoSource, check_capture
+from img_recog.camera.video_source import VideoSource, open_capture, released_on_error
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 # When a read times out, ffmpeg may return a frame made from the data that has arrived.
@@ -35,30 +35,24 @@ def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSour
     if scheme not in urls.SCHEMES:
         raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
             name, ', '.join(known + '://' for known in urls.SCHEMES)))
-    capture = _open_capture(url)
-    if not capture.isOpened():
-        capture.release()
-        raise SourceError('cannot open {}: no stream that OpenCV plays, or not within {:g} s'
-                          .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
-    try:
-        check_capture(capture, name, max_pixels)
-    except SourceError:
-        capture.release()
-        raise
-    if not scheme.startswith('http'):       # the other protocols send at the rate of the video
-        return StreamSource(name, capture, announces_rate=True, max_pixels=max_pixels)
-    # the frame count of a video is known; for a live stream ffmpeg gives 0 or a negative number
-    count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-    if count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS):
-        return RemoteVideoSource(url, capture, settings.loop, warn, max_pixels=max_pixels)
-    stream = StreamSource(name, capture, max_pixels=max_pixels)
-    if count == 1 or urls.ends_with(url, EXTENSIONS):
-        return _image_or_stream(stream, settings.framerate)
-    return stream
+    capture = _open_capture(url, max_pixels)
+    with released_on_error(capture):
+        if not capture.isOpened():
+            raise SourceError('cannot open {}: no stream that OpenCV plays, or not within {:g} s'
+                              .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
+        is_http = scheme.startswith('http')     # the other protocols send at the video's rate
+        # the frame count of a video is known; for a live stream ffmpeg gives 0 or less
+        count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        if is_http and (count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS)):
+            return RemoteVideoSource(url, capture, settings.loop, warn, max_pixels=max_pixels)
+        stream = StreamSource(name, capture, announces_rate=not is_http, max_pixels=max_pixels)
+        if is_http and (count == 1 or urls.ends_with(url, EXTENSIONS)):
+            return _image_or_stream(stream, settings.framerate)
+        return stream
 
 
-def _open_capture(url: str) -> cv2.VideoCapture:
-    return cv2.VideoCapture(url, cv2.CAP_FFMPEG, [
+def _open_capture(url: str, max_pixels: int) -> cv2.VideoCapture:
+    return open_capture(url, max_pixels, [
         cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, int(1000 * _OPEN_TIMEOUT_S),
         cv2.CAP_PROP_READ_TIMEOUT_MSEC, int(1000 * _READ_TIMEOUT_S)])
 
@@ -72,7 +66,6 @@ def _image_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
         except FrameSkipped:
             continue
         except SourceTooLarge:
-            stream.close()
             raise
         except SourceError:
             stream.close()
@@ -97,7 +90,7 @@ class RemoteVideoSource(VideoSource):
         super().__init__(url, loop, warn, max_pixels, capture)
 
     def _open(self) -> cv2.VideoCapture:
-        return _open_capture(self._path)
+        return _open_capture(self._path, self._max_pixels)
 
     def _not_playable(self) -> SourceError:
         return SourceError(
@@ -127,7 +120,7 @@ class StreamSource(FrameSource):
     def __init__(self, name: str, capture: cv2.VideoCapture, announces_rate: bool = False,
                  now: Callable[[], float] = time.monotonic,
                  max_pixels: int = DEFAULT_MAX_PIXELS):
-        """Play the stream that `capture` has just opened.
+        """Play the stream that `capture` has just opened; it stays open if that fails.
 
         announces_rate: whether its protocol announces the rate; otherwise OpenCV's is a guess.
         max_pixels: a frame with more pixels ends the stream.
@@ -137,10 +130,8 @@ class StreamSource(FrameSource):
         try:
             first, self._damaged_count = self._read_good_frame()
         except SourceTooLarge:
-            capture.release()
             raise
         except SourceError:
-            capture.release()
             raise SourceError('cannot open {}: no frame arrives that OpenCV reads'.format(name))
         self._next: Optional[np.ndarray] = first
         self.height, self.width = first.shape[:2]

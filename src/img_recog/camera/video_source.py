@@ -1,7 +1,7 @@
 """Frames of a video, read by OpenCV's ffmpeg."""
 import contextlib
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Callable, Optional, Tuple
+from typing import Callable, Iterator, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -18,13 +18,26 @@ _AHEAD_S = 1.0          # before its end, a video that plays in a loop is opened
 _Opened = Tuple[cv2.VideoCapture, np.ndarray]       # and the first frame
 
 
-def check_capture(capture: cv2.VideoCapture, name: str, max_pixels: int) -> None:
-    """Check the size that an open video states; to be called before a frame is decoded.
+@contextlib.contextmanager
+def released_on_error(capture: cv2.VideoCapture) -> Iterator[None]:
+    """Release `capture` if the block raises anything."""
+    try:
+        yield
+    except BaseException:
+        capture.release()
+        raise
 
-    Raises SourceTooLarge when it has more than `max_pixels` pixels; `name` is named.
+
+def open_capture(path: str, max_pixels: int, *options: Sequence[int]) -> cv2.VideoCapture:
+    """Open a video by OpenCV's ffmpeg; it may not be open then.
+
+    Raises SourceTooLarge when it states more than `max_pixels` pixels: no frame is decoded then.
     """
-    check_size('cannot play ' + name, capture.get(cv2.CAP_PROP_FRAME_WIDTH),
-               capture.get(cv2.CAP_PROP_FRAME_HEIGHT), max_pixels)
+    capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG, *options)
+    with released_on_error(capture):
+        check_size('cannot play ' + redacted(path), capture.get(cv2.CAP_PROP_FRAME_WIDTH),
+                   capture.get(cv2.CAP_PROP_FRAME_HEIGHT), max_pixels)
+    return capture
 
 
 def not_playable(name: str) -> SourceError:
@@ -57,21 +70,17 @@ class VideoSource(FrameSource):
         self._path, self._loop, self._warn, self._max_pixels = path, loop, warn, max_pixels
         self.name = redacted(path)
         self._ahead: 'Optional[Future[_Opened]]' = None
+        self._count = self._position = 0        # frames that were read; since the last start
         self._capture = capture or self._open()
-        try:
-            check_capture(self._capture, self.name, max_pixels)
-            self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
-            self._stated_frames = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
-            self.expected_frames = max(0, int(self._stated_frames))
-            self._count = self._position = 0        # frames that were read; since the last start
+        with released_on_error(self._capture):
             first = self._read_frame(self._capture)
             if first is None:
                 raise self._not_playable()
+            self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
             if not self.rate_hz > 0:
                 raise SourceError('cannot play {}: its frame rate is not known'.format(self.name))
-        except SourceError:
-            self._capture.release()
-            raise
+        self._stated_frames = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        self.expected_frames = max(0, int(self._stated_frames))
         self._next: Optional[np.ndarray] = first
         self.height, self.width = first.shape[:2]
         self.description = 'video {}, {}x{}, {:g} Hz, played {}'.format(
@@ -97,7 +106,7 @@ class VideoSource(FrameSource):
         return convert(frame, self.encoding)
 
     def _open(self) -> cv2.VideoCapture:
-        return cv2.VideoCapture(self._path, cv2.CAP_FFMPEG)
+        return open_capture(self._path, self._max_pixels)
 
     def _not_playable(self) -> SourceError:
         return not_playable(self.name)
@@ -119,14 +128,10 @@ class VideoSource(FrameSource):
 
     def _open_again(self) -> _Opened:
         capture = self._open()
-        try:
-            check_capture(capture, self.name, self._max_pixels)
+        with released_on_error(capture):
             image = self._read_frame(capture)
             if image is None or image.shape[:2] != (self.height, self.width):
                 raise SourceError(self._unreadable.format(self.name))
-        except BaseException:
-            capture.release()
-            raise
         return capture, image
 
     def _check_length(self) -> None:

@@ -90,10 +90,10 @@ def test_stream_that_ends_after_its_first_frame_may_be_an_image(clock):
         'stream, not an image')
 
 
-def test_stream_without_a_first_frame_is_refused_and_closed(clock):
+def test_stream_without_a_first_frame_is_refused_and_closed(clock, monkeypatch):
     capture = FakeCapture(clock, [False] * 4)
-    with pytest.raises(SourceError, match='^cannot open x: no frame arrives'):
-        StreamSource('x', capture, now=clock)
+    with pytest.raises(SourceError, match='^cannot open rtsp://x: no frame arrives'):
+        at_url(monkeypatch, capture, 'rtsp://x')
     assert capture.released
 
 
