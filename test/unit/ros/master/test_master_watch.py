@@ -1,6 +1,5 @@
 """The watch notices a new master, and sets the parameters that it does not have."""
 import socket
-import threading
 import xmlrpc.client
 
 import pytest
@@ -16,49 +15,6 @@ PARAMETERS = {'/node/rate': 30, '/node/name': 'x', '/use_sim_time': True,
               '/robot_description': '<robot/>', '/other': 1}
 
 
-class FakeMaster:
-    """The calls of a master that the watch uses, by real XML-RPC."""
-
-    def __init__(self):
-        self.calls, self.free = [], threading.Event()
-        self.free.set()
-        self.renew(PARAMETERS, {'/node': URI})
-        self._server = XmlRpcServer(dispatch=self._call)
-        self.uri, self.port = self._server.uri, self._server.port
-
-    def renew(self, parameters, nodes=()):
-        """Be another master from now on."""
-        self.parameters, self.nodes, self.publishers = dict(parameters), dict(nodes), []
-
-    def stop(self):
-        self._server.stop()
-
-    def start(self):
-        self._server = XmlRpcServer(self.port, self._call)
-
-    def _call(self, method, caller, name='', value=None):
-        self.free.wait(DEADLINE_S)
-        self.calls.append(method)
-        if method == 'lookupNode':
-            return (1, '', self.nodes[name]) if name in self.nodes else (-1, 'unknown', '')
-        if method == 'getSystemState':
-            return 1, '', [self.publishers, [], []]
-        if method == 'hasParam':
-            return 1, '', name in self.parameters
-        if method == 'setParam':
-            self.parameters[name] = value
-            return 1, '', 0
-        if method == 'searchParam':
-            found = '/robot_description' in self.parameters
-            return (1, '', '/robot_description') if found else (-1, 'none', '')
-        if method == 'getParam':
-            below = {key[len(name) + 1:]: each for key, each in self.parameters.items()
-                     if key.startswith(name + '/')}
-            found = self.parameters.get(name, below or None)
-            return (1, '', found) if found is not None else (-1, 'none', 0)
-        raise AssertionError(method)
-
-
 @pytest.fixture
 def lines(monkeypatch):
     """The log lines."""
@@ -66,16 +22,6 @@ def lines(monkeypatch):
     for level in ('loginfo', 'logwarn'):
         monkeypatch.setattr(rospy, level, lambda text, *words: lines.append(text % words))
     return lines
-
-
-@pytest.fixture
-def master(monkeypatch):
-    """A master that has the node and some parameters."""
-    master = FakeMaster()
-    monkeypatch.setenv('ROS_MASTER_URI', master.uri)
-    yield master
-    master.free.set()
-    master.stop()
 
 
 @pytest.fixture
@@ -87,6 +33,7 @@ def timeout_s():
 @pytest.fixture
 def watch(monkeypatch, lines, master, timeout_s):
     """A watch that has looked once."""
+    master.renew(PARAMETERS, {'/node': URI})
     monkeypatch.setattr(rospy, 'get_name', lambda: '/node')
     monkeypatch.setattr(rospy, 'get_node_uri', lambda: URI)
 
