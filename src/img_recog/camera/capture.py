@@ -79,11 +79,6 @@ class Capture:
         """Whether it is started: reading frames, or waiting for a lost source."""
         return self._wanted.is_set()
 
-    @property
-    def is_lost(self) -> bool:
-        """Whether the source is lost and will be reopened."""
-        return self._lost
-
     def start_thread(self) -> None:
         """Start the thread; it reads nothing before `start`."""
         self._thread = threading.Thread(target=self.run, name='capture', daemon=True)

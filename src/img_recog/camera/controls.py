@@ -4,7 +4,6 @@ Ids, structures and names are those of linux/v4l2-controls.h and linux/videodev2
 set by id because the kernel has renamed some of them.
 """
 import difflib
-import errno
 import fcntl
 import os
 import re
@@ -77,7 +76,7 @@ class ControlDevice:
     """
 
     def __init__(self, path: str):
-        self._descriptor: Optional[int] = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+        self._descriptor = os.open(path, os.O_RDWR | os.O_NONBLOCK)
 
     def controls(self) -> List[Control]:
         """Return all controls of the device, in the order of their ids."""
@@ -85,7 +84,7 @@ class ControlDevice:
         control_id = 0
         while True:
             try:
-                answer = self._ioctl(_VIDIOC_QUERYCTRL, _QUERYCTRL.pack(
+                answer = fcntl.ioctl(self._descriptor, _VIDIOC_QUERYCTRL, _QUERYCTRL.pack(
                     control_id | _NEXT_CTRL, 0, b'', *[0] * 5))
             except OSError:         # EINVAL after the last control, ENOTTY without controls
                 return found
@@ -103,23 +102,17 @@ class ControlDevice:
 
     def get(self, control_id: int) -> int:
         """Return the value of the control with this id."""
-        answer = self._ioctl(_VIDIOC_G_CTRL, _CONTROL.pack(control_id, 0))
-        return _CONTROL.unpack(answer)[1]
+        request = _CONTROL.pack(control_id, 0)
+        return _CONTROL.unpack(fcntl.ioctl(self._descriptor, _VIDIOC_G_CTRL, request))[1]
 
     def set(self, control_id: int, value: int) -> None:
         """Set the control with this id."""
-        self._ioctl(_VIDIOC_S_CTRL, struct.pack('=II', control_id, value & 0xffffffff))
-
-    def _ioctl(self, request: int, argument: bytes) -> bytes:
-        if self._descriptor is None:
-            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
-        return fcntl.ioctl(self._descriptor, request, argument)
+        fcntl.ioctl(self._descriptor, _VIDIOC_S_CTRL,
+                    struct.pack('=II', control_id, value & 0xffffffff))
 
     def close(self) -> None:
-        """Close the file descriptor; no effect when it is closed already."""
-        descriptor, self._descriptor = self._descriptor, None
-        if descriptor is not None:
-            os.close(descriptor)
+        """Close the file descriptor."""
+        os.close(self._descriptor)
 
 
 def variable_name(name: bytes) -> str:

@@ -79,8 +79,7 @@ class VideoSource(FrameSource):
             self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
             if not self.rate_hz > 0:
                 raise SourceError('cannot play {}: its frame rate is not known'.format(self.name))
-        self._stated_frames = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        self.expected_frames = max(0, int(self._stated_frames))
+        self.expected_frames = max(0, int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)))
         self._next: Optional[np.ndarray] = first
         self.height, self.width = first.shape[:2]
         self.description = 'video {}, {}x{}, {:g} Hz, played {}'.format(
@@ -135,11 +134,11 @@ class VideoSource(FrameSource):
         return capture, image
 
     def _check_length(self) -> None:
-        missing = self._stated_frames - self._count
-        if missing > max(_MISSING_FRAMES, _MISSING_SHARE * self._stated_frames):
-            self._warn('the video {} breaks off after {} of {:.0f} frames: {}'.format(
-                self.name, self._count, self._stated_frames, self._incomplete))
-        self._stated_frames = 0     # warn only once
+        missing = self.expected_frames - self._count
+        is_first_end = self._count == self._position
+        if is_first_end and missing > max(_MISSING_FRAMES, _MISSING_SHARE * self.expected_frames):
+            self._warn('the video {} breaks off after {} of {} frames: {}'.format(
+                self.name, self._count, self.expected_frames, self._incomplete))
 
     def close(self) -> None:
         ahead, self._ahead = self._ahead, None

@@ -7,7 +7,6 @@ import threading
 import traceback
 from typing import Callable
 
-import genpy
 import rospy
 
 from img_recog.errors import UserError, one_line, shortened
@@ -27,7 +26,7 @@ _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
 
-    source_of_time: whether it publishes /clock itself; it then calls `set_time` too.
+    source_of_time: whether it publishes /clock itself; it then calls own_time.set_time too.
 
     An error that a user can fix ends the node with one line at FATAL and code 1; an unexpected
     exception is printed and is EXIT_UNEXPECTED; a shutdown is code 0. SIGINT, SIGTERM and SIGHUP
@@ -142,11 +141,6 @@ def leave_blocked_threads(code: int) -> None:
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(code)
-
-
-def set_time(now: genpy.Time) -> None:
-    """Set this node's own time, where the node is the source of time."""
-    own_time.set_time(now)
 
 
 def _shut_down(number: int, _) -> None:

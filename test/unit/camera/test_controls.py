@@ -192,7 +192,6 @@ def test_device_uses_the_ioctls_of_the_kernel(monkeypatch):
     device.set(0x00980900, -7)
     assert device.get(0x00980900) == -7
     device.close()
-    device.close()
     with pytest.raises(OSError, match='Bad file descriptor'):
         device.get(0x00980900)
 

@@ -52,6 +52,7 @@ from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.transport import own_time
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly
 from img_recog.simulation.bodies.footprints import footprints
@@ -198,7 +199,7 @@ class Gazebo:
     def _add_clock(self) -> None:
         """Set the time of this node, and let the next flush publish it."""
         now = robot_msgs.stamp_of(self._simulator.time_s)
-        lifecycle.set_time(now)
+        own_time.set_time(now)
         self._clock.add(Clock(now))
 
     def _publish_factor(self, simulated_s: float) -> None:
