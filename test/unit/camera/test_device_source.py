@@ -50,12 +50,12 @@ class FakeCapture:
 @pytest.fixture
 def open_device(monkeypatch):
     """A function that opens a device with a FakeCapture; returns both."""
-    def open_with(**settings):
+    def open_with(video_device='/dev/null', **settings):
         captures = []
         monkeypatch.setattr(cv2, 'VideoCapture',
                             lambda *arguments: captures.append(FakeCapture(*arguments))
                             or captures[-1])
-        source = DeviceSource(CameraSettings(video_device='/dev/null', **settings),
+        source = DeviceSource(CameraSettings(video_device=video_device, **settings),
                               now=lambda: 100.0)
         return source, captures[0]
     return open_with
@@ -71,49 +71,45 @@ def test_format_is_requested_before_size_and_rate(open_device):
         (cv2.CAP_PROP_FPS, 10.0)]
 
 
-@pytest.mark.parametrize('pixel_format, fourcc', [
-    ('mjpeg', 'MJPG'), ('yuyv', 'YUYV'), ('uyvy', 'UYVY'), ('rgb24', 'RGB3'), ('grey', 'GREY'),
-    ('yuvmono10', 'Y10 ')])
-def test_fourcc_of_each_format(open_device, pixel_format, fourcc):
-    _, capture = open_device(pixel_format=pixel_format)
+@pytest.mark.parametrize('pixel_format, fourcc, encoding', [
+    ('mjpeg', 'MJPG', 'rgb8'), ('yuyv', 'YUYV', 'rgb8'), ('uyvy', 'UYVY', 'rgb8'),
+    ('rgb24', 'RGB3', 'rgb8'), ('grey', 'GREY', 'mono8'), ('yuvmono10', 'Y10 ', 'mono8')])
+def test_fourcc_and_encoding_of_each_format(open_device, pixel_format, fourcc, encoding):
+    source, capture = open_device(pixel_format=pixel_format)
     assert capture.requested[0] == (cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*fourcc))
-
-
-def test_size_is_that_of_the_device(open_device):
-    source, _ = open_device(image_width=320, image_height=240)
-    assert (source.width, source.height, source.rate_hz) == (64, 48, None)
-    assert source.description == ('V4L2 device /dev/null: asked for MJPG 320x240 at 30 Hz, '
-                                  'got YUYV 64x48 at 15 Hz')
-
-
-@pytest.mark.parametrize('pixel_format', ['mjpeg', 'yuyv', 'uyvy', 'rgb24'])
-def test_color_formats_give_rgb8(open_device, pixel_format):
-    source, _ = open_device(pixel_format=pixel_format)
-    assert source.encoding == 'rgb8'
-    assert np.array_equal(source.read(), BGR[..., ::-1])
-
-
-@pytest.mark.parametrize('pixel_format', ['grey', 'yuvmono10'])
-@pytest.mark.parametrize('given', [BGR, BGR[..., 1].copy()])
-def test_grey_formats_give_mono8(open_device, monkeypatch, pixel_format, given):
-    monkeypatch.setattr(FakeCapture, 'frames', [given])
-    source, _ = open_device(pixel_format=pixel_format)
-    assert source.encoding == 'mono8'
-    wanted = given if given.ndim == 2 else cv2.cvtColor(given, cv2.COLOR_BGR2GRAY)
+    assert source.encoding == encoding
+    wanted = BGR[..., ::-1] if encoding == 'rgb8' else cv2.cvtColor(BGR, cv2.COLOR_BGR2GRAY)
     assert np.array_equal(source.read(), wanted)
 
 
+def test_grey_frames_are_passed_on(open_device, monkeypatch):
+    monkeypatch.setattr(FakeCapture, 'frames', [BGR[..., 1].copy()])
+    source, _ = open_device(pixel_format='grey')
+    assert np.array_equal(source.read(), BGR[..., 1])
+
+
+@pytest.mark.parametrize('differs, settings', [
+    (False, ('yuyv', 64, 48)), (True, ('mjpeg', 64, 48)), (True, ('yuyv', 60, 48)),
+    (True, ('yuyv', 64, 50))])
+def test_size_is_that_of_the_device_and_another_one_than_requested_is_flagged(
+        open_device, differs, settings):
+    pixel_format, width, height = settings
+    source, _ = open_device(pixel_format=pixel_format, image_width=width, image_height=height)
+    assert (source.width, source.height, source.rate_hz) == (64, 48, None)
+    assert source.differs is differs
+    fourcc = {'yuyv': 'YUYV', 'mjpeg': 'MJPG'}[pixel_format]
+    assert source.description == (
+        'V4L2 device /dev/null: asked for {} {}x{} at 30 Hz, got YUYV 64x48 at 15 Hz'.format(
+            fourcc, width, height))
+
+
 def test_unplugged_device_is_a_one_line_error(open_device):
-    source, _ = open_device()
+    source, capture = open_device()
     source.read()
     with pytest.raises(SourceError) as refused:
         source.read()
     assert str(refused.value) == '/dev/null gives no frames: unplugged or silent'
     assert source.reconnects
-
-
-def test_close_releases_the_device(open_device):
-    source, capture = open_device()
     source.close()
     assert capture.released == 1
 
@@ -141,54 +137,34 @@ def test_age_is_that_of_the_driver_if_it_is_valid(open_device, monkeypatch, capt
     assert source.age_s == pytest.approx(age_s, abs=1e-9)
 
 
-@pytest.mark.parametrize('frame', [DAMAGED, np.empty((0, 0, 3), np.uint8)])
-def test_empty_frame_is_skipped_and_the_next_one_read(open_device, monkeypatch, frame):
-    monkeypatch.setattr(FakeCapture, 'frames', [frame, BGR])
+@pytest.mark.parametrize('frame, problem', [
+    (DAMAGED, 'gave an empty or damaged frame$'),
+    (np.empty((0, 0, 3), np.uint8), 'gave an empty or damaged frame$'),
+    (BGR[:40], r'gave a frame of shape \(40, 64, 3\) instead of 64x48$')])
+def test_frame_that_is_unusable_is_skipped_and_the_next_one_read(
+        open_device, monkeypatch, frame, problem):
+    monkeypatch.setattr(FakeCapture, 'frames', [frame, BGR.reshape(1, -1)])
     source, _ = open_device()
-    with pytest.raises(FrameSkipped, match='^/dev/null gave an empty or damaged frame$'):
+    with pytest.raises(FrameSkipped, match='^/dev/null ' + problem):
         source.read()
-    assert np.array_equal(source.read(), BGR[..., ::-1])
+    assert np.array_equal(source.read(), BGR[..., ::-1])        # one in a single row is reshaped
 
 
-def test_frame_in_one_row_is_reshaped(open_device, monkeypatch):
-    monkeypatch.setattr(FakeCapture, 'frames', [BGR.reshape(1, -1)])
-    source, _ = open_device()
-    assert np.array_equal(source.read(), BGR[..., ::-1])
+@pytest.mark.parametrize('framerate, expected_hz, stall_timeout_s', [
+    (10, 10.0, 1.5), (0.5, 0.5, 6.0), (30, 15.0, 1.5)])
+def test_rates_and_timeout_follow_the_requested_and_the_actual_rate(
+        open_device, framerate, expected_hz, stall_timeout_s):
+    source, _ = open_device(framerate=framerate)
+    assert (source.max_hz, source.expected_hz, source.stall_timeout_s) == (
+        framerate, expected_hz, stall_timeout_s)
 
 
-def test_frame_of_another_size_is_skipped(open_device, monkeypatch):
-    monkeypatch.setattr(FakeCapture, 'frames', [BGR[:40]])
-    source, _ = open_device()
-    with pytest.raises(FrameSkipped, match=r'shape \(40, 64, 3\) instead of 64x48'):
-        source.read()
-
-
-def test_rates_and_timeout_follow_the_requested_and_the_actual_rate(open_device):
-    fast, _ = open_device(framerate=10)
-    assert (fast.max_hz, fast.expected_hz, fast.stall_timeout_s) == (10.0, 10.0, 1.5)
-    slow, _ = open_device(framerate=0.5)
-    assert (slow.max_hz, slow.expected_hz, slow.stall_timeout_s) == (0.5, 0.5, 6.0)
-    usual, _ = open_device(framerate=30)
-    assert (usual.max_hz, usual.expected_hz) == (30.0, 15.0)
-
-
-def test_other_format_or_size_than_requested_is_flagged(open_device):
-    for differs, settings in ((False, ('yuyv', 64, 48)), (True, ('mjpeg', 64, 48)),
-                              (True, ('yuyv', 60, 48)), (True, ('yuyv', 64, 50))):
-        names = ('pixel_format', 'image_width', 'image_height')
-        source, _ = open_device(**dict(zip(names, settings)))
-        assert source.differs is differs, settings
-
-
-def test_path_is_the_target_of_a_symlink(open_device, tmp_path, monkeypatch):
+def test_path_is_the_target_of_a_symlink(open_device, tmp_path):
     link = tmp_path / 'by-id'
     link.symlink_to('/dev/null')
-    captures = []
-    monkeypatch.setattr(cv2, 'VideoCapture', lambda *arguments: captures.append(
-        FakeCapture(*arguments)) or captures[-1])
-    source = DeviceSource(CameraSettings(video_device=str(link)))
+    source, capture = open_device(str(link))
     assert (source.name, source.path) == (str(link), '/dev/null')
-    assert captures[0].opened == ('/dev/null', cv2.CAP_V4L2)
+    assert capture.opened == ('/dev/null', cv2.CAP_V4L2)
 
 
 def test_opencv_waits_for_two_seconds():

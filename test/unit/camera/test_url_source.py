@@ -60,32 +60,35 @@ def results(source):
             return found, str(error)
 
 
-def test_damaged_frames_of_a_stream_are_skipped_one_by_one(clock):
-    end = [False] * 4
-    found, error = results(stream(clock, True, 0.1, -0.1, 0.1, -0.1, -0.1, 0.1, *end))
-    assert found == ['frame', 'frame', 'skipped', 'frame', 'skipped', 'skipped', 'frame']
-    assert error == 'rtsp://camera/live gives no more frames: ended or silent'
+END = [False] * 4
+GOOD, SKIPPED = ['frame'], ['skipped']
 
 
-def test_stream_that_begins_with_a_damaged_frame_is_opened(clock):
-    found, _ = results(stream(clock, False, True, *[False] * 4))
-    assert found == ['skipped', 'frame']
-
-
-@pytest.mark.parametrize('step', [-2.0, 2.0])       # the positive one with an incomplete frame
-def test_read_timeout_ends_a_stream(clock, step):
-    found, error = results(stream(clock, True, True, step))
-    assert found == ['frame'] * 2 and error.endswith('gives no more frames: ended or silent')
-
-
-def test_damaged_frames_in_time_do_not_end_a_stream(clock):
-    steps = [True, *[-0.1] * 12, 0.1, *[False] * 3, True, *[False] * 4]
-    found, _ = results(stream(clock, *steps))
-    assert found == ['frame'] + ['skipped'] * 12 + ['frame'] + ['skipped'] * 3 + ['frame']
+@pytest.mark.parametrize('steps, found', [
+    # damaged frames are skipped one by one
+    ([True, 0.1, -0.1, 0.1, -0.1, -0.1, 0.1, *END],
+     ['frame', 'frame', 'skipped', 'frame', 'skipped', 'skipped', 'frame']),
+    ([False, True, *END], SKIPPED + GOOD),
+    # and do not end it if they come in time
+    ([True, *[-0.1] * 12, 0.1, *[False] * 3, True, *END],
+     GOOD + SKIPPED * 12 + GOOD + SKIPPED * 3 + GOOD),
+    # a read that times out does, also if it returns an incomplete frame
+    ([True, True, -2.0], GOOD * 2), ([True, True, 2.0], GOOD * 2),
+    # four reads that fail within 5 ms
+    ([True, *[-0.004] * 4, True, *END], GOOD),
+    ([True, *[-0.0051] * 4, True, *END], GOOD + SKIPPED * 4 + GOOD),
+    # a stall of 1.8 s
+    ([True, *[-0.45] * 4, True, *END], GOOD),
+    ([True, *[-0.4375] * 4, True, *END], GOOD + SKIPPED * 4 + GOOD)])
+def test_failures_that_are_the_end_of_a_stream(clock, steps, found):
+    clock.now_s = 0.0       # so that the sums are exact
+    results_found, error = results(stream(clock, *steps))
+    assert results_found == found
+    assert error.startswith('rtsp://camera/live gives no more frames: ended or silent')
 
 
 def test_stream_that_ends_after_its_first_frame_may_be_an_image(clock):
-    assert results(stream(clock, True, *[False] * 4))[1] == (
+    assert results(stream(clock, True, *END))[1] == (
         'rtsp://camera/live gives no more frames: ended or silent after the first; give a '
         'stream, not an image')
 
@@ -134,6 +137,9 @@ UNKNOWN = -9.223372036854776e+18
 @pytest.mark.parametrize('url, count, source_class', [
     ('http://h/f.avi?tok=1', 60, RemoteVideoSource), ('http://h/video', 60, RemoteVideoSource),
     ('https://h/recorded.webm?a=b.c', UNKNOWN, RemoteVideoSource),
+    *(('http://h/a.' + extension, UNKNOWN, RemoteVideoSource) for extension in (
+        'avi', 'm4v', 'mkv', 'mov', 'mp4', 'mpeg', 'mpg', 'ogv', 'MP4')),
+    ('http://h/a', 2, RemoteVideoSource),
     ('http://h/live', UNKNOWN, StreamSource), ('http://h/live', 0, StreamSource),
     ('http://h/live?file=video.mp4', UNKNOWN, StreamSource),
     ('http://h/stream.jpg', UNKNOWN, StreamSource), ('rtsp://h/video.mp4', 60, StreamSource),
@@ -145,17 +151,6 @@ def test_video_and_stream_are_distinguished(clock, monkeypatch, url, count, sour
     assert source.rate_hz == (25.0 if source_class is RemoteVideoSource else None)
     is_announced = source_class is RemoteVideoSource or url[0] == 'r'
     assert source.expected_hz == (25.0 if is_announced else None)
-
-
-@pytest.mark.parametrize('extension', [
-    'avi', 'm4v', 'mkv', 'mov', 'mp4', 'mpeg', 'mpg', 'ogv', 'webm', 'MP4'])
-def test_extensions_of_videos(clock, monkeypatch, extension):
-    capture = FakeCapture(clock, [True] * 4, FPS=25.0, FRAME_COUNT=UNKNOWN)
-    source = at_url(monkeypatch, capture, 'http://h/a.' + extension)
-    assert type(source) is RemoteVideoSource
-    # a count of two frames is a video, too
-    capture = FakeCapture(clock, [True] * 4, FPS=25.0, FRAME_COUNT=2)
-    assert type(at_url(monkeypatch, capture, 'http://h/a')) is RemoteVideoSource
 
 
 @pytest.mark.parametrize('url, count', [
@@ -190,7 +185,7 @@ def test_video_that_stalls_is_an_error_and_reconnects_if_it_loops(clock, loop, s
         source.read()
     assert str(stalled.value) == (
         'the video http://h/f.mp4?... stalls: its server has sent nothing for 2.0 s')
-    assert source.reconnects == loop and (source.stall_timeout_s is not None) == loop
+    assert (source.reconnects, source.stall_timeout_s) == (loop, 1.8 if loop else None)
 
 
 def test_video_that_is_truncated_by_its_server_is_one_warning(clock):
@@ -236,6 +231,7 @@ def test_rate_that_cannot_be_right_is_not_known(clock, rate_hz, expected_hz):
     source = StreamSource('x', FakeCapture(clock, [True], FPS=rate_hz), True, clock)
     assert source.expected_hz == expected_hz
     assert (source.name, source.description) == ('x', 'stream x, 64x48')
+    assert source.reconnects is True and source.stall_timeout_s == 1.8
 
 
 def test_ffmpeg_opens_for_five_seconds_and_reads_for_two(monkeypatch, clock):
@@ -246,27 +242,12 @@ def test_ffmpeg_opens_for_five_seconds_and_reads_for_two(monkeypatch, clock):
                                                    cv2.CAP_PROP_READ_TIMEOUT_MSEC, 2000])]
 
 
-@pytest.mark.parametrize('failure_s, ends', [
-    (-0.004, True), (-0.0051, False),       # four reads that fail within 5 ms
-    (-0.45, True), (-0.4375, False)])       # a stall of 1.8 s
-def test_failures_that_are_the_end_of_a_stream(clock, failure_s, ends):
-    clock.now_s = 0.0       # so that the sums are exact
-    source = stream(clock, True, *[failure_s] * 4, True, *[False] * 4)
-    assert results(source)[0] == (['frame'] if ends else ['frame'] + ['skipped'] * 4 + ['frame'])
-
-
 def test_stream_that_changes_its_size_ends(clock):
     source = stream(clock, True, True)
     source.read()
     source.width = 60
     with pytest.raises(SourceError, match='^rtsp://camera/live has changed its size to 64x48$'):
         source.read()
-
-
-def test_streams_reconnect_and_have_a_timeout(clock):
-    source = stream(clock, True)
-    assert source.reconnects is True and source.stall_timeout_s == 1.8
-    assert remote_video(clock, True, True).stall_timeout_s == 1.8
 
 
 def test_stream_that_cannot_be_opened_is_released(monkeypatch, clock):
