@@ -18,7 +18,6 @@ from img_recog.camera.source import FrameSkipped, SourceError
 from img_recog.conversions import image_msgs
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.conversions.image_msgs import ImageError
-from img_recog.settings import SettingError
 from img_recog_testing import bombs
 
 HEADERS = bombs.headers()
@@ -141,12 +140,6 @@ def test_synthetic_scene():
     with pytest.raises(SourceError, match='cannot draw the synthetic scene: 16384x16384 are'):
         open_source(CameraSettings(video_device='synthetic', image_width=16384,
                                    image_height=16384))
-
-
-@pytest.mark.parametrize('value', [0, -1, (1 << 28) + 1, 5e7 + 0.5, '9', True])
-def test_a_limit_that_is_not_allowed(value):
-    with pytest.raises(SettingError, match='max_image_pixels: got .*from 1 to 268435456'):
-        CameraSettings(max_image_pixels=value)
 
 
 def test_opencv_has_the_upper_end_as_its_own_limit(tmp_path):

@@ -1,7 +1,5 @@
 """Files that cannot be a frame source: each is refused with one line that names it."""
 import os
-import struct
-import zlib
 
 import cv2
 import pytest
@@ -10,6 +8,7 @@ from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceError
 from img_recog.errors import UserError
+from img_recog_testing import bombs
 from img_recog_testing.videos import smooth_image
 
 NOT_PLAYABLE = ('cannot play {}: neither a video nor an image that OpenCV reads; set video_device '
@@ -23,15 +22,6 @@ def refusal(path):
     assert isinstance(refused.value, UserError)
     assert '\n' not in str(refused.value)
     return str(refused.value)
-
-
-def png_header(width, height):
-    def chunk(name, data):
-        return (struct.pack('>I', len(data)) + name + data
-                + struct.pack('>I', zlib.crc32(name + data)))
-    size = struct.pack('>IIBBBBB', width, height, 8, 2, 0, 0, 0)
-    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', size) + chunk(b'IDAT', zlib.compress(b'\0'))
-            + chunk(b'IEND', b''))
 
 
 @pytest.fixture
@@ -59,8 +49,8 @@ def test_missing_file_lists_the_devices_and_the_advice(tmp_path, devices):
     ('empty.mp4', b''),
     ('empty.png', b''),
     ('zeros.avi', bytes(5000)),
-    ('sizeless.png', png_header(0, 0)),
-    ('cut.png', png_header(8, 8)[:30])])
+    ('sizeless.png', bombs.png(0, 0)),
+    ('cut.png', bombs.png(8, 8)[:30])])
 def test_file_that_is_neither_a_video_nor_an_image(tmp_path, name, content):
     path = tmp_path / name
     path.write_bytes(content)

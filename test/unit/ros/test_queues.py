@@ -1,21 +1,21 @@
-"""LatestValue and CallQueue between threads; synchronized by events, not by sleeps."""
+"""LatestValue and CallQueue between threads."""
 import concurrent.futures
 import signal
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from img_recog.ros import queues
 from img_recog.ros.queues import CallQueue, LatestValue
-
-GENEROUS_S = 20.0       # reached only if a test fails
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
 class Asker(threading.Thread):
     """Makes a call in a separate thread, like a service handler, and keeps its result or error."""
 
-    def __init__(self, requests, action, timeout_s=GENEROUS_S):
+    def __init__(self, requests, action, timeout_s=DEADLINE_S):
         super().__init__(daemon=True)
         self._requests, self._action, self._timeout_s = requests, action, timeout_s
         self.result, self.error = None, None
@@ -28,18 +28,9 @@ class Asker(threading.Thread):
             self.error = error
 
     def end(self):
-        self.join(GENEROUS_S)
+        self.join(DEADLINE_S)
         assert not self.is_alive()
         return self
-
-
-def future_that_first_calls(action):
-    """Return a Future class that calls `action` after its call was put in the queue."""
-    class Announced(concurrent.futures.Future):
-        def result(self, timeout=None):
-            action()
-            return super().result(timeout)
-    return Announced
 
 
 def serve_until_ended(requests, *askers):
@@ -61,42 +52,19 @@ def test_latest_value_is_taken_once():
     assert slot.take() == 0
 
 
-class AnnouncedLock:
-    """A lock that calls `on_wait` when a thread is about to wait in it with a timeout."""
-
-    def __init__(self, on_wait):
-        self._lock, self._on_wait = threading.Lock(), on_wait
-        self.locked, self.release = self._lock.locked, self._lock.release
-
-    def acquire(self, blocking=True, timeout=-1):
-        if timeout > 0 and self._lock.locked():
-            self._on_wait()
-        return self._lock.acquire(blocking, timeout)
-
-
-def announced(slot, on_wait):
-    """Return a LatestValue whose loop calls `on_wait` before it waits."""
-    slot._changed = AnnouncedLock(on_wait)
-    slot._changed.acquire()
-    return slot
-
-
 @pytest.mark.parametrize('end, result', [(lambda slot: slot.put('frame'), 'frame'),
                                          (lambda slot: slot.wake(), None)], ids=['put', 'wake'])
 def test_the_wait_ends_when_there_is_a_value_and_when_it_is_woken(end, result):
-    waiting, got = threading.Event(), []
-    slot = announced(LatestValue(), waiting.set)
-    taker = threading.Thread(target=lambda: got.append(slot.take(3 * GENEROUS_S)), daemon=True)
-    taker.start()
-    assert waiting.wait(GENEROUS_S)
-    end(slot)
-    taker.join(GENEROUS_S)
-    assert got == [result]
-    waiting.clear()
+    slot = LatestValue()
+    with ThreadPoolExecutor(1) as pool:
+        taken = pool.submit(slot.take, 3 * DEADLINE_S)
+        time.sleep(0.05)        # it most likely waits then; it ends in any case
+        end(slot)
+        assert taken.result(DEADLINE_S) == result
     slot.put('next')
-    assert slot.take(GENEROUS_S) == 'next'
-    assert not waiting.is_set()         # a value was there already
-    assert slot.take(0.001) is None and waiting.is_set()        # and not woken by the last value
+    assert slot.take(DEADLINE_S) == 'next'
+    begin_s = time.monotonic()
+    assert slot.take(0.05) is None and time.monotonic() - begin_s >= 0.05   # no wake is left over
 
 
 def test_it_can_be_woken_before_it_waits():
@@ -104,8 +72,8 @@ def test_it_can_be_woken_before_it_waits():
     slot.wake()
     slot.wake()
     begin_s = time.monotonic()
-    assert slot.take(GENEROUS_S) is None
-    assert time.monotonic() - begin_s < GENEROUS_S / 2
+    assert slot.take(DEADLINE_S) is None
+    assert time.monotonic() - begin_s < DEADLINE_S / 2
 
 
 def test_values_of_many_threads_are_replaced_or_taken_once():
@@ -127,7 +95,7 @@ def test_values_of_many_threads_are_replaced_or_taken_once():
 def test_a_signal_handler_that_outlasts_the_timeout_does_not_make_the_wait_endless():
     """In CPython 3.11, SimpleQueue.get waits forever then."""
     slot = LatestValue()
-    watchdog = threading.Timer(GENEROUS_S, slot.put, ('endless',))
+    watchdog = threading.Timer(DEADLINE_S, slot.put, ('endless',))
     before = signal.signal(signal.SIGALRM, lambda *_: time.sleep(0.1))
     watchdog.start()
     try:
@@ -138,10 +106,6 @@ def test_a_signal_handler_that_outlasts_the_timeout_does_not_make_the_wait_endle
         watchdog.cancel()
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
-
-
-def test_latest_value_is_none_after_the_timeout():
-    assert LatestValue().take(0.01) is None
 
 
 def test_the_call_runs_in_the_thread_of_the_loop():
@@ -174,28 +138,30 @@ def test_a_call_that_starts_late_fails_and_does_not_run_later():
 
 def test_a_call_that_ends_late_fails_and_the_loop_continues(monkeypatch):
     requests, begun, go_on, after = CallQueue(), threading.Event(), threading.Event(), []
-    monkeypatch.setattr(queues, 'Future', future_that_first_calls(
-        lambda: begun.wait(GENEROUS_S)))
+
+    class Begun(concurrent.futures.Future):
+        def result(self, timeout=None):
+            begun.wait(DEADLINE_S)
+            return super().result(timeout)
+    monkeypatch.setattr(queues, 'Future', Begun)
 
     def slow():
         begun.set()
-        after.append(go_on.wait(GENEROUS_S))
-    loop = threading.Thread(target=lambda: requests.process(GENEROUS_S), daemon=True)
+        after.append(go_on.wait(DEADLINE_S))
+    loop = threading.Thread(target=lambda: requests.process(DEADLINE_S), daemon=True)
     loop.start()
     asker = Asker(requests, slow, timeout_s=0.01).end()
     assert isinstance(asker.error, concurrent.futures.TimeoutError)
     go_on.set()
-    loop.join(GENEROUS_S)
+    loop.join(DEADLINE_S)
     assert after == [True] and not loop.is_alive()
 
 
-def test_calls_run_in_the_order_they_were_made(monkeypatch):
-    requests, order, arrived = CallQueue(), [], threading.Semaphore(0)
-    monkeypatch.setattr(queues, 'Future', future_that_first_calls(arrived.release))
-    askers = []
+def test_calls_run_in_the_order_they_were_made():
+    requests, order, askers = CallQueue(), [], []
     for number in range(5):
         askers.append(Asker(requests, lambda number=number: order.append(number)))
-        assert arrived.acquire(timeout=GENEROUS_S)
+        wait_for(lambda: len(requests) == len(askers), 'the call')
     requests.process(0.0)
     assert [asker.end().error for asker in askers] == [None] * 5
     assert order == [0, 1, 2, 3, 4]

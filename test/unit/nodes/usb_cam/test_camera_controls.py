@@ -18,18 +18,15 @@ def lines(monkeypatch):
     return logged
 
 
-def test_controls_without_effect_are_logged_once(lines):
-    controls = CameraControls(ControlSettings(brightness=5, autoexposure=False), {'zoom': 3})
+@pytest.mark.parametrize('settings, intrinsic, logged', [
+    (ControlSettings(brightness=5, autoexposure=False), {'zoom': 3}, [
+        ('info', 'not a device: these controls have no effect: brightness, autoexposure, zoom')]),
+    (ControlSettings(), {}, [])])
+def test_controls_without_effect_are_logged_once(lines, settings, intrinsic, logged):
+    controls = CameraControls(settings, intrinsic)
     for _ in range(2):
         controls.set_device(None)
-    assert lines == [
-        ('info', 'not a device: these controls have no effect: brightness, autoexposure, zoom')]
-
-
-def test_controls_at_their_defaults_are_not_logged(lines):
-    controls = CameraControls(ControlSettings(), {})
-    controls.set_device(None)
-    assert lines == []
+    assert lines == logged
 
 
 def test_controls_of_a_device_are_not_logged(lines, tmp_path):
