@@ -6,6 +6,7 @@ import sys
 
 import pytest
 
+from img_recog_testing.process_table import is_alive
 from img_recog_testing.waiting import wait_for
 
 PROGRAM = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..',
@@ -83,14 +84,6 @@ def run(tmp_path):
                     pass
             each.process.wait()
         each.process.stdout.close()
-
-
-def is_alive(pid):
-    try:
-        with open('/proc/{}/stat'.format(pid)) as file:
-            return file.read().rpartition(')')[2].split()[0] not in 'ZX'
-    except OSError:
-        return False
 
 
 @pytest.mark.parametrize('end, reason', [

@@ -5,8 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.camera import image_source
-from img_recog.camera.image_source import FolderSource, ImageSource, image_paths, is_truncated
+from img_recog.camera.image_source import image_paths, is_truncated
 from img_recog.camera.source import SourceError
 from img_recog.camera.video_source import VideoSource
 
@@ -50,18 +49,6 @@ def test_extensions_of_images(tmp_path, extension):
 def test_folder_that_cannot_be_read():
     with pytest.raises(SourceError, match='^cannot read /no/such: no such file or directory$'):
         image_paths('/no/such')
-
-
-def test_sources_have_their_name_and_rates(monkeypatch):
-    monkeypatch.setattr(image_source, 'image_paths', lambda path: ['x', 'a', 'b'])
-    monkeypatch.setattr(image_source, 'read_image', lambda path, _:
-                        None if path == 'x' else np.zeros((2, 3, 3), np.uint8))
-    folder, image = FolderSource('some', 4.0), ImageSource('a', np.zeros((2, 3, 3)), 5.0)
-    assert (folder.name, folder.rate_hz, folder.expected_hz) == ('some', 4.0, 4.0)
-    assert (image.name, image.rate_hz, image.expected_hz) == ('a', 5.0, 5.0)
-    assert (folder.width, folder.height) == (3, 2)
-    assert folder.description == 'folder some of 3 images, 3x2, 4 Hz, played in a loop'
-    assert FolderSource('some', 4.0, False).description.endswith('4 Hz, played once')
 
 
 class FakeCapture:

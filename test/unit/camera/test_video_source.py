@@ -79,7 +79,7 @@ def test_image_is_bit_identical_and_repeats(tmp_path, name):
     assert cv2.imwrite(path, image.astype(np.uint8)[..., ::-1])
     source = open_file(path, 7.5)
     assert (source.width, source.height, source.encoding) == (47, 31, 'rgb8')
-    assert source.rate_hz == 7.5
+    assert (source.name, source.rate_hz, source.expected_hz) == (path, 7.5, 7.5)
     assert source.description == 'image {}, 47x31, 7.5 Hz'.format(path)
     for _ in range(3):
         frame = source.read()

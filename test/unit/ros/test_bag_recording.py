@@ -1,4 +1,5 @@
 """A recording, with a stand-in for the program that records."""
+import contextlib
 import os
 import signal
 import stat
@@ -24,7 +25,8 @@ printf '%s ' "$@" >"$file.arguments"
 OPEN = ': >"$file.active"\n'
 COMPLETE = 'trap \'mv "$file.active" "$file"; exit 0\' INT\n'
 WRITE = 'echo some >"$file.active"\n'
-UNTIL_FULL = 'while [ ! -e "$file.full" ]; do sleep 0.05; done; mv "$file.active" "$file"'
+UNTIL_FULL = 'while [ ! -e "$file.full" ]; do sleep 0.05; done'
+MOVE = '; mv "$file.active" "$file"'
 LOOP = 'while :; do sleep 0.05; done\n'
 
 
@@ -44,8 +46,14 @@ def recording(tmp_path, monkeypatch):
         return started[-1]
     yield start
     for each in started:
-        each._process.kill()
-        each._process.wait(DEADLINE_S)
+        with contextlib.suppress(UserError):
+            each.stop()
+
+
+def fill(running):
+    """Let a program of UNTIL_FULL go on, and wait for its end."""
+    with open(running.path + '.full', 'w'):
+        wait_for(lambda: not running.is_running, 'the end')
 
 
 def test_a_recording_is_complete_when_it_has_stopped(recording, tmp_path):
@@ -66,11 +74,6 @@ def test_a_file_that_cannot_be_written(recording, tmp_path):
     assert not (tmp_path / 'new.bag.active').exists()
 
 
-def test_a_program_that_says_nothing(recording):
-    with pytest.raises(UserError, match='exit code 3'):
-        recording('exit 3')
-
-
 def test_a_program_that_writes_nothing_is_ended(recording, tmp_path, monkeypatch):
     monkeypatch.setattr(bag_recording, '_START_TIMEOUT_S', 0.5)
     with pytest.raises(UserError, match='there is no file after 0.5 s; see whether the master'):
@@ -85,29 +88,24 @@ def test_a_start_ends_with_the_node(recording, monkeypatch):
         recording(LOOP)
 
 
-def test_a_warning_is_no_reason(recording, tmp_path):
-    running = recording(WRITE + 'echo "[ WARN] [12.5]: Less than 5 x 1G of space free" >&2\n'
-                        'echo "[ERROR] [12.6]: Less than 1G" >&2\n' + UNTIL_FULL + '; exit 1')
-    (tmp_path / 'new.bag.full').write_text('')
-    wait_for(lambda: not running.is_running, 'the end')
-    with pytest.raises(UserError, match='the recording .*new.bag has ended: Less than 1G;'):
+@pytest.mark.parametrize('end, problem', [
+    (UNTIL_FULL + '; echo "the disk is full" >&2; exit 1', 'cannot record .*: the disk is full; '),
+    ('echo "[ WARN] [12.5]: Less than 5 x 1G of space free" >&2\n'     # that is no reason
+     'echo "[ERROR] [12.6]: Less than 1G" >&2\n' + UNTIL_FULL + MOVE + '; exit 1',
+     'the recording .*new.bag has ended: Less than 1G;')])
+def test_a_recording_that_fails_later_is_reported_once_and_keeps_what_it_has(
+        recording, tmp_path, end, problem):
+    running = recording(WRITE + end)
+    fill(running)
+    with pytest.raises(UserError, match='^' + problem):
         running.check()
+    name = 'new.bag' if MOVE in end else 'new.bag.active'
+    assert not running.check() and (tmp_path / name).read_text() == 'some\n'
 
 
-def test_a_recording_that_fails_later_is_reported_once_and_keeps_what_it_has(recording, tmp_path):
-    running = recording(WRITE + 'while [ ! -e "$file.full" ]; do sleep 0.05; '
-                        'done; echo "the disk is full" >&2; exit 1')
-    (tmp_path / 'new.bag.full').write_text('')
-    wait_for(lambda: not running.is_running, 'the end')
-    with pytest.raises(UserError, match='the disk is full'):
-        running.check()
-    assert not running.check() and (tmp_path / 'new.bag.active').read_text() == 'some\n'
-
-
-def test_the_largest_size_is_reported_once(recording, tmp_path):
-    running = recording(WRITE + UNTIL_FULL)
-    (tmp_path / 'new.bag.full').write_text('')
-    wait_for(lambda: not running.is_running, 'the end')
+def test_the_largest_size_is_reported_once(recording):
+    running = recording(WRITE + UNTIL_FULL + MOVE)
+    fill(running)
     assert [running.check(), running.check()] == [True, False]
 
 
@@ -149,15 +147,16 @@ def test_one_recording_for_all_who_start_and_stop_it(recording, tmp_path):
 
 
 def test_a_recorder_after_a_failure(recording, tmp_path):
-    scripts = ['exit 3', WRITE + UNTIL_FULL, COMPLETE + WRITE + LOOP]
-    recorder = Recorder(lambda: recording(scripts.pop(0)))
+    scripts = ['exit 3', WRITE + UNTIL_FULL + MOVE, COMPLETE + WRITE + LOOP]
+    started = []
+    recorder = Recorder(lambda: started.append(recording(scripts.pop(0))) or started[-1])
     with pytest.raises(UserError, match='exit code 3'):
         recorder.record(True)
     path = str(tmp_path / 'new.bag')
     assert recorder.path == ''
     recorder.record(True)
-    (tmp_path / 'new.bag.full').write_text('')
-    wait_for(lambda: not recorder.path, 'the end')
+    fill(started[-1])
+    assert recorder.path == ''
     assert [recorder.check(), recorder.check()] == [path, '']
     assert recorder.record(True) == path == recorder.path
     recorder.record(False)

@@ -63,7 +63,6 @@ class UsbCam(Listener):
         self._calibration = CameraCalibration(self._settings)
         self._stamps = Stamps()
         self._failure: Optional[Exception] = None
-        self._opened_once = False
         self.is_blocked = False
         self._opened_or_ended, self._ended = threading.Event(), threading.Event()
         lifecycle.on_shutdown(self._end)
@@ -108,7 +107,6 @@ class UsbCam(Listener):
     def opened(self, source: FrameSource) -> None:
         log = rospy.logwarn if source.differs else rospy.loginfo
         log('camera: %s', source.description)
-        self._opened_once = True
         self._calibration.set_image_size(source.width, source.height)
         self._diagnostics.opened(source)
         self._opened_or_ended.set()
@@ -150,9 +148,10 @@ class UsbCam(Listener):
     def failed(self, error: Exception, opening: bool) -> None:
         if self._ended.is_set():        # a failure during a shutdown is not why the node ends
             return
-        if opening and (self._opened_once or self._settings.create_suspended):
+        was_open = self._opened_or_ended.is_set()
+        if opening and (was_open or self._settings.create_suspended):
             # ~start_capture can be called again; only a failure at startup ends the node
-            rospy.logerr('%s; still %s', error, 'stopped' if self._opened_once else 'suspended')
+            rospy.logerr('%s; still %s', error, 'stopped' if was_open else 'suspended')
             return
         self._failure = error
         self._end()
