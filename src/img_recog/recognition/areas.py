@@ -33,8 +33,6 @@ class ColorExtractor:
         self._areas_px: List[int] = []
         self._masks, self._settings = Masks((0, 0), settings.colors), settings
         self._changed: Set[int] = set()     # colors whose masks have less than their groups
-        # by color: the image that `masked` returned and its note
-        self._drawn: Dict[int, Tuple[np.ndarray, Optional[np.ndarray]]] = {}
         self.configure(settings)
 
     def configure(self, settings: RecognitionSettings) -> None:
@@ -81,10 +79,8 @@ class ColorExtractor:
 
         number: of the color whose pixels are kept.
         """
-        result, drawn = self._drawn.get(number, (np.empty(0), None))
-        if result.shape != self.shape:
-            result, drawn = np.empty(self.shape, np.uint8), None
-        self._drawn[number] = result, self.draw_masked(number, result, drawn)
+        result = np.empty(self.shape, np.uint8)
+        self.draw_masked(number, result)
         return result
 
     def draw_masked(self, number: int, result: np.ndarray, drawn: Optional[np.ndarray] = None

@@ -54,22 +54,42 @@ def test_a_message_above_the_limit_is_read_and_dropped(fast, name, images, lines
         publisher.transport.endpoint_id, size, LIMIT)]
 
 
-def test_data_that_is_not_an_image_is_refused(fast, name, images, lines, publish_to):
+# plain rospy closes the connection and opens a new one
+@pytest.mark.parametrize('data', [
+    b'', b'123', bytes(range(20)), b'\xff' * 64, packet(image(LIMIT))[4:-1],
+    packet(image(LIMIT))[4:-len(image(LIMIT).data) - 4] + b'\xff' * 4 + image(LIMIT).data],
+    ids=['empty', 'short', 'numbers', 'ones', 'truncated', 'too long'])
+def test_data_that_is_not_an_image_is_skipped_with_a_line_and_the_next_image_arrives(
+        fast, name, images, lines, publish_to, data):
     refused = []
     ImageSubscriber(name, images.put, LIMIT, refused.append)
     publisher = publish_to(name, Image, begin=False)
     publisher.transport.protocol.buff_size = 4      # like after the first message
     publisher.begin()
-    publisher.send_bytes(struct.pack('<I', 3) + b'123' + packet(image(LIMIT)))
-    images.get(timeout=DEADLINE_S)
-    assert refused == lines and 'skipped: 3 bytes, no sensor_msgs/Image: ' in refused[0]
+    publisher.send_bytes(struct.pack('<I', len(data)) + data + packet(image(LIMIT)))
+    assert bytes(images.get(timeout=DEADLINE_S).data) == image(LIMIT).data
+    assert refused == lines and len(lines) == 1
+    assert 'of {} skipped: {} bytes, no sensor_msgs/Image: '.format(
+        publisher.transport.endpoint_id, len(data)) in lines[0]
+
+
+def kilobytes():
+    """Return the physical memory of this process."""
+    with open('/proc/self/status') as file:
+        return next(int(line.split()[1]) for line in file if line.startswith('VmRSS'))
+
+
+def test_a_wrong_length_without_a_limit_takes_no_memory(fast, name, images, publish_to):
+    ImageSubscriber(name, images.put)
+    publisher, before = publish_to(name, Image), kilobytes()
+    publisher.sock.sendall(struct.pack('<I', 0xffffffff) + b'few')
+    publisher.sock.close()
+    publisher.join()
+    assert kilobytes() - before < 100000
 
 
 def test_a_wrong_length_takes_no_memory_however_much_follows(fast, name, images, lines,
                                                              publish_to):
-    def kilobytes():
-        with open('/proc/self/status') as file:
-            return next(int(line.split()[1]) for line in file if line.startswith('VmRSS'))
     ImageSubscriber(name, images.put, LIMIT)
     publisher = publish_to(name, Image)
     before = kilobytes()
