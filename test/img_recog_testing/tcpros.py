@@ -1,4 +1,5 @@
 """The other ends of a node's connections, over pairs of sockets and without a master."""
+import contextlib
 import fcntl
 import itertools
 import socket
@@ -40,6 +41,16 @@ class SubscriberEnd:
             assert piece
             data += piece
         return data
+
+    def fill(self):
+        """Fill the buffer of the connection; return the number of bytes."""
+        sock, count = self.transport.socket, 0
+        sock.setblocking(False)
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                count += sock.send(bytes(4096))
+        sock.setblocking(True)
+        return count
 
     def is_idle(self):
         """Return whether nothing has come."""

@@ -103,15 +103,6 @@ def test_an_image_full_of_color_followed_by_empty_ones():
             assert_equal_to_plain_opencv(masks, np.full((48, 64, 3), 128, np.uint8), ARTICLE)
 
 
-def test_a_fourth_channel_is_ignored():
-    image = grey_room(1, (48, 64))
-    image[10:20, 10:30] = BLUE
-    for alpha in (0, 128, 255):
-        masks = Masks((48, 64), ARTICLE)
-        masks.compute(np.dstack([image, np.full((48, 64), alpha, np.uint8)]), cv2.COLOR_BGR2HSV)
-        assert masks.areas_px == [200, 0]
-
-
 def test_only_pixels_that_can_have_a_color_are_converted(monkeypatch):
     converted, cvt_color = [], cv2.cvtColor
 

@@ -31,16 +31,22 @@ def silent(monkeypatch):
         yield rospy.core.xmlrpcapi(uri)
 
 
-def test_a_call_that_waits_for_an_answer_is_interrupted(silent):
+def call_in_thread(master):
+    """Call the master; return the thread, and the list for its error."""
     errors = []
 
     def call():
         try:
-            silent.getPid('/node')
+            master.getPid('/node')
         except OSError as error:
             errors.append(error)
     thread = threading.Thread(target=call, daemon=True)
     thread.start()
+    return thread, errors
+
+
+def test_a_call_that_waits_for_an_answer_is_interrupted(silent):
+    thread, errors = call_in_thread(silent)
     wait_for(lambda: len(registration.MasterConnection.all) > 0, 'the connection')
     assert thread.is_alive()
     registration.end_calls()
@@ -59,19 +65,12 @@ def test_a_call_during_the_shutdown_does_not_wait(silent):
 
 def test_a_call_to_a_host_that_drops_packets_is_interrupted(silent):
     host, port = os.environ['ROS_MASTER_URI'][len('http://'):].split(':')
-    errors, waiting = [], []
+    waiting = []
     for _ in range(20):             # until the queue of the listening socket is full
         waiting.append(socket.socket())
         waiting[-1].setblocking(False)
         waiting[-1].connect_ex((host, int(port)))
-
-    def call():
-        try:
-            silent.getPid('/node')
-        except OSError as error:
-            errors.append(error)
-    thread = threading.Thread(target=call, daemon=True)
-    thread.start()
+    thread, errors = call_in_thread(silent)
     registration.end_calls()
     thread.join(30.0)
     for each in waiting:

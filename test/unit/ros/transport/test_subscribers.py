@@ -18,15 +18,6 @@ def short_wait(monkeypatch):
     monkeypatch.setattr(subscribers, '_WAIT_S', 0.01)
 
 
-def fill(transport):
-    """Fill the socket buffer of a connection."""
-    transport.socket.setblocking(False)
-    with pytest.raises(BlockingIOError):
-        while True:
-            transport.socket.send(bytes(1 << 16))
-    transport.socket.setblocking(True)
-
-
 def names(check, topic):
     """Return what is found on a topic; other tests of this process leave theirs."""
     return [name for name in check.not_reading() if '({})'.format(topic) in name]
@@ -37,7 +28,7 @@ def test_it_is_named_at_the_second_check_until_it_reads(name, subscribe, queue_s
     publisher = rospy.Publisher(name, String, queue_size=queue_size)
     ends, check = [subscribe(name, String) for _ in range(2)], SubscriberCheck()
     assert names(check, name) == [] == names(check, name)
-    fill(ends[0].transport)
+    ends[0].fill()
     assert names(check, name) == []
     assert names(check, name) == ['{} ({})'.format(ends[0].transport.endpoint_id, name)]
     ends[0].sock.setblocking(False)
@@ -51,7 +42,7 @@ def test_it_is_named_at_the_second_check_until_it_reads(name, subscribe, queue_s
 def test_it_is_not_found_after_it_has_gone(name, subscribe):
     publisher = rospy.Publisher(name, String, queue_size=1)
     end, check = subscribe(name, String), SubscriberCheck()
-    fill(end.transport)
+    end.fill()
     names(check, name)
     end.sock.close()
     assert names(check, name) == []
@@ -63,7 +54,7 @@ def test_it_is_not_found_after_it_has_gone(name, subscribe):
 def test_a_full_buffer_that_is_read_meanwhile_is_none(name, subscribe, monkeypatch):
     rospy.Publisher(name, String, queue_size=1)
     end, check = subscribe(name, String), SubscriberCheck()
-    fill(end.transport)
+    end.fill()
     end.sock.setblocking(False)
     assert names(check, name) == []
     monkeypatch.setattr(subscribers, '_WAIT_S', 30.0)
