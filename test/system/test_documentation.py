@@ -18,7 +18,7 @@ from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.nodes.color_extract.node import InputSettings
 from img_recog.nodes.gazebo.robot_plans import RobotsSettings, robot_settings_classes
-from img_recog.nodes.gazebo.runtime import RuntimeSettings
+from img_recog.nodes.gazebo.physics_services import RuntimeSettings
 from img_recog.nodes.robots.node import ManagerSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.web.settings import WebSettings

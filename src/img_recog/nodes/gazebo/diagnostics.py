@@ -1,12 +1,14 @@
 """The state of the simulation, as in /diagnostics."""
 import time
-from typing import Callable, NamedTuple, Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros.diagnostics import (Counter, Durations, Refusals, add_counter, add_durations,
                                        add_refusals)
+from img_recog.simulation.pacing import Pace
 
 _MIN_SHARE = 0.8        # of the wanted real time factor: below is a warning
 
@@ -55,47 +57,33 @@ class CommandCounts:
         add_counter(status, 'sensor messages', self.readings)
 
 
-class State(NamedTuple):
-    """The state of the simulation.
-
-    factor: measured real time factor, 0 before the first measurement; wanted_factor: 0 is as fast
-    as possible.
-    waiting_calls, late_calls: service calls that wait for the loop, and those that timed out.
-    """
-
-    time_s: float
-    is_paused: bool
-    factor: float
-    wanted_factor: float
-    waiting_calls: int
-    late_calls: int
-
-
 class SimulationDiagnostics:
     """Measures the loop and reports the state of the simulation.
 
     steps: how long the loop takes for a clock period of simulated time, without waiting.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, pace: Pace, calls: ServiceCalls):
+        self._pace, self._calls = pace, calls
         self.steps = Durations()
 
-    def report(self, status: DiagnosticStatusWrapper, state: State) -> None:
-        """Fill in the status; to be called once in each period."""
-        status.summary(*_summary(state))
-        status.add('simulated time (s)', '{:.2f}'.format(state.time_s))
-        status.add('real time factor', '{:.2f}'.format(state.factor))
-        status.add('wanted real time factor', '{:g}'.format(state.wanted_factor))
+    def report(self, status: DiagnosticStatusWrapper, time_s: float) -> None:
+        """Fill in the status at a simulated time; to be called once in each period."""
+        pace = self._pace
+        status.summary(*_summary(pace))
+        status.add('simulated time (s)', '{:.2f}'.format(time_s))
+        status.add('real time factor', '{:.2f}'.format(pace.measured))
+        status.add('wanted real time factor', '{:g}'.format(pace.wanted))
         add_durations(status, 'clock period', self.steps)
-        status.add('waiting service calls', str(state.waiting_calls))
-        status.add('service calls that timed out', str(state.late_calls))
+        status.add('waiting service calls', str(self._calls.waiting))
+        status.add('service calls that timed out', str(self._calls.late.total))
 
 
-def _summary(state: State) -> Tuple[int, str]:
-    if state.is_paused:
+def _summary(pace: Pace) -> Tuple[int, str]:
+    if pace.is_paused:
         return DiagnosticStatus.OK, 'paused'
-    if 0 < state.factor < _MIN_SHARE * state.wanted_factor:
+    if 0 < pace.measured < _MIN_SHARE * pace.wanted:
         return DiagnosticStatus.WARN, (
             'too slow: real time factor {:.2f} instead of {:g}; use a smaller real_time_factor, '
-            'or close windows'.format(state.factor, state.wanted_factor))
-    return DiagnosticStatus.OK, 'real time factor {:.2f}'.format(state.factor)
+            'or close windows'.format(pace.measured, pace.wanted))
+    return DiagnosticStatus.OK, 'real time factor {:.2f}'.format(pace.measured)

@@ -1,6 +1,6 @@
-"""All images of the node: of the cameras on robots, and of the view."""
+"""All images of the node: of the cameras on robots, of the view, and of the window."""
 import itertools
-from typing import Callable, Dict, List, Sequence, Tuple, Union
+from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import rospy
@@ -15,9 +15,10 @@ from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view import ViewTopic
 from img_recog.rendering.server import Picture, Shot
 from img_recog.simulation.pictures import visual_scene
-from img_recog.simulation.pictures.scene import Scene, scene_of
+from img_recog.simulation.pictures.scene import poses_of, scene_of
 from img_recog.simulation.pictures.view import above
 from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.pictures.window import Window
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
@@ -35,9 +36,13 @@ class Images:
     def __init__(self, simulator: Simulator, view: ViewSettings, statics: StaticTransforms,
                  make_process: Callable[..., ImageProcess] = ImageProcess):
         self._simulator, self._statics = simulator, statics
+        self._revision = simulator.world.revision
         self._parts = Parts(simulator)
         self._view = ViewTopic(view, above(simulator.world))
-        self._process = make_process(visual_scene.read(scene_of(simulator), self._parts),
+        scene = scene_of(simulator)
+        self._window: Optional[Window] = (
+            Window(scene, above(simulator.world)) if view.gui else None)
+        self._process = make_process(visual_scene.read(scene, self._parts),
                                      self._parts.poses(), [self._view.camera])
         # by the names of robot and sensor
         self._cameras: Dict[Tuple[str, str], Tuple[Vehicle, CameraTopics]] = {}
@@ -96,10 +101,17 @@ class Images:
         """Return whether a reading is that of a camera."""
         return (reading.robot, reading.sensor) in self._cameras
 
-    def set_scene(self, scene: Scene) -> None:
-        """Show another scene from now on: something was added to the simulator or removed."""
+    def update_scene(self) -> bool:
+        """Show what was added to the simulator, removed or rearranged; return whether it was."""
+        if self._revision == self._simulator.world.revision:
+            return False
+        self._revision = self._simulator.world.revision
+        scene = scene_of(self._simulator)
         self._parts.refresh()
         self._process.set_scene(visual_scene.read(scene, self._parts), self._parts.poses())
+        if self._window is not None:
+            self._window.set_scene(scene)
+        return True
 
     def enable_cameras(self) -> None:
         """Enable the cameras that are used; to be called before each simulated period."""
@@ -129,6 +141,15 @@ class Images:
             if not self._process.is_busy:
                 self._draw([], [], self._parts.poses(), self._simulator.time_s)
 
+    def update_window(self) -> None:
+        """Send the poses to the window, if there is one and it needs new ones."""
+        if self._window is None or not self._window.due():
+            return
+        reason = self._window.show(poses_of(self._simulator))
+        if reason is not None:
+            rospy.logwarn('no window: %s; the simulation goes on without it', reason)
+            self._window = None
+
     def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
               time_s: float) -> None:
         publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
@@ -150,5 +171,7 @@ class Images:
         self._process.report(status)
 
     def close(self) -> None:
-        """End the process that draws."""
+        """End the process that draws, and the window."""
         self._process.close()
+        if self._window is not None:
+            self._window.close()

@@ -1,9 +1,10 @@
 """The topics and services of Gazebo's models, where the package gazebo_msgs is installed."""
 from functools import partial
-from typing import Any, Callable
+from typing import Any, Callable, Dict
 
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+from std_msgs.msg import Header
 
 from img_recog import resources, rotations
 from img_recog.conversions import robot_msgs
@@ -13,14 +14,14 @@ from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.simulation.descriptions import model_file, names
 from img_recog.simulation.models import WORLD, Models, State
+from img_recog.simulation.pacing import Pace
 from img_recog.simulation.settings import SimulationError, SpawnSettings
+from img_recog.simulation.simulator import Simulator
 
 try:
     from gazebo_msgs.msg import ModelStates
-    from gazebo_msgs.srv import (DeleteModel, DeleteModelRequest, DeleteModelResponse,
-                                 GetModelState, GetModelStateRequest, GetModelStateResponse,
-                                 SetModelState, SetModelStateRequest, SetModelStateResponse,
-                                 SpawnModel, SpawnModelRequest, SpawnModelResponse)
+    from gazebo_msgs.srv import (DeleteModel, GetModelState, GetPhysicsProperties,
+                                 GetWorldProperties, SetModelState, SpawnModel)
     AVAILABLE = True
 except ImportError:
     AVAILABLE = False
@@ -29,24 +30,30 @@ _MAX_TILT = 0.01                                    # rad
 _WORLD_NAMES = ('', 'world', 'map', '/map')         # gazebo_ros's names for the world frame
 
 
+Response = Dict[str, Any]       # fields of a response by name; rospy makes the message
+
+
 class ModelServices:
-    """Publishes ~model_states; serves ~get_model_state, ~set_model_state, ~spawn_sdf_model,
-    ~spawn_urdf_model and ~delete_model.
+    """Publishes ~model_states, and serves what `services` in the constructor names.
 
     Must be created only when AVAILABLE.
     """
 
-    def __init__(self, models: Models, robots: Robots, plans: RobotPlans, calls: ServiceCalls,
-                 time_s: Callable[[], float]):
-        """Advertise; time_s returns the simulated time."""
-        self._models, self._robots, self._plans = models, robots, plans
-        self._calls, self._time_s = calls, time_s
+    def __init__(self, simulator: Simulator, models: Models, robots: Robots, plans: RobotPlans,
+                 calls: ServiceCalls, pace: Pace):
+        """Advertise."""
+        self._simulator, self._models, self._robots = simulator, models, robots
+        self._plans, self._calls, self._pace = plans, calls, pace
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
-        rospy.Service('~get_model_state', GetModelState, self._get)
-        rospy.Service('~set_model_state', SetModelState, self._set)
-        for name in ('~spawn_sdf_model', '~spawn_urdf_model'):
-            rospy.Service(name, SpawnModel, self._spawn)
-        rospy.Service('~delete_model', DeleteModel, self._delete)
+        services = {'get_model_state': (GetModelState, self._get),
+                    'set_model_state': (SetModelState, self._set),
+                    'spawn_sdf_model': (SpawnModel, self._spawn),
+                    'spawn_urdf_model': (SpawnModel, self._spawn),
+                    'delete_model': (DeleteModel, self._delete),
+                    'get_world_properties': (GetWorldProperties, self._describe_world),
+                    'get_physics_properties': (GetPhysicsProperties, self._describe_physics)}
+        for name, (kind, handler) in services.items():
+            rospy.Service('~' + name, kind, partial(_respond, handler))
 
     def update(self) -> None:
         """Publish the states of all models; to be called by the loop."""
@@ -59,45 +66,36 @@ class ModelServices:
                 msg.twist.append(_twist_of(state))
             self._states.publish(msg)
 
-    def _get(self, request: 'GetModelStateRequest') -> 'GetModelStateResponse':
+    def _get(self, request: Any) -> Response:
         frame = _frame_of(request.relative_entity_name)
-        try:
-            state, time_s = self._calls.call(
-                lambda: (self._models.state(request.model_name, frame), self._time_s()))
-        except SimulationError as error:
-            return GetModelStateResponse(success=False, status_message=str(error))
-        response = GetModelStateResponse(pose=_pose_of(state), twist=_twist_of(state),
-                                         success=True)
-        response.header.stamp = robot_msgs.stamp_of(time_s)
-        response.header.frame_id = frame
-        return response
+        state, time_s = self._calls.call(lambda: (
+            self._models.state(request.model_name, frame), self._simulator.time_s))
+        return {'header': Header(stamp=robot_msgs.stamp_of(time_s), frame_id=frame),
+                'pose': _pose_of(state), 'twist': _twist_of(state)}
 
-    def _set(self, request: 'SetModelStateRequest') -> 'SetModelStateResponse':
+    def _set(self, request: Any) -> Response:
         wanted = request.model_state
-        return self._answer(SetModelStateResponse, lambda: self._models.set_state(
+        self._calls.call(lambda: self._models.set_state(
             wanted.model_name, _state_of(wanted.pose, wanted.twist),
             _frame_of(wanted.reference_frame)))
+        return {}
 
-    def _spawn(self, request: 'SpawnModelRequest') -> 'SpawnModelResponse':
+    def _spawn(self, request: Any) -> Response:
         name, frame = request.model_name.strip(), _frame_of(request.reference_frame)
         state = _state_of(request.initial_pose, Twist())
-        try:
-            if not name:
-                raise SimulationError('model_name is empty', 'give the model a name')
-            # read in the thread of the service: the simulation goes on meanwhile
-            if model_file.is_robot(request.model_xml):
-                add = self._robot_adder(name, request, state, frame)
-            else:
-                trees = model_file.read(request.model_xml, name, resources.find)
-                add = partial(self._models.add, name, trees, state, frame)
-        except UserError as error:
-            return SpawnModelResponse(success=False, status_message=str(error))
-        response = self._answer(SpawnModelResponse, add)
-        if response.success:
-            rospy.loginfo('added the model %s', name)
-        return response
+        if not name:
+            raise SimulationError('model_name is empty', 'give the model a name')
+        # read in the thread of the service: the simulation goes on meanwhile
+        if model_file.is_robot(request.model_xml):
+            add = self._robot_adder(name, request, state, frame)
+        else:
+            trees = model_file.read(request.model_xml, name, resources.find)
+            add = partial(self._models.add, name, trees, state, frame)
+        self._calls.call(add)
+        rospy.loginfo('added the model %s', name)
+        return {}
 
-    def _robot_adder(self, name: str, request: 'SpawnModelRequest', state: State,
+    def _robot_adder(self, name: str, request: Any, state: State,
                      frame: str) -> Callable[[], None]:
         """Return what adds a robot that has a drive: it gets topics in its namespace."""
         names.check('model', name)
@@ -111,11 +109,10 @@ class ModelServices:
                                    SpawnSettings(x_pos=x, y_pos=y, z_pos=z, yaw=yaw))
         return partial(self._robots.add, plan)
 
-    def _delete(self, request: 'DeleteModelRequest') -> 'DeleteModelResponse':
-        response = self._answer(DeleteModelResponse, partial(self._remove, request.model_name))
-        if response.success:
-            rospy.loginfo('deleted the model %s', request.model_name)
-        return response
+    def _delete(self, request: Any) -> Response:
+        self._calls.call(partial(self._remove, request.model_name))
+        rospy.loginfo('deleted the model %s', request.model_name)
+        return {}
 
     def _remove(self, name: str) -> None:
         vehicle = self._models.vehicle(name)
@@ -124,13 +121,24 @@ class ModelServices:
         else:
             self._robots.remove(vehicle.robot.name)
 
-    def _answer(self, response: Callable[..., Any], action: Callable[[], None]) -> Any:
-        """Have the loop call `action`; return the response with its result."""
-        try:
-            self._calls.call(action)
-        except UserError as error:
-            return response(success=False, status_message=str(error))
-        return response(success=True)
+    def _describe_world(self, _: Any) -> Response:
+        names, time_s = self._calls.call(lambda: (self._models.names, self._simulator.time_s))
+        return {'sim_time': time_s, 'model_names': names, 'rendering_enabled': True}
+
+    def _describe_physics(self, _: Any) -> Response:
+        wanted, is_paused = self._calls.call(lambda: (self._pace.wanted, self._pace.is_paused))
+        world = self._simulator.world
+        return {'time_step': world.step_s, 'pause': is_paused,
+                'max_update_rate': wanted / world.step_s, 'gravity': Vector3(*world.file.gravity),
+                'status_message': 'simulated by PyBullet: ode_config is not used'}
+
+
+def _respond(handler: Callable[[Any], Response], request: Any) -> Response:
+    """Return what a service responds, also when its handler raises a UserError."""
+    try:
+        return {'success': True, **handler(request)}
+    except UserError as error:
+        return {'success': False, 'status_message': str(error)}
 
 
 def _frame_of(name: str) -> str:

@@ -39,15 +39,13 @@ from img_recog import resources
 from img_recog.conversions import plane_msgs, robot_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.gazebo import model_services
-from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics, State
+from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.physics_services import PhysicsServices, ServiceCalls
-from img_recog.nodes.gazebo.property_services import Now, PropertyServices
-from img_recog.nodes.gazebo.robot_plans import (ROBOTS, RobotPlans, RobotsSettings,
+from img_recog.nodes.gazebo.model_services import ModelServices
+from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics
+from img_recog.nodes.gazebo.robot_plans import (ROBOTS, RobotPlan, RobotPlans, RobotsSettings,
                                                 robot_settings_classes)
-from img_recog.nodes.gazebo.robot_updates import RobotUpdates
-from img_recog.nodes.gazebo.robots import WORLD_FRAME, RobotPlan, Robots
-from img_recog.nodes.gazebo.runtime import RuntimeSettings, timeout_scale
+from img_recog.nodes.gazebo.robots import WORLD_FRAME, Robots, RobotUpdates
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
@@ -58,10 +56,7 @@ from img_recog.simulation import assembly
 from img_recog.simulation.bodies.footprints import footprints
 from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.models import Models
-from img_recog.simulation.pacing import RealTimeFactor, RealTimePacer, SlowReports
-from img_recog.simulation.pictures.scene import poses_of, scene_of
-from img_recog.simulation.pictures.view import above
-from img_recog.simulation.pictures.window import Window
+from img_recog.simulation.pacing import Pace, timeout_scale
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps
 from img_recog.simulation.simulator import Simulator
 
@@ -80,23 +75,19 @@ class Gazebo:
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
         self._free_run_periods = max(1, round(_FREE_RUN_ROUND_S / physics.clock_period_s))
-        _warn_of_unknown_parameters()
+        parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
+                                   *robot_settings_classes(), also_known=[ROBOTS[1:]])
         plans = RobotPlans(physics.step_s)
         single = None if which.several_robots else plans.single()
         self._simulator = _build(physics, single)
-        self._window: Optional[Window] = (
-            Window(scene_of(self._simulator), above(self._simulator.world)) if view.gui else None)
-        self._factor, self._wanted_factor = RealTimeFactor(), physics.real_time_factor
-        self._pacer = RealTimePacer(physics.real_time_factor)
-        self._slow_reports = SlowReports()
+        self._pace = Pace(physics.real_time_factor)
+        self._given_factor = physics.real_time_factor
         self._clock = DirectPublisher('/clock', Clock, latch=True)
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
-        self._paused = False
         self._calls = ServiceCalls()
-        PhysicsServices(self._calls, {
-            'pause_physics': self._pause, 'unpause_physics': self._unpause,
+        serve_physics(self._calls, {
+            'pause_physics': self._pace.pause, 'unpause_physics': self._pace.unpause,
             'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
-        self._revision = self._simulator.world.revision
         statics, models = StaticTransforms(), Models(self._simulator)
         self._images = Images(self._simulator, view, statics)
         self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
@@ -109,14 +100,19 @@ class Gazebo:
             vehicle = self._simulator.vehicles[0]
             self._outline_frame = vehicle.odometry.odom_frame
             self._outline_origin = PlanePose(*vehicle.odometry_origin)
-        self._models = self._model_services(physics, models, plans)
+        self._models: Optional[ModelServices] = None
+        if model_services.AVAILABLE:
+            self._models = ModelServices(self._simulator, models, self._robots, plans,
+                                         self._calls, self._pace)
+        else:
+            rospy.loginfo('gazebo_msgs is not installed: model_states and the services of models '
+                          'are not offered')
         self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
         self._publish_outlines()
-        self._given_factor = physics.real_time_factor
         self._reconfigurable = Reconfigurable(
             RuntimeSettings(physics.real_time_factor, view.view),
             lambda settings: self._calls.call(lambda: self._configure(settings)))
-        self._diagnostics = SimulationDiagnostics()
+        self._diagnostics = SimulationDiagnostics(self._pace, self._calls)
         self._robots.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
         _warn_of_other_clocks()
         if single is None:
@@ -128,53 +124,27 @@ class Gazebo:
                           robot.root, physics.world)
             self._robots.log_start(single.name)
 
-    def _model_services(self, physics: PhysicsSettings, models: Models, plans: RobotPlans
-                        ) -> 'Optional[model_services.ModelServices]':
-        if not model_services.AVAILABLE:
-            rospy.loginfo('gazebo_msgs is not installed: model_states and the services of models '
-                          'are not offered')
-            return None
-        PropertyServices(models, self._simulator.world, physics.step_s, self._calls, lambda: Now(
-            self._simulator.time_s, self._wanted_factor, self._paused))
-        return model_services.ModelServices(models, self._robots, plans, self._calls,
-                                            lambda: self._simulator.time_s)
-
     def spin(self) -> None:
         """Simulate until the node is shut down."""
         try:
             while not rospy.is_shutdown():
-                self._advance_or_wait()
                 self._show()
+                if self._pace.is_paused:
+                    self._calls.process(_POLL_PERIOD_S)
+                    self._pace.restart()
+                    self._publish_factor(0.0)
+                else:
+                    periods = 1 if self._pace.wanted else self._free_run_periods
+                    self._advance(periods)
+                    self._publish_factor(periods * self._clock_period_s)
+                    self._wait(self._pace.delay_s(periods * self._clock_period_s))
         finally:        # publishing fails if a topic is closed meanwhile
             self._images.close()
-            if self._window is not None:
-                self._window.close()
-
-    def _advance_or_wait(self) -> None:
-        if self._paused:
-            self._calls.process(_POLL_PERIOD_S)
-            self._pacer.restart()
-            self._publish_factor(0.0)
-        else:
-            periods = 1 if self._wanted_factor else self._free_run_periods
-            self._advance(periods)
-            self._publish_factor(periods * self._clock_period_s)
-            self._wait(self._pacer.delay_s(periods * self._clock_period_s))
-
-    def _wait(self, delay_s: float) -> None:
-        """Process service calls for `delay_s`, or until shutdown, checked each _POLL_PERIOD_S."""
-        due, pacer = time.monotonic() + delay_s, self._pacer
-        self._calls.process(min(delay_s, _POLL_PERIOD_S))
-        # ended by another real_time_factor
-        while time.monotonic() < due and self._pacer is pacer and not rospy.is_shutdown():
-            self._show()
-            self._calls.process(min(due - time.monotonic(), _POLL_PERIOD_S))
 
     def _advance(self, periods: int) -> None:
         """Simulate some clock periods and publish what the sensors measured in them."""
         begin_s = time.perf_counter()
         self._robots.apply_commands()
-        self._update_scene()
         self._images.enable_cameras()
         readings = []
         for _ in range(periods):
@@ -188,13 +158,25 @@ class Gazebo:
         self._images.draw(readings)
         self._diagnostics.steps.add((time.perf_counter() - begin_s) / periods)
 
-    def _report(self, status: DiagnosticStatusWrapper) -> None:
-        """Fill in the status of /diagnostics; runs in its thread and only reads."""
-        self._diagnostics.report(status, State(
-            self._simulator.time_s, self._paused, self._factor.last, self._wanted_factor,
-            self._calls.waiting, self._calls.late.total))
-        self._robots.report(status)
-        self._images.report(status)
+    def _wait(self, delay_s: float) -> None:
+        """Process service calls for `delay_s`, or until shutdown, checked each _POLL_PERIOD_S."""
+        due, wanted = time.monotonic() + delay_s, self._pace.wanted
+        self._calls.process(min(delay_s, _POLL_PERIOD_S))
+        # ended by another real_time_factor
+        while (time.monotonic() < due and self._pace.wanted == wanted
+               and not rospy.is_shutdown()):
+            self._show()
+            self._calls.process(min(due - time.monotonic(), _POLL_PERIOD_S))
+
+    def _publish_factor(self, simulated_s: float) -> None:
+        """Count simulated time; once a second publish the real time factor."""
+        measured = self._pace.measure(simulated_s)
+        if measured is not None:
+            self._factors.publish(Float64(measured))
+        if self._pace.is_to_report():
+            rospy.logwarn('this machine is too slow for real_time_factor %g: simulated time falls '
+                          'behind, no step is skipped; the factor is %.2f now',
+                          self._pace.wanted, self._pace.measured)
 
     def _add_clock(self) -> None:
         """Set the time of this node, and let the next flush publish it."""
@@ -202,59 +184,32 @@ class Gazebo:
         own_time.set_time(now)
         self._clock.add(Clock(now))
 
-    def _publish_factor(self, simulated_s: float) -> None:
-        """Count simulated time; once a second publish the real time factor."""
-        measured = self._factor.update(simulated_s)
-        if measured is not None:
-            self._factors.publish(Float64(measured))
-        if self._pacer.late and self._factor.last:
-            self._pacer.late = False
-            if self._slow_reports.ready(self._factor.last):
-                rospy.logwarn('this machine is too slow for real_time_factor %g: simulated time '
-                              'falls behind, no step is skipped; the factor is %.2f now',
-                              self._wanted_factor, self._factor.last)
-
     def _show(self) -> None:
-        """Send the poses to the view and the window, if they need new ones."""
-        self._update_scene()
-        self._images.update_view()
-        if self._window is None or not self._window.due():
-            return
-        reason = self._window.show(poses_of(self._simulator))
-        if reason is not None:
-            rospy.logwarn('no window: %s; the simulation goes on without it', reason)
-            self._window = None
-
-    def _update_scene(self) -> None:
-        """Show what a service added or rearranged."""
-        world = self._simulator.world
-        if self._revision != world.revision:
-            self._revision = world.revision
-            scene = scene_of(self._simulator)
-            self._images.set_scene(scene)
+        """Show what was added or rearranged; draw the view and the window, if they are due."""
+        if self._images.update_scene():
             self._publish_outlines()
-            if self._window is not None:
-                self._window.set_scene(scene)
+        self._images.update_view()
+        self._images.update_window()
 
     def _publish_outlines(self) -> None:
         self._outlines.publish(plane_msgs.outlines_to_msg(
             footprints(self._simulator.world), self._outline_origin, self._outline_frame,
             robot_msgs.stamp_of(self._simulator.time_s)))
 
+    def _report(self, status: DiagnosticStatusWrapper) -> None:
+        """Fill in the status of /diagnostics; runs in its thread and only reads."""
+        self._diagnostics.report(status, self._simulator.time_s)
+        self._robots.report(status)
+        self._images.report(status)
+
     def _configure(self, settings: RuntimeSettings) -> None:
         """Apply settings that were changed while the simulation runs."""
         self._images.set_view(settings.view)
         factor = settings.real_time_factor
-        if factor != self._wanted_factor:
-            self._wanted_factor, self._pacer = factor, RealTimePacer(factor)
+        if factor != self._pace.wanted:
+            self._pace.set_wanted(factor)
             self._robots.scale_timeouts(
                 timeout_scale(factor) / timeout_scale(self._given_factor))
-
-    def _pause(self) -> None:
-        self._paused = True
-
-    def _unpause(self) -> None:
-        self._paused = False
 
     def _reset_world(self) -> None:
         self._robots.discard_commands()
@@ -266,11 +221,6 @@ class Gazebo:
         # at once: while the physics is paused, no step publishes it
         self._add_clock()
         self._clock.flush()
-
-
-def _warn_of_unknown_parameters() -> None:
-    parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
-                               *robot_settings_classes(), also_known=[ROBOTS[1:]])
 
 
 def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:

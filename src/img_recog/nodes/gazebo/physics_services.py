@@ -1,5 +1,7 @@
-"""The services that pause and reset the simulation, and the queue of all service calls."""
+"""What changes the physics while it runs: services, parameters, and the queue of all calls."""
 from concurrent.futures import TimeoutError as CallTimeoutError
+from dataclasses import dataclass
+from functools import partial
 from typing import Any, Callable, Mapping
 
 import rospy
@@ -7,9 +9,19 @@ from std_srvs.srv import Empty, EmptyResponse
 
 from img_recog.ros.diagnostics import Counter
 from img_recog.ros.queues import CallQueue
-from img_recog.simulation.settings import SimulationError
+from img_recog.settings import Settings, one_of, setting
+from img_recog.simulation.settings import REAL_TIME_FACTORS, VIEWS, SimulationError
 
 _TIMEOUT_S = 5.0
+
+
+@dataclass(frozen=True)
+class RuntimeSettings(Settings):
+    """Parameters that dynamic_reconfigure changes; see PhysicsSettings and ViewSettings."""
+
+    real_time_factor: float = setting(
+        1.0, REAL_TIME_FACTORS, 'simulated seconds per second of wall time; 0: no limit')
+    view: str = setting('above', one_of(*VIEWS), 'viewpoint of ~view/image_raw')
 
 
 class ServiceCalls:
@@ -44,23 +56,16 @@ class ServiceCalls:
         self._queue.process(timeout_s)
 
 
-class PhysicsServices:
-    """Serves private services of type std_srvs/Empty, like those of gazebo_ros."""
+def serve_physics(calls: ServiceCalls, actions: Mapping[str, Callable[[], None]]) -> None:
+    """Serve private services of type std_srvs/Empty, like those of gazebo_ros.
 
-    def __init__(self, calls: ServiceCalls, actions: Mapping[str, Callable[[], None]]):
-        """Advertise.
-
-        actions: what the loop does for each service, by the service's name without ~.
-        """
-        self._calls = calls
-        for name, action in actions.items():
-            rospy.Service('~' + name, Empty, self._handler(name, action))
-
-    def _handler(self, name: str, action: Callable[[], None]) -> Callable[[Any], EmptyResponse]:
-        def handle(_: Any) -> EmptyResponse:
-            try:
-                self._calls.call(action)
-            except SimulationError as error:
-                raise rospy.ServiceException('{}: {}'.format(name, error))
-            return EmptyResponse()
-        return handle
+    actions: what the loop does for each service, by the service's name without ~.
+    """
+    def handle(name: str, _: object) -> EmptyResponse:
+        try:
+            calls.call(actions[name])
+        except SimulationError as error:
+            raise rospy.ServiceException('{}: {}'.format(name, error))
+        return EmptyResponse()
+    for name in actions:
+        rospy.Service('~' + name, Empty, partial(handle, name))

@@ -2,7 +2,7 @@
 import dataclasses
 import zlib
 from dataclasses import dataclass
-from typing import Any, List, Sequence, Tuple
+from typing import Any, List, NamedTuple, Sequence, Tuple
 
 import rosgraph
 import rospy
@@ -11,10 +11,10 @@ from img_recog import resources
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import shortened
 from img_recog.nodes.gazebo.names import Names, topic_fields
-from img_recog.nodes.gazebo.robots import RobotPlan
 from img_recog.ros import parameters
 from img_recog.settings import (ParameterError, Settings, setting, setting_fields, unknown)
 from img_recog.simulation import assembly
+from img_recog.simulation.assembly import RobotSource
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
                                            RobotSettings, SpawnSettings)
 
@@ -35,6 +35,32 @@ class RobotsSettings(Settings):
 
     several_robots: bool = setting(False)
     world_tf: bool = setting(False)
+
+
+class RobotPlan(NamedTuple):
+    """All that a robot is made from.
+
+    has_place: whether it starts where its settings say; else that is where the nearest free place
+    is searched.
+    """
+
+    source: RobotSource
+    settings: RobotSettings
+    cameras: Sequence[CameraSettings]
+    names: Names
+    has_place: bool = True
+
+    @property
+    def name(self) -> str:
+        """The name of the robot."""
+        return self.source.description.name
+
+    def published(self) -> List[str]:
+        """Return the resolved names of the topics of the sensors."""
+        cameras = [getattr(camera, field) for camera in self.cameras
+                   for field in topic_fields(camera)]
+        sensors = [kind.topic(self.settings.sensors[kind.name]) for kind in self.source.kinds]
+        return [rospy.resolve_name(self.names.topic(topic)) for topic in cameras + sensors]
 
 
 class RobotPlans:

@@ -3,20 +3,24 @@ from typing import Any, List, Sequence
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
-from geometry_msgs.msg import TransformStamped, Twist
+from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
 from tf2_msgs.msg import TFMessage
 
-from img_recog.conversions import robot_msgs, twist_msgs
+from img_recog.conversions import plane_msgs, robot_msgs, twist_msgs
+from img_recog.conversions.plane_msgs import PlanePose, PoseError
 from img_recog.nodes.gazebo.diagnostics import CommandCounts
 from img_recog.nodes.gazebo.names import Names
+from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
+from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.vehicle import Reading, Vehicle
 
 _LOG_PERIOD_S = 0.1             # of wall time: minimum between two lines about the motion
+_WORLD_FRAMES = ('', 'world')
 
 
 class _Output:
@@ -65,14 +69,16 @@ class Transforms:
 
 
 class RobotTopics:
-    """Passes commands to a vehicle, and publishes its readings.
+    """Passes commands and poses to a vehicle, and publishes its readings.
 
-    vehicle: that one.
+    The poses of ~set_pose, or ~NAMESPACE/set_pose, are in the world or in the frame of the
+    odometry.
     """
 
-    def __init__(self, vehicle: Vehicle, names: Names, transforms: Transforms):
+    def __init__(self, vehicle: Vehicle, names: Names, transforms: Transforms,
+                 calls: ServiceCalls):
         """Advertise and subscribe; transforms: publishes the pose."""
-        self.vehicle, self._names = vehicle, names
+        self._vehicle, self._names, self._calls = vehicle, names, calls
         self._counts = CommandCounts()
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
         self._warn = ThrottledWarning()
@@ -85,8 +91,15 @@ class RobotTopics:
         self._outputs = {
             kind.name: _Output(names.topic(kind.topic(settings[kind.name])), kind,
                                names.seen(settings[kind.name])) for kind in vehicle.kinds}
-        self._subscriber = rospy.Subscriber(self._command_topic, Twist, self._keep_command,
-                                            queue_size=10, tcp_nodelay=True)
+        self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))
+        self._odom_frame = names.frame(vehicle.odometry.odom_frame)
+        self._warn_of_pose = ThrottledWarning()
+        self._is_closed = False
+        self._subscribers = [
+            rospy.Subscriber(self._command_topic, Twist, self._keep_command, queue_size=10,
+                             tcp_nodelay=True),
+            rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose, queue_size=1,
+                             tcp_nodelay=True)]
 
     def _keep_command(self, msg: Twist) -> None:
         try:
@@ -98,16 +111,33 @@ class RobotTopics:
         else:
             self._counts.count_received(replaced is not None)
 
+    def _set_pose(self, msg: PoseStamped) -> None:
+        try:
+            frame = msg.header.frame_id.lstrip('/')
+            if frame not in (*_WORLD_FRAMES, self._odom_frame):
+                raise PoseError('its frame is {!r}, expected world or {}'.format(
+                    msg.header.frame_id[:100], self._odom_frame))
+            pose = plane_msgs.pose_from_msg(msg)
+            self._calls.call(lambda: self._move(pose, frame == self._odom_frame))
+        except (PoseError, SimulationError) as error:
+            self._warn_of_pose('ignored a message on %s: %s', self._pose_topic, error)
+
+    def _move(self, pose: PlanePose, is_in_odometry: bool) -> None:
+        if not self._is_closed:
+            self.discard_command()
+            origin = PlanePose(*self._vehicle.odometry_origin)
+            self._vehicle.move_to(*(origin.compose(pose) if is_in_odometry else pose))
+
     def apply_command(self) -> None:
         """Apply the newest command, and disable the sensors that have no subscriber."""
         self._log_timeout()
         command = self._commands.take()
         if command is not None:
-            self.vehicle.command(*command)
+            self._vehicle.command(*command)
         for sensor, output in self._outputs.items():
             if sensor != 'odometry':        # it is also for tf and the log
-                self.vehicle.set_sensor_enabled(sensor,
-                                                output.publisher.get_num_connections() > 0)
+                self._vehicle.set_sensor_enabled(
+                    sensor, output.publisher.get_num_connections() > 0)
 
     def publish(self, readings: Sequence[Reading]) -> None:
         """Publish readings of the sensors of the vehicle, in order of time."""
@@ -118,7 +148,7 @@ class RobotTopics:
             msg = self._outputs[reading.sensor].add(reading)
             if reading.sensor == 'odometry':
                 self._log_motion_change(reading)
-                if self.vehicle.odometry.publish_odom_tf:
+                if self._vehicle.odometry.publish_odom_tf:
                     self._transforms.add(robot_msgs.transform_of(msg, self._transform))
         self._counts.readings.add(len(readings))
         # several messages of a topic together
@@ -127,18 +157,18 @@ class RobotTopics:
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
-        self._counts.report(status, self.vehicle.command_timeout_s,
-                            self.vehicle.command_timed_out)
+        self._counts.report(status, self._vehicle.command_timeout_s,
+                            self._vehicle.command_timed_out)
 
     def discard_command(self) -> None:
         """Drop a command that was not applied yet: after a reset it is out of date."""
         self._commands.take()
 
     def _log_timeout(self) -> None:
-        timed_out = self.vehicle.command_timed_out
+        timed_out = self._vehicle.command_timed_out
         if timed_out and not self._timed_out:
             rospy.logwarn('no command on %s for %g s of simulated time: %s is stopped',
-                          self._command_topic, self.vehicle.command_timeout_s,
+                          self._command_topic, self._vehicle.command_timeout_s,
                           self._names.words)
         self._timed_out = timed_out
 
@@ -151,6 +181,8 @@ class RobotTopics:
 
     def close(self) -> None:
         """End the topics."""
-        self._subscriber.unregister()
+        self._is_closed = True
+        for subscriber in self._subscribers:
+            subscriber.unregister()
         for output in self._outputs.values():
             output.publisher.unregister()

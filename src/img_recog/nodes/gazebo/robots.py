@@ -1,65 +1,38 @@
 """The robots of the simulation with all that belongs to them, added and removed while it runs."""
-from typing import Dict, List, NamedTuple, Optional, Sequence
+import threading
+from functools import partial
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import Transform, TransformStamped, Vector3
 from std_msgs.msg import Header
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.names import Names, topic_fields
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
-from img_recog.nodes.gazebo.pose_topic import PoseTopic
+from img_recog.nodes.gazebo.robot_plans import RobotPlan, RobotPlans
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, Transforms
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
-from img_recog.simulation.assembly import RobotSource
 from img_recog.simulation.models import Models
-from img_recog.simulation.settings import CameraSettings, RobotSettings, SimulationError
+from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Reading, Vehicle
 
 WORLD_FRAME = 'world'
 
 
-class RobotPlan(NamedTuple):
-    """All that a robot is made from.
-
-    has_place: whether it starts where its settings say; else that is where the nearest free place
-    is searched.
-    """
-
-    source: RobotSource
-    settings: RobotSettings
-    cameras: Sequence[CameraSettings]
-    names: Names
-    has_place: bool = True
-
-    @property
-    def name(self) -> str:
-        """The name of the robot."""
-        return self.source.description.name
-
-    def published(self) -> List[str]:
-        """Return the resolved names of the topics of the sensors."""
-        cameras = [getattr(camera, field) for camera in self.cameras
-                   for field in topic_fields(camera)]
-        sensors = [kind.topic(self.settings.sensors[kind.name]) for kind in self.source.kinds]
-        return [rospy.resolve_name(self.names.topic(topic)) for topic in cameras + sensors]
-
-
 class _Connected(NamedTuple):
-    """A robot with its topics. published: the resolved names of those of its sensors."""
+    """A robot with its topics."""
 
+    plan: RobotPlan
     vehicle: Vehicle
-    names: Names
     topics: RobotTopics
-    pose_topic: PoseTopic
-    published: List[str]
 
 
 class Robots:
@@ -86,7 +59,8 @@ class Robots:
         if plan.name in self._models.names:
             raise SimulationError('there is a model {} already'.format(plan.name),
                                   'give another name')
-        if any(each.names.namespace == plan.names.namespace for each in self._robots.values()):
+        if any(each.plan.names.namespace == plan.names.namespace
+               for each in self._robots.values()):
             raise SimulationError('there is a robot with the namespace {!r} already'.format(
                 plan.names.namespace), 'give it another robot_namespace')
         warnings = assembly.add_robot_apart(self._simulator, plan.source, plan.settings,
@@ -107,7 +81,8 @@ class Robots:
     def _check_topics(self, plan: RobotPlan) -> None:
         """Raise SimulationError if a topic would be that of two sensors."""
         own = plan.published()
-        others = {topic for robot in self._robots.values() for topic in robot.published}
+        others = {topic for robot in self._robots.values()
+                  for topic in robot.plan.published()}
         for topic in own:
             if own.count(topic) > 1 or topic in others:
                 raise SimulationError('two sensors are on the topic {}'.format(topic),
@@ -117,8 +92,8 @@ class Robots:
         """Log where a robot starts."""
         robot = self._robots[name]
         spawn = robot.vehicle.settings.spawn
-        rospy.loginfo('%s is at the start: x %.2f m, y %.2f m, yaw %.2f rad', robot.names.words,
-                      spawn.x_pos, spawn.y_pos, spawn.yaw)
+        rospy.loginfo('%s is at the start: x %.2f m, y %.2f m, yaw %.2f rad',
+                      robot.plan.names.words, spawn.x_pos, spawn.y_pos, spawn.yaw)
 
     def connect(self, vehicle: Vehicle, plan: RobotPlan) -> None:
         """Give a robot of the simulator its topics.
@@ -132,11 +107,7 @@ class Robots:
         vehicle.scale_command_timeout(self._timeout_scale)
         self._images.add_cameras(vehicle, plan.cameras, names)
         self._robots[name] = _Connected(
-            vehicle, names, RobotTopics(vehicle, names, self._transforms),
-            PoseTopic(names, odometry.odom_frame, self._calls,
-                      lambda: PlanePose(*vehicle.odometry_origin),
-                      lambda pose: self._move(name, pose)),
-            plan.published())
+            plan, vehicle, RobotTopics(vehicle, names, self._transforms, self._calls))
         if self._world_tf and names.namespace and odometry.publish_odom_tf:
             self._statics.set('world of ' + name, [_transform(
                 PlanePose(*vehicle.odometry_origin), WORLD_FRAME,
@@ -149,15 +120,14 @@ class Robots:
             raise SimulationError('no robot {!r} (robots: {})'.format(
                 name, ', '.join(self._robots) or 'none'))
         robot = self._robots.pop(name)
-        if self._diagnostics is not None and robot.names.namespace:
+        if self._diagnostics is not None and robot.plan.names.namespace:
             self._diagnostics.remove(name)
         robot.topics.close()
-        robot.pose_topic.close()
         self._statics.remove('world of ' + name)
         self._images.remove_cameras(robot.vehicle)
         self._models.remove_vehicle(robot.vehicle)
         self._simulator.remove(robot.vehicle)
-        rospy.loginfo('%s was removed', robot.names.words)
+        rospy.loginfo('%s was removed', robot.plan.names.words)
 
     def __contains__(self, name: str) -> bool:
         return name in self._robots
@@ -188,12 +158,6 @@ class Robots:
         for robot in self._robots.values():
             robot.vehicle.scale_command_timeout(scale)
 
-    def _move(self, name: str, pose: PlanePose) -> None:
-        if name in self._robots:
-            robot = self._robots[name]
-            robot.topics.discard_command()
-            robot.vehicle.move_to(*pose)
-
     def use_diagnostics(self, diagnostics: NodeDiagnostics) -> None:
         """Report each robot with a namespace as a separate status from now on."""
         self._diagnostics = diagnostics
@@ -202,14 +166,77 @@ class Robots:
 
     def _add_diagnostics(self, name: str) -> None:
         robot = self._robots[name]
-        if self._diagnostics is not None and robot.names.namespace:
+        if self._diagnostics is not None and robot.plan.names.namespace:
             self._diagnostics.add(name, robot.topics.report)
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the robot without a namespace to a status; to be called once in each period."""
         for robot in list(self._robots.values()):
-            if not robot.names.namespace:
+            if not robot.plan.names.namespace:
                 robot.topics.report(status)
+
+
+class RobotUpdates:
+    """Makes the robots those of ~robots, also by the service ~update_robots (std_srvs/Trigger).
+
+    A robot that fails does not keep the others from being there. The message of the response has a
+    line for each one that fails: NAME: REASON.
+    """
+
+    def __init__(self, robots: Robots, plans: RobotPlans, calls: ServiceCalls):
+        """Add the robots and advertise; the loop must not run yet."""
+        self._robots, self._plans, self._calls = robots, plans, calls
+        self._made: Dict[str, Tuple[Any, ...]] = {}     # from what each robot was made
+        self._said: Dict[str, str] = {}                 # why a robot is not there
+        self._lock = threading.Lock()
+        self._update(lambda action: action())
+        rospy.Service('~update_robots', Trigger, self._serve)
+
+    def _serve(self, _: TriggerRequest) -> TriggerResponse:
+        try:
+            with self._lock:
+                problems = self._update(self._calls.call)
+        except UserError as error:
+            return TriggerResponse(False, one_line(error))
+        return TriggerResponse(not problems, '\n'.join(problems))
+
+    def _update(self, call: Callable[[Callable[[], None]], Any]) -> List[str]:
+        """Add and remove; return the problems. call: calls what simulates."""
+        names = self._plans.names()
+        problems = []
+        for name in [name for name in self._made if name not in names] + names:
+            try:
+                if name in names:
+                    self._make(name, call)
+                else:
+                    call(partial(self._remove, name))
+                self._said.pop(name, None)
+            except UserError as error:
+                reason = one_line(error)
+                problems.append('{}: {}'.format(name, reason))
+                if self._said.get(name) != reason:
+                    self._said[name] = reason
+                    rospy.logerr('robot %s is not simulated: %s', name, reason)
+        return problems
+
+    def _make(self, name: str, call: Callable[[Callable[[], None]], Any]) -> None:
+        snapshot = self._plans.snapshot(name)
+        if self._made.get(name) == snapshot and name in self._robots:
+            return
+        plan = self._plans.named(name)      # before the one of that name is removed
+        call(lambda: self._replace(plan, snapshot))
+
+    def _replace(self, plan: RobotPlan, snapshot: Tuple[Any, ...]) -> None:
+        """Add a robot; like `_remove` in what simulates, so that a late call is complete too."""
+        if plan.name in self._made:
+            self._remove(plan.name)
+        self._robots.add(plan)
+        self._made[plan.name] = snapshot
+
+    def _remove(self, name: str) -> None:
+        self._made.pop(name, None)
+        if name in self._robots:
+            self._robots.remove(name)
 
 
 def _transform(pose: PlanePose, parent: str, child: str) -> TransformStamped:

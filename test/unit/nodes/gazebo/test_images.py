@@ -6,7 +6,6 @@ from img_recog.nodes.gazebo import view
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.names import Names
 from img_recog.simulation.pictures.view import ABOVE, follow, horizontal_fov
-from img_recog.simulation.pictures.scene import scene_of
 from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog_testing import robots
 
@@ -137,8 +136,9 @@ def test_the_names_of_a_namespace(rig, publishers):
 
 
 def test_another_scene(rig):
+    assert not rig.images.update_scene()
     rig.simulator.remove(rig.vehicle)
-    rig.images.set_scene(scene_of(rig.simulator))
+    assert rig.images.update_scene() and not rig.images.update_scene()
     assert rig.process.scene.visuals == () and rig.process.poses.shape == (0, 7)
 
 

@@ -2,34 +2,41 @@
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from img_recog.nodes.gazebo.diagnostics import CommandCounts, SimulationDiagnostics, State
+from img_recog.nodes.gazebo.diagnostics import CommandCounts, SimulationDiagnostics
+from img_recog.nodes.gazebo.physics_services import ServiceCalls
+from img_recog.simulation.pacing import Pace
 from img_recog_testing.statuses import values
 
 OK, WARN = DiagnosticStatus.OK, DiagnosticStatus.WARN
-RUNNING = State(12.345, False, 0.99, 1.0, 0, 0)
 
 
-@pytest.mark.parametrize('state, level, message', [
-    (RUNNING, OK, 'real time factor 0.99'),
-    (RUNNING._replace(factor=0.81), OK, 'real time factor 0.81'),
-    (RUNNING._replace(factor=0.79), WARN, 'too slow: real time factor 0.79 instead of 1; '
+def running(measured, wanted=1.0, is_paused=False):
+    pace, calls = Pace(wanted), ServiceCalls()
+    pace.measured, pace.is_paused = measured, is_paused
+    calls.late.add()
+    return SimulationDiagnostics(pace, calls)
+
+
+@pytest.mark.parametrize('diagnostics, level, message', [
+    (running(0.99), OK, 'real time factor 0.99'), (running(0.81), OK, 'real time factor 0.81'),
+    (running(0.79), WARN, 'too slow: real time factor 0.79 instead of 1; '
      'use a smaller real_time_factor, or close windows'),
-    (RUNNING._replace(factor=0.0), OK, 'real time factor 0.00'),            # not measured yet
-    (RUNNING._replace(factor=25.0, wanted_factor=0.0), OK, 'real time factor 25.00'),
-    (RUNNING._replace(factor=0.0, is_paused=True), OK, 'paused')])
-def test_the_level_and_what_to_do(status, state, level, message):
-    SimulationDiagnostics().report(status, state)
+    (running(0.0), OK, 'real time factor 0.00'),            # not measured yet
+    (running(25.0, wanted=0.0), OK, 'real time factor 25.00'),
+    (running(0.0, is_paused=True), OK, 'paused')])
+def test_the_level_and_what_to_do(status, diagnostics, level, message):
+    diagnostics.report(status, 12.345)
     assert (status.level, status.message) == (level, message)
 
 
 def test_values_of_the_simulation(status):
-    diagnostics = SimulationDiagnostics()
+    diagnostics = running(0.99)
     diagnostics.steps.add(0.002)
-    diagnostics.report(status, RUNNING._replace(waiting_calls=2, late_calls=3))
+    diagnostics.report(status, 12.345)
     assert values(status) == {
         'simulated time (s)': '12.35', 'real time factor': '0.99', 'wanted real time factor': '1',
         'clock period, mean (ms)': '2.00', 'clock period, max (ms)': '2.00',
-        'waiting service calls': '2', 'service calls that timed out': '3'}
+        'waiting service calls': '0', 'service calls that timed out': '1'}
 
 
 def test_values_of_a_robot(status, clock):
