@@ -153,8 +153,8 @@ def whole_steps(name: str, period_s: float, step_s: float) -> int:
     name: of the setting. Raises SimulationError, with the nearest valid periods, when the number
     is not whole.
 
-    >>> whole_steps('scan_period_s', 0.2, 0.001)
-    200
+    >>> whole_steps('scan_period_s', 0.2, 0.001), whole_steps('odometry_period_s', 0.033, 0.001)
+    (200, 33)
     """
     steps = period_s / step_s
     whole = round(steps)

@@ -7,7 +7,7 @@ import pytest
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import DriveSettings, SimulationError, whole_steps
+from img_recog.simulation.settings import DriveSettings, SimulationError
 from img_recog_testing.robots import burger, simulator
 
 SENSORS = ('odometry', 'joint_states', 'imu', 'scan')
@@ -32,29 +32,25 @@ def test_stands_still_for_a_minute():
     assert abs(yaw_of(after) - yaw_of(before)) < math.radians(0.1)
 
 
-@pytest.mark.parametrize('yaw', [0.0, 2.0])
-def test_drives_straight(yaw):
+@pytest.mark.parametrize('yaw, speed', [(0.0, 0.22), (2.0, 0.22), (math.pi / 2, -0.22)])
+def test_drives_straight_and_its_wheels_turn_as_far(yaw, speed):
     sim = simulator(yaw=yaw)
-    sim.vehicles[0].command(0.22, 0.0)
+    robot = sim.vehicles[0].robot
+    sim.vehicles[0].command(speed, 0.0)
     sim.advance(1000)
-    before = sim.vehicles[0].robot.motion()
+    before, turned = robot.motion(), robot.wheel_positions()
     sim.advance(22727)
-    along, across = before.position, sim.vehicles[0].robot.motion().position - before.position
-    heading = np.array([math.cos(yaw), math.sin(yaw)])
-    forward = across[:2] @ heading
-    sideways = across[:2] @ np.array([-heading[1], heading[0]])
-    assert forward == pytest.approx(5.0, rel=0.02)
-    assert abs(sideways) < 0.02
-    assert sim.vehicles[0].robot.motion().linear[0] == pytest.approx(0.22, rel=0.02)
-    assert along[2] == pytest.approx(0.0, abs=0.001)
-
-
-def test_backward_is_negative():
-    sim = simulator()
-    sim.vehicles[0].command(-0.22, 0.0)
-    sim.advance(2000)
-    assert sim.vehicles[0].robot.motion().linear[0] == pytest.approx(-0.22, rel=0.02)
-    assert sim.vehicles[0].robot.motion().position[0] < -0.3
+    motion, states = robot.motion(), robot.joint_states()
+    way = (motion.position - before.position)[:2]
+    assert way @ [math.cos(yaw), math.sin(yaw)] == pytest.approx(22.727 * speed, rel=0.02)
+    assert abs(way @ [-math.sin(yaw), math.cos(yaw)]) < 0.02
+    assert before.position[2] == pytest.approx(0.0, abs=0.001)
+    # the twist is in the robot's own frame
+    assert motion.linear[0] == pytest.approx(speed, rel=0.02) and abs(motion.linear[1]) < 0.005
+    assert states.names == ('wheel_left_joint', 'wheel_right_joint')
+    assert states.velocities == pytest.approx([speed / 0.033] * 2, rel=0.01)
+    assert np.subtract(states.positions, turned) == pytest.approx(
+        [22.727 * speed / 0.033] * 2, rel=0.02)
 
 
 def test_turns_in_place_to_the_left():
@@ -99,27 +95,6 @@ def test_at_the_speed_of_the_article_it_stays_on_its_wheels():
         velocities = sim.vehicles[0].robot.joint_states().velocities
         assert velocities == pytest.approx([min(second, 10) / 0.033] * 2, rel=0.02)
     assert np.linalg.norm(motion.linear) > 4
-
-
-def test_twist_is_in_the_robots_own_frame():
-    sim = simulator(yaw=math.pi / 2)
-    sim.vehicles[0].command(0.2, 0.0)
-    sim.advance(2000)
-    motion = sim.vehicles[0].robot.motion()
-    assert motion.position[1] > 0.3 and abs(motion.position[0]) < 0.01
-    assert motion.linear[0] == pytest.approx(0.2, rel=0.02)
-    assert abs(motion.linear[1]) < 0.005
-
-
-def test_wheels_turn_as_far_as_the_robot_drives():
-    sim = simulator()
-    sim.vehicles[0].command(0.2, 0.0)
-    sim.advance(5000)
-    states = sim.vehicles[0].robot.joint_states()
-    assert states.names == ('wheel_left_joint', 'wheel_right_joint')
-    assert states.velocities == pytest.approx([0.2 / 0.033] * 2, rel=0.01)
-    driven = sim.vehicles[0].robot.motion().position[0]
-    assert states.positions == pytest.approx([driven / 0.033] * 2, rel=0.02)
 
 
 def test_starts_where_it_is_put():
@@ -200,14 +175,14 @@ def test_disabled_sensors_read_nothing_and_change_nothing():
         [0.2, 0.4, 0.6, 0.8, 1.0, 3.2, 3.4, 3.6, 3.8, 4.0])
 
 
-def test_noise_of_the_scan_does_not_depend_on_the_imu():
-    scans = [[value.tolist() for _, value in seen_by('scan', drive_with(off)[1])]
-             for off in ({}, {0: {'imu': False}})]
-    assert scans[0] == scans[1] and len(scans[0]) == 20
-    forces = [[list(value.linear_acceleration)
-               for _, value in seen_by('imu', drive_with(off)[1])]
-              for off in ({}, {0: {'scan': False}})]
-    assert forces[0] == forces[1] and len(forces[0]) == 800
+@pytest.mark.parametrize('sensor, count, switches', [
+    ('scan', 20, {0: {'imu': False}}), ('imu', 800, {0: {'scan': False}}),
+    ('imu', 800, {quarter: {'imu': True} for quarter in range(4)})])
+def test_other_sensors_and_enabling_it_again_do_not_change_the_noise(sensor, count, switches):
+    usual, other = ([np.asarray(getattr(value, 'linear_acceleration', value)).tolist()
+                     for _, value in seen_by(sensor, drive_with(each)[1])]
+                    for each in ({}, switches))
+    assert usual == other and len(usual) == count
 
 
 def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
@@ -223,27 +198,12 @@ def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
     assert np.abs([value.linear_acceleration[0] for value in values]).max() < 1.0
 
 
-def test_enabling_an_enabled_sensor_changes_nothing():
-    quarters = {quarter: {'imu': True} for quarter in range(4)}
-    forces = [[list(value.linear_acceleration)
-               for _, value in seen_by('imu', drive_with(switches)[1])]
-              for switches in ({}, quarters)]
-    assert forces[0] == forces[1]
-
-
-def test_whole_steps():
-    assert whole_steps('p', 0.033, 0.001) == 33
-    assert whole_steps('p', 0.1, 0.001) == 100
-    for period in (0.0335, 0.0004):
-        with pytest.raises(SimulationError, match='does not divide'):
-            whole_steps('p', period, 0.001)
-
-
 @pytest.mark.parametrize('settings, words', [
     ({'drive': DriveSettings(left_joint='axle')}, 'no movable joint axle'),
     ({'drive': DriveSettings(left_joint='wheel_right_joint')}, 'the same as right_joint'),
     ({'drive': DriveSettings(drive_period_s=0.0105)}, 'drive_period_s: got 0.0105'),
-    ({'odometry': OdometrySettings(odometry_period_s=0.0335)}, '0.033 or 0.034'),
+    ({'odometry': OdometrySettings(odometry_period_s=0.0335)}, 'set 0.033 or 0.034'),
+    ({'odometry': OdometrySettings(odometry_period_s=0.0004)}, 'set 0.001'),
     ({'world_name': 'mars'}, "world: got 'mars'"),
 ])
 def test_refusals(settings, words):
