@@ -2,6 +2,7 @@
 import math
 from typing import Iterator, List, Optional
 
+import cv2
 import numpy as np
 import pybullet
 
@@ -56,18 +57,8 @@ def _hull_points(shape_type: int, size: tuple) -> Optional[np.ndarray]:
 
 
 def _convex_hull(points: np.ndarray) -> np.ndarray:
-    """Return the corners (n, 2) of the convex hull of points (m, 2), anticlockwise.
-
-    Andrew's monotone chain.
-    """
-    ordered = sorted(map(tuple, points.round(6).tolist()))
-    corners: list = []
-    for way in (ordered, ordered[::-1]):
-        half: list = []
-        for x, y in way:
-            while len(half) > 1 and ((half[-1][0] - half[-2][0]) * (y - half[-2][1])
-                                     <= (half[-1][1] - half[-2][1]) * (x - half[-2][0])):
-                half.pop()
-            half.append((x, y))
-        corners += half[:-1]
-    return np.array(corners)
+    """Return the corners (n, 2) of the convex hull of points (m, 2), anticlockwise."""
+    points = points.round(6)
+    # OpenCV computes in single precision, which is finer near the origin
+    near_origin = (points - points[0]).astype(np.float32)
+    return points[cv2.convexHull(near_origin, returnPoints=False)[:, 0]]
