@@ -13,21 +13,20 @@ from typing import Dict, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from img_recog import rotations
 from img_recog.files import FindFile, find_in
 from img_recog.markup import MarkupError, parse_xml
-from img_recog.simulation.descriptions import inertias, link_materials, urdf_shapes
-from img_recog.simulation.descriptions.geometry import (IDENTITY, NO_INERTIA, Inertia, Transform,
-                                                        from_rpy)
+from img_recog.simulation.descriptions import urdf_visuals
+from img_recog.simulation.descriptions.geometry import IDENTITY, NO_INERTIA, Inertia, Transform
 from img_recog.simulation.descriptions.meshes import resolve
-from img_recog.simulation.descriptions.numbers import read_coefficient, read_lengths, read_numbers
+from img_recog.simulation.descriptions.numbers import read_coefficient, read_numbers
+from img_recog.simulation.descriptions.urdf_elements import (
+    INERTIA_KEYS, check_mass, check_moments, origin_of, set_inertial, set_origin)
 from img_recog.simulation.settings import SimulationError
 
 # Of the floor, and of links without a coefficient (Gazebo's default). PyBullet multiplies the
 # coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
 FLOOR_FRICTION = 1.0
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
-_INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')
 
 
 @dataclass(frozen=True)
@@ -79,8 +78,8 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     robot = root_of(urdf)
     _check_names(robot)
     missing = resolve(robot, find_mesh)
-    missing_materials = link_materials.apply(robot, find_mesh)
-    urdf_shapes.check(robot)
+    missing_materials = urdf_visuals.apply_materials(robot, find_mesh)
+    urdf_visuals.check_shapes(robot)
     links = {link.get('name', ''): link for link in robot.findall('link')}
     parents = _joints_by_child(robot, links)
     root = _root(links, parents)
@@ -101,7 +100,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
         else:
             carrier = frames[joint.parent_link]
             joint.parent.set('link', carrier.link)
-            _set_origin(joint.element, carrier.pose @ origin_of(joint.element))
+            set_origin(joint.element, carrier.pose @ origin_of(joint.element))
     for joint in parents.values():
         _check_joint(joint.element)
     for name in {frame.link for frame in frames.values()}:
@@ -216,8 +215,8 @@ def _inertia(name: str, link: ElementTree.Element) -> Inertia:
     if mass is None or inertia is None:
         raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
     kilograms = read_numbers('mass of link ' + name, mass.get('value'), 1)[0]
-    inertias.check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
-    values = ' '.join(inertia.get(key, '0') for key in _INERTIA_KEYS)
+    check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
+    values = ' '.join(inertia.get(key, '0') for key in INERTIA_KEYS)
     matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)
     return Inertia(kilograms, np.zeros(3), matrix).moved(origin_of(inertial))
 
@@ -226,36 +225,12 @@ def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None
     if inertia.mass == 0:
         raise SimulationError('link {} can move but has no mass'.format(name),
                               'add an <inertial> to it or to a link fixed to it')
-    inertias.check_moments('link {}, with the links fixed to it,'.format(name), inertia.matrix)
-    for old in link.findall('inertial'):
-        link.remove(old)
-    inertial = ElementTree.SubElement(link, 'inertial')
-    _set_origin(inertial, Transform(np.eye(3), inertia.center))
-    ElementTree.SubElement(inertial, 'mass', value=repr(float(inertia.mass)))
-    values = zip(_INERTIA_KEYS, inertia.matrix.flat)
-    ElementTree.SubElement(inertial, 'inertia', {key: repr(float(v)) for key, v in values})
+    check_moments('link {}, with the links fixed to it,'.format(name), inertia.matrix)
+    set_inertial(link, inertia.mass, Transform(np.eye(3), inertia.center), inertia.matrix)
 
 
 def _move_shapes(source: ElementTree.Element, target: ElementTree.Element,
                  pose: Transform) -> None:
     for shape in source.findall('visual') + source.findall('collision'):
-        _set_origin(shape, pose @ origin_of(shape))
+        set_origin(shape, pose @ origin_of(shape))
         target.append(shape)
-
-
-def origin_of(element: ElementTree.Element) -> Transform:
-    """Return the <origin> of a URDF's element: its pose in the frame of what it belongs to."""
-    origin = element.find('origin')
-    if origin is None:
-        return IDENTITY
-    name = '<origin> in <{} {}>'.format(element.tag, element.get('name', ''))
-    return from_rpy(read_lengths(name, origin.get('xyz', '0 0 0'), 3),
-                    read_numbers(name, origin.get('rpy', '0 0 0'), 3))
-
-
-def _set_origin(element: ElementTree.Element, pose: Transform) -> None:
-    for old in element.findall('origin'):
-        element.remove(old)
-    values = {'xyz': pose.translation, 'rpy': rotations.to_rpy(pose.rotation)}
-    ElementTree.SubElement(element, 'origin', {
-        key: ' '.join(repr(float(v)) for v in value) for key, value in values.items()})

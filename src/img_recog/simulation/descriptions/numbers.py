@@ -1,6 +1,6 @@
-"""Reads the numbers of an XML element."""
+"""The numbers of XML elements."""
 import math
-from typing import Optional
+from typing import Iterable, Optional
 
 import numpy as np
 
@@ -49,3 +49,12 @@ def read_coefficient(name: str, text: Optional[str]) -> float:
     if value < 0:
         raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
     return value
+
+
+def words(values: Iterable[float]) -> str:
+    """Return numbers as the text of an attribute.
+
+    >>> words((1, 0.5))
+    '1.0 0.5'
+    """
+    return ' '.join(repr(float(value)) for value in values)

@@ -3,7 +3,7 @@ import copy
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -12,9 +12,8 @@ from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation.descriptions import sdf_frames, sdf_models
 from img_recog.simulation.descriptions.geometry import Transform
-from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.numbers import read_numbers, words
 from img_recog.simulation.descriptions.sdf_models import Tree, Version
-from img_recog.simulation.descriptions.sdf_shapes import find_relative
 from img_recog.simulation.settings import SimulationError
 
 _MODEL_URI = 'model://'
@@ -189,6 +188,17 @@ class _Reader:
             self.missing.append(name)
 
 
+def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:
+    """Return a function that finds URIs, and paths relative to `folder`; files and folders."""
+    def found(uri: str) -> Optional[str]:
+        path = uri[len('file://'):] if uri.startswith('file://') else uri
+        if '://' not in path:
+            joined = os.path.join(folder, path)
+            return joined if path and os.path.exists(joined) else None
+        return find(uri)
+    return found
+
+
 def _find_above(folder: str, path: str) -> Optional[str]:
     """Return where a model's path is: in a folder above, or in `models` in one."""
     while True:
@@ -225,8 +235,7 @@ def _apply_state(model: ElementTree.Element, state: Optional[ElementTree.Element
             for old in model.findall('pose'):
                 model.remove(old)
             values = (*pose.translation, *rotations.to_rpy(pose.rotation))
-            ElementTree.SubElement(model, 'pose').text = ' '.join(
-                repr(float(value)) for value in values)
+            ElementTree.SubElement(model, 'pose').text = words(values)
 
 
 def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:

@@ -1,21 +1,29 @@
-"""The masses and friction of the links of an SDF, as elements of a URDF."""
+"""What is in a link of an SDF, as elements of a URDF: mass, friction and shapes."""
+import os
 import xml.etree.ElementTree as ElementTree
+from typing import Callable, Dict, Tuple
 
 import numpy as np
 
-from img_recog.simulation.descriptions import inertias, sdf_shapes
-from img_recog.simulation.descriptions.geometry import Transform
-from img_recog.simulation.descriptions.numbers import read_coefficient, read_numbers
+from img_recog.files import FindFile
+from img_recog.mesh_file import READABLE
+from img_recog.simulation.descriptions import materials
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
+from img_recog.simulation.descriptions.numbers import (read_coefficient, read_lengths,
+                                                       read_numbers, words)
 from img_recog.simulation.descriptions.sdf_frames import pose_of
+from img_recog.simulation.descriptions.urdf_elements import (
+    INERTIA_KEYS, check_mass, check_moments, set_inertial, set_origin)
+from img_recog.simulation.descriptions.urdf_visuals import IS_PLANE, material_element
+from img_recog.simulation.settings import SimulationError
 
-_INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz')
+_PLANE_THICKNESS_M = 0.01       # below the plane
+
+_Geometry = Tuple[ElementTree.Element, Transform]
 
 
-def add_massless(link: ElementTree.Element) -> None:
-    """Add the inertia of what never moves: without it, PyBullet warns and assumes 1 kg."""
-    inertial = ElementTree.SubElement(link, 'inertial')
-    ElementTree.SubElement(inertial, 'mass', value='0')
-    ElementTree.SubElement(inertial, 'inertia', dict.fromkeys(_INERTIA_KEYS, '0'))
+class _Unsupported(Exception):
+    """Something of an SDF that cannot be had; the text names it."""
 
 
 def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
@@ -26,18 +34,13 @@ def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
     if given is None:
         given = ElementTree.Element('inertial')
     mass = float(read_numbers('<mass> of link ' + name, given.findtext('mass', '1'), 1)[0])
-    inertias.check_mass('<mass> of link ' + name, mass)
-    values = {key: float(read_numbers(
+    check_mass('<mass> of link ' + name, mass)
+    matrix = np.array([read_numbers(
         '<{}> of link {}'.format(key, name),
-        given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'), 1)[0])
-        for key in _INERTIA_KEYS}
-    inertias.check_moments('link ' + name, np.array([
-        [values[''.join(sorted(('i', row, column)))] for column in 'xyz'] for row in 'xyz']))
-    inertial = ElementTree.SubElement(link, 'inertial')
-    inertial.append(sdf_shapes.origin(offset @ pose_of(given)))
-    ElementTree.SubElement(inertial, 'mass', value=repr(mass))
-    ElementTree.SubElement(inertial, 'inertia',
-                           {key: repr(value) for key, value in values.items()})
+        given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'), 1)[0]
+        for key in INERTIA_KEYS]).reshape(3, 3)
+    check_moments('link ' + name, matrix)
+    set_inertial(link, mass, offset @ pose_of(given), matrix)
 
 
 def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None:
@@ -45,7 +48,110 @@ def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None
     text = source.findtext('collision/surface/friction/ode/mu')
     if text is None:
         return
-    name = '<mu> of link ' + source.get('name', '')
-    value = read_coefficient(name, text)
+    value = read_coefficient('<mu> of link ' + source.get('name', ''), text)
     contact = ElementTree.SubElement(link, 'contact')
     ElementTree.SubElement(contact, 'lateral_friction', value=repr(value))
+
+
+def add_shape(link: ElementTree.Element, shape: ElementTree.Element, pose: Transform,
+              find: FindFile, concave: bool) -> str:
+    """Add an SDF <visual> or <collision> to the <link> of a URDF; return what is missing or ''.
+
+    pose: of the shape in the link's frame. find: returns the path of the file or folder at a URI.
+    concave: whether a collision mesh is not replaced by its convex hull.
+    Raises SimulationError when a number is wrong.
+    """
+    try:
+        geometry, offset = _geometry(shape, find)
+    except _Unsupported as gap:
+        return str(gap)
+    added = ElementTree.SubElement(link, shape.tag, name=shape.get('name', ''))
+    set_origin(added, pose @ offset)
+    ElementTree.SubElement(added, 'geometry').append(geometry)
+    if shape.tag == 'collision':
+        if concave and geometry.tag == 'mesh':
+            added.set('concave', 'yes')
+        return ''
+    if geometry.tag == 'mesh' and not materials.is_given(shape):
+        return ''       # the file has materials
+    material, missing = materials.of_sdf(shape, find)
+    added.append(material_element(material))
+    return missing
+
+
+def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
+    """Return the element in a URDF's <geometry>, and its pose in the frame of the shape."""
+    geometry = shape.find('geometry')
+    if geometry is None or not len(geometry):
+        raise _Unsupported('<{} {}> has no geometry'.format(shape.tag, shape.get('name', '')))
+    element = geometry[0]
+    make = _MAKERS.get(element.tag)
+    if make is None:
+        raise _Unsupported('<{}> of {} {}'.format(element.tag, shape.tag, shape.get('name', '')))
+    name = '{} {}'.format(shape.tag, shape.get('name', ''))
+    return make(name, element, find)
+
+
+def _size(name: str, element: ElementTree.Element, tag: str, count: int) -> np.ndarray:
+    values = read_lengths('<{}> of {}'.format(tag, name), element.findtext(tag), count)
+    if np.any(values <= 0):
+        raise SimulationError('<{}> of {}: got {!r}, expected more than 0'.format(
+            tag, name, element.findtext(tag)))
+    return values
+
+
+def _box(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    return (ElementTree.Element('box', size=words(_size(name, element, 'size', 3))),
+            IDENTITY)
+
+
+def _cylinder(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    (radius,), (length,) = (_size(name, element, tag, 1) for tag in ('radius', 'length'))
+    return (ElementTree.Element('cylinder', radius=repr(float(radius)),
+                                length=repr(float(length))),
+            IDENTITY)
+
+
+def _sphere(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    (radius,) = _size(name, element, 'radius', 1)
+    return (ElementTree.Element('sphere', radius=repr(float(radius))),
+            IDENTITY)
+
+
+def _plane(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    """Return a thin box, whose upper side is the plane."""
+    normal = read_numbers('<normal> of ' + name, element.findtext('normal', '0 0 1'), 3)
+    if not np.any(normal):
+        raise SimulationError('<normal> of {}: got 0 0 0, expected a direction'.format(name))
+    size = [1.0, 1.0]
+    if element.find('size') is not None:
+        size = _size(name, element, 'size', 2).tolist()
+    rotation = _turn_z_to(normal / np.linalg.norm(normal))
+    box = ElementTree.Element(
+        'box', {'size': words((*size, _PLANE_THICKNESS_M)), IS_PLANE: 'true'})
+    return (box, Transform(rotation, rotation @ (0, 0, -_PLANE_THICKNESS_M / 2)))
+
+
+def _turn_z_to(direction: np.ndarray) -> np.ndarray:
+    """Return the shortest rotation that turns the z axis to a direction."""
+    x, y, z = direction
+    if z < -1 + 1e-9:
+        return np.diag([1.0, -1.0, -1.0])
+    return np.array([[1 - x * x / (1 + z), -x * y / (1 + z), x],
+                     [-x * y / (1 + z), 1 - y * y / (1 + z), y], [-x, -y, z]])
+
+
+def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
+    uri = (element.findtext('uri') or element.findtext('filename') or '').strip()
+    path = find(uri)
+    if path is None or not os.path.isfile(path):
+        raise _Unsupported('mesh ' + uri)
+    if not path.lower().endswith(READABLE):
+        raise _Unsupported('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
+    scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
+    return (ElementTree.Element('mesh', filename=os.path.abspath(path), scale=words(scale)),
+            IDENTITY)
+
+
+_MAKERS: Dict[str, Callable[[str, ElementTree.Element, FindFile], _Geometry]] = {
+    'box': _box, 'cylinder': _cylinder, 'sphere': _sphere, 'plane': _plane, 'mesh': _mesh}

@@ -5,11 +5,11 @@ from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 import numpy as np
 
 from img_recog.files import FindFile
-from img_recog.simulation.descriptions import meshes, sdf_links, sdf_shapes
+from img_recog.simulation.descriptions import meshes, sdf_links
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
-from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.numbers import read_numbers, words
 from img_recog.simulation.descriptions.sdf_frames import WORLD, Scope, pose_of
-from img_recog.simulation.descriptions.sdf_shapes import Unsupported
+from img_recog.simulation.descriptions.urdf_elements import add_massless, set_origin
 from img_recog.simulation.settings import SimulationError
 
 _JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
@@ -163,7 +163,7 @@ class _Builder:
         frames = {root.name: root.pose}
         if to_world is not None and not is_fixed:
             # the joint needs a parent
-            sdf_links.add_massless(ElementTree.SubElement(robot, 'link', name=WORLD))
+            add_massless(ElementTree.SubElement(robot, 'link', name=WORLD))
             frames = {root.name: to_world.pose}
             base = to_world.pose
             self._add_joint_element(robot, to_world, IDENTITY, parent=WORLD)
@@ -187,18 +187,15 @@ class _Builder:
         added = ElementTree.SubElement(robot, 'link', name=link.name)
         offset = _relative(frame, link.pose)
         if is_fixed or link.is_static:
-            sdf_links.add_massless(added)
+            add_massless(added)
         else:
             sdf_links.add_inertial(added, link.element, offset)
         sdf_links.add_friction(added, link.element)
         scope = Scope(link.element)
         for tag in ('visual', 'collision'):
             for shape in link.element.findall(tag):
-                try:
-                    missing = sdf_shapes.add(added, shape, offset @ scope.pose(shape), self._find,
-                                             concave=is_fixed or link.is_static)
-                except Unsupported as gap:
-                    missing = str(gap)
+                missing = sdf_links.add_shape(added, shape, offset @ scope.pose(shape), self._find,
+                                              concave=is_fixed or link.is_static)
                 if missing and missing not in self._missing:
                     self._missing.append(missing)
         for tag, other in (('visual', 'collision'), ('collision', 'visual')):
@@ -210,12 +207,12 @@ class _Builder:
         # the links of a static model do not move, and have no mass
         kind = 'fixed' if self.links[joint.child].is_static else joint.element.get('type', '')
         element = ElementTree.SubElement(robot, 'joint', name=joint.name, type=kind)
-        element.append(sdf_shapes.origin(pose))
+        set_origin(element, pose)
         ElementTree.SubElement(element, 'parent', link=parent or joint.parent)
         ElementTree.SubElement(element, 'child', link=joint.child)
         if kind == 'fixed':
             return
-        ElementTree.SubElement(element, 'axis', xyz=' '.join(map(repr, joint.axis.tolist())))
+        ElementTree.SubElement(element, 'axis', xyz=words(joint.axis))
         limit = joint.element.find('axis/limit')
         if limit is not None and kind != 'continuous':
             lower, upper = (float(read_numbers(

@@ -1,12 +1,23 @@
-"""The visuals of a URDF: what there is to draw of its links."""
+"""The visuals of a URDF, their shapes and materials; and what <gazebo> tags say of those."""
 import collections
+import os
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, Optional
+from typing import Dict, Iterator, List, Optional, Tuple
 
-from img_recog.simulation.descriptions import link_materials, sdf_shapes, urdf_shapes
-from img_recog.simulation.descriptions.description import origin_of
-from img_recog.simulation.descriptions.numbers import read_numbers
-from img_recog.visuals import MESH, PLANE, Material, Shape, Visual
+from img_recog.files import FindFile
+from img_recog.simulation.descriptions import materials
+from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers, words
+from img_recog.simulation.descriptions.urdf_elements import origin_of
+from img_recog.simulation.settings import SimulationError
+from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape, Visual
+
+_SIZES = {'box': (('size', 3),), 'cylinder': (('radius', 1), ('length', 1)),
+          'sphere': (('radius', 1),), 'capsule': (('radius', 1), ('length', 1))}
+_KINDS = {'box': BOX, 'cylinder': CYLINDER, 'sphere': SPHERE}
+IS_PLANE = 'plane'      # the attribute of a box that is a plane, the upper side of it
+# In a URDF, a <material> is that of a mesh whose file has none, like in RViz; Gazebo 11 ignores
+# it. A material of an SDF or of a <gazebo> tag replaces that of the file; it has this attribute.
+_REPLACES = 'replaces_file'
 
 
 def check(urdf: str) -> None:
@@ -29,15 +40,14 @@ def read(urdf: str, numbers: Dict[str, int]) -> Iterator[Visual]:
 
 def _visual(element: ElementTree.Element, part: int,
             named: Dict[Optional[str], ElementTree.Element]) -> Visual:
-    shape, given = urdf_shapes.read(element), element.find('material')
+    shape, given = read_shape(element), element.find('material')
     pose = origin_of(element).matrix()
     box = element.find('geometry/box')
-    if box is not None and box.get(sdf_shapes.PLANE):
+    if box is not None and box.get(IS_PLANE):
         x, y, z = shape.size
         shape, pose[:3, 3] = Shape(PLANE, (x, y)), pose[:3, 3] + pose[:3, 2] * z / 2
-    return Visual(part, shape, pose, _material(element, named),
-                  shape.kind == MESH and given is not None
-                  and given.get(link_materials.REPLACES) is None)
+    return Visual(part, shape, pose, _material(element, named), shape.kind == MESH
+                  and given is not None and given.get(_REPLACES) is None)
 
 
 def _material(visual: ElementTree.Element,
@@ -54,3 +64,108 @@ def _material(visual: ElementTree.Element,
         '1 1 1 1' if color is None else color.get('rgba'), 4).tolist()
     path = '' if texture is None else texture.get('filename', '')
     return None if color is None and not path else Material((red, green, blue, opacity), path)
+
+
+def check_shapes(robot: ElementTree.Element) -> None:
+    """Raise SimulationError naming the link unless all shapes of a <robot> can be used."""
+    for link in robot.findall('link'):
+        for element in link.findall('visual') + link.findall('collision'):
+            if element.find('geometry/*') is None:
+                continue
+            try:
+                if element.tag == 'visual':
+                    read_shape(element)
+                else:
+                    _sizes(element.findall('geometry/*')[0])
+            except SimulationError as error:
+                raise SimulationError('link {}, <{}>: {}'.format(
+                    link.get('name', ''), element.tag, error.problem), error.advice)
+
+
+def read_shape(visual: ElementTree.Element) -> Shape:
+    """Return the shape of a <visual>; SimulationError when it cannot be drawn."""
+    geometry = visual.find('geometry')
+    if geometry is None or not len(geometry):
+        raise SimulationError('<visual {}> has no geometry'.format(visual.get('name', '')))
+    element = geometry[0]
+    sizes = _sizes(element)
+    if element.tag == 'mesh':
+        return Shape(MESH, sizes, element.get('filename', ''))
+    if element.tag not in _KINDS:
+        raise SimulationError('got the geometry {}, expected box, cylinder, sphere or mesh'.format(
+            element.tag))
+    return Shape(_KINDS[element.tag], sizes)
+
+
+def _sizes(element: ElementTree.Element) -> Tuple[float, ...]:
+    """Return the size of a box, cylinder, sphere or capsule, or the scale of a mesh."""
+    if element.tag == 'mesh':
+        return tuple(read_lengths('scale of mesh', element.get('scale', '1 1 1'), 3).tolist())
+    values = tuple(
+        value for name, count in _SIZES.get(element.tag, ())
+        for value in read_lengths('{} of {}'.format(name, element.tag), element.get(name),
+                                  count).tolist())
+    if any(value < 0 for value in values):
+        raise SimulationError('size of {}: got {}, expected no negative number'.format(
+            element.tag, ' '.join('{:g}'.format(value) for value in values)))
+    return values
+
+
+def apply_materials(robot: ElementTree.Element, find: FindFile) -> List[str]:
+    """Write the materials of <gazebo reference="LINK"> into the visuals of their links.
+
+    find: returns the path of the file or folder at a URI. Textures of the URDF get absolute paths.
+    Returns what is not known or not found, by name; those visuals stay as they are.
+    """
+    missing = _resolve_textures(robot, find)
+    links = {link.get('name'): link for link in robot.findall('link')}
+    for tag in robot.findall('gazebo'):
+        link = links.get(tag.get('reference'))
+        if link is None:
+            continue
+        for shape in _materials(tag):
+            material, gap = materials.of_sdf(shape, find)
+            if gap:
+                missing += [gap] if gap not in missing else []
+                continue
+            for visual in link.findall('visual'):
+                for old in visual.findall('material'):
+                    visual.remove(old)
+                visual.append(material_element(material))
+    return missing
+
+
+def _resolve_textures(robot: ElementTree.Element, find: FindFile) -> List[str]:
+    missing: List[str] = []
+    for parent in robot.iter('material'):
+        for texture in parent.findall('texture'):
+            uri = texture.get('filename', '')
+            path = find(uri)
+            if path is None:
+                parent.remove(texture)
+                missing += [] if 'texture ' + uri in missing else ['texture ' + uri]
+            else:
+                texture.set('filename', os.path.abspath(path))
+    return missing
+
+
+def material_element(material: Material) -> ElementTree.Element:
+    """Return a URDF's <material>, which replaces that of a mesh file."""
+    # a name for each: in a URDF, materials of one name are the same
+    made = ElementTree.Element('material', {'name': '{} {}'.format(*material), _REPLACES: 'true'})
+    ElementTree.SubElement(made, 'color', rgba=words(material.color))
+    if material.texture:
+        ElementTree.SubElement(made, 'texture', filename=material.texture)
+    return made
+
+
+def _materials(tag: ElementTree.Element) -> List[ElementTree.Element]:
+    """Return the materials of a <gazebo> tag, each as an SDF <visual>; the last one counts."""
+    shapes = [shape for shape in tag.findall('visual') if shape.find('material') is not None]
+    name = tag.findtext('material', '').strip()
+    if name:
+        shape = ElementTree.Element('visual')
+        script = ElementTree.SubElement(ElementTree.SubElement(shape, 'material'), 'script')
+        ElementTree.SubElement(script, 'name').text = name
+        shapes.append(shape)
+    return shapes

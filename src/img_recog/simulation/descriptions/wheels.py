@@ -4,9 +4,10 @@ from typing import Dict, List, NamedTuple, Optional
 
 import numpy as np
 
-from img_recog.simulation.descriptions.description import Description, origin_of
+from img_recog.simulation.descriptions.description import Description
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.urdf_elements import origin_of
 from img_recog.simulation.settings import DriveSettings
 
 _TOLERANCE = 0.05       # relative: Gazebo's tags are often rounded

@@ -6,7 +6,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.markup import MarkupError, parse_xml, read_bytes
-from img_recog.simulation.descriptions import link_materials, meshes, sdf_file, urdf_shapes
+from img_recog.simulation.descriptions import meshes, sdf_file, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
@@ -89,11 +89,11 @@ def fixed_tree(robot: ElementTree.Element, name: str,
     Raises SimulationError when it has several root links.
     """
     missing = ['mesh ' + uri for uri in meshes.resolve(robot, find)]
-    missing += link_materials.apply(robot, find)
+    missing += urdf_visuals.apply_materials(robot, find)
     for collision in robot.findall('link/collision'):
         if collision.find('geometry/mesh') is not None:
             collision.set('concave', 'yes')
-    urdf_shapes.check(robot)
+    urdf_visuals.check_shapes(robot)
     _check_tree(robot)
     return Tree(name, ElementTree.tostring(robot, 'unicode'), IDENTITY, True), missing
 

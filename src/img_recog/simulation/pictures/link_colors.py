@@ -3,7 +3,7 @@ import copy
 import xml.etree.ElementTree as ElementTree
 from typing import Dict
 
-_NO_INERTIA = {'ixx': '0', 'ixy': '0', 'ixz': '0', 'iyy': '0', 'iyz': '0', 'izz': '0'}
+from img_recog.simulation.descriptions.urdf_elements import add_massless
 
 
 def split_links_by_color(urdf: str) -> str:
@@ -32,8 +32,5 @@ def _add_fixed_link(robot: ElementTree.Element, parent: str, number: int) -> Ele
     ElementTree.SubElement(joint, 'parent', link=parent)
     ElementTree.SubElement(joint, 'child', link=name)
     link = ElementTree.SubElement(robot, 'link', name=name)
-    # without <inertial>, PyBullet warns and assumes 1 kg
-    inertial = ElementTree.SubElement(link, 'inertial')
-    ElementTree.SubElement(inertial, 'mass', value='0')
-    ElementTree.SubElement(inertial, 'inertia', _NO_INERTIA)
+    add_massless(link)
     return link

@@ -7,7 +7,7 @@ import pytest
 
 from img_recog.simulation.bodies import loading
 from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import urdf_shapes, world_file
+from img_recog.simulation.descriptions import urdf_visuals, world_file
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
 from img_recog.visuals import BOX, Shape
 from img_recog_testing.robots import WORLDS
@@ -200,7 +200,7 @@ def test_missing_mesh_is_refused_and_by_request_its_collision_shape_is_seen(read
     warning, = file.warnings
     assert warning.endswith('hall.world: loaded without: mesh model://shelf/a.dae')
     seen, = ElementTree.fromstring(file.trees[0].urdf).findall('link/visual')
-    assert urdf_shapes.read(seen) == Shape(BOX, (0.8, 0.8, 0.2))
+    assert urdf_visuals.read_shape(seen) == Shape(BOX, (0.8, 0.8, 0.2))
     # for the physics, visuals would cost time and memory
     world = build(file)
     loaded, = pybullet.getVisualShapeData(world.bodies[0].body_id,

@@ -4,21 +4,19 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from img_recog.simulation.descriptions import sdf_shapes
+from img_recog.simulation.descriptions import sdf_file, sdf_links
 from img_recog.simulation.descriptions.geometry import IDENTITY, from_rpy
-from img_recog.simulation.descriptions.sdf_shapes import Unsupported
 from img_recog.simulation.settings import SimulationError
 
 
 def convert(geometry, tag='collision', pose=IDENTITY, concave=True, material='',
             find=lambda uri: None):
-    """Return the shape of a URDF, and what is missing."""
+    """Return the shape of a URDF, None without one, and what is missing."""
     link = ElementTree.Element('link')
     shape = ElementTree.fromstring('<{0} name="s"><geometry>{1}</geometry>{2}</{0}>'.format(
         tag, geometry, material))
-    missing = sdf_shapes.add(link, shape, pose, find, concave)
-    added, = link
-    return added, missing
+    missing = sdf_links.add_shape(link, shape, pose, find, concave)
+    return link.find(tag), missing
 
 
 @pytest.mark.parametrize('geometry, expected', [
@@ -71,10 +69,8 @@ def test_a_mesh(tmp_path, tag, concave, expected):
 def test_what_cannot_be_had_is_named(tmp_path, geometry, words):
     path = tmp_path / 'a.ply'
     path.write_text('')
-    with pytest.raises(Unsupported) as error:
-        convert(geometry, find={'model://m/a.ply': str(path),
-                                'model://m/folder': str(tmp_path)}.get)
-    assert str(error.value) == words
+    assert convert(geometry, find={'model://m/a.ply': str(path),
+                                   'model://m/folder': str(tmp_path)}.get) == (None, words)
 
 
 @pytest.mark.parametrize('geometry, words', [
@@ -107,7 +103,7 @@ def test_materials_of_different_colors_have_different_names():
 def test_relative_paths(tmp_path):
     (tmp_path / 'meshes').mkdir()
     (tmp_path / 'meshes' / 'a.stl').write_text('')
-    find = sdf_shapes.find_relative(str(tmp_path), {'model://b': 'found'}.get)
+    find = sdf_file.find_relative(str(tmp_path), {'model://b': 'found'}.get)
     assert find('meshes/a.stl') == str(tmp_path / 'meshes' / 'a.stl')
     assert find('file://meshes') == str(tmp_path / 'meshes')
     assert find('file://' + str(tmp_path / 'meshes')) == str(tmp_path / 'meshes')

@@ -2,13 +2,13 @@
 import numpy as np
 import pytest
 
-from img_recog.simulation.descriptions import inertias
+from img_recog.simulation.descriptions import urdf_elements
 from img_recog.simulation.settings import SimulationError
 
 
 @pytest.mark.parametrize('mass', [1e-20, 1, 1e9])
 def test_masses_that_can_be_used(mass):
-    inertias.check_mass('m', mass)
+    urdf_elements.check_mass('m', mass)
 
 
 @pytest.mark.parametrize('mass, words', [
@@ -16,13 +16,13 @@ def test_masses_that_can_be_used(mass):
     (1e-21, 'got 1e-21 kg, expected more than 0'), (1.1e9, 'kg, expected at most 1e+09')])
 def test_masses_that_are_refused(mass, words):
     with pytest.raises(SimulationError) as error:
-        inertias.check_mass('m', mass, ' or none')
+        urdf_elements.check_mass('m', mass, ' or none')
     assert str(error.value).startswith('m: got ') and str(error.value).endswith(words + ' or none')
 
 
 @pytest.mark.parametrize('moments', [(1e-20, 1, 1), (1e15, 1e15, 1e15), (1, 2, 3)])
 def test_moments_that_can_be_used(moments):
-    inertias.check_moments('l', np.diag(moments))
+    urdf_elements.check_moments('l', np.diag(moments))
 
 
 @pytest.mark.parametrize('moments, words', [
@@ -30,6 +30,6 @@ def test_moments_that_can_be_used(moments):
     ((1, 1.1e15, 1), 'moments of at most 1e+15 kg m2')])
 def test_moments_that_are_refused(moments, words):
     with pytest.raises(SimulationError) as error:
-        inertias.check_moments('l', np.diag(np.array(moments, float)))
+        urdf_elements.check_moments('l', np.diag(np.array(moments, float)))
     assert str(error.value).startswith('l has the inertia [1.0, ')
     assert ', expected ' + words in str(error.value)

@@ -1,0 +1,77 @@
+"""Elements of a URDF that several modules read or write: origins and inertias."""
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+
+from img_recog import rotations
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
+from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers, words
+from img_recog.simulation.settings import SimulationError
+
+INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')   # row by row
+# kg, kg m2: in PyBullet, a body of 1e300 kg falls through the floor
+_MAX_MASS, _MAX_MOMENT = 1e9, 1e15
+_MIN = 1e-20
+
+
+def origin_of(element: ElementTree.Element) -> Transform:
+    """Return the <origin> of a URDF's element: its pose in the frame of what it belongs to."""
+    origin = element.find('origin')
+    if origin is None:
+        return IDENTITY
+    name = '<origin> in <{} {}>'.format(element.tag, element.get('name', ''))
+    return from_rpy(read_lengths(name, origin.get('xyz', '0 0 0'), 3),
+                    read_numbers(name, origin.get('rpy', '0 0 0'), 3))
+
+
+def set_origin(element: ElementTree.Element, pose: Transform) -> None:
+    """Give an element an <origin> in place of the one that it may have."""
+    for old in element.findall('origin'):
+        element.remove(old)
+    ElementTree.SubElement(element, 'origin', xyz=words(pose.translation),
+                           rpy=words(rotations.to_rpy(pose.rotation)))
+
+
+def set_inertial(link: ElementTree.Element, mass: float, pose: Transform,
+                 matrix: np.ndarray) -> None:
+    """Give a link an <inertial> in place of the one that it may have.
+
+    mass: kg; pose: of the center of mass in the link's frame; matrix (3, 3): the inertia about
+    that center in kg m2.
+    """
+    for old in link.findall('inertial'):
+        link.remove(old)
+    inertial = ElementTree.SubElement(link, 'inertial')
+    set_origin(inertial, pose)
+    ElementTree.SubElement(inertial, 'mass', value=repr(float(mass)))
+    ElementTree.SubElement(inertial, 'inertia', {
+        key: repr(float(value)) for key, value in zip(INERTIA_KEYS, matrix.flat)})
+
+
+def add_massless(link: ElementTree.Element) -> None:
+    """Add the inertia of what never moves: without it, PyBullet warns and assumes 1 kg."""
+    inertial = ElementTree.SubElement(link, 'inertial')
+    ElementTree.SubElement(inertial, 'mass', value='0')
+    ElementTree.SubElement(inertial, 'inertia', dict.fromkeys(INERTIA_KEYS, '0'))
+
+
+def check_mass(name: str, mass: float, otherwise: str = '') -> None:
+    """Raise SimulationError unless a mass in kg can be used; otherwise: what else is allowed.
+
+    >>> check_mass('mass of link a', 0.0)
+    Traceback (most recent call last):
+    img_recog.simulation.settings.SimulationError: mass of link a: got 0 kg, expected more than 0
+    """
+    if not _MIN <= mass <= _MAX_MASS:
+        limit = 'more than 0' if mass < _MIN else 'at most {:g}'.format(_MAX_MASS)
+        raise SimulationError('{}: got {:g} kg, expected {}{}'.format(
+            name, mass, limit, otherwise))
+
+
+def check_moments(name: str, inertia: np.ndarray) -> None:
+    """Raise SimulationError unless an inertia (3, 3) in kg m2 can be simulated."""
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[0] < _MIN or moments[2] > _MAX_MOMENT:
+        raise SimulationError('{} has the inertia {}, expected {}'.format(
+            name, np.round(np.diag(inertia), 9).tolist(), 'positive moments about all axes'
+            if moments[0] < _MIN else 'moments of at most {:g} kg m2'.format(_MAX_MOMENT)))
