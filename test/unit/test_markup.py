@@ -6,10 +6,10 @@ import pytest
 
 from img_recog import markup, robot_file
 from img_recog.camera import calibration
-from img_recog.errors import UserError
 from img_recog.recognition import parameter_file
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import description, world_file
+from img_recog_testing.refusals import refusal
 
 LAUGHS = ('<!DOCTYPE robot [<!ENTITY a "ha">'
           + ''.join('<!ENTITY {} "{}">'.format(name, '&{};'.format(other) * 10)
@@ -41,15 +41,6 @@ HOSTILE_XML = {
     'tag that is not closed': ('<robot' + ' ' * 3000000, 'not XML'),
     'surrogate': ('<robot name="\ud800"/>', 'not XML'),
 }
-
-
-def refusal(read, *arguments):
-    """Return the line of the UserError that `read` raises."""
-    with pytest.raises(UserError) as refused:
-        read(*arguments)
-    line = str(refused.value)
-    assert '\n' not in line and '\0' not in line and len(line) < 900
-    return line
 
 
 @pytest.mark.parametrize('text, words', list(HOSTILE_XML.values()), ids=list(HOSTILE_XML))

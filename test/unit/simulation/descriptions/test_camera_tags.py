@@ -4,7 +4,8 @@ import math
 import pytest
 
 from img_recog.simulation.descriptions import camera_tags, gazebo_tags
-from img_recog.simulation.settings import CameraSettings, SimulationError
+from img_recog.simulation.settings import CameraSettings
+from img_recog_testing.refusals import refusal
 
 # like those of the waffle_pi and the waffle of turtlebot3_description
 PI = '''<gazebo reference="camera_rgb_frame"><sensor type="camera" name="Pi Camera">
@@ -37,13 +38,6 @@ def robot(*tags):
 
 def read(*tags):
     return camera_tags.cameras(robot(*tags))
-
-
-def refusal(*tags):
-    with pytest.raises(SimulationError) as error:
-        read(*tags)
-    assert '\n' not in str(error.value)
-    return str(error.value)
 
 
 def test_the_camera_of_the_waffle_pi():
@@ -150,12 +144,12 @@ def test_other_sensors_are_no_cameras(tag, label):
      'sensor c: camera_noise: got -0.1, allowed is'),
     ('<pose>1e300 0 0 0 0 0</pose>', '', 'sensor c: camera_x: got 1e+300')])
 def test_wrong_values_are_refused(sensor, plugin, words):
-    assert words in refusal(PLAIN.format(sensor, plugin))
+    assert words in refusal(read, PLAIN.format(sensor, plugin))
 
 
 def test_a_camera_without_a_link_is_refused():
-    assert ('sensor c: its <gazebo> tag has no reference to a link; write <gazebo '
-            'reference="LINK">') == refusal(PLAIN.format('', '').replace(' reference="front"', ''))
-    assert ('sensor c: its <gazebo> tag has the reference nose, which is not a link; the links '
-            'are front, camera_rgb_frame') == refusal(
-                PLAIN.format('', '').replace('"front"', '"nose"'))
+    assert refusal(read, PLAIN.format('', '').replace(' reference="front"', '')) == (
+        'sensor c: its <gazebo> tag has no reference to a link; write <gazebo reference="LINK">')
+    assert refusal(read, PLAIN.format('', '').replace('"front"', '"nose"')) == (
+        'sensor c: its <gazebo> tag has the reference nose, which is not a link; the links are '
+        'front, camera_rgb_frame')

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.simulation.descriptions import sdf_file
-from img_recog.simulation.settings import SimulationError
+from img_recog_testing.refusals import refusal
 from img_recog_testing.sdf import BUILT_IN, sdf
 
 LINK = '<link name="l"><pose>0 0 1 0 0 0</pose></link>'
@@ -33,13 +33,6 @@ def include(uri, inside=''):
 def read(folder, *inside, find=lambda uri: None):
     path = folder / 'worlds' / 'hall.world'
     return sdf_file.read(ElementTree.fromstring(sdf(*inside)), str(path), find)
-
-
-def refusal(*arguments, **more):
-    with pytest.raises(SimulationError) as error:
-        read(*arguments, **more)
-    assert '\n' not in str(error.value)
-    return str(error.value)
 
 
 def places(contents):
@@ -145,7 +138,7 @@ def test_what_is_not_found_is_named_once(folder):
      'model.sdf includes itself')])
 def test_refuses_an_included_file(folder, text, words):
     (folder / 'models' / 'table' / 'model.sdf').write_text(text)
-    assert words in refusal(folder, include('model://table'))
+    assert words in refusal(read, folder, include('model://table'))
 
 
 def test_a_light_is_not_loaded(folder):
@@ -157,7 +150,7 @@ def test_a_light_is_not_loaded(folder):
 def test_two_files_that_include_each_other(folder):
     model(folder / 'models' / 'table' / 'model.sdf', 'a', LINK + include('../nested/b.sdf'))
     model(folder / 'models' / 'nested' / 'b.sdf', 'b', LINK + include('model://table'))
-    assert 'model.sdf includes itself' in refusal(folder, include('model://table'))
+    assert 'model.sdf includes itself' in refusal(read, folder, include('model://table'))
 
 
 def chain(folder, length):
@@ -172,11 +165,11 @@ def test_models_nested_too_deeply(folder):
     chain(folder, 120)
     tree, = read(folder, include('model://21')).trees
     assert tree.name == 'm' and 'link name="' + 'm::' * 98 + 'table::l"' in tree.urdf
-    assert refusal(folder, include('model://20')) == (
+    assert refusal(read, folder, include('model://20')) == (
         'models are nested more than 100 deep, at table in {}; include the innermost ones directly'
         .format(folder / 'models' / 'table' / 'model.sdf'))
     inside = '<model name="n">' * 60 + include('model://0') + '</model>' * 60
-    assert refusal(folder, '<model name="o">{}</model>'.format(inside)).startswith(
+    assert refusal(read, folder, '<model name="o">{}</model>'.format(inside)).startswith(
         'models are nested more than 100 deep, at m in ')
 
 
@@ -186,7 +179,7 @@ def test_too_many_included_models(folder):
         model(folder / 'models' / str(number) / 'model.sdf', 'm', ''.join(include(
             'model://{}'.format(number + 1 if number < 29 else 'table'),
             '<name>{}</name>'.format(name)) for name in 'ab'))
-    assert refusal(folder, include('model://0')).startswith(
+    assert refusal(read, folder, include('model://0')).startswith(
         'it includes more than 5000 models, at {}'.format(folder / 'models'))
     many = ''.join(include('model://table', '<name>{}</name>'.format(number))
                    for number in range(40))
@@ -202,7 +195,7 @@ def test_a_url_is_missing(folder, uri):
 
 def test_a_wrong_gravity_is_refused(folder):
     assert "<gravity>: got '9.8', expected 3 finite numbers" in refusal(
-        folder, '<gravity>9.8</gravity>')
+        read, folder, '<gravity>9.8</gravity>')
 
 
 def test_plugins_and_sensors_are_named(folder):
@@ -232,4 +225,4 @@ def test_the_pose_of_the_user_camera(folder):
     assert read(folder, gui.format('<pose>1 2 3 0 0 0</pose>')).camera.translation.tolist() == [
         1, 2, 3]
     assert read(folder, gui.format('')).camera is None and read(folder).camera is None
-    assert '<pose> of camera user_camera' in refusal(folder, gui.format('<pose>1</pose>'))
+    assert '<pose> of camera user_camera' in refusal(read, folder, gui.format('<pose>1</pose>'))

@@ -10,7 +10,8 @@ from img_recog.simulation.bodies.loading import connect
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import sdf_models
 from img_recog.simulation.descriptions.world_file import WorldFile
-from img_recog.simulation.settings import PhysicsSettings, SimulationError
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.refusals import refusal
 from img_recog_testing.sdf import BOX, INERTIAL
 
 TURNED = '<pose>1 0 0 0 0 1.5707963267948966</pose>'       # of a model: its x is the world's y
@@ -35,13 +36,6 @@ def centers(world):
     return [np.mean(pybullet.getAABB(body.body_id, link,
                                      physicsClientId=world.physics_client_id), axis=0).tolist()
             for body in world.bodies for link in body.links]
-
-
-def refusal(*inside):
-    with pytest.raises(SimulationError) as error:
-        convert(*inside)
-    assert '\n' not in str(error.value)
-    return str(error.value)
 
 
 @pytest.mark.parametrize('inside, names, places', [
@@ -226,6 +220,8 @@ def test_a_joint_of_another_type_is_missing():
 
 
 TWO = LINK.format('a', '') + LINK.format('b', '')
+FRICTION = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{}</ode></friction>'
+                                        '</surface><geometry>')
 
 
 @pytest.mark.parametrize('inside, words', [
@@ -255,27 +251,16 @@ TWO = LINK.format('a', '') + LINK.format('b', '')
     ('<link name="a"><inertial><inertia><ixy>2</ixy></inertia></inertial></link>',
      'link a has the inertia [1.0, 1.0, 1.0], expected positive moments about all axes'),
     ('<link name="a"><inertial><inertia><ixx>x</ixx></inertia></inertial></link>',
-     "<ixx> of link a: got 'x', expected 1 finite number")])
+     "<ixx> of link a: got 'x', expected 1 finite number"),
+    (FRICTION.format('<mu>-1</mu>'), '<mu> of link a: got -1, expected at least 0'),
+    (FRICTION.format('<mu>much</mu>'), "<mu> of link a: got 'much', expected 1 finite number")])
 def test_refuses_what_crashes_pybullet_or_stands_nowhere(inside, words):
-    assert words in refusal(inside)
+    assert words in refusal(convert, inside)
 
 
 @pytest.mark.parametrize('surface, friction', [
     ('', 1.0), ('<mu>0.25</mu>', 0.25), ('<mu>100</mu><mu2>50</mu2>', 1.0), ('<mu>0</mu>', 0.0)])
 def test_friction_is_that_of_the_first_collision_and_at_most_that_of_the_floor(surface, friction):
-    link = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{}</ode></friction>'
-                                        '</surface><geometry>'.format(surface))
-    world = load(link, LINK.format('b', '1 0 0 0 0 0'))
+    world = load(FRICTION.format(surface), LINK.format('b', '1 0 0 0 0 0'))
     assert [pybullet.getDynamicsInfo(body.body_id, -1, physicsClientId=world.physics_client_id)[1]
             for body in world.bodies] == pytest.approx([friction, 1.0])
-
-
-@pytest.mark.parametrize('mu, words', [
-    ('-1', '<mu> of link a: got -1, expected at least 0'),
-    ('much', "<mu> of link a: got 'much', expected 1 finite number")])
-def test_friction_that_is_refused(mu, words):
-    with pytest.raises(SimulationError) as error:
-        convert(LINK.format('a', '').replace(
-            '<geometry>', '<surface><friction><ode><mu>{}</mu></ode></friction></surface>'
-            '<geometry>'.format(mu)))
-    assert words in str(error.value)

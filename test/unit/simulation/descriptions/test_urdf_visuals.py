@@ -7,8 +7,8 @@ from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import urdf_visuals
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog.simulation.settings import SimulationError
 from img_recog.visuals import Material
+from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import assemble, burger
 
 VISUAL = '<visual><geometry><box size="1 1 1"/></geometry>{}</visual>'
@@ -91,11 +91,8 @@ def robot(inside):
     return burger().replace(SCAN, SCAN + inside)
 
 
-def refusal(inside):
-    with pytest.raises(SimulationError) as error:
-        assembly.read_robot(robot(inside), 0.001, lambda uri: '/a.stl', 'robot.urdf')
-    assert '\n' not in str(error.value)
-    return str(error.value)
+def read(inside):
+    assembly.read_robot(robot(inside), 0.001, lambda uri: '/a.stl', 'robot.urdf')
 
 
 @pytest.mark.parametrize('tag', ['visual', 'collision'])
@@ -109,7 +106,7 @@ def refusal(inside):
     ('<cylinder radius="1" length="-2"/>', 'size of cylinder: got 1 -2, expected no negative'),
     ('<mesh filename="a.stl" scale="1 1 1e7"/>', "scale of mesh: got '1 1 1e7', expected")])
 def test_a_size_that_cannot_be_used_is_refused(tag, shape, words):
-    assert refusal('<{0}><geometry>{1}</geometry></{0}>'.format(tag, shape)).startswith(
+    assert refusal(read, '<{0}><geometry>{1}</geometry></{0}>'.format(tag, shape)).startswith(
         'cannot use the robot in robot.urdf: link base_scan, <{}>: {}'.format(tag, words))
 
 
@@ -118,7 +115,7 @@ def test_a_size_that_cannot_be_used_is_refused(tag, shape, words):
 def test_a_place_that_cannot_be_used_is_refused(tag, value):
     shape = '<geometry><sphere radius="1"/></geometry>'
     assert "<origin> in <{} here>: got '0 {} 0', expected".format(tag, value) in refusal(
-        '<{0} name="here"><origin xyz="0 {1} 0"/>{2}</{0}>'.format(tag, value, shape))
+        read, '<{0} name="here"><origin xyz="0 {1} 0"/>{2}</{0}>'.format(tag, value, shape))
 
 
 def test_sizes_of_zero_and_mirrored_meshes_are_allowed(tmp_path):

@@ -8,8 +8,9 @@ import pytest
 from img_recog.simulation.bodies import loading
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import urdf_visuals, world_file
-from img_recog.simulation.settings import PhysicsSettings, SimulationError
+from img_recog.simulation.settings import PhysicsSettings
 from img_recog.visuals import BOX, Shape
+from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import WORLDS
 from img_recog_testing.sdf import BUILT_IN, CRATE, SHELF, sdf
 
@@ -41,13 +42,6 @@ def build(file):
 def extent(body):
     return [np.array(corner) for corner in pybullet.getAABB(
         body.body_id, physicsClientId=body.physics_client_id)]
-
-
-def refusal(function, *arguments, **more):
-    with pytest.raises(SimulationError) as error:
-        function(*arguments, **more)
-    assert '\n' not in str(error.value)
-    return str(error.value)
 
 
 def test_world_by_name():
