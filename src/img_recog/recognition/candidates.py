@@ -96,7 +96,9 @@ def _chroma_bound(
 
     It is the one with the fewest pixels above it in a typical image, in which 1 / (1 + chroma) of
     the pixels have a chroma: most pixels are nearly grey. If it is not much worse, the slope is 0.
-    None if too few pixels are below it.
+    None if too few pixels are below it. Without slopes, to measure a frame of a film
+    takes 15 % to 92 % more time at 640x480 for a saturation_min of 100 and a value_min of 0 to 50;
+    with slopes only, 19 % more at 1920x1080 for the colors of the article.
     """
     value, chroma = np.mgrid[:256, :256]
     exists = chroma <= value

@@ -77,10 +77,6 @@ class ImageSubscriber:
             for connection in self._topic.connections:
                 self._take_over(connection)
 
-    def get_num_connections(self) -> int:
-        """Return the number of publishers."""
-        return self._subscriber.get_num_connections()
-
     def close(self) -> None:
         """Unsubscribe. The callback may be called once more."""
         self._subscriber.unregister()

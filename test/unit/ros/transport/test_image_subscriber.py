@@ -23,12 +23,11 @@ def image(seed, height=48, width=64, encoding='rgb8', frame_id='camera'):
 
 
 class Receiver:
-    """An ImageSubscriber, `inner`, that puts its images in a queue."""
+    """An ImageSubscriber that puts its images in a queue."""
 
     def __init__(self, name):
         self._images = queue.Queue()
-        self.inner = ImageSubscriber(name, self._images.put)
-        self.release = self.inner.release
+        self.release = ImageSubscriber(name, self._images.put).release
 
     def receive(self):
         """Return the next image."""
@@ -76,9 +75,10 @@ def test_images_have_the_header_of_the_connection(way, name, receiver, publish_t
 
 def test_two_publishers(way, name, receiver, publish_to):
     for number in range(2):
-        publish_to(name, Image).send(image(number))
+        publisher = publish_to(name, Image)
+        publisher.send(image(number))
         assert_equal(receiver.receive(), image(number))
-    assert receiver.inner.get_num_connections() == 2
+    assert len(publisher.topic.connections) == 2
 
 
 def test_an_error_in_the_callback_does_not_end_the_connection(way, name, publish_to, monkeypatch):
@@ -88,14 +88,14 @@ def test_an_error_in_the_callback_does_not_end_the_connection(way, name, publish
     def call(msg):
         images.put(msg)
         raise ZeroDivisionError
-    subscriber = ImageSubscriber(name, call)
+    ImageSubscriber(name, call)
     publisher = publish_to(name, Image)
     for number in range(2):
         publisher.send(image(number))
         assert_equal(images.get(timeout=DEADLINE_S), image(number))
     wait_for(lambda: len(lines) == 2 and all('bad callback' in line for line in lines),
              lambda: lines)
-    assert subscriber.get_num_connections() == 1
+    assert len(publisher.topic.connections) == 1
 
 
 def test_a_connection_from_before_the_subscription(fast, name, publish_to):
@@ -191,7 +191,7 @@ def test_a_publisher_that_closes_in_the_middle_of_an_image(way, name, receiver, 
     publisher.sock.sendall(packet(image(0))[:3000])
     publisher.sock.close()
     publisher.join()
-    assert receiver.is_idle() and receiver.inner.get_num_connections() == 0
+    assert receiver.is_idle() and not publisher.topic.connections
 
 
 # Other subscribers in the same process must never get a reused buffer.
