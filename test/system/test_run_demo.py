@@ -56,8 +56,9 @@ def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
     # like a Python that is about to end when the signal comes
     program, is_started = tmp_path / 'bin' / 'mkdir', tmp_path / 'started'
     program.parent.mkdir()
-    program.write_text('#!/bin/bash\ntrap "exit 0" INT\ntouch {}\nsleep 1000 & wait\n'.format(
-        is_started))
+    # what it leaves behind, does not hold the output of the demo
+    program.write_text('#!/bin/bash\ntrap "exit 0" INT\ntouch {}\n'
+                       'sleep 1000 >/dev/null 2>&1 & wait\n'.format(is_started))
     program.chmod(0o755)
     run_demo.env['PATH'] = '{}:{}'.format(program.parent, run_demo.env['PATH'])
     demo = run_demo('camera:=synthetic')
