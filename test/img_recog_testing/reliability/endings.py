@@ -1,12 +1,12 @@
 """Stops and kills of each program at random moments of its start and run."""
 import contextlib
 import os
-import queue
 import random
 import signal
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from sensor_msgs.msg import Image
@@ -28,9 +28,12 @@ _MAX_LATE_S = 0.2           # twice the time for which the recognition waits for
 _AT_ONCE = 8
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _VIEW = '/gazebo/view/image_raw'
-_SCRIPTS: Dict[str, Tuple[str, ...]] = {
-    'usb_cam_node.py': ('_video_device:=synthetic',), 'color_img_recog.py': (),
-    'pybullet_sim.py': (), 'teleop_key.py': ()}
+# scripts, their nodes, what these print when they have started, and their arguments
+_NODES: Dict[str, Tuple[str, ...]] = {
+    'usb_cam_node.py': ('/usb_cam', 'camera: ', '_video_device:=synthetic'),
+    'color_img_recog.py': ('/color_extract', 'blue='),
+    'pybullet_sim.py': ('/gazebo', 'simulating'),
+    'teleop_key.py': ('/turtlebot3_teleop_keyboard', 'no terminal')}
 
 
 class Ending(NamedTuple):
@@ -42,31 +45,18 @@ class Ending(NamedTuple):
     viewed: bool = False        # the view of the simulator is drawn, by another process
 
 
-class Endings:
-    """Times and failures by program; several threads add to them."""
+class Endings(NamedTuple):
+    """Seconds by program, and a line for each failure."""
 
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self.times_s: Dict[str, List[float]] = {}
-        self.failures: List[str] = []
-
-    def add(self, program: str, time_s: float) -> None:
-        with self._lock:
-            self.times_s.setdefault(program, []).append(time_s)
-
-    def fail(self, ending: Ending, error: BaseException) -> None:
-        with self._lock:
-            self.failures.append('{}: {}'.format(ending, error))
-
-    def count(self) -> int:
-        return sum(map(len, self.times_s.values()))
+    times_s: Dict[str, List[float]]
+    failures: List[str]
 
 
 def draw_stop(rng: random.Random) -> Ending:
     """Return a stop with everything drawn at random."""
     if rng.randrange(_DEMO_SHARE) == 0:
         return Ending('demo', rng.choice(_SIGNALS), rng.uniform(0.0, _MAX_DEMO_DELAY_S))
-    return Ending(rng.choice(sorted(_SCRIPTS)), rng.choice(_SIGNALS),
+    return Ending(rng.choice(sorted(_NODES)), rng.choice(_SIGNALS),
                   rng.uniform(0.0, _MAX_DELAY_S), rng.random() < 0.3)
 
 
@@ -74,36 +64,27 @@ def draw_kill(rng: random.Random) -> Ending:
     """Return a kill with everything drawn at random."""
     if rng.randrange(_REPLAY_SHARE) == 0:
         return Ending('replay.py', signal.SIGKILL, rng.uniform(0.0, _MAX_DELAY_S))
-    return Ending(rng.choice(sorted(_SCRIPTS)), signal.SIGKILL, rng.uniform(0.0, _MAX_DELAY_S),
+    return Ending(rng.choice(sorted(_NODES)), signal.SIGKILL, rng.uniform(0.0, _MAX_DELAY_S),
                   rng.random() < 0.3)
 
 
 def run(draw: Callable[[random.Random], Ending], count: int, seed: int, factor: float = 1.0,
         lanes: int = 2) -> Endings:
-    """End `count` programs, some at the same time, each with a master of its lane."""
-    rng, endings = random.Random(seed), Endings()
-    waiting: 'queue.Queue[Ending]' = queue.Queue()
-    for _ in range(count):
-        waiting.put(draw(rng))
+    """End `count` programs, in lanes at the same time, each of which has a master."""
+    rng, endings = random.Random(seed), Endings({}, [])
+    drawn = [draw(rng) for _ in range(count)]
 
-    def work():
+    def work(lane):
         with Nodes() as nodes, _images(nodes):
-            while True:
+            for ending in drawn[lane::lanes]:
                 try:
-                    ending = waiting.get_nowait()
-                except queue.Empty:
-                    return
-                try:
-                    endings.add(ending.program, _end(nodes, ending, factor))
+                    took_s = _end(nodes, ending, factor)
+                    endings.times_s.setdefault(ending.program, []).append(took_s)
                 except (AssertionError, OSError) as error:
-                    endings.fail(ending, error)
+                    endings.failures.append('{}: {}'.format(ending, error))
                     process_table.end_all(nodes.marker)
-    threads = [threading.Thread(target=work) for _ in range(min(lanes, count))]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert endings.count() + len(endings.failures) == count, 'a lane has failed'
+    with ThreadPoolExecutor(lanes) as pool:
+        list(pool.map(work, range(min(lanes, count))))
     return endings
 
 
@@ -134,7 +115,8 @@ def _end(nodes: Nodes, ending: Ending, factor: float) -> float:
     """Start a program, end it, and return the seconds until nothing of it was left."""
     process = _start(nodes, ending)
     view = _wait(nodes, ending)
-    is_up = _is_up(nodes, ending, process)
+    # before, Python itself handles signals
+    is_up = ending.program in _NODES and _NODES[ending.program][1] in process.output
     begin = time.monotonic()
     if process.is_running():
         send = os.killpg if ending.program == 'demo' and ending.signum == signal.SIGINT \
@@ -170,7 +152,7 @@ def _start(nodes: Nodes, ending: Ending) -> Process:
             chain.write_film(film)
         return nodes.start_node('replay.py', film, '--output',
                                 os.path.join(nodes.folder, 'replay'))
-    return nodes.start_node(ending.program, *_SCRIPTS[ending.program])
+    return nodes.start_node(ending.program, *_NODES[ending.program][2:])
 
 
 def _wait(nodes: Nodes, ending: Ending) -> Optional[wire.Subscription]:
@@ -182,16 +164,6 @@ def _wait(nodes: Nodes, ending: Ending) -> Optional[wire.Subscription]:
                 view = wire.Subscription(nodes.master_uri, '/gazebo', _VIEW, Image)
         time.sleep(min(0.05, max(0.0, end - time.monotonic())))
     return view
-
-
-_NODES = {'usb_cam_node.py': ('/usb_cam', 'camera: '), 'teleop_key.py': (
-    '/turtlebot3_teleop_keyboard', 'no terminal'), 'pybullet_sim.py': ('/gazebo', 'simulating'),
-    'color_img_recog.py': ('/color_extract', 'blue=')}
-
-
-def _is_up(nodes: Nodes, ending: Ending, process: Process) -> bool:
-    """Return whether a node has started; before, Python itself handles signals."""
-    return ending.program in _NODES and _NODES[ending.program][1] in process.output
 
 
 def _check_stop(nodes: Nodes, ending: Ending, process: Process, code: int, is_up: bool,
