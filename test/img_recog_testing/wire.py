@@ -59,7 +59,12 @@ def packet(msg) -> bytes:
     """Return what goes over the wire for a message."""
     buffer = io.BytesIO()
     msg.serialize(buffer)
-    return _LENGTH.pack(buffer.tell()) + buffer.getvalue()
+    return framed(buffer.getvalue())
+
+
+def framed(data: bytes) -> bytes:
+    """Return what goes over the wire for the bytes of a message."""
+    return _LENGTH.pack(len(data)) + data
 
 
 class Subscription:

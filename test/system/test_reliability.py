@@ -51,7 +51,7 @@ def nodes():
 
 def test_a_short_soak(demo):
     result = soak.observe(demo, 3.0, factor())
-    assert set(result.growth) == set(NODES) and len(result.chain_s) >= 1
+    assert set(result.late) == set(NODES) and len(result.chain_s) >= 1
 
 
 FAULTS = (

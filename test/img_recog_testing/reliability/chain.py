@@ -30,6 +30,13 @@ def frame(color: str) -> np.ndarray:
     return np.full(_SIZE + (3,), _PIXELS[color], np.uint8)
 
 
+def message(color: str) -> Image:
+    """Return such an image as a message."""
+    height, width = _SIZE
+    return Image(height=height, width=width, encoding='bgr8', step=width * 3,
+                 data=frame(color).tobytes())
+
+
 def write_film(path: str) -> None:
     """Write a video that shows blue, red and nothing in turn."""
     video = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'MJPG'), RATE_HZ, _SIZE[::-1])

@@ -9,6 +9,7 @@ from typing import Dict, Iterable, Iterator, List, Optional, Sequence
 from img_recog_testing import process_table
 from img_recog_testing.process_table import Usage
 from img_recog_testing.reliability import cutting, faults, figures
+from img_recog_testing.reliability import demo as demos
 from img_recog_testing.reliability.chain import ChainError
 from img_recog_testing.reliability.demo import (LIMIT_S, NODES, START_LIMIT_S, STOP_LIMIT_S, Demo,
                                                 node_name)
@@ -19,10 +20,6 @@ from img_recog_testing.waiting import wait_for
 _SETTLE_S = 20.0            # until connections of before are gone
 # more than at the start: connections differ from run to run, a leak grows with each fault
 _EXTRA = {'threads': 10, 'descriptors': 10, 'rss_mb': 80.0}
-
-
-class LeftOver(AssertionError):
-    """Something was left over."""
 
 
 class Chaos:
@@ -55,7 +52,9 @@ class Chaos:
                 recovered_s = waited_s + self._demo.chain.wait(
                     limit_s - waited_s, self._all_colors).recovered_s
             self.times_s.setdefault(fault.kind, []).append(recovered_s)
-            self._check_leftovers()
+            wait_for(lambda: not self._leftovers(),
+                     lambda: 'the end of: {}'.format('; '.join(self._leftovers())),
+                     _SETTLE_S * self._factor)
         except (AssertionError, LookupError, OSError, ValueError, EOFError) as error:
             self.failures.append('{}: {}: {}'.format(fault, type(error).__name__, error))
             self._say('  FAILED {}'.format(self.failures[-1]))
@@ -76,29 +75,14 @@ class Chaos:
         found = self._demo.usage()
         return found if set(found) == set(NODES) else None
 
-    def _check_leftovers(self) -> None:
-        """Raise LeftOver if something is still there after a while that was not at the start."""
-        end = time.monotonic() + _SETTLE_S * self._factor
-        problems = self._leftovers()
-        while problems and time.monotonic() < end:
-            time.sleep(0.1)
-            problems = self._leftovers()
-        if problems:
-            raise LeftOver('; '.join(problems))
-
     def _leftovers(self) -> List[str]:
-        now = self._demo.usage()
+        """Return a line for each thing that was not there at the start."""
         problems = ['{} runs {} times'.format(name, len(pids))
                     for name, pids in self._demo.pids().items() if len(pids) != 1]
-        problems += [name + ' does not run' for name in NODES if name not in now]
         problems += ['process: ' + line
                      for line in process_table.marked(self._demo.marker).values()
                      if node_name(line) is None and not _belongs(line)]
-        for name, used in now.items():
-            problems += ['{} has {:.0f} {}, {:.0f} at the start'.format(
-                name, getattr(used, what), what, getattr(self._before[name], what))
-                for what, extra in _EXTRA.items()
-                if getattr(used, what) > getattr(self._before[name], what) + extra]
+        problems += demos.problems(self._before, self._demo.usage(), _EXTRA)
         new = sorted(set(self._demo.temporary_files()) - set(self._files))
         return problems + ['temporary file ' + name for name in new]
 

@@ -110,6 +110,19 @@ def running(factor: float, **env: str) -> Iterator[Demo]:
         demo.stop(STOP_LIMIT_S * factor)
 
 
+def problems(before: Dict[str, Usage], after: Dict[str, Usage],
+             extra: Dict[str, float]) -> List[str]:
+    """Return a line for each node that has ended, or uses more than before.
+
+    extra: how much more a node may use of each value of Usage.
+    """
+    return [name + ' does not run' for name in before if name not in after] + [
+        '{} has {:.0f} {}, {:.0f} before'.format(name, getattr(used, what), what,
+                                                 getattr(before[name], what))
+        for name, used in after.items() for what, limit in extra.items()
+        if getattr(used, what) > getattr(before[name], what) + limit]
+
+
 def node_name(line: str) -> Optional[str]:
     """Return the name that roslaunch gave to a node, from its command line.
 

@@ -91,16 +91,14 @@ def run(draw: Callable[[random.Random], Ending], count: int, seed: int, factor: 
 @contextlib.contextmanager
 def _images(nodes: Nodes) -> Iterator[None]:
     """Publish images that stop and go on: a node may be stopped just after the last one."""
-    image = chain.frame('blue')
-    packet = wire.packet(Image(height=image.shape[0], width=image.shape[1], encoding='bgr8',
-                               step=image.shape[1] * 3, data=image.tobytes()))
+    image = chain.message('blue')
     publisher = wire.RawPublisher(nodes.master_uri, '/usb_cam/image_raw', Image, '/images')
     ended = threading.Event()
 
     def publish():
         rng = random.Random(1)
         while not ended.wait(rng.choice((0.03,) * 30 + (0.3, 1.0))):
-            publisher.send(packet)
+            publisher.publish(image)
     thread = threading.Thread(target=publish)
     thread.start()
     try:

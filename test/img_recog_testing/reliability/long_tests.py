@@ -6,13 +6,12 @@ import argparse
 import os
 import random
 import sys
-import threading
 import time
 import traceback
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 from img_recog_testing.reliability import figures
 from img_recog_testing.reliability.parts import PARTS, Options, Row
@@ -35,42 +34,22 @@ def run_part(name: str, options: Options) -> Tuple[List[Row], str]:
         return [], traceback.format_exc()
 
 
-class Run:
-    """Parts that run in processes of their own, and what they have found."""
-
-    def __init__(self, options: Options):
-        self._options = options
-        self.rows: Dict[str, List[Row]] = {}
-        self.failed: List[str] = []
-
-    def part(self, name: str) -> None:
-        """Run a part and keep its result."""
-        begin = time.monotonic()
-        say('{}: {}'.format(name, PARTS[name].__doc__))
-        with ProcessPoolExecutor(1, get_context('spawn')) as pool:
-            try:
-                rows, error = pool.submit(run_part, name, self._options).result()
-            except BrokenProcessPool:
-                rows, error = [], 'it has ended without a result'
-        self.rows[name] = rows
-        say('{}: {} after {:.0f} s'.format(name, 'FAILED' if error else 'passed',
-                                           time.monotonic() - begin))
-        for row in rows:
-            say('  {}: {}'.format(*row))
-        if error:
-            self.failed.append(name)
-            say(error[-_TAIL:])
-
-    def all(self, names: Sequence[str]) -> None:
-        """Run the parts, one after the other, the soak beside them."""
-        others = [name for name in names if name != _ALONGSIDE]
-        soak = threading.Thread(target=self.part, args=(_ALONGSIDE,))
-        if _ALONGSIDE in names:
-            soak.start()
-        for name in others:
-            self.part(name)
-        if _ALONGSIDE in names:
-            soak.join()
+def in_process(name: str, options: Options) -> Tuple[List[Row], str]:
+    """Run one part in a separate process, and print how it went; return its rows and error."""
+    begin = time.monotonic()
+    say('{}: {}'.format(name, PARTS[name].__doc__))
+    with ProcessPoolExecutor(1, get_context('spawn')) as pool:
+        try:
+            rows, error = pool.submit(run_part, name, options).result()
+        except BrokenProcessPool:
+            rows, error = [], 'it has ended without a result'
+    say('{}: {} after {:.0f} s'.format(name, 'FAILED' if error else 'passed',
+                                       time.monotonic() - begin))
+    for row in rows:
+        say('  {}: {}'.format(*row))
+    if error:
+        say(error[-_TAIL:])
+    return rows, error
 
 
 def main(words: Optional[Sequence[str]] = None) -> int:
@@ -94,14 +73,18 @@ def main(words: Optional[Sequence[str]] = None) -> int:
     handle_ignored_signals()
     say('seed {}; repeat a part with ./run test --long PART --seed {}'.format(seed, seed))
     begin = time.monotonic()
-    run = Run(options)
-    run.all(given.parts or list(PARTS))
-    rows = [row for name in PARTS for row in run.rows.get(name, ())]
-    say('\n{}\n'.format(figures.table(['test', 'result', 'limit'], rows)))
+    names = [name for name in PARTS if name in (given.parts or PARTS)]
+    with ThreadPoolExecutor(1) as pool:         # the soak is beside the others
+        soak = [pool.submit(in_process, name, options) for name in names if name == _ALONGSIDE]
+        results = {name: in_process(name, options) for name in names if name != _ALONGSIDE}
+        results.update({_ALONGSIDE: each.result() for each in soak})
+    failed = [name for name in names if results[name][1]]
+    say('\n{}\n'.format(figures.table(['test', 'result', 'limit'], [
+        row for name in names for row in results[name][0]])))
     say('{} after {:.0f} min, seed {}'.format(
-        'FAILED: ' + ', '.join(run.failed) if run.failed else 'passed',
-        (time.monotonic() - begin) / 60, seed))
-    return 1 if run.failed else 0
+        'FAILED: ' + ', '.join(failed) if failed else 'passed', (time.monotonic() - begin) / 60,
+        seed))
+    return 1 if failed else 0
 
 
 if __name__ == '__main__':

@@ -64,10 +64,14 @@ def run_images(options: Options) -> List[Row]:
 def run_soak(options: Options) -> List[Row]:
     """A demo for half an hour, whose memory, threads and descriptors must not grow."""
     result = soak.run(SOAK_S * options.scale, options.factor)
-    rows = [('{:g} min of {}'.format(SOAK_S * options.scale / 60, name),
-             '{:.1f} MB, {:+.1f} MB; {} threads, {:+d}; {} descriptors, {:+d}'.format(*growth),
-             '+{:g} MB, +{}, +{}'.format(soak.MAX_GROWTH_MB, soak.MAX_EXTRA, soak.MAX_EXTRA))
-            for name, growth in result.growth.items()]
+    rows = []
+    for name, late in result.late.items():
+        growth = [value for what in soak.MAX_EXTRA for value in (
+            getattr(late, what), getattr(late, what) - getattr(result.early[name], what))]
+        rows.append((
+            '{:g} min of {}'.format(SOAK_S * options.scale / 60, name),
+            '{:.1f} MB, {:+.1f} MB; {:g} threads, {:+g}; {:g} descriptors, {:+g}'.format(*growth),
+            '+{:g} MB, +{}, +{}'.format(*soak.MAX_EXTRA.values())))
     count, median, most = figures.seconds(result.chain_s)
     return rows + [('{} checks of the chain meanwhile'.format(count),
                     'median {} s, maximum {} s'.format(median, most), '5 s')]

@@ -9,26 +9,15 @@ from img_recog_testing.reliability.demo import LIMIT_S, NODES, Demo
 
 _SAMPLE_S = 1.0
 _CHECK_SHARE = 10           # the chain is checked after so many samples
-# from the second quarter of the samples to the last one
-MAX_GROWTH_MB = 10.0
-MAX_EXTRA = 2       # threads or descriptors: connections of the master come and go
-
-
-class Growth(NamedTuple):
-    """Medians of the second and of the last quarter of the samples of one node."""
-
-    rss_mb: float
-    rss_growth_mb: float
-    threads: int
-    threads_growth: int
-    descriptors: int
-    descriptors_growth: int
+# from the second quarter of the samples to the last one; connections of the master come and go
+MAX_EXTRA = {'rss_mb': 10.0, 'threads': 2, 'descriptors': 2}
 
 
 class Soak(NamedTuple):
-    """How much each node uses, and the times in which the chain answered."""
+    """What each node used early and late, and the times in which the chain answered."""
 
-    growth: Dict[str, Growth]
+    early: Dict[str, Usage]
+    late: Dict[str, Usage]
     chain_s: List[float]
 
 
@@ -52,21 +41,13 @@ def observe(demo: Demo, duration_s: float, factor: float = 1.0) -> Soak:
         for name, used in demo.usage().items():
             samples[name].append(used)
     assert pids == {name: demo.pid(name) for name in NODES}, 'a node was started again'
-    growth = {name: _growth(each) for name, each in samples.items()}
-    problems = {name: each for name, each in growth.items()
-                if each.rss_growth_mb > MAX_GROWTH_MB or each.threads_growth > MAX_EXTRA
-                or each.descriptors_growth > MAX_EXTRA}
+    quarter = max(1, min(map(len, samples.values())) // 4)
+    early = {name: _medians(each[quarter:2 * quarter] or each) for name, each in samples.items()}
+    late = {name: _medians(each[-quarter:]) for name, each in samples.items()}
+    problems = demos.problems(early, late, MAX_EXTRA)
     assert not problems, problems
-    return Soak(growth, chain_s)
+    return Soak(early, late, chain_s)
 
 
-def _growth(samples: List[Usage]) -> Growth:
-    quarter = max(1, len(samples) // 4)
-    early, late = samples[quarter:2 * quarter] or samples, samples[-quarter:]
-    values: List[float] = []
-    for name in ('rss_mb', 'threads', 'descriptors'):
-        begin, end = (statistics.median(getattr(each, name) for each in part)
-                      for part in (early, late))
-        values += [end, end - begin]
-    return Growth(*(round(value, 1) if index < 2 else int(value)
-                    for index, value in enumerate(values)))
+def _medians(samples: List[Usage]) -> Usage:
+    return Usage(*map(statistics.median, zip(*samples)))

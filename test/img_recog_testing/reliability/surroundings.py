@@ -11,7 +11,6 @@ from typing import Dict, List
 import genpy
 from rosgraph_msgs.msg import Clock
 
-from img_recog_testing.process_table import Usage
 from img_recog_testing import wire
 from img_recog_testing.reliability import chain, faults
 from img_recog_testing.reliability import demo as demos
@@ -24,7 +23,7 @@ _DISK_KB = 1024
 _MAX_CLOCK_S = 4294967295.0       # of a time in ROS 1
 _MAX_TRACEBACKS, _MAX_OUTPUT_LINES = 3, 40      # of all nodes, about the full disk
 _SETTLE_S = 30.0
-_MARGIN = 4             # threads or descriptors, of connections to the master and the like
+_EXTRA = {'threads': 4, 'descriptors': 4}       # of connections to the master and the like
 
 
 def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> List[float]:
@@ -130,15 +129,7 @@ def silent_connections(count: int, factor: float = 1.0) -> Dict[str, float]:
             for _ in range(3):
                 slowest_s = max(slowest_s, demo.chain.wait(LIMIT_S * factor).recovered_s)
             during = demo.usage()
-        wait_for(lambda: not _more(before, demo.usage()),
-                 lambda: _more(before, demo.usage()), _SETTLE_S * factor)
+        wait_for(lambda: not demos.problems(before, demo.usage(), _EXTRA),
+                 lambda: demos.problems(before, demo.usage(), _EXTRA), _SETTLE_S * factor)
     return {'max_s': slowest_s, 'rss_growth_mb': round(max(
         during[name].rss_mb - before[name].rss_mb for name in faults.OURS))}
-
-
-def _more(before: Dict[str, Usage], after: Dict[str, Usage]) -> List[str]:
-    return ['{} has {} threads and {} descriptors, {} and {} before'.format(
-        name, after[name].threads, after[name].descriptors, used.threads, used.descriptors)
-        for name, used in before.items()
-        if after[name].threads > used.threads + _MARGIN
-        or after[name].descriptors > used.descriptors + _MARGIN]

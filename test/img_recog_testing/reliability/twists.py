@@ -92,7 +92,7 @@ def over_the_wire(count: int, seed: int, nodes: Nodes) -> Dict[str, int]:
         before = usage(simulator.pid)
         for begin in range(0, count, _BATCH):
             for _ in range(_BATCH * 2 // 3):
-                assert publisher.send(_packet(_hostile(rng))) == 1, 'it has hung up'
+                assert publisher.send(wire.framed(_hostile(rng))) == 1, 'it has hung up'
             _noise(nodes, rng, _BATCH // 3)
             if begin % (4 * _BATCH) == 0:
                 _obey(nodes, publisher, rng.choice((0.2, -0.2)))
@@ -112,10 +112,6 @@ def _hostile(rng: random.Random) -> bytes:
                           for _ in _FIELDS))
 
 
-def _packet(data: bytes) -> bytes:
-    return struct.pack('<I', len(data)) + data
-
-
 def _noise(nodes: Nodes, rng: random.Random, count: int) -> None:
     """Send damaged messages by a publisher of their own.
 
@@ -127,7 +123,7 @@ def _noise(nodes: Nodes, rng: random.Random, count: int) -> None:
         wait_for(publisher.get_num_connections, 'the subscription of the simulator')
         for _ in range(count):
             data = hostile.damaged(_hostile(rng), rng)
-            if not publisher.send(data if rng.random() < 0.2 else _packet(data)):
+            if not publisher.send(data if rng.random() < 0.2 else wire.framed(data)):
                 break
     finally:
         publisher.close()
