@@ -12,7 +12,7 @@ import threading
 import uuid
 import xmlrpc.client
 
-from img_recog_testing import process_table
+from img_recog_testing import process_table, wire
 from img_recog_testing.waiting import stretch, wait_for
 
 
@@ -146,21 +146,19 @@ class Ros:
         wait_for(lambda: not any(map(process_table.is_alive, pids)), 'the end of the master')
 
     def start(self, *command, **popen):
-        """Start a program and return its Process.
-
-        A program of this package is started as rosrun would do it, which takes half a second of
-        CPU time to find it.
-        """
-        if command[:2] == ('rosrun', 'img_recog'):
-            command = (_PROGRAMS + command[2], *command[3:])
+        """Start a program and return its Process."""
         process = Process(command, popen.pop('env', self.env), **popen)
         self.processes.append(process)
         return process
 
-    def demo(self, *arguments):
+    def start_node(self, script, *arguments, **popen):
+        """Start a script of this package; rosrun takes half a second of CPU time to find it."""
+        return self.start(_PROGRAMS + script, *arguments, **popen)
+
+    def demo(self, *arguments, **popen):
         """Start the demo, by default with the synthetic camera and without the page."""
         return self.start('roslaunch', '-p', self.port, 'img_recog', 'demo.launch',
-                          'camera:=synthetic', 'web:=false', *arguments)
+                          'camera:=synthetic', 'web:=false', *arguments, **popen)
 
     def run(self, *command):
         """Run a program until it ends; return its output."""
@@ -175,14 +173,7 @@ class Ros:
 
     def node_pid(self, name):
         """Wait until a node answers; return its process id. name: with its namespace."""
-        def answer():
-            try:
-                uri = master.lookupNode('/test', name)[2]
-                return xmlrpc.client.ServerProxy(uri).getPid('/test')[2] if uri else None
-            except OSError:
-                return None
-        master = self.master()
-        return wait_for(answer, 'the node ' + name)
+        return wait_for(lambda: wire.pid_of(self.master_uri, name), 'the node ' + name)
 
     def master(self):
         """Return the XML-RPC API of the master."""

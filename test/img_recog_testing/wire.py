@@ -45,6 +45,14 @@ def node_uri(master: str, node: str, timeout_s: float = DEADLINE_S) -> str:
     return call(master, 'lookupNode', node, timeout_s=timeout_s)
 
 
+def pid_of(master: str, node: str) -> Optional[int]:
+    """Return the process id of a node, None if it does not answer or the master does not."""
+    try:
+        return call(node_uri(master, node), 'getPid')
+    except ERRORS:
+        return None
+
+
 def data_address(master: str, node: str, topic: str,
                  timeout_s: float = DEADLINE_S) -> Tuple[str, int]:
     """Return host and port where a node sends a topic."""

@@ -38,8 +38,8 @@ class FramesTest(unittest.TestCase):
                  '/tf': TFMessage}
         cls.topics = {name: Recorder(name, message_type) for name, message_type in types.items()}
         cls.idle = Recorder('/cmd_vel', Twist, from_node('/turtlebot3_teleop_keyboard'))
-        for name, recorder in cls.topics.items():
-            recorder.wait(10 if name == '/scan' else 60)
+        for name, recorder in cls.topics.items():       # all arrive at the same time
+            wait_for(lambda: len(recorder.messages) >= (10 if name == '/scan' else 60), name)
 
     def test_image_and_camera_info_have_the_same_headers(self):
         def pairs():

@@ -33,5 +33,5 @@ def simulate(shared_ros):
     def start(*parameters, urdf=None, **popen):
         shared_ros.set_parameters('/gazebo')
         shared_ros.set_parameters('/robot_description', urdf or burger())
-        return shared_ros.start('rosrun', 'img_recog', 'pybullet_sim.py', *parameters, **popen)
+        return shared_ros.start_node('pybullet_sim.py', *parameters, **popen)
     return start

@@ -30,14 +30,13 @@ def test_camera(roscore, parameter, named, advice):
     arguments = [parameter]
     if 'video_device' not in parameter:
         arguments.append('_video_device:=synthetic')
-    line = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', *arguments).fatal_line()
+    line = roscore.start_node('usb_cam_node.py', *arguments).fatal_line()
     assert named in line and advice in line, line
 
 
 def test_camera_typo_is_a_warning(roscore):
     roscore.set_parameters('/usb_cam')
-    camera = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
-                           '_framrate:=10')
+    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic', '_framrate:=10')
     line = camera.wait_output(r'\[WARN\].*').group()
     assert '/usb_cam/framrate' in line and 'did you mean framerate?' in line, line
     camera.wait_output('camera: synthetic scene')
@@ -48,8 +47,8 @@ def test_camera_continues_without_a_calibration_that_does_not_parse(roscore, tmp
     roscore.set_parameters('/usb_cam')
     path = tmp_path / 'camera.yaml'
     path.write_text('image_width: 640\n')
-    camera = roscore.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
-                           '_camera_info_url:=file://{}'.format(path))
+    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic',
+                                '_camera_info_url:=file://{}'.format(path))
     line = camera.wait_output(r'\[ERROR\].*').group()
     assert str(path) in line and 'image_height' in line, line
     camera.wait_output('camera: synthetic scene')
@@ -85,8 +84,7 @@ SIMULATOR_CASES = {
 def test_simulator(roscore, urdf, parameter, named, advice):
     roscore.set_parameters('/gazebo')
     roscore.set_parameters('/robot_description', urdf and urdf())
-    line = roscore.start('rosrun', 'img_recog', 'pybullet_sim.py',
-                         *filter(None, [parameter])).fatal_line()
+    line = roscore.start_node('pybullet_sim.py', *filter(None, [parameter])).fatal_line()
     assert named in line and advice in line, line
 
 
@@ -114,11 +112,10 @@ def recognition(roscore, tmp_path, text):
     """Start color_extract with the parameters in a file."""
     path = tmp_path / 'colors.yaml'
     path.write_text(text)
-    command = ['rosrun', 'img_recog', 'color_img_recog.py']
     roscore.set_parameters('/color_extract', yaml.safe_load(text))
-    if not text:            # nothing is loaded, so pass the file name too, like the demo
-        return roscore.start(*command, '_colors_file:={}'.format(path))
-    return roscore.start(*command)
+    # of an empty file nothing is loaded, so pass its name too, like the demo
+    return roscore.start_node('color_img_recog.py',
+                              *([] if text else ['_colors_file:={}'.format(path)]))
 
 
 @pytest.mark.parametrize('text, named, advice', list(COLOR_CASES.values()), ids=list(COLOR_CASES))
@@ -129,8 +126,7 @@ def test_colors(roscore, tmp_path, text, named, advice):
 
 def test_unknown_parameters_of_color_extract_are_warnings(roscore, tmp_path):
     roscore.set_parameters('/color_extract')
-    node = roscore.start('rosrun', 'img_recog', 'color_img_recog.py', '_blue_hue_mni:=10',
-                         '_green_hue_min:=40')
+    node = roscore.start_node('color_img_recog.py', '_blue_hue_mni:=10', '_green_hue_min:=40')
     node.wait_output(r'\[WARN\].*/color_extract/blue_hue_mni .*did you mean blue_hue_min\?')
     node.wait_output(r'\[WARN\].*/color_extract/green_hue_min: there is no color green, the '
                      r'colors are blue, red; add it to colors: \[blue, red, green\]')

@@ -11,12 +11,10 @@ import pytest
 from img_recog_testing.processes import Process
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
-CAMERA = ('rosrun', 'img_recog', 'usb_cam_node.py')
-
 
 def start(roscore, *parameters):
     roscore.set_parameters('/usb_cam')
-    return roscore.start(*CAMERA, *parameters)
+    return roscore.start_node('usb_cam_node.py', *parameters)
 
 
 @pytest.mark.parametrize('interrupt', [Process.interrupt, Process.interrupt_thread])
@@ -90,8 +88,8 @@ class Recognition:
 
     def __init__(self, roscore, folder):
         self._folder = folder
-        self.process = roscore.start('rosrun', 'img_recog', 'color_img_recog.py',
-                                     env=dict(roscore.env, ROS_LOG_DIR=str(folder)))
+        self.process = roscore.start_node('color_img_recog.py',
+                                          env=dict(roscore.env, ROS_LOG_DIR=str(folder)))
         roscore.wait_run('Subscribers: \n.*color_extract', 'rostopic', 'info',
                          '/usb_cam/image_raw')
 

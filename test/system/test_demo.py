@@ -46,8 +46,7 @@ def check_names(ros):
 
 
 def test_auto_logs_which_camera_it_uses(ros):
-    demo = ros.start('roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'simulator:=false',
-                     'web:=false')
+    demo = ros.demo('camera:=auto', 'simulator:=false')
     expected = 'V4L2 device /dev/video0|/dev/video0' if os.path.exists('/dev/video0') else \
         'synthetic scene'
     demo.wait_output('camera: ({})|cannot open ({})'.format(expected, expected))
@@ -113,8 +112,7 @@ def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
     recorded = re.findall(r'(?m)^(?:topics:)? +(\S+) +\d+ msgs? ', info)
     assert set(recorded) <= set(TOPICS)
     assert set(TOPICS) - set(recorded) <= SELDOM_RECORDED
-    film = ros.start('rosrun', 'img_recog', 'film.py', str(tmp_path / 'demo.bag'),
-                     str(tmp_path / 'film.mp4'))
+    film = ros.start_node('film.py', str(tmp_path / 'demo.bag'), str(tmp_path / 'film.mp4'))
     assert film.wait() == 0, film.output
     assert re.search(r'film.mp4: \d+\.\d s, \d+ images of usb_cam/image_raw/compressed',
                      film.output), film.output

@@ -9,10 +9,9 @@ import yaml
 
 from img_recog_testing.gazebo_messages import INSTALLED, write_package
 from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.simulator_tools import Images
+from img_recog_testing.simulator_tools import Images, burger
 from img_recog_testing.waiting import wait_for
 
-BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
 MODEL = 'turtlebot3_burger'
 NAMES = ['ground_plane', 'turtlebot3_world', MODEL]
 # of the real package, from code that was generated for it
@@ -41,9 +40,8 @@ def gazebo(roscore, tmp_path_factory):
 
 
 def simulate(ros):
-    with open(BURGER) as file:
-        ros.set_parameters('/robot_description', file.read())
-    node = ros.start('rosrun', 'img_recog', 'pybullet_sim.py')
+    ros.set_parameters('/robot_description', burger())
+    node = ros.start_node('pybullet_sim.py')
     node.wait_output('simulating 1.0017 kg')
     return node
 
@@ -248,12 +246,11 @@ def test_urdf_is_added_in_a_frame(gazebo):
     assert [found['x'], found['y']] == pytest.approx([0.4, 0.0], abs=0.05)
 
 
-DRIVE = "<gazebo><plugin name='d' filename='libgazebo_ros_diff_drive.so'/></gazebo></robot>"
+DRIVE = "<gazebo><plugin name='d' filename='libgazebo_ros_diff_drive.so'/></gazebo>"
 
 
 def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
-    with open(BURGER) as file:
-        text = file.read().replace('</robot>', DRIVE)
+    text = burger(DRIVE)
     assert spawn(gazebo, 'second', text, 0.5, 0.55, service='spawn_urdf_model') == {
         'success': True, 'status_message': ''}
     assert names(gazebo) == NAMES + ['second']

@@ -1,13 +1,11 @@
 """Recognition goes on with hostile parameters, images and subscribers."""
 import socket
 import sys
-import xmlrpc.client
 
-import pytest
-from rosgraph import network
 from rosgraph_msgs.msg import Log
 
 from img_recog.ros.transport.switch import is_plain
+from img_recog_testing import wire
 from img_recog_testing.waiting import DEADLINE_S
 
 _IDLE = 20
@@ -37,40 +35,17 @@ print('{} commands'.format(count[0]))
 '''
 
 
-@pytest.fixture
-def silent_subscriber(shared_ros):
-    """A function that subscribes to a topic of a node and never reads.
-
-    More connections to the port of the node send nothing at all.
-    """
-    socks = []
-
-    def subscribe(node, topic, message_type):
-        master = shared_ros.master()
-        api = xmlrpc.client.ServerProxy(master.lookupNode('/test', node)[2])
-        _, host, port = api.requestTopic('/test', topic, [['TCPROS']])[2]
-        socks.append(socket.socket())
-        socks[-1].setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)        # the minimum
-        socks[-1].settimeout(DEADLINE_S)
-        socks[-1].connect((host, port))
-        network.write_ros_handshake_header(socks[-1], {
-            'topic': topic, 'type': message_type._type, 'md5sum': message_type._md5sum,
-            'callerid': '/silent'})
-        assert socks[-1].recv(1)        # of the header
-        for _ in range(0 if is_plain('handshakes') else _IDLE):
-            socks.append(socket.create_connection((host, port), DEADLINE_S))
-    yield subscribe
-    for sock in socks:
-        sock.close()
-
-
-def test_recognition_goes_on(shared_ros, silent_subscriber):
-    master = shared_ros.master()
-    master.setParam('/test', '/color_extract', {FORGED: 1, 'blue_image_topi': 'x' * (8 << 20)})
-    node = shared_ros.start('rosrun', 'img_recog', 'color_img_recog.py')
+def test_recognition_goes_on(shared_ros):
+    shared_ros.set_parameters('/color_extract', {FORGED: 1, 'blue_image_topi': 'x' * (8 << 20)})
+    node = shared_ros.start_node('color_img_recog.py')
     node.wait_output(r'parameter /color_extract/x\\n\[FATAL\] forged is unknown')
     node.wait_output('parameter /color_extract/blue_image_topi is unknown')
-    silent_subscriber('/color_extract', '/rosout', Log)
+    # a subscriber that never reads, and connections that say nothing at all
+    silent = wire.Subscription(shared_ros.master_uri, '/color_extract', '/rosout', Log,
+                               DEADLINE_S, buffer_bytes=1)       # the minimum
+    shared_ros.stack.callback(silent.close)
+    for _ in range(0 if is_plain('handshakes') else _IDLE):
+        shared_ros.stack.enter_context(socket.create_connection(silent.sock.getpeername()))
     hostile = shared_ros.start(sys.executable, '-c', HOSTILE_IMAGES.replace(
         'ENCODING', repr(FORGED + '\x1b[2J') + ' + "x" * (8 << 20)'))
     hostile.wait_output('commands')
@@ -83,8 +58,8 @@ def test_recognition_goes_on(shared_ros, silent_subscriber):
 
 def test_a_node_runs_without_a_log_folder(shared_ros, tmp_path):
     (tmp_path / 'file').write_text('')
-    node = shared_ros.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic',
-                            env=dict(shared_ros.env, ROS_HOME=str(tmp_path / 'file' / 'home')))
+    env = dict(shared_ros.env, ROS_HOME=str(tmp_path / 'file' / 'home'))
+    node = shared_ros.start_node('usb_cam_node.py', '_video_device:=synthetic', env=env)
     node.wait_output('camera: synthetic scene')
     assert node.interrupt() == 0
     assert node.output.count('there is no log file') == 1 and 'Traceback' not in node.output

@@ -20,8 +20,7 @@ def with_package(tmp_path):
 
 
 def start(ros, *arguments, **env):
-    return ros.start('rosrun', 'img_recog', 'optional_window.py', *arguments,
-                     env=dict(ros.env, **env))
+    return ros.start_node('optional_window.py', *arguments, env=dict(ros.env, **env))
 
 
 def test_a_program_that_is_there_is_started_with_its_arguments(ros, tmp_path, with_package):

@@ -35,17 +35,15 @@ def demo(tmp_path_factory):
     image[60:180, 80:240] = (215, 70, 25)
     assert cv2.imwrite(str(folder / 'card.png'), image)
     (folder / 'colors.yaml').write_text('blue_area_limit: 200000\nred_area_limit: 200000\n')
-    ros = Ros(folder)
-    ros.demo_process = ros.start(
-        'roslaunch', '-p', ros.port, 'img_recog', 'demo.launch', 'world:=empty', 'web:=true',
-        'camera:={}/card.png'.format(folder), 'colors:={}/colors.yaml'.format(folder),
-        'x_pos:=0', 'y_pos:=0', 'framerate:=15', cwd=str(folder),
-        env=dict(ros.env, PWD=str(folder)))
-    ros.url = ros.demo_process.wait_output(r'the page: (http://\S+)').group(1)
-    ros.origin, ros.token = ros.url.split('/?token=')
-    ros.folder = folder
-    yield ros
-    ros.close()
+    with Ros(folder) as ros:
+        ros.demo_process = ros.demo(
+            'world:=empty', 'web:=true', 'camera:={}/card.png'.format(folder),
+            'colors:={}/colors.yaml'.format(folder), 'x_pos:=0', 'y_pos:=0', 'framerate:=15',
+            cwd=str(folder), env=dict(ros.env, PWD=str(folder)))
+        ros.url = ros.demo_process.wait_output(r'the page: (http://\S+)').group(1)
+        ros.origin, ros.token = ros.url.split('/?token=')
+        ros.folder = folder
+        yield ros
 
 
 @pytest.fixture
@@ -390,8 +388,7 @@ def test_twenty_viewers(demo):
 
 def test_a_second_page_gets_another_port(demo):
     first = int(demo.origin.rpartition(':')[2])
-    web = demo.start('rosrun', 'img_recog', 'web.py', '__name:=second_web',
-                     '_web_port:={}'.format(first))
+    web = demo.start_node('web.py', '__name:=second_web', '_web_port:={}'.format(first))
     web.wait_output('port {} is taken: the page is at port {}'.format(first, '([0-9]+)'))
     port = int(web.wait_output(r'the page: http://localhost:(\d+)/').group(1))
     assert port != first

@@ -34,9 +34,9 @@ def disk():
 
 
 @pytest.fixture(scope='module')
-def demo(disk, tmp_path_factory):
+def demo(disk):
     """A running demo for all tests of this module, with a small disk for its logs."""
-    with Demo(str(tmp_path_factory.mktemp('demo'))) as demo:
+    with Demo() as demo:
         demo.env['ROS_LOG_DIR'] = disk.path
         demo.start_all()
         demo.chain.wait(START_LIMIT_S * factor())

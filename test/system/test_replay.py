@@ -13,12 +13,12 @@ from img_recog.simulation.descriptions import description, world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
+from img_recog_testing.pages import ROOT
+from img_recog_testing.simulator_tools import BURGER, burger
 from img_recog_testing.waiting import wait_for
 
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 VIDEO = os.path.join(ROOT, 'test', 'data', 'bikes.mp4')
 WORLD = os.path.join(ROOT, 'urdf', 'turtlebot3_world.urdf')
-BURGER = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
 RANGES = (((50, 100, 100), (150, 255, 255)), ((150, 100, 150), (180, 255, 255)))
 FILES = ['bikes.replay.bag', 'bikes.replay.csv', 'bikes.replay.png']
 
@@ -27,8 +27,8 @@ FILES = ['bikes.replay.bag', 'bikes.replay.csv', 'bikes.replay.png']
 def replay(ros, tmp_path):
     """A function that runs replay.py in a folder; there is no master."""
     def run(*arguments, cwd=tmp_path):
-        process = ros.start('rosrun', 'img_recog', 'replay.py', *arguments, cwd=str(cwd),
-                            env=dict(ros.env, HOME=str(tmp_path), PWD=str(cwd)))
+        process = ros.start_node('replay.py', *arguments, cwd=str(cwd),
+                                 env=dict(ros.env, HOME=str(tmp_path), PWD=str(cwd)))
         code = process.wait()
         lines = [line for line in process.output.splitlines()
                  if not line.startswith('pybullet build time')]
@@ -65,9 +65,7 @@ def drive(areas):
     """Return the pose of the demo's robot at the end of a video of these areas, 25 Hz."""
     client = loading.connect()
     world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
-    with open(BURGER) as file:
-        robot = description.parse(file.read())
-    vehicle = Vehicle(robot, RobotSettings(), world)
+    vehicle = Vehicle(description.parse(burger()), RobotSettings(), world)
     simulator = Simulator(world, [vehicle])
     for step in range(0, 40 * len(areas), 20):
         if step % 100 == 0:
@@ -152,7 +150,7 @@ def test_interrupted_replay_leaves_no_files(ros, tmp_path):
     for _ in range(5000):
         writer.write(np.zeros((48, 64, 3), np.uint8))
     writer.release()
-    process = ros.start('rosrun', 'img_recog', 'replay.py', 'long.avi', cwd=str(tmp_path))
+    process = ros.start_node('replay.py', 'long.avi', cwd=str(tmp_path))
     wait_for(lambda: [name for name in os.listdir(str(tmp_path))
                       if '.csv.' in name and name.endswith('.img_recog')],
              lambda: 'files to write to in ' + process.output)

@@ -6,9 +6,10 @@ import re
 import cv2
 import pytest
 
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
+from img_recog_testing.pages import ROOT
+from img_recog_testing.simulator_tools import burger
+
 FOLLOW = os.path.join(ROOT, 'config', 'follow.yaml')
-BURGER = os.path.join(ROOT, 'urdf', 'turtlebot3_burger.urdf')
 FILES = ['robot_in_color_posts.replay' + extension for extension in ('.bag', '.csv', '.png')]
 TAG = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera><image>'
        '<width>160</width><height>120</height></image></camera>'
@@ -20,9 +21,9 @@ TAG = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera
 def replay(ros, tmp_path):
     """A function that runs replay.py --camera robot; there is no master. It returns its line."""
     def run(*arguments):
-        process = ros.start('rosrun', 'img_recog', 'replay.py', '--camera', 'robot', '--world',
-                            'color_posts', *arguments, cwd=str(tmp_path),
-                            env=dict(ros.env, HOME=str(tmp_path), PWD=str(tmp_path)))
+        process = ros.start_node('replay.py', '--camera', 'robot', '--world', 'color_posts',
+                                 *arguments, cwd=str(tmp_path),
+                                 env=dict(ros.env, HOME=str(tmp_path), PWD=str(tmp_path)))
         assert process.wait() == 0, process.output
         line, = (line for line in process.output.splitlines()
                  if not line.startswith('pybullet build time'))
@@ -74,8 +75,7 @@ def test_the_article_colors_drive_to_blue(replay, tmp_path, ros):
 
 
 def test_a_robot_with_a_camera_tag_follows(replay, tmp_path):
-    with open(BURGER) as file:
-        (tmp_path / 'robot.urdf').write_text(file.read().replace('</robot>', TAG + '</robot>'))
+    (tmp_path / 'robot.urdf').write_text(burger(TAG))
     line = replay('--seconds', '16', '--colors', FOLLOW, '--urdf', 'robot.urdf')
     assert line.startswith('160 frames, 16.000 s simulated in ')
     found = rows(tmp_path)

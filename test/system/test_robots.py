@@ -1,77 +1,48 @@
 """Several robots: those of the parameters, added and removed; bad lists; the nodes of each."""
-import http.client
 import os
 import re
 import signal
-import xmlrpc.client
 
 import pytest
 
+from img_recog_testing import wire
 from img_recog_testing.service_calls import ServiceCalls
 from img_recog_testing.simulator_tools import burger
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
-class Master:
-    """The parameters and topics of a master."""
+def simulated(ros):
+    """Return the names of the robots that are simulated."""
+    published = ros.master().getSystemState('/test')[2][0]
+    found = (re.fullmatch('/(.*)/odom', topic) for topic, nodes in published if '/gazebo' in nodes)
+    return sorted(match.group(1) for match in found if match)
 
-    def __init__(self, ros):
-        self._master = ros.master()
 
-    def set(self, name, value):
-        assert self._master.setParam('/test', name, value)[0] == 1
+def running(ros, namespace):
+    """Return the names of the nodes in a namespace that run.
 
-    def parameter(self, name):
-        return self._master.getParam('/test', name)[2]
-
-    def delete(self, name):
-        if self._master.hasParam('/test', name)[2]:
-            self._master.deleteParam('/test', name)
-
-    def robots(self):
-        """Return the names of the robots that are simulated."""
-        published = self._master.getSystemState('/test')[2][0]
-        found = (re.fullmatch('/(.*)/odom', topic) for topic, nodes in published
-                 if '/gazebo' in nodes)
-        return sorted(match.group(1) for match in found if match)
-
-    def nodes(self, namespace):
-        """Return the names of the nodes in a namespace that run.
-
-        One that ends on a busy machine, or is killed, may leave its name.
-        """
-        state = self._master.getSystemState('/test')[2]
-        names = {node for kind in state for _, nodes in kind for node in nodes}
-        return sorted(name for name in names
-                      if name.startswith('/{}/'.format(namespace)) and self._runs(name))
-
-    def _runs(self, name):
-        uri = self._master.lookupNode('/test', name)[2]
-        try:
-            return bool(uri and xmlrpc.client.ServerProxy(uri).getPid('/test'))
-        except (OSError, http.client.HTTPException):
-            return False
+    One that ends on a busy machine, or is killed, may leave its name.
+    """
+    state = ros.master().getSystemState('/test')[2]
+    names = {node for kind in state for _, nodes in kind for node in nodes}
+    return sorted(name for name in names if name.startswith('/{}/'.format(namespace))
+                  and wire.pid_of(ros.master_uri, name))
 
 
 @pytest.fixture
 def several(shared_ros):
     """A function that starts the simulator with robots in ~robots."""
-    master = Master(shared_ros)
-
     def start(robots, *parameters):
-        for name in ('/gazebo', '/robot_description'):
-            master.delete(name)
-        master.set('/robot_description', burger())
-        master.set('/gazebo/robots', robots)
-        return shared_ros.start('rosrun', 'img_recog', 'pybullet_sim.py', '_several_robots:=true',
-                                '_world:=empty', *parameters)
+        shared_ros.set_parameters('/robot_description', burger())
+        shared_ros.set_parameters('/gazebo', {'robots': robots})
+        return shared_ros.start_node('pybullet_sim.py', '_several_robots:=true', '_world:=empty',
+                                     *parameters)
     return start
 
 
 def test_robots_that_fail_do_not_keep_the_others_out(shared_ros, several):
-    master = Master(shared_ros)
-    master.set('/broken/robot_description', '<robot name="a"/>')
-    master.set('/use_sim_time', False)
+    shared_ros.set_parameters('/broken/robot_description', '<robot name="a"/>')
+    shared_ros.set_parameters('/use_sim_time', False)
     node = several({'tb3_0': {'x_pos': 1.0}, 'tb3_1': {'x_pos': 1.05}, 'broken': {},
                     'typo': {'x_pso': 1.0}, 'wrong': {'x_pos': 'far'}, 'tb3_10': {},
                     'topic': {'scan_topic': 'no name!'}, 'same': {'scan_topic': 'odom'},
@@ -94,46 +65,47 @@ def test_robots_that_fail_do_not_keep_the_others_out(shared_ros, several):
             r"robot wrong is not simulated: parameter /gazebo/robots/wrong/x_pos: got 'far', "
             r'allowed is a finite number'):
         assert len(re.findall(line, node.output)) == 1, (line, node.output)
-    wait_for(lambda: master.robots() == ['tb3_0', 'tb3_10'], master.robots)
+    wait_for(lambda: simulated(shared_ros) == ['tb3_0', 'tb3_10'], lambda: simulated(shared_ros))
     for name in ('/broken', '/use_sim_time'):
-        master.delete(name)
+        shared_ros.set_parameters(name)
 
 
 def test_robots_are_added_removed_and_changed_while_it_runs(shared_ros, several):
-    master, services = Master(shared_ros), ServiceCalls(shared_ros)
+    services = ServiceCalls(shared_ros)
     node = several({'a': {'x_pos': 1.0}, 'b': {}})
     node.wait_output('simulating 2 robots')
     rate = shared_ros.start('rostopic', 'echo', '-p', '/c/odom/header/frame_id')
-    master.set('/gazebo/robots', {'a': {'x_pos': 1.0}, 'c': {}, 'd': {'yaw': 'north'}})
+    shared_ros.set_parameters('/gazebo/robots', {
+        'a': {'x_pos': 1.0}, 'c': {}, 'd': {'yaw': 'north'}})
     answer = services.call('/gazebo/update_robots', {})
     assert not answer['success']
     assert answer['message'].startswith("d: parameter /gazebo/robots/d/yaw: got 'north'")
-    wait_for(lambda: master.robots() == ['a', 'c'], master.robots)
+    wait_for(lambda: simulated(shared_ros) == ['a', 'c'], lambda: simulated(shared_ros))
     wait_for(lambda: 'c/odom' in rate.output, lambda: rate.output)
     node.wait_output('robot b was removed')
-    master.set('/gazebo/robots', {'a': {'x_pos': 3.0}, 'c': {}})
+    shared_ros.set_parameters('/gazebo/robots', {'a': {'x_pos': 3.0}, 'c': {}})
     assert services.call('/gazebo/update_robots', {})['success']
     node.wait_output(r'(?s)robot a was removed.*robot a is at the start: x 3.00 m')
     assert len(re.findall('robot c was', node.output)) == 0
-    master.set('/gazebo/robots', 4)
+    shared_ros.set_parameters('/gazebo/robots', 4)
     assert 'got 4, wants a mapping of robots' in services.call(
         '/gazebo/update_robots', {})['message']
-    assert master.robots() == ['a', 'c']
-    master.set('/gazebo/robots', {})
+    assert simulated(shared_ros) == ['a', 'c']
+    shared_ros.set_parameters('/gazebo/robots', {})
     assert services.call('/gazebo/update_robots', {})['success']
-    wait_for(lambda: master.robots() == [], master.robots)
+    wait_for(lambda: simulated(shared_ros) == [], lambda: simulated(shared_ros))
     services.close()
     assert node.interrupt() == 0
 
 
 def test_a_given_prefix_of_frames_is_used(shared_ros, several):
-    Master(shared_ros).set('/a/tf_prefix', 'one')
+    shared_ros.set_parameters('/a/tf_prefix', 'one')
     node = several({'a': {}}, '_world_tf:=true')
     node.wait_output('simulating 1 robots')
     shared_ros.wait_run('frame_id: "one/odom"', 'rostopic', 'echo', '-n', '1', '/a/odom/header')
     text = shared_ros.run('rostopic', 'echo', '-n', '1', '/tf_static')
     assert re.search(r'frame_id: "world"\s+child_frame_id: "one/odom"', text), text
-    Master(shared_ros).delete('/a')
+    shared_ros.set_parameters('/a')
 
 
 @pytest.mark.parametrize('robots, line', [
@@ -142,7 +114,7 @@ def test_a_given_prefix_of_frames_is_used(shared_ros, several):
     ('1000', 'robots: got 1000, allowed is a number from 1 to 100'),
     ('/no/robots.yaml', 'robots: cannot read /no/robots.yaml: No such file or directory')])
 def test_a_number_or_file_that_cannot_be_ends_it_with_one_line(shared_ros, robots, line):
-    node = shared_ros.start('rosrun', 'img_recog', 'robots.py', '_robots:=' + robots)
+    node = shared_ros.start_node('robots.py', '_robots:=' + robots)
     assert node.wait() == 1
     assert len(re.findall(r'\[FATAL\].*' + line, node.output)) == 1, node.output
 
@@ -174,24 +146,24 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
                  'not started: b: cannot read the parameters in .*none.yaml: No such file',
                  'not started: c: cannot read the robot in .*none.urdf: No such file'):
         assert len(re.findall(line, demo.output)) == 1, (line, demo.output)
-    master, services = Master(ros), ServiceCalls(ros)
+    services = ServiceCalls(ros)
     nodes = ['color_extract', 'robot_state_publisher', 'turtlebot3_teleop_keyboard']
-    wait_for(lambda: master.nodes('a') == ['/a/' + name for name in nodes],
-             lambda: master.nodes('a'))
-    assert master.robots() == ['a']
+    wait_for(lambda: running(ros, 'a') == ['/a/' + name for name in nodes],
+             lambda: running(ros, 'a'))
+    assert simulated(ros) == ['a']
     path.write_text('- {name: d}\n- {name: a, x_pos: 1.0}\n')
     assert services.call('/robots/reload', {}) == {'success': True, 'message': ''}
-    wait_for(lambda: len(master.nodes('d')) == 3, lambda: master.nodes('d'))
+    wait_for(lambda: len(running(ros, 'd')) == 3, lambda: running(ros, 'd'))
     path.write_text('- {name: d}\n- 3\n')
     answer = services.call('/robots/reload', {})
     assert answer == {'success': False, 'message':
                       'robot 2 of the list: got 3, expected a mapping with a name, like - name: '
                       'tb3_0'}
-    wait_for(lambda: master.nodes('a') == [] and master.robots() == ['d'],
-             lambda: (master.nodes('a'), master.robots()))
+    wait_for(lambda: running(ros, 'a') == [] and simulated(ros) == ['d'],
+             lambda: (running(ros, 'a'), simulated(ros)))
     path.write_text('nothing: useful\n')
     assert 'got dict' in services.call('/robots/reload', {})['message']
-    assert len(master.nodes('d')) == 3
+    assert len(running(ros, 'd')) == 3
     services.close()
     assert demo.interrupt() == 0
     assert 'escalating' not in demo.output
@@ -200,10 +172,10 @@ def test_the_nodes_of_each_robot_start_and_end_with_it(ros, tmp_path):
 def test_the_nodes_of_real_robots_stop_them_when_the_camera_is_lost(ros):
     demo = ros.demo('robots:=1', 'simulator:=false', 'safe:=true', 'camera:=none', 'teleop:=false')
     demo.wait_output('1 robots are running')
-    master = Master(ros)
-    wait_for(lambda: master.nodes('tb3_0') == ['/tb3_0/color_extract'],
-             lambda: master.nodes('tb3_0'))
-    assert master.parameter('/tb3_0/color_extract/stop_when_lost') == 0.5
+    wait_for(lambda: running(ros, 'tb3_0') == ['/tb3_0/color_extract'],
+             lambda: running(ros, 'tb3_0'))
+    assert ros.master().getParam(
+        '/test', '/tb3_0/color_extract/stop_when_lost')[2] == 0.5
     assert demo.interrupt() == 0
 
 
@@ -211,8 +183,7 @@ def test_nodes_end_when_the_node_that_runs_them_is_killed(ros):
     demo = ros.demo('robots:=1', 'camera:=none', 'world:=empty', 'respawn:=false',
                     'recognition:=false')
     demo.wait_output(r'process\[tb3_0/turtlebot3_teleop_keyboard-\d\]: started')
-    master = Master(ros)
-    wait_for(lambda: len(master.nodes('tb3_0')) == 2, lambda: master.nodes('tb3_0'))
+    wait_for(lambda: len(running(ros, 'tb3_0')) == 2, lambda: running(ros, 'tb3_0'))
     pid = int(re.search(r'process\[robots-\d+\]: started with pid \[(\d+)\]',
                         demo.output).group(1))
     os.kill(pid, signal.SIGKILL)

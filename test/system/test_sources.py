@@ -4,8 +4,9 @@ import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
 
+from img_recog_testing.pages import ROOT
+
 PROGRAMS = os.path.join(os.environ['CMAKE_PREFIX_PATH'].split(':')[0], 'lib', 'img_recog')
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 
 
 def run(*command):

@@ -1,8 +1,8 @@
 """The keyboard teleop in a terminal, while the demo runs another one without a terminal."""
+import fcntl
 import os
 import pty
 import re
-import signal
 import termios
 
 from img_recog_testing.simulator_tools import Echo
@@ -15,41 +15,20 @@ class Terminal:
     """A pseudo terminal with the teleop in its foreground, as a user would start it."""
 
     def __init__(self, ros, *arguments):
-        self.pid, self._fd = pty.fork()
-        if self.pid == 0:
-            os.execvpe('rosrun', ['rosrun', 'img_recog', 'teleop_key.py', *arguments], ros.env)
-        self._status = None
-
-    def type(self, keys):
-        os.write(self._fd, keys)
+        descriptor, terminal = pty.openpty()
+        self._file = os.fdopen(descriptor, 'wb', buffering=0)
+        process = ros.start_node('teleop_key.py', *arguments, stdin=terminal,
+                                 start_new_session=True,
+                                 preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
+        os.close(terminal)
+        self.type, self.wait = self._file.write, process.wait
+        self.hang_up = self._file.close         # like when its window is closed
+        ros.stack.callback(self.hang_up)
 
     def echoes(self):
         """Return whether the terminal shows typed keys and waits for Enter, like in a shell."""
-        flags = termios.tcgetattr(self._fd)[3]
+        flags = termios.tcgetattr(self._file)[3]
         return bool(flags & termios.ECHO) and bool(flags & termios.ICANON)
-
-    def hang_up(self):
-        """Close the terminal, like when its window is closed."""
-        os.close(self._fd)
-        self._fd = None
-
-    def wait(self):
-        """Return the exit status once the program has ended."""
-        wait_for(self._ended, lambda: 'the teleop to end')
-        return self._status
-
-    def _ended(self):
-        if self._status is None:
-            pid, status = os.waitpid(self.pid, os.WNOHANG)
-            self._status = status if pid else None
-        return self._status is not None
-
-    def close(self):
-        if not self._ended():
-            os.kill(self.pid, signal.SIGKILL)
-            self.wait()
-        if self._fd is not None:
-            os.close(self._fd)
 
 
 LINEAR_X, ANGULAR_Z = 0, 5
@@ -68,30 +47,27 @@ def test_started_by_hand_it_takes_over_drives_and_stops(ros):
     wait_for(lambda: values(echo)[:5] == [0.0] * 5, lambda: echo.rows[-9:])
 
     terminal = Terminal(ros)
-    try:
-        demo.wait_output(r'\[respawn\] turtlebot3_teleop_keyboard: ended and is not started '
-                         'again: another node has taken its name')
-        wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
-        # the first one may not be connected to this publisher yet
-        echo = Echo(ros, '/cmd_vel')
-        wait_for(lambda: values(echo)[:1] == [0.0], lambda: echo.rows[-9:])
-        terminal.type(b'w')
-        wait_for(lambda: values(echo)[-1] == 0.01, lambda: echo.rows[-9:])
-        moving = [value for value in values(echo) if value]
-        assert moving[:2] == [0.005, 0.01]
-        terminal.type(b'aa')
-        wait_for(lambda: values(echo, ANGULAR_Z)[-1] == 0.2, lambda: echo.rows[-9:])
-        terminal.type(b's')
-        wait_for(lambda: values(echo, ANGULAR_Z)[-1] == 0.0, lambda: echo.rows[-9:])
-        assert values(echo)[-1] == 0.0
-        terminal.type(b'wwww')
-        wait_for(lambda: values(echo)[-1] == 0.04, lambda: echo.rows[-9:])
-        terminal.type(b'\x03')
-        assert terminal.wait() == 0
-        wait_for(lambda: values(echo)[-1] == 0.0, lambda: echo.rows[-9:])
-        assert terminal.echoes()
-    finally:
-        terminal.close()
+    demo.wait_output(r'\[respawn\] turtlebot3_teleop_keyboard: ended and is not started '
+                     'again: another node has taken its name')
+    wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
+    # the first one may not be connected to this publisher yet
+    echo = Echo(ros, '/cmd_vel')
+    wait_for(lambda: values(echo)[:1] == [0.0], lambda: echo.rows[-9:])
+    terminal.type(b'w')
+    wait_for(lambda: values(echo)[-1] == 0.01, lambda: echo.rows[-9:])
+    moving = [value for value in values(echo) if value]
+    assert moving[:2] == [0.005, 0.01]
+    terminal.type(b'aa')
+    wait_for(lambda: values(echo, ANGULAR_Z)[-1] == 0.2, lambda: echo.rows[-9:])
+    terminal.type(b's')
+    wait_for(lambda: values(echo, ANGULAR_Z)[-1] == 0.0, lambda: echo.rows[-9:])
+    assert values(echo)[-1] == 0.0
+    terminal.type(b'wwww')
+    wait_for(lambda: values(echo)[-1] == 0.04, lambda: echo.rows[-9:])
+    terminal.type(b'\x03')
+    assert terminal.wait() == 0
+    wait_for(lambda: values(echo)[-1] == 0.0, lambda: echo.rows[-9:])
+    assert terminal.echoes()
     wait_for(lambda: leaves_no_name(ros), 'an end after which the name is gone')
 
 
@@ -103,12 +79,9 @@ def leaves_no_name(ros):
     if re.search(r'(?m)^' + NAME, ros.run('rosnode', 'list')) is None:
         return True
     terminal = Terminal(ros)
-    try:
-        wait_for(lambda: not terminal.echoes(), 'the teleop to read single keys')
-        terminal.type(b'\x03')
-        assert terminal.wait() == 0
-    finally:
-        terminal.close()
+    wait_for(lambda: not terminal.echoes(), 'the teleop to read single keys')
+    terminal.type(b'\x03')
+    assert terminal.wait() == 0
     return False
 
 
@@ -116,21 +89,18 @@ def test_closing_its_terminal_stops_the_robot(ros):
     ros.demo('camera:=none', 'recognition:=false', 'teleop:=false').wait_output('simulating')
     echo = Echo(ros, '/cmd_vel')
     terminal = Terminal(ros)
-    try:
-        wait_for(lambda: values(echo)[:1] == [0.0], lambda: echo.rows[-9:])
-        wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
-        terminal.type(b'www')
-        wait_for(lambda: values(echo)[-1] == 0.03, lambda: echo.rows[-9:])
-        terminal.hang_up()
-        wait_for(lambda: values(echo)[-1] == 0.0, lambda: echo.rows[-9:])
-        assert terminal.wait() == 0
-    finally:
-        terminal.close()
+    wait_for(lambda: values(echo)[:1] == [0.0], lambda: echo.rows[-9:])
+    wait_for(lambda: not terminal.echoes(), lambda: 'the teleop to read single keys')
+    terminal.type(b'www')
+    wait_for(lambda: values(echo)[-1] == 0.03, lambda: echo.rows[-9:])
+    terminal.hang_up()
+    wait_for(lambda: values(echo)[-1] == 0.0, lambda: echo.rows[-9:])
+    assert terminal.wait() == 0
 
 
 def test_limits_are_parameters_and_checked(ros):
     ros.start_master()
-    teleop = ros.start('rosrun', 'img_recog', 'teleop_key.py', '_max_linear_velocity:=fast')
+    teleop = ros.start_node('teleop_key.py', '_max_linear_velocity:=fast')
     assert teleop.wait() == 1
     assert "max_linear_velocity: got 'fast', allowed is a finite number" in teleop.output
 
@@ -142,17 +112,14 @@ def test_in_the_namespace_of_a_robot_it_drives_only_that_robot(ros):
     speeds = {name: Echo(ros, '/{}/odom/twist/twist'.format(name))
               for name in ('tb3_0', 'tb3_1')}
     terminal = Terminal(ros, '__ns:=tb3_1')
-    try:
-        wait_for(lambda: not terminal.echoes(), 'the teleop')
-        wait_for(lambda: all(values(each) for each in speeds.values()),
-                 'the speeds of both')
-        terminal.type(b'w' * 10)
-        wait_for(lambda: max(values(speeds['tb3_1']), default=0) > 0.09,
-                 lambda: speeds['tb3_1'].rows[-9:])
-        count = len(values(speeds['tb3_0']))
-        wait_for(lambda: len(values(speeds['tb3_0'])) > count + 10,
-                 'newer speeds of the first robot')
-        assert max(map(abs, values(speeds['tb3_0']))) < 0.01
-    finally:
-        terminal.close()
+    wait_for(lambda: not terminal.echoes(), 'the teleop')
+    wait_for(lambda: all(values(each) for each in speeds.values()),
+             'the speeds of both')
+    terminal.type(b'w' * 10)
+    wait_for(lambda: max(values(speeds['tb3_1']), default=0) > 0.09,
+             lambda: speeds['tb3_1'].rows[-9:])
+    count = len(values(speeds['tb3_0']))
+    wait_for(lambda: len(values(speeds['tb3_0'])) > count + 10,
+             'newer speeds of the first robot')
+    assert max(map(abs, values(speeds['tb3_0']))) < 0.01
     assert demo.interrupt() == 0

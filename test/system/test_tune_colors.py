@@ -38,8 +38,8 @@ def folder(tmp_path):
 def start(ros, folder, *arguments, **env):
     if '--timeout' not in arguments:        # its default is for a machine that is not busy
         arguments = (*arguments, '--timeout', DEADLINE_S * stretch())
-    return ros.start('rosrun', 'img_recog', 'tune_colors.py', *arguments, cwd=str(folder),
-                     env=dict(ros.env, PWD=str(folder), **env))
+    return ros.start_node('tune_colors.py', *arguments, cwd=str(folder),
+                          env=dict(ros.env, PWD=str(folder), **env))
 
 
 class Here:
@@ -190,8 +190,8 @@ def camera(shared_ros, folder):
     for name in ('/color_extract', '/other'):
         master.deleteParam('/test', name)
     shared_ros.master = master
-    process = shared_ros.start('rosrun', 'img_recog', 'usb_cam_node.py', '_framerate:=20',
-                               '_video_device:={}'.format(folder / 'card.png'))
+    process = shared_ros.start_node('usb_cam_node.py', '_framerate:=20',
+                                    '_video_device:={}'.format(folder / 'card.png'))
     process.wait_output('camera: image')
     return shared_ros
 
@@ -265,8 +265,8 @@ def test_refused_arguments_with_a_topic(camera, folder, arguments, named, advice
 
 
 def test_a_topic_without_an_image(shared_ros, folder):
-    silent = shared_ros.start('rosrun', 'img_recog', 'usb_cam_node.py',
-                              '_video_device:=synthetic', '_create_suspended:=true')
+    silent = shared_ros.start_node('usb_cam_node.py', '_video_device:=synthetic',
+                                   '_create_suspended:=true')
     silent.wait_output('camera: suspended')
     line = refusal(start(shared_ros, folder, '/usb_cam/image_raw', '--timeout', '0.5'))
     assert 'no image received on /usb_cam/image_raw within 0.5 s' in line

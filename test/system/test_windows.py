@@ -3,12 +3,14 @@ import os
 import re
 import subprocess
 
+import cv2
+import numpy as np
 import pytest
 
+from img_recog_testing.pages import ROOT
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 pytestmark = pytest.mark.display
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 SIMULATOR = 'Bullet Physics'
 
 
@@ -27,28 +29,34 @@ def display(ros):
     return ros.env['DISPLAY']
 
 
-def shares(ros, tmp_path, **colors):
-    """Return the share of pixels of the display within each range of RGB values (0 to 255)."""
-    path = str(tmp_path / 'display.ppm')
-    command = ['import', '-window', 'root', '-depth', '8', path]
-    wait_for(lambda: subprocess.run(command, env=ros.env, check=False).returncode == 0,
-             'a screenshot')
-    cv2 = pytest.importorskip('cv2')
-    image = cv2.imread(path)[..., ::-1]
-    return {name: float(((image >= low) & (image <= high)).all(axis=2).mean())
-            for name, (low, high) in colors.items()}
+@pytest.fixture
+def wait_shares(ros, display, tmp_path):
+    """A function that waits until a screenshot shows some colors as a condition wants it.
+
+    colors: the lowest and highest RGB values (0 to 255) of each. is_good: called with the share of
+    the pixels that each of them has.
+    """
+    def wait(colors, is_good):
+        path, found = str(tmp_path / 'display.ppm'), {}
+        command = ['import', '-window', 'root', '-depth', '8', path]
+
+        def shown():
+            if subprocess.run(command, env=ros.env, check=False).returncode != 0:
+                return False
+            image = cv2.imread(path)[..., ::-1]
+            found.update({name: float(((image >= low) & (image <= high)).all(axis=2).mean())
+                          for name, (low, high) in colors.items()})
+            return is_good(found)
+        wait_for(shown, lambda: 'other shares of colors: {}'.format(found))
+    return wait
 
 
-def test_image_view_shows_the_blue_part(ros, display, tmp_path):
+def test_image_view_shows_the_blue_part(ros, wait_shares):
     demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false')
     demo.wait_output('camera: synthetic')
     ros.start('rosrun', 'image_view', 'image_view', 'image:=/blue_image')
-    card = {'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90))}
-
-    def shown():
-        found = shares(ros, tmp_path, **card)
-        return found['blue'] > 0.01 and found['red'] == 0
-    wait_for(shown, lambda: 'the blue card: {}'.format(shares(ros, tmp_path, **card)))
+    wait_shares({'blue': ((0, 40, 180), (60, 100, 255)), 'red': ((180, 0, 30), (255, 60, 90))},
+                lambda found: found['blue'] > 0.01 and found['red'] == 0)
 
 
 USB_CAM_LAUNCH = """<launch>
@@ -68,57 +76,43 @@ USB_CAM_LAUNCH = """<launch>
 </launch>"""
 
 
-def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, display, tmp_path):
-    cv2 = pytest.importorskip('cv2')
+def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, wait_shares, tmp_path):
     picture, launch = str(tmp_path / 'picture.png'), tmp_path / 'usb_cam.launch'
-    green = cv2.UMat(480, 640, cv2.CV_8UC3, (0, 200, 0)).get()
-    assert cv2.imwrite(picture, green)
+    assert cv2.imwrite(picture, np.full((480, 640, 3), (0, 200, 0), np.uint8))
     launch.write_text(USB_CAM_LAUNCH.format(picture))
     ros.start('roslaunch', '-p', ros.port, str(launch)).wait_output('camera: image')
     ros.wait_run('frame_id: "usb_cam"', 'rostopic', 'echo', '-n', '1', '/usb_cam/image_raw/header')
-    color = {'green': ((0, 180, 0), (20, 220, 20))}
-    wait_for(lambda: shares(ros, tmp_path, **color)['green'] > 0.25,
-             lambda: 'the picture: {}'.format(shares(ros, tmp_path, **color)))
+    wait_shares({'green': ((0, 180, 0), (20, 220, 20))}, lambda found: found['green'] > 0.25)
 
 
-def test_the_tuning_window_follows_the_camera(ros, display, tmp_path):
+def test_the_tuning_window_follows_the_camera(ros, wait_shares, tmp_path):
     demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false')
     demo.wait_output('camera: synthetic')
-    tool = ros.start('rosrun', 'img_recog', 'tune_colors.py', '/usb_cam/image_raw', '--timeout',
-                     DEADLINE_S * stretch(), '--output', str(tmp_path / 'picture.png'))
+    tool = ros.start_node('tune_colors.py', '/usb_cam/image_raw', '--timeout',
+                          DEADLINE_S * stretch(), '--output', str(tmp_path / 'picture.png'))
     colors = {'blue': ((25, 70, 215), (25, 70, 215)), 'red': ((215, 25, 60), (215, 25, 60)),
               'white': ((255, 255, 255), (255, 255, 255))}
     for seen, unseen in (('blue', 'red'), ('red', 'blue')):
-        def shown():
-            found = shares(ros, tmp_path, **colors)
-            return found[seen] > 0.01 and found[unseen] == 0 and found['white'] > 0.3
-        wait_for(shown, lambda: '{}: {}'.format(seen, shares(ros, tmp_path, **colors)))
+        wait_shares(colors, lambda found: found[seen] > 0.01 and found[unseen] == 0
+                    and found['white'] > 0.3)
     assert tool.interrupt() == 0
     assert 'Traceback' not in tool.output, tool.output
-    wait_for(lambda: shares(ros, tmp_path, **colors)['white'] == 0, 'the end of the window')
+    wait_shares(colors, lambda found: found['white'] == 0)      # the end of the window
 
 
-def test_the_tuning_window_shows_a_file(ros, display, tmp_path):
-    cv2 = pytest.importorskip('cv2')
+def test_the_tuning_window_shows_a_file(ros, wait_shares, tmp_path):
     picture = str(tmp_path / 'picture.png')
-    assert cv2.imwrite(picture, cv2.UMat(480, 640, cv2.CV_8UC3, (215, 70, 25)).get())
-    ros.start('rosrun', 'img_recog', 'tune_colors.py', picture, '--output',
-              str(tmp_path / 'why.png'))
-    card = {'blue': ((25, 70, 215), (25, 70, 215))}
-    wait_for(lambda: shares(ros, tmp_path, **card)['blue'] > 0.1,
-             lambda: 'the blue image: {}'.format(shares(ros, tmp_path, **card)))
+    assert cv2.imwrite(picture, np.full((480, 640, 3), (215, 70, 25), np.uint8))
+    ros.start_node('tune_colors.py', picture, '--output', str(tmp_path / 'why.png'))
+    wait_shares({'blue': ((25, 70, 215), (25, 70, 215))}, lambda found: found['blue'] > 0.1)
 
 
-def test_the_simulators_window_shows_the_world(ros, display, tmp_path):
+def test_the_simulators_window_shows_the_world(ros, wait_shares):
     demo = ros.demo('camera:=none', 'gui:=true', 'image_view:=false')
     colors = {'green': ((0, 90, 0), (60, 255, 60)), 'white': ((205, 205, 205), (255, 255, 255)),
               'wall': ((20, 20, 20), (90, 90, 90)), 'floor': ((130, 130, 130), (190, 190, 190))}
-
-    def shown():
-        found = shares(ros, tmp_path, **colors)
-        return (found['green'] > 0.03 and found['white'] > 0.0005 and found['wall'] > 0.01
-                and found['floor'] > 0.4)
-    wait_for(shown, lambda: 'the world: {}'.format(shares(ros, tmp_path, **colors)))
+    wait_shares(colors, lambda found: found['green'] > 0.03 and found['white'] > 0.0005
+                and found['wall'] > 0.01 and found['floor'] > 0.4)
 
     # the simulation continues when its connection to the display is closed
     windows = subprocess.run(['xwininfo', '-root', '-tree'], env=ros.env, stdout=subprocess.PIPE,

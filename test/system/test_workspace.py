@@ -4,8 +4,8 @@ import pathlib
 import subprocess
 
 from img_recog_testing.browser import status_of
+from img_recog_testing.pages import ROOT
 
-ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..'))
 # environment variables of a shell in which no setup.bash was sourced
 FOREIGN = ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH', 'PKG_CONFIG_PATH',
            'LD_LIBRARY_PATH', 'CATKIN_TEST_RESULTS_DIR')

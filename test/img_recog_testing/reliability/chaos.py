@@ -2,7 +2,6 @@
 import argparse
 import random
 import sys
-import tempfile
 import time
 from typing import Dict, Iterable, Iterator, List, Optional, Sequence
 
@@ -105,7 +104,7 @@ def run(sequence: Iterable[Fault], duration_s: float = float('inf'), factor: flo
     say: is called with each line of progress.
     arguments: of the launch file.
     """
-    with tempfile.TemporaryDirectory(prefix='img_recog_chaos_') as folder, Demo(folder) as demo:
+    with Demo() as demo:
         chaos = Chaos(demo, factor, say)
         try:
             demo.start_all(*arguments)

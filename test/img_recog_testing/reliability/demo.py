@@ -3,7 +3,6 @@ import contextlib
 import os
 import re
 import signal
-import tempfile
 import time
 from typing import Dict, Iterator, List, Optional, Set
 
@@ -11,8 +10,9 @@ import psutil
 
 from img_recog_testing import process_table
 from img_recog_testing.process_table import Usage
-from img_recog_testing.processes import Process, Ros
+from img_recog_testing.processes import Process
 from img_recog_testing.reliability import chain
+from img_recog_testing.reliability.nodes import Contained
 from img_recog_testing.waiting import wait_for
 
 NODES = ('usb_cam', 'color_extract', 'gazebo', 'turtlebot3_teleop_keyboard',
@@ -22,15 +22,11 @@ START_LIMIT_S, STOP_LIMIT_S = 60.0, 15.0
 _NAME = re.compile(r'__name:=([\w/]+)')
 
 
-class Demo(Ros):
+class Demo(Contained):
     """Demo and master, with a film as camera, an empty world and no window."""
 
-    def __init__(self, folder: str):
-        """folder: an empty folder for logs, temporary files and the film."""
-        super().__init__(folder)
-        self.folder = folder
-        self.temporary = self.env['TMPDIR'] = os.path.join(folder, 'tmp')
-        os.mkdir(self.temporary)
+    def __init__(self) -> None:
+        super().__init__()
         self.launch: Optional[Process] = None
         self.chain = chain.Chain(self.master_uri)
         self.killed: Set[str] = set()       # nodes that were killed before
@@ -70,9 +66,6 @@ class Demo(Ros):
                     found[name] = process_table.usage(pids[0])
         return found
 
-    def temporary_files(self) -> List[str]:
-        return sorted(os.listdir(self.temporary))
-
     def stop(self, limit_s: float) -> float:
         """Interrupt demo and master; return the seconds until no process is left.
 
@@ -90,9 +83,7 @@ class Demo(Ros):
         return took_s
 
     def close(self) -> None:
-        """Kill what is left."""
         self.chain.close()
-        process_table.end_all(self.marker)
         super().close()
 
 
@@ -102,7 +93,7 @@ def running(factor: float, **env: str) -> Iterator[Demo]:
 
     factor: of the time limits. env: additions to its environment.
     """
-    with tempfile.TemporaryDirectory(prefix='img_recog_demo_') as folder, Demo(folder) as demo:
+    with Demo() as demo:
         demo.env.update(env)
         demo.start_all()
         demo.chain.wait(START_LIMIT_S * factor)

@@ -177,7 +177,7 @@ def _check_stop(nodes: Nodes, ending: Ending, process: Process, code: int, is_up
         # it waits no longer for a master that is busy; its name stays then
         assert uri is None or took_s > MASTER_LIMIT_S, (
             'it is still registered, at {}\n{}'.format(uri, text))
-    assert os.listdir(nodes.temporary) == [], os.listdir(nodes.temporary)
+    assert nodes.temporary_files() == [], nodes.temporary_files()
 
 
 def _check_replay(nodes: Nodes) -> None:
@@ -189,7 +189,7 @@ def _check_replay(nodes: Nodes) -> None:
     assert code == 0, done.output[-2000:]
     left = [name for name in os.listdir(nodes.folder) if name.startswith('.')]
     assert left == [], left
-    assert os.listdir(nodes.temporary) == [], os.listdir(nodes.temporary)
+    assert nodes.temporary_files() == [], nodes.temporary_files()
 
 
 def stop_many(count, seed, deadline_s):
@@ -207,9 +207,9 @@ def stop_after_the_images(ros, count, seed, deadline_s):
     AssertionError when one does not end within `deadline_s`, or not with code 0.
     """
     moments = random.Random(seed)
-    camera = ros.start('rosrun', 'img_recog', 'usb_cam_node.py', '_video_device:=synthetic')
-    nodes = [ros.start('rosrun', 'img_recog', 'color_img_recog.py',
-                       '__name:=color_extract_{}'.format(number)) for number in range(count)]
+    camera = ros.start_node('usb_cam_node.py', '_video_device:=synthetic')
+    nodes = [ros.start_node('color_img_recog.py',
+                            '__name:=color_extract_{}'.format(number)) for number in range(count)]
     for node in nodes:
         node.wait_output('blue=')
     assert camera.interrupt() == 0, camera.output

@@ -189,21 +189,19 @@ def possible() -> Tuple[str, ...]:
     return tuple(kind for kind in KINDS if kind not in left_out)
 
 
+_DETAILS: Dict[str, Callable[[random.Random], Tuple]] = {
+    'kill': lambda rng: (rng.choice(('SIGKILL', 'SIGTERM', 'rosnode')),),
+    'pause': lambda rng: (round(rng.uniform(1.0, 10.0), 1),),
+    'starve': lambda rng: (round(rng.uniform(2.0, 6.0), 1), rng.randint(1, 4)),
+    'cut': lambda rng: (rng.choice(('reset', 'close')),),
+    'master': lambda rng: (rng.choice(('SIGKILL', 'SIGINT')), round(rng.uniform(0.0, 4.0), 1)),
+    'readers': lambda rng: (rng.randint(10, 100),),
+    'idle': lambda rng: (rng.randint(10, 100),),
+    'garbage': lambda rng: (rng.randint(5, 30), rng.randrange(1 << 30))}
+
+
 def draw(rng: random.Random, kinds: Tuple[str, ...] = KINDS) -> Fault:
     """Return a fault with everything about it drawn at random."""
     kind = rng.choice(kinds)
     node = rng.choice(OURS if kind in ('readers', 'idle', 'garbage') else NODES)
-    if kind == 'kill':
-        return Fault(kind, node, (rng.choice(('SIGKILL', 'SIGTERM', 'rosnode')),))
-    if kind == 'pause':
-        return Fault(kind, node, (round(rng.uniform(1.0, 10.0), 1),))
-    if kind == 'starve':
-        return Fault(kind, node, (round(rng.uniform(2.0, 6.0), 1), rng.randint(1, 4)))
-    if kind == 'cut':
-        return Fault(kind, node, (rng.choice(('reset', 'close')),))
-    if kind == 'master':
-        return Fault(kind, 'master', (rng.choice(('SIGKILL', 'SIGINT')),
-                                      round(rng.uniform(0.0, 4.0), 1)))
-    if kind == 'garbage':
-        return Fault(kind, node, (rng.randint(5, 30), rng.randrange(1 << 30)))
-    return Fault(kind, node, (rng.randint(10, 100),))
+    return Fault(kind, 'master' if kind == 'master' else node, _DETAILS[kind](rng))

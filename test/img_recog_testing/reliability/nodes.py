@@ -1,6 +1,7 @@
 """Single nodes with a master of their own, for programs that treat them badly."""
 import os
 import tempfile
+from typing import List
 
 from img_recog_testing import process_table
 from img_recog_testing.processes import Process, Ros
@@ -9,33 +10,44 @@ from img_recog_testing.simulator_tools import burger
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 
-class Nodes(Ros):
-    """A running master, and nodes that are started on it; use it in a with statement.
+class Contained(Ros):
+    """Programs with a separate folder, of which nothing is left; use it in a with statement.
 
-    folder: where programs may write; temporary: for their temporary files.
+    folder: where programs may write.
     """
 
     def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix='img_recog_nodes_')
+        self._folder = tempfile.TemporaryDirectory(prefix='img_recog_test_')
         super().__init__(self._folder.name)
         self.folder = self._folder.name
-        self.temporary = self.env['TMPDIR'] = os.path.join(self.folder, 'tmp')
-        os.mkdir(self.temporary)
+        self.env['TMPDIR'] = os.path.join(self.folder, 'tmp')
+        os.mkdir(self.env['TMPDIR'])
+
+    def temporary_files(self) -> List[str]:
+        return sorted(os.listdir(self.env['TMPDIR']))
+
+    def close(self) -> None:
+        """Kill what is left."""
+        process_table.end_all(self.marker)
+        super().close()
+        self._folder.cleanup()
+
+
+class Nodes(Contained):
+    """A running master, and nodes that are started on it."""
+
+    def __init__(self) -> None:
+        super().__init__()
         # without the marker: it is not under test
         self.core = self.start('rosmaster', '--core', '-p', self.port,
                                env={**self.env, self.marker.partition('=')[0]: ''})
         wait_for(lambda: wire.answers(self.master_uri), self.output)
 
-    def close(self) -> None:
-        process_table.end_all(self.marker)
-        super().close()
-        self._folder.cleanup()
-
     def start_node(self, script: str, *arguments: str) -> Process:
         """Start a script of this package; a simulator gets the robot's description."""
         if script == 'pybullet_sim.py':
             self.set_parameters('/robot_description', burger())
-        return self.start('rosrun', 'img_recog', script, *arguments)
+        return super().start_node(script, *arguments)
 
     def forget(self, process: Process) -> None:
         """Drop a process that has ended, and its output."""
