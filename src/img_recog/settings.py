@@ -1,4 +1,5 @@
 """Base of all settings: frozen dataclasses that check the values of their fields."""
+import contextlib
 import dataclasses
 import difflib
 import math
@@ -149,24 +150,14 @@ def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
         shortened(full_name or name), advice)
 
 
-def _number(text: str) -> Any:
-    """Return the float in a string like 1e-3, which YAML 1.1 does not read as a number.
-
-    Any other string is returned unchanged.
-    """
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
 def _checked(field: dataclasses.Field, value: Any) -> Any:
     value_type, allowed = field.metadata['kind'], field.metadata['allowed']
     text = ' '.join(filter(None, (_TYPE_TEXTS[value_type], allowed.text)))
     if value_type is str:
         text = allowed.text or _TYPE_TEXTS[value_type]
     if value_type is float and isinstance(value, str):
-        value = _number(value)
+        with contextlib.suppress(ValueError):       # YAML 1.1 does not read 1e-3 as a number
+            value = float(value)
     # compare types: bool is a subclass of int, and True is not a valid width
     if type(value) is int and abs(value) > _MAX_INT:
         raise SettingError(field.name, value, text + ', within 32 bits')
@@ -175,8 +166,7 @@ def _checked(field: dataclasses.Field, value: Any) -> Any:
     if value_type is int and type(value) is float and value.is_integer() and abs(
             value) <= _MAX_INT:
         value = int(value)      # like roscpp
-    if type(value) is not value_type or (value_type is float and not math.isfinite(value)):
-        raise SettingError(field.name, value, text)
-    if not allowed.accepts(value):
+    if (type(value) is not value_type or (value_type is float and not math.isfinite(value))
+            or not allowed.accepts(value)):
         raise SettingError(field.name, value, text)
     return value

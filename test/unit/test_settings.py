@@ -118,6 +118,9 @@ def test_camera_defaults_are_those_of_usb_cam():
     (CameraSettings, 'image_width', 0, ''), (CameraSettings, 'image_height', 16385, ''),
     (CameraSettings, 'framerate', 0.05, ''), (CameraSettings, 'framerate', 0, ''),
     (CameraSettings, 'camera_frame_id', '', ''),
+    *((CameraSettings, 'camera_name', name, 'a name of letters, digits and _') for name in (
+        '../../evil', 'a/b', 'a.b', 'a b', '/a', '..', '', ' ', 'a\n', '${ROS_HOME}', 'caf\u00e9',
+        'a:b', '~a', 'a\0')),      # they could be paths
     *((CameraSettings, 'max_image_pixels', value, 'a whole number from 1 to 268435456')
       for value in (0, -1, (1 << 28) + 1, 5e7 + 0.5, '9', True)),
     *((TeleopSettings, name, 0, 'a finite number above 0') for name in (

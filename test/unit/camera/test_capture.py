@@ -1,5 +1,5 @@
 """The capture on fake sources and a fake clock, run in the thread of the test."""
-from functools import partial
+from functools import partial, partialmethod
 
 import numpy as np
 import pytest
@@ -41,37 +41,25 @@ class Recorder(Listener):
     def __init__(self, clock):
         self._clock, self.calls = clock, []
 
-    def _record(self, *call):
-        self.calls.append(call + (self._clock() - 100.0,))
+    def record(self, name, *words):
+        self.calls.append((name, *words, self._clock() - 100.0))
+        if name in ('ended', 'failed'):
+            assert not self.capture.wanted
+            self.capture.shut_down()
 
     def opened(self, source):
-        self._record('opened')
+        self.record('opened')
 
     def frame(self, source, image):
         assert image is IMAGE
-        self._record('frame')
-
-    def skipped(self, reason):
-        self._record('skipped', reason)
-
-    def dropped(self):
-        self._record('dropped')
-
-    def lost(self, reason):
-        self._record('lost', reason)
-
-    def reconnected(self):
-        self._record('reconnected')
-
-    def ended(self, reason):
-        assert not self.capture.wanted
-        self._record('ended', reason)
-        self.capture.shut_down()
+        self.record('frame')
 
     def failed(self, error, opening):
-        assert not self.capture.wanted
-        self._record('failed', str(error), opening)
-        self.capture.shut_down()
+        self.record('failed', str(error), opening)
+
+    skipped, dropped = partialmethod(record, 'skipped'), partialmethod(record, 'dropped')
+    lost, reconnected = partialmethod(record, 'lost'), partialmethod(record, 'reconnected')
+    ended = partialmethod(record, 'ended')
 
     def names(self):
         return [call[0] for call in self.calls]

@@ -30,14 +30,8 @@ class FakeDevice:
         self.done.append((control_id, value))
 
 
-NAMES = {controls.BRIGHTNESS: 'brightness', controls.CONTRAST: 'contrast',
-         controls.SATURATION: 'saturation', controls.SHARPNESS: 'sharpness',
-         controls.GAIN: 'gain', controls.AUTO_WHITE_BALANCE: 'white_balance_automatic',
-         controls.WHITE_BALANCE_TEMPERATURE: 'white_balance_temperature',
-         controls.EXPOSURE_AUTO: 'auto_exposure',
-         controls.EXPOSURE_ABSOLUTE: 'exposure_time_absolute',
-         controls.FOCUS_ABSOLUTE: 'focus_absolute',
-         controls.FOCUS_AUTO: 'focus_automatic_continuous', 0x00980903: 'hue'}
+NAMES = {0x00980903: 'hue', **{
+    control_id: name for name, control_id in controls.KNOWN_NAMES.items()}}
 ALL = sorted(NAMES)
 
 

@@ -35,10 +35,13 @@ def shutdown(monkeypatch):
         thread.join()
 
 
-def test_hook_before_the_shutdown_is_called_once(shutdown):
+@pytest.mark.parametrize('is_late', [False, True])
+def test_hook_before_or_after_the_shutdown_is_called_once(shutdown, is_late):
     calls = []
+    if is_late:
+        shutdown().join()
     lifecycle.on_shutdown(lambda: calls.append(1))
-    assert calls == []
+    assert calls == [1] * is_late
     shutdown().join()
     assert calls == [1]
 
@@ -70,13 +73,6 @@ def test_hook_while_rospy_closes_its_topics_is_called_once(shutdown, monkeypatch
     lifecycle.on_shutdown(lambda: calls.append(1))
     thread.join()
     assert knocked.is_set()
-    assert calls == [1]
-
-
-def test_hook_after_the_shutdown_is_called_once(shutdown):
-    calls = []
-    shutdown().join()
-    lifecycle.on_shutdown(lambda: calls.append(1))
     assert calls == [1]
 
 
