@@ -1,6 +1,8 @@
 """From a script to a running node and back to an exit code."""
+import contextlib
 import logging
 import os
+import queue
 import signal
 import sys
 import threading
@@ -48,33 +50,24 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     console.install_filter()
     log_handlers.protect()
     master_watch.start(on_shutdown)
-    reason = _Reason()
-    rospy.core.add_preshutdown_hook(reason.put)
+    reasons: 'queue.Queue[str]' = queue.Queue()
+    rospy.core.add_preshutdown_hook(reasons.put)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup
             signal.signal(number, _shut_down)
     code = _run(serve)
     if code == 0 and _SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
-        return reason.code()
+        return _shutdown_code(reasons)
     return code
 
 
-class _Reason:
-    """Why rospy shuts the node down."""
-
-    def __init__(self):
-        self._text, self._known = '', threading.Event()
-
-    def put(self, text: str) -> None:
-        self._text = text
-        self._known.set()
-
-    def code(self) -> int:
-        """Wait for the reason of a shutdown that has begun; return the exit code for it."""
-        self._known.wait(_REASON_TIMEOUT_S)
+def _shutdown_code(reasons: 'queue.Queue[str]') -> int:
+    """Wait for the reason of a shutdown that has begun; return the exit code for it."""
+    with contextlib.suppress(queue.Empty):
         # rosmaster's words when another node of the same name registers
-        is_replaced = 'registered with same name' in self._text
-        return EXIT_REPLACED if is_replaced else EXIT_SHUT_DOWN
+        if 'registered with same name' in reasons.get(timeout=_REASON_TIMEOUT_S):
+            return EXIT_REPLACED
+    return EXIT_SHUT_DOWN
 
 
 def _run(serve: Callable[[], None]) -> int:

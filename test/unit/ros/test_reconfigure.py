@@ -11,7 +11,6 @@ from dynamic_reconfigure.msg import (BoolParameter, Config, DoubleParameter, Gro
                                      IntParameter, StrParameter)
 from dynamic_reconfigure.srv import ReconfigureRequest
 
-from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.errors import UserError
 from img_recog.ros.reconfigure import Reconfigurable, config_type
 from img_recog.settings import (Settings, above, at_least, between, not_empty, one_of,
@@ -72,14 +71,6 @@ def test_choices_are_a_list_to_choose_from():
     enum = eval(mode['mode']['edit_method'])['enum']        # like the tools
     assert [(each['name'], each['value'], each['type']) for each in enum] == [
         ('slow', 'slow', 'str'), ('fast', 'fast', 'str')]
-
-
-def test_compression_has_the_parameters_of_the_plugin():
-    made = config_type(CompressionSettings)
-    assert made.defaults == {'format': 'jpeg', 'jpeg_quality': 80, 'jpeg_progressive': False,
-                             'jpeg_optimize': False, 'jpeg_restart_interval': 0, 'png_level': 9}
-    assert (made.min['png_level'], made.max['png_level']) == (1, 9)
-    assert (made.min['jpeg_quality'], made.max['jpeg_quality']) == (1, 100)
 
 
 @pytest.fixture
