@@ -29,19 +29,16 @@ def test_a_signal_is_an_exception(signum):
 @pytest.mark.parametrize('signum', SIGNALS)
 def test_a_deferred_signal_is_raised_at_the_end(signum):
     interrupts, steps = Interrupts(), []
+    with interrupts.deferred():
+        steps.append('none')
     with pytest.raises((KeyboardInterrupt, SystemExit)):
         with interrupts.deferred():
             send(signum)
             steps.append('deferred')
         steps.append('afterwards')
-    assert steps == ['deferred']
+    assert steps == ['none', 'deferred']
     with pytest.raises((KeyboardInterrupt, SystemExit)):
         send(signum)
-
-
-def test_deferred_without_a_signal():
-    with Interrupts().deferred():
-        pass
 
 
 def test_an_error_while_deferred_is_raised_first():
