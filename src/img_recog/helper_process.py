@@ -15,7 +15,8 @@ class HelperProcess:
     """A process that runs `target(connection, *inherited, *args)`.
 
     The target returns when the other end of its connection is closed. connection: this end, to
-    receive what the target sends.
+    receive what the target sends. is_broken: whether a message could not be sent: the process has
+    ended.
     """
 
     def __init__(self, target: Callable[..., None], args: Tuple, niceness: int,
@@ -33,7 +34,7 @@ class HelperProcess:
         self._process.start()
         other.close()
         self._outbox: 'queue.Queue[Any]' = queue.Queue()
-        self._is_broken = False
+        self.is_broken = False
         threading.Thread(target=self._send_all, name='to the helper', daemon=True).start()
         self.send(args)
 
@@ -46,20 +47,15 @@ class HelperProcess:
         """Whether the process has not taken all messages yet."""
         return self._outbox.unfinished_tasks > 0
 
-    @property
-    def is_broken(self) -> bool:
-        """Whether a message could not be sent: the process has ended."""
-        return self._is_broken
-
     def _send_all(self) -> None:
-        while not self._is_broken:
+        while not self.is_broken:
             message = self._outbox.get()
             if message is _END:
                 return
             try:
                 self.connection.send(message)
             except Exception:       # the process has ended, or `end` has closed the connection
-                self._is_broken = True
+                self.is_broken = True
             self._outbox.task_done()
 
     def wait(self) -> Optional[int]:

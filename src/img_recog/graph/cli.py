@@ -12,7 +12,7 @@ from img_recog import files
 from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
-from img_recog.graph.system import Choice, visible
+from img_recog.graph.system import visible
 from img_recog.signals import Interrupts
 
 _SECONDS = 2.0          # in which rates are measured
@@ -38,8 +38,8 @@ def _draw(options: argparse.Namespace) -> str:
     if options.seconds:
         time.sleep(options.seconds)
         system = reader.read()
-    choice = Choice(*4 * [True]) if options.all else Choice(leaves=options.leaves)
-    picture = dot.draw(dot.to_dot(visible(system, choice)), _kind(options.output))
+    shown = system if options.all else visible(system, options.leaves)
+    picture = dot.draw(dot.to_dot(shown), _kind(options.output))
     path = files.user_output_path(options.output)
     # not earlier: while nothing is written, a signal ends the program at once; an exception would
     # wait for the threads that ask the nodes

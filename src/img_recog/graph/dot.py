@@ -111,7 +111,7 @@ def _edge_lines(system: System) -> List[str]:
     for edge in sorted(system.edges):
         ends = (_id('node', edge.node),
                 _id('topic', _TF if edge.topic in TF_TOPICS else edge.topic))
-        rate_hz = system.rate_hz(edge)
+        rate_hz = system.rates_hz.get(edge)
         rates_hz.setdefault(ends if edge.is_published else ends[::-1], []).extend(
             [] if rate_hz is None else [rate_hz])
     return ['{} -> {}{};'.format(*ends, ' [label={}]'.format(_quoted(rate_text(max(known))))

@@ -1,5 +1,5 @@
 """Nodes and topics of a running system, and which of them a picture shows."""
-from typing import Dict, FrozenSet, Iterable, NamedTuple, Optional, Tuple
+from typing import Dict, FrozenSet, Iterable, NamedTuple, Tuple
 
 # rqt_graph does not show the names that contain one of these unless "Debug" is chosen
 DEBUG_NAMES = ('/clock', '/cpu_monitor', '/diag_agg', '/hd_monitor', '/monitor', '/pr2_dashboard',
@@ -39,28 +39,12 @@ class System(NamedTuple):
         return self._replace(nodes=self.nodes - {node}, edges=frozenset(
             edge for edge in self.edges if edge.node != node))
 
-    def rate_hz(self, edge: Edge) -> Optional[float]:
-        """Return the rate on an edge, None if it is not known."""
-        return self.rates_hz.get(edge)
 
+def visible(system: System, leaves: bool = False) -> System:
+    """Return the part of a system that rqt_graph shows. Its nodes may be without an edge.
 
-class Choice(NamedTuple):
-    """What a picture shows; the defaults are those of rqt_graph.
-
-    debug: names like /rosout and /clock.
-    leaves: topics that only one node uses, or that nobody subscribes to.
-    parameters: the topics of dynamic_reconfigure.
-    dead: nodes that do not answer.
-    """
-
-    debug: bool = False
-    leaves: bool = False
-    parameters: bool = False
-    dead: bool = False
-
-
-def visible(system: System, choice: Choice = Choice()) -> System:
-    """Return the part of a system that a picture shows. Its nodes may be without an edge.
+    Names like /rosout and /clock, the topics of dynamic_reconfigure and nodes that do not answer
+    are not shown; leaves: whether topics are that only one node uses or nobody subscribes to.
 
     >>> odom, clock = (Edge('/gazebo', topic, is_published=True) for topic in ('/odom', '/clock'))
     >>> rviz = Edge('/viewer', '/odom', is_published=False)
@@ -68,18 +52,12 @@ def visible(system: System, choice: Choice = Choice()) -> System:
     >>> visible(system).edges == {odom, rviz}
     True
     """
-    nodes, topics = system.nodes, system.topics
-    if not choice.debug:
-        nodes, topics = _without_debug(nodes), _without_debug(topics)
-    if not choice.dead:
-        nodes -= system.dead
-    edges = system.edges
-    if not choice.parameters:
-        topics -= _parameter_topics(topics)
-    if not choice.leaves:
-        topics -= _leaves(edges, topics)
+    nodes, topics = _without_debug(system.nodes) - system.dead, _without_debug(system.topics)
+    topics -= _parameter_topics(topics)
+    if not leaves:
+        topics -= _leaves(system.edges, topics)
     return system._replace(nodes=nodes, edges=frozenset(
-        edge for edge in edges if edge.node in nodes and edge.topic in topics))
+        edge for edge in system.edges if edge.node in nodes and edge.topic in topics))
 
 
 def _without_debug(names: Iterable[str]) -> FrozenSet[str]:

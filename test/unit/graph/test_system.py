@@ -1,7 +1,7 @@
 """Which nodes and topics a picture shows."""
 import pytest
 
-from img_recog.graph.system import Choice, Edge, System, clusters_of, visible
+from img_recog.graph.system import Edge, System, clusters_of, visible
 
 CAMERA = Edge('/usb_cam', '/usb_cam/image_raw', True)
 IMAGES = Edge('/color_extract', '/usb_cam/image_raw', False)
@@ -23,18 +23,17 @@ def test_a_chain_is_shown_as_it_is():
     chain = system(CAMERA, IMAGES, COMMANDS, DRIVEN, rates_hz={CAMERA: 30.0})
     assert visible(chain) == chain
     assert chain.topics == {'/usb_cam/image_raw', '/cmd_vel'}
-    assert chain.rate_hz(CAMERA) == 30.0 and chain.rate_hz(DRIVEN) is None
 
 
-@pytest.mark.parametrize('hidden, choice', [
-    ([ODOM], Choice(leaves=True)),                          # used once
-    ([ODOM, Edge('/other', '/odom', True)], Choice(leaves=True)),       # nobody subscribes
-    (LOGS, Choice(debug=True)),
-    (PARAMETERS, Choice(parameters=True))])
-def test_what_is_hidden_unless_it_is_chosen(hidden, choice):
+@pytest.mark.parametrize('hidden, is_leaf', [
+    ([ODOM], True),                                         # used once
+    ([ODOM, Edge('/other', '/odom', True)], True),          # nobody subscribes
+    (LOGS, False), (PARAMETERS, False)])
+def test_what_is_hidden_and_whether_as_a_leaf(hidden, is_leaf):
     chain = [CAMERA, IMAGES, COMMANDS, DRIVEN]
     assert visible(system(*chain, *hidden)).edges == set(chain)
-    assert visible(system(*chain, *hidden), choice) == system(*chain, *hidden)
+    assert visible(system(*chain, *hidden), leaves=True).edges == {
+        *chain, *(hidden if is_leaf else ())}
 
 
 def test_two_publishers_without_a_subscriber_are_a_leaf_but_with_one_they_are_not():
@@ -50,11 +49,10 @@ def test_one_topic_of_a_pair_of_parameters_is_shown():
     assert visible(system(*PARAMETERS[:2])).edges == set(PARAMETERS[:2])
 
 
-def test_dead_nodes_are_hidden_with_their_edges_unless_chosen():
+def test_dead_nodes_are_hidden_with_their_edges():
     dead = system(COMMANDS, ZEROS, DRIVEN, dead=frozenset(['/teleop']))
     assert visible(dead).edges == {COMMANDS, DRIVEN}
     assert visible(dead).nodes == {'/color_extract', '/gazebo'}
-    assert visible(dead, Choice(dead=True)) == dead
 
 
 @pytest.mark.parametrize('name, clusters', [

@@ -32,8 +32,6 @@ _REFUSALS = {
          'started: http://.../?token=...\n',
     413: 'The request is too large.\n',
     503: 'Too many connections: close other pages.\n'}
-_HEADERS = [(b'x-frame-options', b'DENY'), (b'x-content-type-options', b'nosniff'),
-            (b'referrer-policy', b'no-referrer')]
 
 
 class Authentication:
@@ -59,7 +57,6 @@ class Authentication:
         if scope['type'] not in ('http', 'websocket'):
             await self._app(scope, receive, send)
             return
-        send = _with_headers(send)
         answer = self._answer(HTTPConnection(scope))
         if answer is not None:
             await answer(scope, receive, send)
@@ -144,14 +141,6 @@ def _cookies(text: str, name: str) -> List[str]:
     """
     pairs = (part.strip().partition('=') for part in text.split(';'))
     return [value for key, _, value in pairs if key == name]
-
-
-def _with_headers(send: Send) -> Send:
-    async def send_with_headers(message: Message) -> None:
-        if message['type'] == 'http.response.start':
-            message = dict(message, headers=[*message.get('headers', ()), *_HEADERS])
-        await send(message)
-    return send_with_headers
 
 
 class _Visit:

@@ -10,7 +10,7 @@ from nicegui import ui
 from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
-from img_recog.graph.system import Choice, System, visible
+from img_recog.graph.system import System, visible
 from img_recog.nodes.web.visit import Visit
 
 TEXTS = {
@@ -65,8 +65,7 @@ class GraphPictures:
             system = self._read()
             if (is_dark, leaves) not in self._drawn:
                 self._drawn[is_dark, leaves] = dot.draw(
-                    dot.to_dot(visible(system, Choice(leaves=leaves)),
-                               _DARK if is_dark else _LIGHT), 'svg')
+                    dot.to_dot(visible(system, leaves), _DARK if is_dark else _LIGHT), 'svg')
             return self._drawn[is_dark, leaves]
 
     def _read(self) -> System:

@@ -14,7 +14,7 @@ from fastapi.staticfiles import StaticFiles
 from nicegui import run, ui
 
 from img_recog.nodes.web import texts
-from img_recog.nodes.web.tabs import TABS, Tab
+from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.texts import Texts
 from img_recog.nodes.web.visit import System, Visit
 
@@ -54,18 +54,17 @@ class _Page:
         self._names: List[str] = []
         self._seen_s = time.monotonic()
         self._updates: List[Callable[[], None]] = []
-        tabs = [tab for tab in TABS if tab.exists(visit)]
         ui.add_head_html(
             '<script>window.texts = {}; window.robot = {}; document.documentElement.lang = "{}";'
             '</script>{}<link rel="stylesheet" href="/static/page.css">'.format(
                 json.dumps(self._t.all), json.dumps(self._robot.name), self._t.language,
                 ''.join('<script src="/static/{}.js" defer></script>'.format(name)
-                        for name in ('page', *(tab.name for tab in tabs)))))
+                        for name in ('page', *(tab.name for tab in TABS)))))
         ui.page_title(self._t('title'))
-        header = self._header(tabs)
-        with ui.tab_panels(header, value=tabs[0].name, animated=False,
+        header = self._header()
+        with ui.tab_panels(header, value=TABS[0].name, animated=False,
                            keep_alive=True).classes('panels'):
-            for tab in tabs:
+            for tab in TABS:
                 with ui.tab_panel(tab.name):
                     added = tab.add(visit)
                 if tab.update is not None:
@@ -95,7 +94,7 @@ class _Page:
         for update in self._updates:
             update()
 
-    def _header(self, shown: List[Tab]) -> ui.tabs:
+    def _header(self) -> ui.tabs:
         with ui.header().style('padding: 0 8px; gap: 8px; align-items: center'):
             ui.label('img_recog').classes('brand').style('font-weight: 600')
             self._select = ui.select(
@@ -105,7 +104,7 @@ class _Page:
             self._select.set_visibility(False)
             with ui.tabs().props('dense no-caps inline-label outside-arrows mobile-arrows') \
                     .style('flex: 1; min-width: 0') as tabs:
-                for tab in shown:
+                for tab in TABS:
                     ui.tab(tab.name, label=self._t(tab.name))
             ui.label(self._t('disconnected')).classes('status').props(
                 'data-bind=connection role=status')

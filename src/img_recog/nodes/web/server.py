@@ -14,6 +14,8 @@ from img_recog.nodes.web.authentication import MAX_BODY_BYTES
 _PORTS = 11             # tried, from the first one on
 _MAX_PORT = 65535
 _END_TIMEOUT_S = 2.0
+_HEADERS = [('x-frame-options', 'DENY'), ('x-content-type-options', 'nosniff'),
+            ('referrer-policy', 'no-referrer')]
 # they log a traceback for each message of a browser that makes no sense
 _LOGGERS = ('asyncio', 'engineio.server', 'nicegui', 'socketio.server')
 
@@ -63,7 +65,7 @@ class Server:
         # JPEG images do not get smaller
         self._server = uvicorn.Server(uvicorn.Config(
             app, log_level='error', access_log=False, lifespan='on', server_header=False,
-            ws_max_size=MAX_BODY_BYTES, ws_per_message_deflate=False, timeout_keep_alive=30,
+            headers=_HEADERS, ws_max_size=MAX_BODY_BYTES, ws_per_message_deflate=False, timeout_keep_alive=30,
             timeout_graceful_shutdown=1))
         self._sock, self._failed = sock, failed
         self._thread = threading.Thread(target=self._run, daemon=True)

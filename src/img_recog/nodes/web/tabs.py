@@ -8,24 +8,19 @@ from img_recog.nodes.web.measurements import Source
 from img_recog.nodes.web.visit import Visit
 
 
-def _always(_: Visit) -> bool:
-    return True
-
-
 class Tab(NamedTuple):
     """A tab.
 
     name: the key of its title, and the name of its script static/NAME.js. texts: its own.
     add: adds its elements to a page. update: shows what other pages and nodes have changed, every
-    0.4 s; is called with what `add` has returned. exists: whether a visitor gets it. topics: those
-    that only it shows. serve: adds what its elements load.
+    0.4 s; is called with what `add` has returned. topics: those that only it shows. serve: adds what
+    its elements load.
     """
 
     name: str
     texts: texts.TextTable
     add: Callable[[Visit], Any]
     update: Optional[Callable[[Any], None]] = None
-    exists: Callable[[Visit], bool] = _always
     topics: Optional[Source] = None
     serve: Optional[Callable[[FastAPI], None]] = None
 

@@ -27,8 +27,7 @@ SONAR = Tab('sonar', {'sonar': ('Sonar', 'ソナー'), 'distance': ('Distance', 
 
 
 def test_a_tab_is_a_row_of_the_table(monkeypatch):
-    absent = SONAR._replace(name='absent', exists=lambda visit: visit.robot.name == 'other')
-    monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR, absent._replace(serve=None)))
+    monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR))
     limits = VelocityLimits()
     robot = SimpleNamespace(
         name='tb3_1', pose=None, colors=SimpleNamespace(revision=0, values=dict),
@@ -42,4 +41,3 @@ def test_a_tab_is_a_row_of_the_table(monkeypatch):
         assert client.get('/sonar.svg').json() == 'echo'
     for words in ('/static/sonar.js', 'ソナー', '距離 of tb3_1', '/static/live.js'):
         assert words in text
-    assert 'absent' not in text

@@ -85,6 +85,9 @@ def test_a_server_answers_until_it_is_closed(monkeypatch):
     running = Server(hello, sock, failures.append)
     with urllib.request.urlopen(url, timeout=DEADLINE_S) as answer:
         assert answer.read() == b'hello' and answer.headers['server'] is None
+        assert answer.headers['x-frame-options'] == 'DENY'
+        assert answer.headers['x-content-type-options'] == 'nosniff'
+        assert answer.headers['referrer-policy'] == 'no-referrer'
     running.close()
     assert failures == []
     with pytest.raises(OSError):
