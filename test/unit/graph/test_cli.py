@@ -15,7 +15,7 @@ SYSTEM = System(frozenset(['/a', '/b', '/rosout']), frozenset([
 
 
 @pytest.fixture
-def draw(monkeypatch, tmp_path, capsys):
+def draw(monkeypatch, tmp_path, capsys, handlers_as_before):
     """A function that runs the tool in a folder; it returns exit code, file and output."""
     reads = []
 
@@ -30,11 +30,7 @@ def draw(monkeypatch, tmp_path, capsys):
         code = cli.main([*arguments])
         path = tmp_path / 'out.dot'
         return code, path.read_text() if path.exists() else '', capsys.readouterr()
-    handlers = {signum: signal.getsignal(signum)
-                for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-    yield run
-    for signum, handler in handlers.items():
-        signal.signal(signum, handler)
+    return run
 
 
 def test_a_picture_of_what_rqt_graph_shows(draw, tmp_path):
@@ -68,17 +64,13 @@ def test_a_path_that_cannot_be_written(draw, tmp_path):
     assert code == 1
 
 
-def test_without_a_master(monkeypatch, capsys):
-    monkeypatch.setenv('ROS_MASTER_URI', 'http://127.0.0.1:1')
+@pytest.mark.parametrize('uri, problem', [
+    ('http://127.0.0.1:1', 'no master answers at http://127.0.0.1:1'),
+    ('junk', "ROS_MASTER_URI is 'junk', expected http://HOST:PORT; set it to ")])
+def test_without_a_master(monkeypatch, capsys, uri, problem):
+    monkeypatch.setenv('ROS_MASTER_URI', uri)
     assert cli.main(['out.svg']) == 1
-    assert capsys.readouterr().err.startswith('graph.py: no master answers at http://127.0.0.1:1')
-
-
-def test_with_a_uri_that_is_no_address(monkeypatch, capsys):
-    monkeypatch.setenv('ROS_MASTER_URI', 'junk')
-    assert cli.main(['out.svg']) == 1
-    assert capsys.readouterr().err.startswith(
-        "graph.py: ROS_MASTER_URI is 'junk', expected http://HOST:PORT; set it to ")
+    assert capsys.readouterr().err.startswith('graph.py: ' + problem)
 
 
 # a signal arrives while the file is written

@@ -3,7 +3,6 @@ import gc
 import logging
 import os
 import re
-import signal
 import sys
 import time
 
@@ -29,10 +28,8 @@ class FakePainter:
 
 
 @pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
+def run(monkeypatch, capsys, tmp_path, handlers_as_before):
     """A function that runs the program in an empty folder: exit code, output, painter."""
-    handlers = {signum: signal.getsignal(signum)
-                for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     levels = {level: logging.getLevelName(level) for level in (logging.WARNING, logging.ERROR)}
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv('OPENCV_FFMPEG_LOGLEVEL', '')
@@ -44,30 +41,23 @@ def run(monkeypatch, capsys, tmp_path):
         code = job.main(painter, time.perf_counter() - 1000)
         return code, capsys.readouterr().out, painter
     yield run
-    for signum, handler in handlers.items():
-        signal.signal(signum, handler)
     for level, name in levels.items():
         logging.addLevelName(level, name)
 
 
-def test_defaults_of_the_options():
-    options = vars(cli.parse(['a.bag']))
-    assert options == {
+def test_options_and_their_defaults():
+    defaults = {
         'input': 'a.bag', 'topic': '', 'colors': '', 'output': '', 'teleop': True,
         'world': 'turtlebot3_world', 'urdf': resources.burger(), 'x_pos': -2.0, 'y_pos': -0.5,
         'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000, 'allow_partial_world': False,
         'camera': '', 'seconds': 60.0, 'film': False}
-
-
-def test_all_options():
-    options = vars(cli.parse(
-        'a.bag --topic t --colors c --output o --no-teleop --world w --urdf u --x-pos 1 '
-        '--y-pos 2 --z-pos 3 --yaw 0.5 --max-image-pixels 9 --allow-partial-world --film'.split()))
-    assert options == {
-        'input': 'a.bag', 'topic': 't', 'colors': 'c', 'output': 'o', 'teleop': False,
-        'world': 'w', 'urdf': 'u', 'x_pos': 1.0, 'y_pos': 2.0, 'z_pos': 3.0, 'yaw': 0.5,
-        'max_image_pixels': 9, 'allow_partial_world': True, 'camera': '', 'seconds': 60.0,
-        'film': True}
+    assert vars(cli.parse(['a.bag'])) == defaults
+    assert vars(cli.parse(
+        'a.bag --topic t --colors c --output o --no-teleop --world w --urdf u --x-pos 1 --y-pos 2 '
+        '--z-pos 3 --yaw 0.5 --max-image-pixels 9 --allow-partial-world --film'.split())) == {
+            **defaults, 'topic': 't', 'colors': 'c', 'output': 'o', 'teleop': False, 'world': 'w',
+            'urdf': 'u', 'x_pos': 1.0, 'y_pos': 2.0, 'z_pos': 3.0, 'yaw': 0.5,
+            'max_image_pixels': 9, 'allow_partial_world': True, 'film': True}
     assert cli.spawn_settings(cli.parse(['a', '--x-pos', '1', '--yaw', '2'])) == SpawnSettings(
         1.0, -0.5, 0.0, 2.0)
 
