@@ -50,19 +50,21 @@ NO_SPACE = 'Error writing trailer of /dev/fd/5: No space left on device'
     ('cat >/dev/null; exit 3', 'ffmpeg: it has ended with 3; see whether ffmpeg works'),
     ('for last; do :; done; cat >/dev/null; echo "$last: no\npacket" >&2; exit 1',
      'ffmpeg: {out}: no packet; see whether ffmpeg works')])
-def test_what_ends_ffmpeg_names_the_film(bag, tmp_path, capsys, caplog, ffmpeg, script, problem):
+def test_what_ends_ffmpeg_names_the_film(bag, tmp_path, refused, ffmpeg, script, problem):
     ffmpeg(script)
     out = tmp_path / 'out.mp4'
-    assert make(capsys, bag, out)[0] == 1
-    line, = [record.getMessage() for record in caplog.records]
-    assert line.startswith('cannot write {}: {}'.format(out, problem.format(out=out)))
-    assert list(tmp_path.iterdir()) == [bag]
+    assert refused(bag, out).startswith('cannot write {}: {}'.format(out, problem.format(out=out)))
 
 
 def message(msg_type, time_s):
     msg = msg_type()
     msg.header.stamp = genpy.Time.from_sec(time_s)
     return msg
+
+
+def jpeg(time_s):
+    return compressed_image_msgs.to_msg(card(), 'bgr8', Header(stamp=genpy.Time.from_sec(time_s)),
+                                        CompressionSettings())
 
 
 def record(path, robots):
@@ -74,8 +76,7 @@ def record(path, robots):
             now = genpy.Time.from_sec(10.0 + tick / 30)
             scan = LaserScan(angle_min=0.0, angle_increment=0.5, range_min=0.1, range_max=3.0,
                              ranges=[1.0, float('inf'), float('nan'), 2.0])
-            image = compressed_image_msgs.to_msg(card(), 'bgr8', Header(stamp=now),
-                                                 CompressionSettings())
+            image = jpeg(now.to_sec())
             for namespace, place in robots.items():
                 odometry = message(Odometry, now.to_sec())
                 position = odometry.pose.pose.position
@@ -93,14 +94,29 @@ def bag(tmp_path):
     return record(tmp_path / 'in.bag', {'/': (2.0, 2.0)})
 
 
-def make(capsys, *arguments):
-    code = film_job.main([str(argument) for argument in arguments])
-    return code, capsys.readouterr()
+@pytest.fixture
+def make(capsys):
+    """A function that runs the program; it returns exit code and output."""
+    def run(*arguments):
+        code = film_job.main([str(argument) for argument in arguments])
+        return code, capsys.readouterr()
+    return run
 
 
-def test_a_film_of_a_bag(bag, tmp_path, capsys):
+@pytest.fixture
+def refused(make, caplog, tmp_path):
+    """A function that runs the program, which fails; it returns the one line of the log."""
+    def run(*arguments):
+        before = sorted(tmp_path.iterdir())
+        assert make(*arguments)[0] == 1
+        assert sorted(tmp_path.iterdir()) == before
+        return ''.join(caplog.messages)
+    return run
+
+
+def test_a_film_of_a_bag(bag, tmp_path, make):
     out = tmp_path / 'out.mp4'
-    code, output = make(capsys, bag, out)
+    code, output = make(bag, out)
     assert code == 0, output.err
     assert output.out == '{}: 1.0 s, 30 images of /usb_cam/image_raw/compressed\n'.format(out)
     frames, _ = frames_of(out)
@@ -110,10 +126,10 @@ def test_a_film_of_a_bag(bag, tmp_path, capsys):
 
 
 @pytest.mark.parametrize('name, side', [('a', -1), ('b', 1)])
-def test_of_several_robots_the_film_shows_that_of_the_images(tmp_path, capsys, name, side):
+def test_of_several_robots_the_film_shows_that_of_the_images(tmp_path, make, name, side):
     path = record(tmp_path / 'in.bag', {'/a/': (1.0, 2.0), '/b/': (3.0, 2.0)})
     out = tmp_path / 'out.mp4'
-    code, output = make(capsys, path, out, '--topic', '/{}/usb_cam/image_raw/compressed'.format(
+    code, output = make(path, out, '--topic', '/{}/usb_cam/image_raw/compressed'.format(
         name))
     assert code == 0, output.err
     x, y = center_of(frames_of(out)[0][-1][34:394, 740:1270], ROBOT, 40)
@@ -130,14 +146,14 @@ ROBOT_TOPICS = [('/odom', Odometry), ('/scan', LaserScan), ('/cmd_vel', Twist),
 
 
 @pytest.mark.parametrize('topic, msg_type', ROBOT_TOPICS)
-def test_a_type_with_another_definition_is_ignored(tmp_path, capsys, caplog, topic, msg_type):
+def test_a_type_with_another_definition_is_ignored(tmp_path, make, caplog, topic, msg_type):
     with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
         for time_s in (10.0, 10.1):
             now = genpy.Time.from_sec(time_s)
             file.write(topic, other_definition(msg_type)('x'), now)
             file.write('/usb_cam/image_raw', image_msgs.to_msg(card(), 'bgr8', Header(stamp=now)),
                        now)
-    code, output = make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')
+    code, output = make(tmp_path / 'in.bag', tmp_path / 'out.mp4')
     assert code == 0, output.err
     assert [record.getMessage() for record in caplog.records] == [
         'the film does not show {} ({}): the message type has another definition in this '
@@ -145,12 +161,12 @@ def test_a_type_with_another_definition_is_ignored(tmp_path, capsys, caplog, top
 
 
 @pytest.mark.parametrize('namespace', ['/', '/other/'])
-def test_a_second_definition_in_the_bag_is_ignored(bag, tmp_path, capsys, caplog, namespace):
+def test_a_second_definition_in_the_bag_is_ignored(bag, tmp_path, make, caplog, namespace):
     with rosbag.Bag(str(bag), 'a') as file:
         for topic, msg_type in [*ROBOT_TOPICS, ('/usb_cam/image_raw/compressed', Odometry)]:
             file.write(namespace.rstrip('/') + topic, other_definition(msg_type)('x'),
                        genpy.Time(10.5))
-    code, output = make(capsys, bag, tmp_path / 'out.mp4')
+    code, output = make(bag, tmp_path / 'out.mp4')
     assert code == 0, output.err
     assert output.out.endswith(': 1.0 s, 30 images of /usb_cam/image_raw/compressed\n')
     assert len(caplog.records) == (namespace != '/')
@@ -179,7 +195,7 @@ def test_points_of_a_scan_that_cannot_be_drawn_are_left_out(far):
 
 
 @pytest.mark.parametrize('bad', [math.nan, -math.inf, 1e300])
-def test_numbers_that_cannot_be_drawn(bag, tmp_path, capsys, bad):
+def test_numbers_that_cannot_be_drawn(bag, tmp_path, make, bad):
     odometry, twist = message(Odometry, 10.5), Twist()
     odometry.pose.pose.orientation.w = 1.0
     odometry.pose.pose.position.x = odometry.pose.pose.position.y = 2.0
@@ -193,38 +209,56 @@ def test_numbers_that_cannot_be_drawn(bag, tmp_path, capsys, bad):
             file.write(topic, msg, genpy.Time.from_sec(time_s))
     with warnings.catch_warnings():
         warnings.simplefilter('error', RuntimeWarning)
-        code, output = make(capsys, bag, tmp_path / 'out.mp4')
+        code, output = make(bag, tmp_path / 'out.mp4')
     assert code == 0, output.err
     assert len(frames_of(tmp_path / 'out.mp4')[0]) == 30
 
 
-@pytest.mark.parametrize('arguments, words', [
-    (['nowhere.bag', 'out.mp4'], 'no such file; give a bag with images, as of ./run demo'),
-    ([__file__, 'out.mp4'], 'it is not a bag; give a bag with images, as of ./run demo')])
-def test_inputs_that_are_refused(tmp_path, capsys, monkeypatch, caplog, arguments, words):
-    monkeypatch.chdir(tmp_path)
-    assert make(capsys, *arguments)[0] == 1
-    assert words in caplog.text and not (tmp_path / 'out.mp4').exists()
+WANTED = '; give a bag with images, as of ./run demo record:=FILE'
 
 
-@pytest.mark.parametrize('content', [b'', b'junk', b'#ROSBAG V9.0\n'])
-def test_a_bag_that_is_none(tmp_path, capsys, caplog, content):
+def unusable():
+    msg = image_msgs.to_msg(card(), 'bgr8', Header())
+    msg.data = b'short'
+    return msg
+
+
+@pytest.mark.parametrize('content, problem', [
+    (None, 'cannot make a film of {}: no such file' + WANTED),
+    ('in.bag.active', '{0} is not complete: there is {0}.active; stop the demo that'),
+    (b'', 'cannot read {} as a bag: .*' + WANTED),
+    (b'junk', 'cannot read {} as a bag: .*' + WANTED),
+    (b'#ROSBAG V9.0\n', 'cannot read {} as a bag: .*' + WANTED),
+    ([('/chatter', String('hello'), 1.0)], '.* {} has no messages of type sensor_msgs/Image'),
+    ([('/usb_cam/image_raw', unusable(), 1.0)], 'no image on /usb_cam/image_raw in {} can be used; '),
+    # the clock was set while it was recorded
+    ([('/usb_cam/image_raw/compressed', jpeg(time_s), time_s) for time_s in (10.0, 10.1, 3.0e7)],
+     '.*jump ahead by 3e\\+07 s at message 3; extract a part without jumps')])
+def test_a_bag_that_is_refused(tmp_path, refused, content, problem):
     path = tmp_path / 'in.bag'
-    path.write_bytes(content)
-    assert make(capsys, path, tmp_path / 'out.mp4')[0] == 1
-    line, = [record.getMessage() for record in caplog.records]
-    assert line.startswith('cannot read {} as a bag: '.format(path)), line
-    assert line.endswith('; give a bag with images, as of ./run demo record:=FILE')
+    if isinstance(content, str):
+        (tmp_path / content).write_text('')
+    elif isinstance(content, bytes):
+        path.write_bytes(content)
+    elif content is not None:
+        with rosbag.Bag(str(path), 'w') as file:
+            for topic, msg, time_s in content:
+                file.write(topic, msg, genpy.Time.from_sec(time_s))
+    line = refused(path, tmp_path / 'out.mp4')
+    assert re.match(problem.format(path), line) and '\n' not in line
 
 
-def test_a_bag_that_may_not_be_read(bag, tmp_path, capsys, caplog, monkeypatch):
+def test_a_file_that_is_no_bag(refused, tmp_path):
+    assert refused(__file__, tmp_path / 'out.mp4').endswith(': it is not a bag' + WANTED)
+
+
+def test_a_bag_that_may_not_be_read(bag, tmp_path, refused, monkeypatch):
     def is_bag(path):
         raise PermissionError(errno.EACCES, 'Permission denied', path)
     monkeypatch.setattr(film_job, 'is_bag', is_bag)     # root may read each file
-    assert make(capsys, bag, tmp_path / 'out.mp4')[0] == 1
-    assert [record.getMessage() for record in caplog.records] == [
+    assert refused(bag, tmp_path / 'out.mp4') == (
         'cannot read {}: permission denied; see its permissions (ls -l), or give another '
-        'bag'.format(bag)]
+        'bag'.format(bag))
 
 
 LIKE = 'give a parameter file of color_extract, like config/colors.yaml'
@@ -237,78 +271,37 @@ LIKE = 'give a parameter file of color_extract, like config/colors.yaml'
     ('junk', 'cannot use the parameters in {}: got str, expected lines like ',
      'blue_hue_min: 50'),
     ('blue_hue_min: -7', '{}: parameter blue_hue_min: got -7, allowed is ', '0 to 180')])
-def test_colors_that_are_refused(bag, tmp_path, capsys, caplog, content, problem, advice):
+def test_colors_that_are_refused(bag, tmp_path, refused, content, problem, advice):
     path = tmp_path / 'colors.yaml'
     if content == 'folder':
         path.mkdir()
     elif content is not None:
         path.write_text(content)
-    assert make(capsys, bag, tmp_path / 'out.mp4', '--colors', path)[0] == 1
-    line, = [record.getMessage() for record in caplog.records]
-    assert line.startswith(problem.format(path)), line
-    assert line.endswith(advice)
-
-
-def test_a_bag_that_is_still_recorded(tmp_path, capsys, caplog):
-    (tmp_path / 'demo.bag.active').write_text('')
-    assert make(capsys, tmp_path / 'demo.bag', tmp_path / 'out.mp4')[0] == 1
-    line, = [record.getMessage() for record in caplog.records]
-    assert re.match('.*demo.bag is not complete: there is .*demo.bag.active; stop the demo', line)
-
-
-def test_a_bag_without_images(tmp_path, capsys, caplog):
-    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
-        file.write('/chatter', String('hello'), genpy.Time(1))
-    assert make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')[0] == 1
-    assert 'has no messages of type sensor_msgs/Image' in caplog.text
-    assert not (tmp_path / 'out.mp4').exists()
-
-
-def test_a_bag_whose_images_cannot_be_used(tmp_path, capsys, caplog):
-    bad = image_msgs.to_msg(card(), 'bgr8', Header())
-    bad.data = b'short'
-    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
-        file.write('/usb_cam/image_raw', bad, genpy.Time(1))
-    assert make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')[0] == 1
-    assert 'no image on /usb_cam/image_raw in {}/in.bag can be used; '.format(
-        tmp_path) in caplog.text
-    assert list(tmp_path.iterdir()) == [tmp_path / 'in.bag']
+    line = refused(bag, tmp_path / 'out.mp4', '--colors', path)
+    assert line.startswith(problem.format(path)) and line.endswith(advice), line
 
 
 @pytest.mark.parametrize('output', ['out.avi', 'out'])
-def test_an_output_that_is_no_mp4(bag, capsys, output):
+def test_an_output_that_is_no_mp4(bag, make, capsys, output):
     with pytest.raises(SystemExit):
-        make(capsys, bag, output)
+        make(bag, output)
     assert 'expected FILE.mp4' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('link', [None, 'symlink', 'link'])
-def test_the_bag_itself_is_not_overwritten(bag, tmp_path, capsys, caplog, link):
+def test_the_bag_itself_is_not_overwritten(bag, tmp_path, refused, link):
     path = bag.rename(tmp_path / 'in.mp4')
     out = path if link is None else tmp_path / 'out.mp4'
     if link is not None:
         getattr(os, link)(str(path), str(out))
     before = path.read_bytes()
-    assert make(capsys, path, out)[0] == 1
-    assert 'cannot write {}: that is what is filmed; give the film another name'.format(
-        out) in caplog.text
+    assert refused(path, out) == (
+        'cannot write {}: that is what is filmed; give the film another name'.format(out))
     assert path.read_bytes() == before and os.path.samefile(str(path), str(out))
 
 
-def test_a_path_that_cannot_be_written(bag, capsys, caplog):
-    assert make(capsys, bag, '/nowhere/out.mp4')[0] == 1
-    assert 'cannot write /nowhere/out.mp4' in caplog.text
-
-
-def test_a_bag_whose_clock_was_set_while_it_was_recorded(tmp_path, capsys, caplog):
-    with rosbag.Bag(str(tmp_path / 'in.bag'), 'w') as file:
-        for time_s in (10.0, 10.1, 3.0e7):
-            now = genpy.Time.from_sec(time_s)
-            file.write('/usb_cam/image_raw/compressed', compressed_image_msgs.to_msg(
-                card(), 'bgr8', Header(stamp=now), CompressionSettings()), now)
-    code, _ = make(capsys, tmp_path / 'in.bag', tmp_path / 'out.mp4')
-    assert code == 1 and not (tmp_path / 'out.mp4').exists()
-    assert 'jump ahead by 3e+07 s at message 3; extract a part without jumps' in caplog.text
+def test_a_path_that_cannot_be_written(bag, refused):
+    assert refused(bag, '/nowhere/out.mp4').startswith('cannot write /nowhere/out.mp4')
 
 
 # a signal arrives when a part of the film is written
