@@ -2,8 +2,6 @@
 import cv2
 import numpy as np
 
-from img_recog.replay.film_picture import FilmState
-
 BLUE = (215, 70, 25)
 SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
 ROBOT, PATH = (74, 163, 22), (235, 99, 37)
@@ -15,13 +13,13 @@ def card(color=BLUE):
     return image
 
 
-def state(time_s=1.0, pose=(2.0, 2.0, 0.0), **fields):
+def draw(film, time_s=1.0, pose=(2.0, 2.0, 0.0), masked=None, areas_px=(4800, 0)):
+    """Return the next picture of a FilmPicture."""
     image = card()
-    masked = [np.where((image == BLUE).all(axis=2, keepdims=True), image, 0).astype(np.uint8),
-              np.zeros_like(image)]
-    return FilmState(**dict({
-        'time_s': time_s, 'image': image, 'masked': masked, 'areas_px': (4800, 0), 'pose': pose,
-        'scan': np.empty((0, 2)), 'asked': 0.2, 'driven': 0.1}, **fields))
+    masked = masked or [np.where((image == BLUE).all(axis=2, keepdims=True), image, 0),
+                        np.zeros_like(image)]
+    film.pose, film.asked, film.driven = pose, 0.2, 0.1
+    return film.draw(time_s, image, masked, areas_px)
 
 
 def center_of(picture, color, tolerance=3):

@@ -7,7 +7,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, List, Optional, Sequence
 
 import numpy as np
 
@@ -16,17 +16,19 @@ from img_recog.files import DISK_ERRORS
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.replay.chain import SECOND_NS, CommandSent, FrameResult, Recorder
-from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture, FilmState
+from img_recog.replay.film_picture import HEIGHT, WIDTH, FilmPicture
 
 RATE_HZ = 30
-_NO_SCAN = np.empty((0, 2))
 _END_TIMEOUT_S = 60.0
 _ADVICE = 'install the package ffmpeg'
 _ENCODER_ADVICE = 'see whether ffmpeg works and has the encoder libx264: ffmpeg -encoders'
 
 
 class Film:
-    """Writes states in the order of time; a film has RATE_HZ pictures a second."""
+    """Adds images in the order of time; a film has RATE_HZ pictures a second.
+
+    picture: to set what is known beside the images.
+    """
 
     def __init__(self, file: io.BufferedRandom, settings: RecognitionSettings,
                  outlines: Sequence[np.ndarray], path: str = ''):
@@ -38,14 +40,10 @@ class Film:
         """
         self._extractor = ColorExtractor(settings)
         self._numbers = range(len(settings.colors))
-        self._picture = FilmPicture(settings.colors, outlines)
+        self.picture = FilmPicture(settings.colors, outlines)
         self._writer = FilmWriter(file, WIDTH, HEIGHT, RATE_HZ, path)
         self._drawn: Optional[np.ndarray] = None
         self._ticks = 0
-        # what is known beside the images
-        self.asked = self.driven = 0.0
-        self.pose: Optional[Tuple[float, float, float]] = None
-        self.scan = _NO_SCAN
 
     def __enter__(self) -> 'Film':
         return self
@@ -62,9 +60,7 @@ class Film:
         self._write_until(time_s)
         areas_px: List[int] = self._extractor.measure(image, encoding)
         masked = [self._extractor.masked(number) for number in self._numbers]
-        self._drawn = self._picture.draw(FilmState(
-            time_s, self._extractor.bgr(), masked, areas_px, self.pose, self.scan, self.asked,
-            self.driven))
+        self._drawn = self.picture.draw(time_s, self._extractor.bgr(), masked, areas_px)
 
     def close(self, time_s: float) -> None:
         """Complete the film, which ends at this time in s."""
@@ -84,13 +80,13 @@ class FilmRecorder(Recorder):
         self._film = film
 
     def on_frame(self, result: FrameResult) -> None:
-        motion, film = result.motion, self._film
-        film.pose = float(motion.position[0]), float(motion.position[1]), motion.yaw
-        film.driven = float(motion.linear[0])
-        film.add(result.time_ns / SECOND_NS, result.frame.image, result.frame.encoding)
+        motion, picture = result.motion, self._film.picture
+        picture.pose = float(motion.position[0]), float(motion.position[1]), motion.yaw
+        picture.driven = float(motion.linear[0])
+        self._film.add(result.time_ns / SECOND_NS, result.frame.image, result.frame.encoding)
 
     def on_command(self, sent: CommandSent) -> None:
-        self._film.asked = sent.command[0]
+        self._film.picture.asked = sent.command[0]
 
 
 class FilmWriter:

@@ -23,6 +23,7 @@ from img_recog.replay.bags import BagFrames
 from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
 from img_recog.replay.film_messages import Messages
+from img_recog.replay.film_picture import FilmPicture
 from img_recog.replay.inputs import WANTED, is_bag
 from img_recog.signals import Interrupts
 
@@ -88,14 +89,14 @@ def _frames(path: str, options: argparse.Namespace) -> BagFrames:
 
 def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> float:
     """Add all messages to a film; return its length in s."""
-    start_s, time_s, last_problem, number = None, 0.0, '', 0
+    picture, start_s, time_s, last_problem, number = film.picture, None, 0.0, '', 0
     for role, msg, recorded_s in messages.in_order():
         if role == 'cmd_vel':
-            film.asked = _speed(msg)
+            picture.asked = _speed(msg)
         elif role == 'odom':
-            _take_odometry(film, msg)
-        elif role == 'scan' and film.pose is not None:
-            film.scan = scan_points(msg, film.pose)
+            _take_odometry(picture, msg)
+        elif role == 'scan' and picture.pose is not None:
+            picture.scan = scan_points(msg, picture.pose)
         elif role == 'image':
             progress.update()
             start_s = recorded_s if start_s is None else start_s
@@ -116,12 +117,12 @@ def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> 
     return time_s
 
 
-def _take_odometry(film: Film, msg: Any) -> None:
+def _take_odometry(picture: FilmPicture, msg: Any) -> None:
     try:
-        film.pose = plane_msgs.pose_from_msg(msg.pose)
+        picture.pose = plane_msgs.pose_from_msg(msg.pose)
     except PoseError:       # a film needs no warning for each message
         return
-    film.driven = _speed(msg.twist.twist)
+    picture.driven = _speed(msg.twist.twist)
 
 
 def _speed(twist: Twist) -> float:

@@ -1,7 +1,7 @@
 """Draws one picture of a film: camera, masked images, map and charts side by side."""
 import math
 from collections import deque
-from typing import Deque, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Deque, List, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
@@ -25,31 +25,19 @@ _JUMP_M = 0.5           # between two positions that follow one another: the rob
 _HUE_STEP = 15          # between the colors of two lines, of 180
 
 
-class FilmState(NamedTuple):
-    """What is known at a time.
-
-    image: bgr8 of shape (height, width, 3); masked: one such image for each color.
-    areas_px: of each color. pose: x and y in m, yaw in rad; None if not known.
-    scan: points (n, 2) in m in the frame of the map.
-    asked, driven: speed in m/s.
-    """
-
-    time_s: float
-    image: np.ndarray
-    masked: Sequence[np.ndarray]
-    areas_px: Sequence[int]
-    pose: Optional[Tuple[float, float, float]]
-    scan: np.ndarray
-    asked: float
-    driven: float
-
-
 class FilmPicture:
-    """Draws pictures of one film, in the order of time."""
+    """Draws pictures of one film, in the order of time.
+
+    What is known beside the images may be set at any time. pose: x and y in m, yaw in rad; None if
+    not known. scan: points (n, 2) in m in the frame of the map. asked, driven: speed in m/s.
+    """
 
     def __init__(self, colors: Sequence[Color], outlines: Sequence[np.ndarray]):
         """colors: that are recognized. outlines: (corners, 2) in m of what stands in the world."""
         self._colors, self._outlines = colors, list(outlines)
+        self.asked = self.driven = 0.0
+        self.pose: Optional[Tuple[float, float, float]] = None
+        self.scan = np.empty((0, 2))
         self._shown = line_colors(colors)
         self._areas: Deque[tuple] = deque()
         self._speeds: Deque[tuple] = deque()
@@ -57,16 +45,20 @@ class FilmPicture:
         corners = np.concatenate(self._outlines) if self._outlines else np.zeros((1, 2))
         self._low, self._high = corners.min(axis=0), corners.max(axis=0)
 
-    def draw(self, state: FilmState) -> np.ndarray:
-        """Return the picture (720, 1280, 3) of a state, bgr8."""
-        self._remember(state)
+    def draw(self, time_s: float, image: np.ndarray, masked: Sequence[np.ndarray],
+             areas_px: Sequence[int]) -> np.ndarray:
+        """Return the picture (720, 1280, 3) of a time, bgr8.
+
+        image: bgr8 of shape (height, width, 3); masked: one such image for each color.
+        areas_px: of each color.
+        """
+        self._remember(time_s, areas_px)
         picture = np.full((HEIGHT, WIDTH, 3), _PAGE, np.uint8)
         top = _MARGIN
-        put_image(picture, (_MARGIN, top, _LEFT, _ROW), 'camera, {:.2f} s'.format(state.time_s),
-                  state.image)
-        self._draw_masked(picture, state, 2 * _MARGIN + _LEFT, top)
+        put_image(picture, (_MARGIN, top, _LEFT, _ROW), 'camera, {:.2f} s'.format(time_s), image)
+        self._draw_masked(picture, masked, areas_px, image.shape[:2], 2 * _MARGIN + _LEFT, top)
         left = 3 * _MARGIN + _LEFT + _MASKS
-        self._draw_map(picture, (left, top, WIDTH - left - _MARGIN, _ROW + TITLE_PX), state)
+        self._draw_map(picture, (left, top, WIDTH - left - _MARGIN, _ROW + TITLE_PX))
         lower = top + _ROW + TITLE_PX + _MARGIN
         height = HEIGHT - lower - _MARGIN
         width = left - 2 * _MARGIN
@@ -74,47 +66,48 @@ class FilmPicture:
                   'areas of the colors (pixels; dashed: limit)',
                   [(color.name, shown, [(row[0], row[1 + number]) for row in self._areas])
                    for number, (color, shown) in enumerate(zip(self._colors, self._shown))],
-                  state.time_s, [(float(color.area_limit_px), shown)
-                                 for color, shown in zip(self._colors, self._shown)])
+                  time_s, [(float(color.area_limit_px), shown)
+                           for color, shown in zip(self._colors, self._shown)])
         put_chart(picture, (left, lower, WIDTH - left - _MARGIN, height), 'speed (m/s)',
                   [('asked', _ASKED, [(row[0], row[1]) for row in self._speeds]),
                    ('driven', _DRIVEN, [(row[0], row[2]) for row in self._speeds])],
-                  state.time_s, [])
+                  time_s, [])
         return picture
 
-    def _remember(self, state: FilmState) -> None:
-        self._areas.append((state.time_s, *state.areas_px))
-        self._speeds.append((state.time_s, state.asked, state.driven))
+    def _remember(self, time_s: float, areas_px: Sequence[int]) -> None:
+        self._areas.append((time_s, *areas_px))
+        self._speeds.append((time_s, self.asked, self.driven))
         for history in (self._areas, self._speeds):
-            while history[0][0] < state.time_s - HISTORY_S:
+            while history[0][0] < time_s - HISTORY_S:
                 history.popleft()
-        if state.pose is not None:
-            position = state.pose[:2]
+        if self.pose is not None:
+            position = self.pose[:2]
             if not self._paths or math.dist(self._paths[-1][-1], position) > _JUMP_M:
                 self._paths.append([])
             self._paths[-1].append(position)
             self._low = np.minimum(self._low, position)
             self._high = np.maximum(self._high, position)
 
-    def _draw_masked(self, picture: np.ndarray, state: FilmState, left: int, top: int) -> None:
+    def _draw_masked(self, picture: np.ndarray, masked: Sequence[np.ndarray],
+                     areas_px: Sequence[int], size: Tuple[int, ...], left: int, top: int) -> None:
         """Draw the masked images in as many columns as make them largest."""
-        rows_px, columns_px = state.image.shape[:2]
+        rows_px, columns_px = size
         columns, (width, height) = masks_grid(len(self._colors), columns_px / rows_px)
         titles = ['{}: {} px'.format(color.name, area_px) for color, area_px in zip(
-            self._colors, state.areas_px)]
+            self._colors, areas_px)]
         # of the longest title that there can be: it does not change from picture to picture
         scale = min((fitting_scale('{}: {} px'.format(color.name, rows_px * columns_px), width)
                      for color in self._colors), default=NORMAL)
-        for number, image in enumerate(state.masked[:len(titles)]):
+        for number, image in enumerate(masked[:len(titles)]):
             row, column = divmod(number, columns)
             place = left + column * (width + _MARGIN), top + row * (height + TITLE_PX + _MARGIN)
             put_image(picture, (*place, width, height), titles[number], image, scale)
 
-    def _draw_map(self, picture: np.ndarray, box: Box, state: FilmState) -> None:
+    def _draw_map(self, picture: np.ndarray, box: Box) -> None:
         left, top, width, height = box
-        put_card(picture, box, 'map' if state.pose is None else
+        put_card(picture, box, 'map' if self.pose is None else
                  'map: x {:.2f} m, y {:.2f} m, {:.0f} deg'.format(
-                     state.pose[0], state.pose[1], math.degrees(state.pose[2])))
+                     *self.pose[:2], math.degrees(self.pose[2])))
         area = picture[top + TITLE_PX:top + height, left:left + width]
         center = (self._low + self._high) / 2
         size_m = max(_MIN_MAP_M, *(self._high - self._low + 2 * _MAP_MARGIN_M))
@@ -127,12 +120,12 @@ class FilmPicture:
         for outline in self._outlines:
             cv2.fillPoly(area, [at(outline)], SOFT, cv2.LINE_AA)
             cv2.polylines(area, [at(outline)], True, INK, 1, cv2.LINE_AA)
-        for point in at(state.scan):
+        for point in at(self.scan):
             cv2.circle(area, tuple(int(each) for each in point), 1, _SCAN, -1)
         for path in self._paths:
             cv2.polylines(area, [at(np.array(path))], False, _PATH, 2, cv2.LINE_AA)
-        if state.pose is not None:
-            x, y, yaw = state.pose
+        if self.pose is not None:
+            x, y, yaw = self.pose
             turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
             arrow = np.array([(1.0, 0.0), (-0.7, 0.7), (-0.35, 0.0), (-0.7, -0.7)])
             cv2.fillPoly(area, [at(arrow * _ROBOT_M @ turn.T + (x, y))], _ROBOT, cv2.LINE_AA)

@@ -17,7 +17,7 @@ SETTINGS = with_colors()()
 def test_a_film_shows_each_image_until_the_next_one(tmp_path):
     path = tmp_path / 'out.mp4'
     with open(str(path), 'w+b') as file, Film(file, SETTINGS, [SQUARE]) as film:
-        film.pose = (1.0, 1.0, 0.0)
+        film.picture.pose = (1.0, 1.0, 0.0)
         film.add(0.0, card(), 'bgr8')
         film.add(0.5, card((40, 40, 210)), 'bgr8')
         film.close(1.0)

@@ -230,7 +230,8 @@ def unusable():
     (b'junk', 'cannot read {} as a bag: .*' + WANTED),
     (b'#ROSBAG V9.0\n', 'cannot read {} as a bag: .*' + WANTED),
     ([('/chatter', String('hello'), 1.0)], '.* {} has no messages of type sensor_msgs/Image'),
-    ([('/usb_cam/image_raw', unusable(), 1.0)], 'no image on /usb_cam/image_raw in {} can be used; '),
+    ([('/usb_cam/image_raw', unusable(), 1.0)],
+     'no image on /usb_cam/image_raw in {} can be used; '),
     # the clock was set while it was recorded
     ([('/usb_cam/image_raw/compressed', jpeg(time_s), time_s) for time_s in (10.0, 10.1, 3.0e7)],
      '.*jump ahead by 3e\\+07 s at message 3; extract a part without jumps')])

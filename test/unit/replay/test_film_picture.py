@@ -7,13 +7,13 @@ from img_recog.recognition.settings import with_colors
 from img_recog.replay import film_parts
 from img_recog.replay.film_picture import (HEIGHT, WIDTH, FilmPicture, line_colors,
                                            masks_grid)
-from img_recog_testing.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, state
+from img_recog_testing.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, draw
 
 SETTINGS = with_colors()()
 
 
 def test_all_parts_are_in_the_picture():
-    picture = FilmPicture(SETTINGS.colors, [SQUARE]).draw(state())
+    picture = draw(FilmPicture(SETTINGS.colors, [SQUARE]))
     assert picture.shape == (HEIGHT, WIDTH, 3) and picture.dtype == np.uint8
     camera, masked = picture[34:394, 10:490], picture[34:200, 500:730]
     assert center_of(camera, BLUE) == pytest.approx((240, 180), abs=2)
@@ -35,8 +35,8 @@ def test_masked_images_of_many_colors_have_columns(count, columns):
     rows = max(1, -(-count // number))
     assert number * width + (number - 1) * 10 <= 230 and rows * (height + 34) - 10 <= 384
     # the other masked images fill the column
-    picture = FilmPicture(many_colors(count), []).draw(state(
-        masked=[card()] * count, areas_px=(4800,) * count))
+    picture = draw(FilmPicture(many_colors(count), []), masked=[card()] * count,
+                   areas_px=(4800,) * count)
     assert picture.shape == (HEIGHT, WIDTH, 3)
     blue = (picture[34:394, 500:730] == BLUE).all(axis=2)
     assert blue.any() == bool(count)
@@ -55,7 +55,7 @@ def test_lines_of_the_same_hue_have_different_colors():
 @pytest.mark.parametrize('pose, side', [((2.0, 2.0, 0.0), (0, 0)), ((3.5, 2.0, 1.0), (1, 0)),
                                         ((2.0, 0.5, -2.0), (0, 1))])
 def test_the_robot_is_where_it_is_in_the_map(pose, side):
-    picture = FilmPicture(SETTINGS.colors, [SQUARE]).draw(state(pose=pose))
+    picture = draw(FilmPicture(SETTINGS.colors, [SQUARE]), pose=pose)
     x, y = center_of(picture[34:394, 740:1270], ROBOT)
     scale = 360 / 4.6       # the square with its margin
     assert x - 265 == pytest.approx(side[0] * 1.5 * scale, abs=10)
@@ -65,7 +65,7 @@ def test_the_robot_is_where_it_is_in_the_map(pose, side):
 def test_the_path_has_a_gap_where_the_robot_was_moved():
     film = FilmPicture(SETTINGS.colors, [SQUARE])
     for x, y in ((0.5, 0.5), (0.9, 0.5), (1.3, 0.5), (3.5, 3.5), (3.5, 3.1)):
-        picture = film.draw(state(pose=(x, y, 0.0)))
+        picture = draw(film, pose=(x, y, 0.0))
     path = (picture[34:394, 740:1270] == PATH).all(axis=2)
     scale = 360 / 4.6
     assert path[:, :265].sum() == pytest.approx(0.8 * scale * 3, rel=0.3)
@@ -74,15 +74,15 @@ def test_the_path_has_a_gap_where_the_robot_was_moved():
 
 
 def test_without_odometry_there_is_no_robot():
-    picture = FilmPicture(SETTINGS.colors, []).draw(state(pose=None))
+    picture = draw(FilmPicture(SETTINGS.colors, []), pose=None)
     assert center_of(picture[34:394, 740:1270], ROBOT) is None
 
 
 def test_old_values_leave_the_charts():
     film = FilmPicture(SETTINGS.colors, [])
     for time_s in (0.0, 1.0, 30.0):
-        picture = film.draw(state(time_s))
-    assert np.array_equal(picture, FilmPicture(SETTINGS.colors, []).draw(state(30.0)))
+        picture = draw(film, time_s)
+    assert np.array_equal(picture, draw(FilmPicture(SETTINGS.colors, []), 30.0))
 
 
 def test_a_long_legend_has_several_rows():

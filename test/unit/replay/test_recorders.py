@@ -131,13 +131,6 @@ def test_table():
     assert '-0.000000' not in text
 
 
-@pytest.mark.parametrize('yaw', [-3.1, -1.0, 0.0, 0.5, 3.1])
-def test_yaw(yaw):
-    motion = Motion(np.zeros(3), (0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)), np.zeros(3),
-                    np.zeros(3))
-    assert motion.yaw == pytest.approx(yaw)
-
-
 def test_data_of_the_picture_are_pose_velocities_and_areas():
     plot = PlotRecorder(with_colors()().colors)
     turned = (0.0, 0.0, math.sin(0.4), math.cos(0.4))

@@ -65,8 +65,8 @@ class Server:
         # JPEG images do not get smaller
         self._server = uvicorn.Server(uvicorn.Config(
             app, log_level='error', access_log=False, lifespan='on', server_header=False,
-            headers=_HEADERS, ws_max_size=MAX_BODY_BYTES, ws_per_message_deflate=False, timeout_keep_alive=30,
-            timeout_graceful_shutdown=1))
+            headers=_HEADERS, ws_max_size=MAX_BODY_BYTES, ws_per_message_deflate=False,
+            timeout_keep_alive=30, timeout_graceful_shutdown=1))
         self._sock, self._failed = sock, failed
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()

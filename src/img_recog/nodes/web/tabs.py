@@ -13,8 +13,8 @@ class Tab(NamedTuple):
 
     name: the key of its title, and the name of its script static/NAME.js. texts: its own.
     add: adds its elements to a page. update: shows what other pages and nodes have changed, every
-    0.4 s; is called with what `add` has returned. topics: those that only it shows. serve: adds what
-    its elements load.
+    0.4 s; is called with what `add` has returned. topics: those that only it shows. serve: adds
+    what its elements load.
     """
 
     name: str
