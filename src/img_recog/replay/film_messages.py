@@ -28,8 +28,8 @@ class Messages:
     def __init__(self, path: str, frames: BagFrames):
         self.path, self._bag = path, frames.bag
         self.images = 0
-        self._roles: Dict[str, str] = {frames.topic: 'image'}
-        self._kinds: Dict[str, Any] = {frames.topic: frames.message_type}
+        # role and message type of each topic that is shown
+        self._shown: Dict[str, Tuple[str, Any]] = {frames.topic: ('image', frames.message_type)}
         connections = self._connections()
         others: List[str] = []
         for role, kind in _KINDS.items():
@@ -40,8 +40,7 @@ class Messages:
             others += ['{} ({})'.format(name, kind._type) for name in names
                        if name not in readable]
             if readable:
-                chosen = nearest(readable, frames.topic)
-                self._roles[chosen], self._kinds[chosen] = role, kind
+                self._shown[nearest(readable, frames.topic)] = role, kind
         if others:
             _log.warning('the film does not show %s: the message type has another definition in '
                          'this ROS', shortened(', '.join(others)))
@@ -58,7 +57,7 @@ class Messages:
         return found
 
     def _is_readable(self, topic: str, type_name: str, md5sum: str, *_: Any) -> bool:
-        kind = self._kinds[topic]
+        kind = self._shown[topic][1]
         return (type_name, md5sum) == (kind._type, kind._md5sum)
 
     def outlines(self) -> List[np.ndarray]:
@@ -72,13 +71,13 @@ class Messages:
         return self._read(['image', 'odom', 'scan', 'cmd_vel'])
 
     def _read(self, roles: Sequence[str]) -> Iterator[Tuple[str, Any, float]]:
-        topics = [name for name, role in self._roles.items() if role in roles]
+        topics = [name for name, (role, _) in self._shown.items() if role in roles]
         if not topics:
             return
         try:
             for name, msg, time in self._bag.read_messages(
                     topics, connection_filter=self._is_readable):
-                yield self._roles[name], msg, time.to_sec()
+                yield self._shown[name][0], msg, time.to_sec()
         except DAMAGE_ERRORS as error:
             raise damaged(self.path, error)
 

@@ -12,7 +12,7 @@ import dataclasses
 import math
 import time
 from dataclasses import dataclass
-from typing import Dict, Iterable, List, NamedTuple
+from typing import Dict, Iterable, List
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -58,20 +58,6 @@ class ManagerSettings(Settings):
         super().__post_init__()
 
 
-class _Described(NamedTuple):
-    """A robot and its URDF, a text."""
-
-    row: RobotRow
-    urdf: str
-
-
-class _Running(NamedTuple):
-    """A robot that is there, and its nodes."""
-
-    described: _Described
-    nodes: RobotNodes
-
-
 class RobotsNode:
     """Keeps the robots those of the list; all in the main thread."""
 
@@ -83,7 +69,7 @@ class RobotsNode:
         self._defaults['urdf'] = self._defaults['urdf'] or resources.burger()
         self._defaults['colors'] = self._defaults['colors'] or resources.colors()
         parameters.warn_of_unknown(ManagerSettings, NodeSettings)
-        self._running: Dict[str, _Running] = {}
+        self._running: Dict[str, RobotNodes] = {}
         self._calls = CallQueue()
 
     def spin(self) -> None:
@@ -111,29 +97,29 @@ class RobotsNode:
         """
         listed = robot_list.read_robots(self._settings.robots, self._defaults, resources.find)
         problems = list(listed.problems)
-        wanted: Dict[str, _Described] = {}
+        wanted: Dict[str, RobotRow] = {}
         texts: Dict[str, str] = {}      # by path: xacro takes a second
         for row in listed.robots:
             try:
-                wanted[row.name] = _Described(row, _urdf_of(row, texts))
+                wanted[row.name] = row._replace(description=_urdf_of(row, texts))
             except UserError as error:
                 problems.append(Problem(row.name, one_line(error)))
         failed = {problem.name for problem in problems}
         # one that runs and has an error in the list now goes on as it is
-        self._stop([name for name, running in self._running.items() if name not in failed and (
-            running.described != wanted.get(name) or running.nodes.has_ended)])
+        self._stop([name for name, nodes in self._running.items() if name not in failed and (
+            nodes.robot != wanted.get(name) or nodes.has_ended)])
         _log(problems)
         new = {name: each for name, each in wanted.items() if name not in self._running}
         if self._settings.simulator:
             problems += self._simulate(new)
         failed = {problem.name for problem in problems}
-        for name, described in new.items():
+        for name, robot in new.items():
             if name not in failed and not rospy.is_shutdown():
                 try:
-                    self._running[name] = _Running(described, RobotNodes(described.row, {
+                    self._running[name] = RobotNodes(robot, {
                         'camera_frame_id': self._settings.camera_frame_id,
                         'respawn': self._settings.respawn,
-                        'robot_state_publisher': self._settings.simulator}))
+                        'robot_state_publisher': self._settings.simulator})
                 except (OSError, ValueError) as error:
                     problems.append(Problem(name, one_line(error)))
                     _log(problems[-1:])
@@ -142,16 +128,16 @@ class RobotsNode:
                           ', {} not started'.format(len(problems)) if problems else '')
         return problems
 
-    def _described(self) -> Dict[str, _Described]:
-        return {name: running.described for name, running in self._running.items()}
+    def _robots(self) -> Dict[str, RobotRow]:
+        return {name: nodes.robot for name, nodes in self._running.items()}
 
-    def _simulate(self, new: Dict[str, _Described]) -> List[Problem]:
+    def _simulate(self, new: Dict[str, RobotRow]) -> List[Problem]:
         """Have the simulator add and remove robots; return those that it refuses, logged."""
         taken = [Problem(name, 'there is a parameter /{}; give the robot another name'.format(
             name)) for name in new if not isinstance(parameters.value(name), (dict, type(None)))]
         _log(taken)
         names = {problem.name for problem in taken}
-        robots = {**self._described(),
+        robots = {**self._robots(),
                   **{name: each for name, each in new.items() if name not in names}}
         self._set_parameters(robots)
         update = rospy.ServiceProxy(_UPDATE, Trigger)
@@ -184,11 +170,11 @@ class RobotsNode:
                 rospy.delete_param('{}/{}'.format(_SIMULATED, name))
         return refused
 
-    def _set_parameters(self, robots: Dict[str, _Described]) -> None:
-        for name, described in robots.items():
-            rospy.set_param(name + '/robot_description', described.urdf)
-        rospy.set_param(_SIMULATED, {name: self._parameters_of(described.row)
-                                     for name, described in robots.items()})
+    def _set_parameters(self, robots: Dict[str, RobotRow]) -> None:
+        for name, robot in robots.items():
+            rospy.set_param(name + '/robot_description', robot.description)
+        rospy.set_param(_SIMULATED, {name: self._parameters_of(robot)
+                                     for name, robot in robots.items()})
 
     def _parameters_of(self, robot: RobotRow) -> dict:
         """Return the parameters of a robot in the simulator."""
@@ -205,10 +191,10 @@ class RobotsNode:
     def _stop(self, names: List[str]) -> None:
         """End the nodes of robots, all at a time, and forget the robots."""
         stopped = {name: self._running.pop(name) for name in names}
-        for running in stopped.values():
-            running.nodes.interrupt()
-        for name, running in stopped.items():
-            running.nodes.wait()
+        for nodes in stopped.values():
+            nodes.interrupt()
+        for name, nodes in stopped.items():
+            nodes.wait()
             if self._settings.simulator:
                 with contextlib.suppress(OSError, KeyError):    # no master, or a new one
                     rospy.delete_param(name + '/robot_description')
@@ -217,9 +203,9 @@ class RobotsNode:
         """Start nodes again that have ended; tell a new master what the simulator would read."""
         with contextlib.suppress(OSError):      # there is no master
             if self._settings.simulator and not rospy.has_param(_SIMULATED):
-                self._set_parameters(self._described())
-        for name, running in self._running.items():
-            line = running.nodes.check()
+                self._set_parameters(self._robots())
+        for name, nodes in self._running.items():
+            line = nodes.check()
             if line is not None:
                 rospy.logerr('robot %s: %s', name, line)
 

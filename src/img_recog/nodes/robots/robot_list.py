@@ -54,11 +54,13 @@ class RobotRow(NamedTuple):
     """A robot of the list.
 
     simulation: its parameters in the simulator; without x_pos and y_pos, it gets a free place.
+    description: the URDF, a text, when it was read.
     """
 
     name: str
     nodes: NodeSettings
     simulation: Dict[str, Any]
+    description: str = ''
 
 
 class Problem(NamedTuple):

@@ -14,11 +14,14 @@ _EXIT_TIMEOUT_S = 12.0      # roslaunch waits up to 15 s for the node that runs 
 
 
 class RobotNodes:
-    """A roslaunch of robot.launch. To be used in the main thread: it ends with that thread."""
+    """A roslaunch of robot.launch. To be used in the main thread: it ends with that thread.
+
+    robot: whose nodes they are.
+    """
 
     def __init__(self, robot: RobotRow, arguments: Mapping[str, Any]):
         """Start the nodes of a robot; arguments: of robot.launch that are not in `robot`."""
-        self._command = command(robot, arguments)
+        self.robot, self._command = robot, command(robot, arguments)
         self._process: Optional[subprocess.Popen] = None
         self._start()
 
