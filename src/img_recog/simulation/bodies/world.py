@@ -6,9 +6,9 @@ import pybullet
 
 from img_recog.errors import shortened
 from img_recog.simulation.bodies.body import Body
-from img_recog.simulation.bodies.loading import link_indices, load_urdf
+from img_recog.simulation.bodies.loading import all_or_nothing, link_indices, load_urdf
 from img_recog.simulation.bodies.solids import Solids
-from img_recog.simulation.descriptions.description import FLOOR_FRICTION, friction_of
+from img_recog.simulation.descriptions.description import FLOOR_FRICTION, frictions
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
@@ -51,7 +51,7 @@ class World:
 
     def add(self, trees: Sequence[Tree]) -> None:
         """Add trees to the world; SimulationError when PyBullet cannot load all of them."""
-        coefficients = list(map(_friction, trees))
+        coefficients = [frictions(ElementTree.fromstring(tree.urdf)) for tree in trees]
         added = load_bodies(trees, self.physics_client_id)
         for body, of_links in zip(added, coefficients):
             self._set_dynamics(body, of_links)
@@ -124,14 +124,6 @@ class World:
         self._is_rearranged = True
 
 
-def _friction(tree: Tree) -> Dict[str, float]:
-    """Return the friction coefficients of links that have one, by their names."""
-    robot = ElementTree.fromstring(tree.urdf)
-    found = {name: friction_of(robot, name, link) for name, link in (
-        (link.get('name', ''), link) for link in robot.findall('link'))}
-    return {name: value for name, value in found.items() if value is not None}
-
-
 def add_floor(physics_client_id: int, visible: bool = False) -> int:
     """Add the floor, an infinite plane of which a square may be visible; return its body's id."""
     plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=physics_client_id)
@@ -148,16 +140,14 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int,
                 visuals: bool = False) -> List[Body]:
     """Load trees, all or none, like `load_urdf`; SimulationError when PyBullet cannot."""
     bodies: List[Body] = []
-    for tree in trees:
-        try:
-            body = Body(load_urdf(tree.urdf, physics_client_id, tree.fixed, tree.pose,
-                                  visuals),
-                        physics_client_id, tree.fixed)
-        except SimulationError as error:
-            for loaded in bodies:
-                pybullet.removeBody(loaded.body_id, physicsClientId=physics_client_id)
-            raise SimulationError('model {}: {}'.format(
-                shortened(tree.name), error.problem), error.advice)
-        body.name = tree.name
-        bodies.append(body)
+    with all_or_nothing(physics_client_id):
+        for tree in trees:
+            try:
+                body = Body(load_urdf(tree.urdf, physics_client_id, tree.fixed, tree.pose,
+                                      visuals), physics_client_id, tree.fixed)
+            except SimulationError as error:
+                raise SimulationError('model {}: {}'.format(
+                    shortened(tree.name), error.problem), error.advice)
+            body.name = tree.name
+            bodies.append(body)
     return bodies

@@ -8,7 +8,7 @@ from typing import Dict, List, Optional, Union
 
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.descriptions.description import root_of
-from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.numbers import read_number, read_numbers
 from img_recog.simulation.settings import CameraSettings, SimulationError
 
 Values = Dict[str, Union[str, float, int]]
@@ -82,14 +82,14 @@ def _settings(sensor: ElementTree.Element, plugin: ElementTree.Element,
     for path, setting in _NUMBERS:
         text = None if camera is None else camera.findtext(path)
         if text is not None:
-            values[setting] = _number('<{}> of {}'.format(path, name), text)
+            values[setting] = read_number('<{}> of {}'.format(path, name), text)
     for path, setting in (('image/width', 'camera_width'), ('image/height', 'camera_height')):
         text = None if camera is None else camera.findtext(path)
         if text is not None:
             values[setting] = _whole('<{}> of {}'.format(path, name), text)
     if camera is not None and camera.findtext('noise/stddev') is not None:
-        values['camera_noise'] = _number('<noise> of ' + name, camera.findtext('noise/stddev'))
-    rates = [_number('<{}> of {}'.format(tag, name), owner.findtext(tag))
+        values['camera_noise'] = read_number('<noise> of ' + name, camera.findtext('noise/stddev'))
+    rates = [read_number('<{}> of {}'.format(tag, name), owner.findtext(tag))
              for owner, tag in ((plugin, 'updateRate'), (sensor, 'update_rate'))
              if owner.find(tag) is not None]
     # a rate of 0 means "as fast as possible" in Gazebo; here it leaves the default
@@ -126,12 +126,8 @@ def _names(plugin: ElementTree.Element, has_depth: bool) -> Values:
     return values
 
 
-def _number(name: str, text: Optional[str]) -> float:
-    return float(read_numbers(name, text, 1)[0])
-
-
 def _whole(name: str, text: str) -> int:
-    value = _number(name, text)
+    value = read_number(name, text)
     if not value.is_integer() or abs(value) > _MAX_WHOLE:
         raise SimulationError('{}: got {!r}, expected a whole number'.format(name, text))
     return int(value)

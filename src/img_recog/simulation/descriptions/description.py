@@ -9,7 +9,7 @@ per link.
 import os
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
-from typing import Dict, NamedTuple, Optional, Sequence
+from typing import Dict, NamedTuple, Sequence
 
 import numpy as np
 
@@ -18,7 +18,8 @@ from img_recog.markup import MarkupError, parse_xml
 from img_recog.simulation.descriptions import urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, NO_INERTIA, Inertia, Transform
 from img_recog.simulation.descriptions.meshes import resolve
-from img_recog.simulation.descriptions.numbers import read_coefficient, read_numbers
+from img_recog.simulation.descriptions.numbers import (read_coefficient, read_direction,
+                                                       read_number, read_numbers)
 from img_recog.simulation.descriptions.urdf_elements import (
     INERTIA_KEYS, check_mass, check_moments, origin_of, set_inertial, set_origin)
 from img_recog.simulation.settings import SimulationError
@@ -84,9 +85,8 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     parents = _joints_by_child(robot, links)
     root = _root(links, parents)
     of_links = {name: _inertia(name, link) for name, link in links.items()}
-    friction = {name: value for name, value in
-                ((name, friction_of(robot, name, link)) for name, link in links.items())
-                if value is not None and (of_links[name].mass or not _is_fixed(name, parents))}
+    friction = {name: value for name, value in frictions(robot).items()
+                if of_links[name].mass or not _is_fixed(name, parents)}
     frames = {name: _frame(name, parents, friction) for name in links}
 
     for name, frame in frames.items():
@@ -160,8 +160,8 @@ def _check_joint(joint: ElementTree.Element) -> None:
         raise SimulationError('joint {} is of type {}; supported are {}'.format(
             joint.get('name'), kind, ', '.join(_JOINTS)))
     name = 'axis of joint {}'.format(joint.get('name'))
-    if axis is not None and not np.any(read_numbers(name, axis.get('xyz', '1 0 0'), 3)):
-        raise SimulationError('{}: got 0 0 0, expected a direction'.format(name))
+    if axis is not None:
+        read_direction(name, axis.get('xyz', '1 0 0'))
 
 
 def _root(links: Dict[str, ElementTree.Element],
@@ -194,17 +194,25 @@ def _frame(name: str, parents: Dict[str, _Joint], friction: Dict[str, float]) ->
     return Frame(carrier, pose)
 
 
-def friction_of(robot: ElementTree.Element, name: str,
-                link: ElementTree.Element) -> Optional[float]:
-    """Return mu1 of Gazebo's tag for the link, else PyBullet's lateral_friction, else None."""
-    for tag in robot.findall('gazebo'):
-        element = tag.find('mu1')
-        if tag.get('reference') == name and element is not None:
-            return read_coefficient('mu1 of link ' + name, element.get('value') or element.text)
-    element = link.find('contact/lateral_friction')
-    if element is None:
-        return None
-    return read_coefficient('lateral_friction of link ' + name, element.get('value'))
+def frictions(robot: ElementTree.Element) -> Dict[str, float]:
+    """Return the friction of the links that have one, by their names.
+
+    It is mu1 of Gazebo's tag for the link, else PyBullet's lateral_friction.
+    """
+    found = {}
+    of_tags = [(tag.get('reference'), tag.find('mu1')) for tag in robot.findall('gazebo')]
+    for link in robot.findall('link'):
+        name = link.get('name', '')
+        of_tag = next((each for reference, each in of_tags
+                       if reference == name and each is not None), None)
+        of_link = link.find('contact/lateral_friction')
+        if of_tag is not None:
+            found[name] = read_coefficient('mu1 of link ' + name,
+                                           of_tag.get('value') or of_tag.text)
+        elif of_link is not None:
+            found[name] = read_coefficient('lateral_friction of link ' + name,
+                                           of_link.get('value'))
+    return found
 
 
 def _inertia(name: str, link: ElementTree.Element) -> Inertia:
@@ -214,7 +222,7 @@ def _inertia(name: str, link: ElementTree.Element) -> Inertia:
     mass, inertia = inertial.find('mass'), inertial.find('inertia')
     if mass is None or inertia is None:
         raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
-    kilograms = read_numbers('mass of link ' + name, mass.get('value'), 1)[0]
+    kilograms = read_number('mass of link ' + name, mass.get('value'))
     check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
     values = ' '.join(inertia.get(key, '0') for key in INERTIA_KEYS)
     matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterator, Optional, Sequence, Tuple
 
 from img_recog.files import FindFile
-from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.numbers import read_number, read_numbers
 from img_recog.visuals import GREY, Color, Material
 
 _AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene>
@@ -71,9 +71,8 @@ def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Material, str]:
             material = material._replace(color=_lit(ambient, material.color))
     elif ambient is not None or diffuse is not None:
         material = Material(diffuse or ambient or GREY)
-    transparency = float(read_numbers(
-        '<transparency> of visual ' + visual.get('name', ''),
-        visual.findtext('transparency', '0'), 1)[0])
+    transparency = read_number('<transparency> of visual ' + visual.get('name', ''),
+                               visual.findtext('transparency', '0'))
     opacity = material.color[3] * min(max(1.0 - transparency, 0.0), 1.0)
     return material._replace(color=(*material.color[:3], opacity)), missing
 

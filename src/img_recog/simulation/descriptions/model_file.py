@@ -9,6 +9,7 @@ from img_recog.simulation.descriptions import (description, gazebo_tags, names, 
                                                urdf_visuals, world_file)
 from img_recog.simulation.descriptions.geometry import IDENTITY
 from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
 
 _NOWHERE = os.path.join(os.sep, 'model.sdf')        # a text has no folder
@@ -71,9 +72,7 @@ def _of_sdf(root: ElementTree.Element, name: str,
 
 def _of_urdf(root: ElementTree.Element, text: str, name: str,
              find: FindFile) -> Tuple[Sequence[Tree], Sequence[str]]:
-    children = {child.get('link') for child in root.findall('joint/child')}
-    if any(link.get('name') == _WORLD_LINK and _WORLD_LINK not in children
-           for link in root.findall('link')):
+    if _WORLD_LINK in roots(root):
         tree, lost = world_file.fixed_tree(root, name, find)
         return [tree], lost
     robot = description.parse(text, find)

@@ -25,6 +25,19 @@ def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
     return values
 
 
+def read_number(name: str, text: Optional[str]) -> float:
+    """Return a finite number; SimulationError naming what it is when it is not that."""
+    return float(read_numbers(name, text, 1)[0])
+
+
+def read_direction(name: str, text: Optional[str]) -> np.ndarray:
+    """Return a vector (3,) of any length; SimulationError naming it when it is 0."""
+    values = read_numbers(name, text, 3)
+    if not np.any(values):
+        raise SimulationError('{}: got 0 0 0, expected a direction'.format(name))
+    return values
+
+
 def read_lengths(name: str, text: Optional[str], count: int) -> np.ndarray:
     """Return `count` lengths in m, or scales; SimulationError when one is too large to be used.
 
@@ -45,7 +58,7 @@ def read_coefficient(name: str, text: Optional[str]) -> float:
     Traceback (most recent call last):
     img_recog.simulation.settings.SimulationError: mu1 of link a: got -1, expected at least 0
     """
-    value = float(read_numbers(name, text, 1)[0])
+    value = read_number(name, text)
     if value < 0:
         raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
     return value

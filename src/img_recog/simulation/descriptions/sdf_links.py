@@ -9,8 +9,8 @@ from img_recog.files import FindFile
 from img_recog.mesh_file import READABLE
 from img_recog.simulation.descriptions import materials
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
-from img_recog.simulation.descriptions.numbers import (read_coefficient, read_lengths,
-                                                       read_numbers, words)
+from img_recog.simulation.descriptions.numbers import (read_coefficient, read_direction,
+                                                       read_lengths, read_number, words)
 from img_recog.simulation.descriptions.sdf_frames import pose_of
 from img_recog.simulation.descriptions.urdf_elements import (
     INERTIA_KEYS, check_mass, check_moments, set_inertial, set_origin)
@@ -33,11 +33,11 @@ def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
     given = source.find('inertial')
     if given is None:
         given = ElementTree.Element('inertial')
-    mass = float(read_numbers('<mass> of link ' + name, given.findtext('mass', '1'), 1)[0])
+    mass = read_number('<mass> of link ' + name, given.findtext('mass', '1'))
     check_mass('<mass> of link ' + name, mass)
-    matrix = np.array([read_numbers(
+    matrix = np.array([read_number(
         '<{}> of link {}'.format(key, name),
-        given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'), 1)[0]
+        given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'))
         for key in INERTIA_KEYS]).reshape(3, 3)
     check_moments('link ' + name, matrix)
     set_inertial(link, mass, offset @ pose_of(given), matrix)
@@ -120,9 +120,7 @@ def _sphere(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
 
 def _plane(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
     """Return a thin box, whose upper side is the plane."""
-    normal = read_numbers('<normal> of ' + name, element.findtext('normal', '0 0 1'), 3)
-    if not np.any(normal):
-        raise SimulationError('<normal> of {}: got 0 0 0, expected a direction'.format(name))
+    normal = read_direction('<normal> of ' + name, element.findtext('normal', '0 0 1'))
     size = [1.0, 1.0]
     if element.find('size') is not None:
         size = _size(name, element, 'size', 2).tolist()

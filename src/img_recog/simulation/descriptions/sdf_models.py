@@ -7,7 +7,7 @@ import numpy as np
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import meshes, sdf_links
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
-from img_recog.simulation.descriptions.numbers import read_numbers, words
+from img_recog.simulation.descriptions.numbers import read_direction, read_number, words
 from img_recog.simulation.descriptions.sdf_frames import WORLD, Scope, pose_of
 from img_recog.simulation.descriptions.urdf_elements import add_massless, set_origin
 from img_recog.simulation.settings import SimulationError
@@ -126,11 +126,8 @@ class _Builder:
         axis = joint.find('axis')
         if axis is None:
             return np.array([0.0, 0.0, 1.0])
-        direction = read_numbers('<xyz> of joint ' + joint.get('name', ''),
-                                 axis.findtext('xyz', '0 0 1'), 3)
-        if not np.any(direction):
-            raise SimulationError('<xyz> of joint {}: got 0 0 0, expected a direction'.format(
-                joint.get('name', '')))
+        direction = read_direction('<xyz> of joint ' + joint.get('name', ''),
+                                   axis.findtext('xyz', '0 0 1'))
         in_model = axis.findtext('use_parent_model_frame')
         expressed = axis.find('xyz[@expressed_in="__model__"]')     # since SDF 1.7
         # until SDF 1.4 axes were given in the model's frame
@@ -215,8 +212,8 @@ class _Builder:
         ElementTree.SubElement(element, 'axis', xyz=words(joint.axis))
         limit = joint.element.find('axis/limit')
         if limit is not None and kind != 'continuous':
-            lower, upper = (float(read_numbers(
-                '<{}> of joint {}'.format(tag, joint.name), limit.findtext(tag, default), 1)[0])
+            lower, upper = (read_number(
+                '<{}> of joint {}'.format(tag, joint.name), limit.findtext(tag, default))
                 for tag, default in (('lower', '-1e16'), ('upper', '1e16')))
             if max(-lower, upper) >= _MAX_JOINT_LIMIT and kind == 'revolute':
                 element.set('type', 'continuous')

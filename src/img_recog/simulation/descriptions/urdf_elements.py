@@ -1,5 +1,6 @@
 """Elements of a URDF that several modules read or write: origins and inertias."""
 import xml.etree.ElementTree as ElementTree
+from typing import List
 
 import numpy as np
 
@@ -12,6 +13,13 @@ INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')  
 # kg, kg m2: in PyBullet, a body of 1e300 kg falls through the floor
 _MAX_MASS, _MAX_MOMENT = 1e9, 1e15
 _MIN = 1e-20
+
+
+def roots(robot: ElementTree.Element) -> List[str]:
+    """Return the names of the links that are the child of no joint."""
+    children = {child.get('link') for child in robot.findall('joint/child')}
+    return [link.get('name', '') for link in robot.findall('link')
+            if link.get('name') not in children]
 
 
 def origin_of(element: ElementTree.Element) -> Transform:

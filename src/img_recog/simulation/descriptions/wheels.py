@@ -6,7 +6,7 @@ import numpy as np
 
 from img_recog.simulation.descriptions.description import Description
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
-from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.numbers import read_number, read_numbers
 from img_recog.simulation.descriptions.urdf_elements import origin_of
 from img_recog.simulation.settings import DriveSettings
 
@@ -78,9 +78,9 @@ def _shape(link: ElementTree.Element) -> 'tuple[Transform, Optional[float]]':
         for tag in ('cylinder', 'sphere'):
             element = shape.find('geometry/' + tag)
             if element is not None:
-                radius = read_numbers('radius of the wheel ' + link.get('name', ''),
-                                      element.get('radius'), 1)[0]
-                return origin_of(shape), round(2 * float(radius), 6)
+                radius = read_number('radius of the wheel ' + link.get('name', ''),
+                                     element.get('radius'))
+                return origin_of(shape), round(2 * radius, 6)
     return IDENTITY, None
 
 

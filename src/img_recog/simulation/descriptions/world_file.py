@@ -9,6 +9,7 @@ from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation.descriptions import meshes, sdf_file, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
 
 EMPTY = 'empty'
@@ -94,7 +95,10 @@ def fixed_tree(robot: ElementTree.Element, name: str,
         if collision.find('geometry/mesh') is not None:
             collision.set('concave', 'yes')
     urdf_visuals.check_shapes(robot)
-    _check_tree(robot)
+    found = roots(robot)
+    if len(found) > 1:      # PyBullet would crash
+        raise SimulationError('got {} root links ({}), expected one'.format(
+            len(found), ', '.join(found)), 'connect them with fixed joints')
     return Tree(name, ElementTree.tostring(robot, 'unicode'), IDENTITY, True), missing
 
 
@@ -107,15 +111,6 @@ def _read_sdf(root: ElementTree.Element, path: str,
         name, ', '.join(contents.ignored)),)
     return WorldFile(name, contents.trees, gravity, contents.has_physics, warnings,
                      contents.has_floor, contents.camera), contents.missing
-
-
-def _check_tree(robot: ElementTree.Element) -> None:
-    children = {child.get('link') for child in robot.findall('joint/child')}
-    roots: List[str] = [link.get('name', '') for link in robot.findall('link')
-                        if link.get('name') not in children]
-    if len(roots) > 1:      # PyBullet would crash
-        raise SimulationError('got {} root links ({}), expected one'.format(
-            len(roots), ', '.join(roots)), 'connect them with fixed joints')
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str]) -> ElementTree.Element:
