@@ -6,11 +6,12 @@ import subprocess
 import sys
 import types
 from importlib import util
+from unittest import mock
 
 import pytest
 
 from img_recog import robot_file
-from img_recog.errors import UserError
+from img_recog_testing import refusals
 
 URDF = '<robot name="r"><link name="a"/></robot>'
 XACRO = '''<robot name="box" xmlns:xacro="http://ros.org/wiki/xacro">
@@ -25,14 +26,20 @@ needs_module = pytest.mark.skipif(
     reason="Python's package xacro is not installed")
 
 
+def add_package(folder, name):
+    """Return the folder of a new ROS package."""
+    (folder / name).mkdir(parents=True)
+    (folder / name / 'package.xml').write_text(
+        '<package><name>{}</name><version>1.0.0</version><description>d</description>'
+        '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>'.format(name))
+    return folder / name
+
+
 @pytest.fixture
 def box(tmp_path, monkeypatch):
     """The path of a xacro file that includes another one from a ROS package."""
-    package = tmp_path / 'packages' / 'toy_description'
-    (package / 'urdf').mkdir(parents=True)
-    (package / 'package.xml').write_text(
-        '<package><name>toy_description</name><version>1.0.0</version><description>d</description>'
-        '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
+    package = add_package(tmp_path / 'packages', 'toy_description')
+    (package / 'urdf').mkdir()
     (package / 'urdf' / 'common.xacro').write_text(COMMON)
     path = tmp_path / 'box.urdf.xacro'
     path.write_text(XACRO)
@@ -44,11 +51,7 @@ def box(tmp_path, monkeypatch):
 def command(tmp_path, monkeypatch):
     """A function that puts ROS 1's package xacro, with a command of this script, on the paths."""
     def install(script):
-        package = tmp_path / 'packages' / 'xacro'
-        package.mkdir(parents=True, exist_ok=True)
-        (package / 'package.xml').write_text(
-            '<package><name>xacro</name><version>1.14.0</version><description>d</description>'
-            '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
+        add_package(tmp_path / 'packages', 'xacro')
         folder = tmp_path / 'bin'
         folder.mkdir()
         (folder / 'xacro').write_text('#!/bin/sh\n' + script)
@@ -59,10 +62,9 @@ def command(tmp_path, monkeypatch):
 
 
 def refusal(path):
-    with pytest.raises(UserError) as error:
-        robot_file.read(path, '--urdf')
-    assert '\n' not in str(error.value) and path in str(error.value)
-    return str(error.value)
+    line = refusals.refusal(robot_file.read, path, '--urdf')
+    assert path in line
+    return line
 
 
 def test_urdf_is_read_as_it_is(tmp_path):
@@ -119,18 +121,12 @@ def test_command_that_is_not_of_ros_1_is_not_used(box, command, monkeypatch):
     assert 'xacro is not installed' in refusal(box)
 
 
-def test_without_xacro_the_line_says_what_to_do(box, monkeypatch):
-    monkeypatch.setattr(util, 'find_spec', lambda name: None)
+@pytest.mark.parametrize('answer', [None, ModuleNotFoundError('xacro')])
+def test_without_xacro_the_line_says_what_to_do(box, monkeypatch, answer):
+    monkeypatch.setattr(util, 'find_spec', mock.Mock(side_effect=[answer]))
     words = refusal(box)
     assert 'it is a xacro file, and xacro is not installed; install it' in words
     assert 'pip install xacro' in words and 'xacro {} > robot.urdf'.format(box) in words
-
-
-def test_without_a_package_xacro_at_all_the_line_says_what_to_do(box, monkeypatch):
-    def refuse(name):
-        raise ModuleNotFoundError(name)
-    monkeypatch.setattr(util, 'find_spec', refuse)
-    assert 'it is a xacro file, and xacro is not installed; install it' in refusal(box)
 
 
 @needs_module

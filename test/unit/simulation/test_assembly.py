@@ -8,8 +8,8 @@ from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import (DriveSettings, PhysicsSettings, RobotSettings,
-                                           SimulationError)
+from img_recog.simulation.settings import DriveSettings, PhysicsSettings, RobotSettings
+from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import WORLDS, assemble, burger, read, settings_of
 from img_recog_testing.sdf import CRATE, sdf
 
@@ -19,13 +19,6 @@ TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
 MESH = ('<link name="cover"><visual><geometry><mesh filename="package://lost/x.stl"/></geometry>'
         '</visual></link><joint name="cover_joint" type="fixed"><parent link="base_link"/>'
         '<child link="cover"/></joint></robot>')
-
-
-def refusal(action):
-    with pytest.raises(SimulationError) as error:
-        action()
-    assert '\n' not in str(error.value)
-    return str(error.value)
 
 
 def test_robot_with_its_tags_and_warnings():
@@ -45,8 +38,8 @@ def test_robot_with_its_tags_and_warnings():
      '</visual>', 'rgba')])
 def test_a_visual_that_cannot_be_drawn_is_refused(visual, words):
     root = '<link name="base_footprint"/>'
-    text = refusal(lambda: read(burger().replace(
-        root, '<link name="base_footprint">{}</link>'.format(visual))))
+    text = refusal(read, burger().replace(
+        root, '<link name="base_footprint">{}</link>'.format(visual)))
     assert text.startswith('cannot use the robot in robot.urdf: ') and words in text
 
 
@@ -154,17 +147,17 @@ def test_warns_of_what_was_lifted_out_of_the_floor(tmp_path):
                             "<wheelSeparation> of plugin drive: got 'wide'")],
     ids=['not XML', 'tag'])
 def test_text_that_cannot_be_read_is_refused_with_its_source(urdf, words):
-    assert refusal(lambda: read(urdf)).startswith('cannot use the robot in robot.urdf: ' + words)
+    assert refusal(read, urdf).startswith('cannot use the robot in robot.urdf: ' + words)
 
 
 def test_value_of_a_tag_that_is_not_allowed_is_refused_with_its_source():
     robot = read(burger().replace('</robot>', TAGS.replace('0.3', '-1')))
-    assert refusal(lambda: assembly.default_settings(robot)).startswith(
+    assert refusal(assembly.default_settings, robot).startswith(
         'cannot use the robot in robot.urdf: wheel_separation: got -1.0, allowed is')
 
 
 def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source():
-    assert refusal(lambda: assemble(drive=DriveSettings(left_joint='axle'))) == (
+    assert refusal(assemble, drive=DriveSettings(left_joint='axle')) == (
         'cannot use the robot in robot_description: the robot has no movable joint axle '
         '(movable joints: wheel_left_joint, wheel_right_joint); '
         'set left_joint to the joint of a wheel')
