@@ -188,7 +188,7 @@ class Ros:
         if master.hasParam('/test', name)[2]:
             master.deleteParam('/test', name)
         if value is not None:
-            master.setParam('/test', name, value)
+            assert master.setParam('/test', name, value)[0] == 1
 
     def close(self):
         """End all programs: the master after the others, which unregister."""
