@@ -18,13 +18,14 @@ def burger():
 
 
 def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_mesh=None,
-             allow_partial=False, **settings):
+             allow_partial=False, unused_sensors=(), option_name=str, **settings):
     """Return the assembly of a robot, by default the burger, in a world; **settings: see below.
     """
     physics = PhysicsSettings(world=world_name)
     robot = read(burger() if urdf is None else urdf, 'robot_description', find_mesh)
     world = world_file.read(world_name, WORLDS, allow_partial=allow_partial)
-    return assembly.build(physics, world, [(robot, settings_of(x, y, yaw, z, **settings))])
+    return assembly.build(physics, world, [(robot, settings_of(x, y, yaw, z, **settings))],
+                          unused_sensors, option_name)
 
 
 def read(urdf, source='robot.urdf', find_mesh=None):

@@ -33,9 +33,9 @@ class Reading(NamedTuple):
 class Vehicle:
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
-    robot: the body; description: what it was made with; settings: those of all sensors, in which
-    an empty frame is the root link; kinds: of the sensors; missing_sensors: those that were left
-    out, and the links for them that the robot does not have.
+    robot: the body; drive: what sets its motors; description: what it was made with; settings:
+    those of all sensors, in which an empty frame is the root link; kinds: of the sensors;
+    missing_sensors: those that were left out, and the links for them that the robot does not have.
     """
 
     def __init__(self, description: Description, settings: RobotSettings, world: World,
@@ -53,7 +53,7 @@ class Vehicle:
                                     world.physics_client_id)
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
                                         world.step_s)
-        self._drive = DifferentialDrive(settings.drive)
+        self.drive = DifferentialDrive(settings.drive)
         self._wheel_velocities: Optional[Tuple[float, float]] = None    # that the motors have
         self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing_sensors: Dict[str, str] = {}
@@ -104,16 +104,7 @@ class Vehicle:
 
     def command(self, linear_x: float, angular_z: float) -> None:
         """Drive at linear_x m/s and angular_z rad/s until the next command."""
-        self._drive.command(linear_x, angular_z)
-
-    def scale_command_timeout(self, factor: float) -> None:
-        """Make `cmd_vel_timeout` this many times as long as it is in the settings."""
-        self._drive.scale_timeout(factor)
-
-    @property
-    def command_timeout_s(self) -> float:
-        """The `cmd_vel_timeout` as it is scaled."""
-        return self._drive.timeout_s
+        self.drive.command(linear_x, angular_z)
 
     @property
     def odometry(self) -> OdometrySettings:
@@ -128,15 +119,10 @@ class Vehicle:
         spawn = self.settings.spawn
         return spawn.x_pos, spawn.y_pos, spawn.yaw
 
-    @property
-    def command_timed_out(self) -> bool:
-        """Whether the robot stops because no command came for `cmd_vel_timeout`."""
-        return self._drive.timed_out
-
     def before_step(self, steps: int) -> None:
         """Set the motors if the drive is due after `steps` steps of the physics."""
         if steps % self._drive_steps == 0:
-            velocities = self._drive.update(self.robot.wheel_velocities)
+            velocities = self.drive.update(self.robot.wheel_velocities)
             if velocities != self._wheel_velocities:
                 self._wheel_velocities = velocities
                 self.robot.set_wheel_velocities(velocities)
@@ -156,7 +142,7 @@ class Vehicle:
 
     def reset(self) -> None:
         """Move the robot back to its start, at rest and without a command."""
-        self._drive.reset()
+        self.drive.reset()
         self.robot.reset()
         self._wheel_velocities = None
         for scheduled in self._sensors.values():
@@ -173,7 +159,7 @@ class Vehicle:
 
         It stands at the height of its start.
         """
-        self._drive.reset()
+        self.drive.reset()
         self.robot.place(Pose((x, y, self.settings.spawn.z_pos),
                               rotations.of_yaw(yaw), self.robot.pose().joints))
         self.robot.set_wheel_velocities((0.0, 0.0))

@@ -5,12 +5,11 @@ import pybullet
 import pytest
 
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import DriveSettings, PhysicsSettings, RobotSettings
+from img_recog.simulation.settings import DriveSettings, RobotSettings
 from img_recog_testing.refusals import refusal
-from img_recog_testing.robots import WORLDS, assemble, burger, read, settings_of
+from img_recog_testing.robots import assemble, burger, read
 from img_recog_testing.sdf import CRATE, sdf
 
 TAGS = '''<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
@@ -82,48 +81,24 @@ def test_simulator_and_scene_of_the_world_and_the_robot():
     assert built.warnings == ()
 
 
-def test_several_robots_stand_and_drive_in_one_simulator():
-    names = ('one', 'two')
-    robots = [(read(burger().replace('turtlebot3_burger', name), name),
-               settings_of(number, 2.0 * number))
-              for number, name in enumerate(names)]
-    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', WORLDS),
-                           robots)
-    assert built.warnings == () and len(built.scene.robots) == 2
-    first, second = built.simulator.vehicles
-    second.command(0.2, 0.0)
-    readings = built.simulator.advance(2000)
-    assert {reading.robot for reading in readings} == set(names)
-    assert first.robot.motion().position[0] == pytest.approx(0.0, abs=0.01)
-    assert second.robot.motion().position[0] == pytest.approx(1.38, abs=0.03)
-
-
 def test_sensors_without_a_link_are_warned_of_unless_unused():
-    urdf = burger().replace('imu_link', 'a_link').replace('base_scan', 'b_link')
+    urdf, unused = burger().replace('imu_link', 'a_link').replace('base_scan', 'b_link'), (
+        'imu', 'scan')
     assert assemble(urdf=urdf).warnings == (
         'turtlebot3_burger runs without the sensor imu: no link imu_link',
         'turtlebot3_burger runs without the sensor scan: no link base_scan')
-    world = world_file.read('empty', WORLDS)
-    built = assembly.build(PhysicsSettings(world='empty'), world,
-                           [(read(urdf), RobotSettings())], unused_sensors=('imu', 'scan'))
-    assert built.warnings == ()
+    assert assemble(urdf=urdf, unused_sensors=unused).warnings == ()
+    # those that have their links are disabled
+    readings = assemble(unused_sensors=unused).simulator.advance(400)
+    assert {reading.sensor for reading in readings} == {'odometry', 'joint_states'}
 
 
-def test_unused_sensors_are_disabled():
-    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', WORLDS),
-                           [(read(burger()), RobotSettings())], unused_sensors=('imu', 'scan'))
-    assert {reading.sensor for reading in built.simulator.advance(400)} == {
-        'odometry', 'joint_states'}
-
-
-def test_overlap_at_the_start_names_the_options():
-    spawn = settings_of(0.0, 0.1)
-    world = world_file.read('turtlebot3_world', WORLDS)
-    for option_name, names in ((str, 'x_pos, y_pos, z_pos'), (str.upper, 'X_POS, Y_POS, Z_POS')):
-        warning, = assembly.build(PhysicsSettings(), world, [(read(burger()), spawn)],
-                                  option_name=option_name).warnings
-        assert warning.startswith('turtlebot3_burger in turtlebot3_world: ')
-        assert warning.endswith('set ' + names)
+@pytest.mark.parametrize('option_name, names', [
+    (str, 'x_pos, y_pos, z_pos'), (str.upper, 'X_POS, Y_POS, Z_POS')])
+def test_overlap_at_the_start_names_the_options(option_name, names):
+    warning, = assemble('turtlebot3_world', 0.0, 0.1, option_name=option_name).warnings
+    assert warning.startswith('turtlebot3_burger in turtlebot3_world: ')
+    assert warning.endswith('set ' + names)
 
 
 def test_warnings_of_the_world_file_come_first(tmp_path):
@@ -142,18 +117,14 @@ def test_warns_of_what_was_lifted_out_of_the_floor(tmp_path):
         'world hall: at the start in the floor, and lifted onto it: crate by 0.100 m',)
 
 
-@pytest.mark.parametrize('urdf, words', [
-    ('<robot', 'not XML'), (burger().replace('</robot>', TAGS.replace('0.3', 'wide')),
-                            "<wheelSeparation> of plugin drive: got 'wide'")],
-    ids=['not XML', 'tag'])
-def test_text_that_cannot_be_read_is_refused_with_its_source(urdf, words):
-    assert refusal(read, urdf).startswith('cannot use the robot in robot.urdf: ' + words)
-
-
-def test_value_of_a_tag_that_is_not_allowed_is_refused_with_its_source():
-    robot = read(burger().replace('</robot>', TAGS.replace('0.3', '-1')))
-    assert refusal(assembly.default_settings, robot).startswith(
-        'cannot use the robot in robot.urdf: wheel_separation: got -1.0, allowed is')
+@pytest.mark.parametrize('value, words', [
+    ('wide', "<wheelSeparation> of plugin drive: got 'wide'"),
+    ('-1', 'wheel_separation: got -1.0, allowed is'),
+    ('0.3</robot>', 'not XML')])
+def test_text_that_cannot_be_used_is_refused_with_its_source(value, words):
+    text = burger().replace('</robot>', TAGS.replace('0.3', value))
+    assert refusal(lambda: assembly.default_settings(read(text))).startswith(
+        'cannot use the robot in robot.urdf: ' + words)
 
 
 def test_robot_that_does_not_fit_its_settings_is_refused_with_its_source():

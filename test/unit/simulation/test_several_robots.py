@@ -29,10 +29,6 @@ def several(places, world='turtlebot3_world', **groups):
                           robots).simulator
 
 
-def empty_world(world='empty'):
-    return several((), world)
-
-
 def drive(sim, numbers):
     """Drive robots, each another order of COMMANDS; return all that is measured, by robot."""
     measured = {vehicle.robot.name: [] for vehicle in sim.vehicles}
@@ -96,11 +92,10 @@ def test_two_that_meet_see_each_other_in_their_scans(mesh, tmp_path):
 
 
 def test_scanners_of_different_numbers_of_rays_are_read_together():
-    robots = [(source(name), settings(x, 0.0, scan=ScanSettings(scan_samples=samples,
-                                                                scan_noise=0.0)))
-              for name, x, samples in (('a', 0.0, 360), ('b', 1.0, 720), ('c', -1.0, 360))]
-    sim = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', WORLDS),
-                         robots).simulator
+    sim = several([], 'empty')
+    for name, x, samples in (('a', 0.0, 360), ('b', 1.0, 720), ('c', -1.0, 360)):
+        assembly.add_robot(sim, source(name), settings(x, 0.0, scan=ScanSettings(
+            scan_samples=samples, scan_noise=0.0)))
     found = scans(sim)
     assert [len(found[name]) for name in 'abc'] == [360, 720, 360]
     assert found['a'][0] == pytest.approx(0.96, abs=0.004)
@@ -119,7 +114,7 @@ def test_one_pushes_the_other():
 
 
 def test_places_are_free_and_inside_of_the_walls():
-    sim = empty_world('turtlebot3_world')
+    sim = several([])
     for number in range(16):
         assembly.add_robot_apart(sim, source('tb3_{}'.format(number)),
                                  settings(-2.0, -0.5, 0.3), has_place=False)
@@ -147,7 +142,7 @@ def test_no_place_is_refused_and_leaves_nothing(tmp_path):
         for number, turn in enumerate(np.arange(4) * math.pi / 2))
     cell.write_text('<sdf version="1.6"><model name="cell"><static>true</static>{}</model></sdf>'
                     .format(walls))
-    sim = empty_world(str(cell))
+    sim = several([], str(cell))
     assembly.add_robot_apart(sim, source('a'), settings(0.0, 0.0), has_place=False)
     count = pybullet.getNumBodies(physicsClientId=sim.world.physics_client_id)
     with pytest.raises(SimulationError, match='cannot use the robot in b: there is no free place '
@@ -158,7 +153,7 @@ def test_no_place_is_refused_and_leaves_nothing(tmp_path):
 
 
 def test_a_search_that_begins_in_a_wall_is_refused():
-    sim = empty_world('turtlebot3_world')
+    sim = several([])
     with pytest.raises(SimulationError, match='x 0 m, y 0.1 m, where the search for a free place '
                                               'begins, is too near to a wall'):
         assembly.add_robot_apart(sim, source('a'), settings(0.0, 0.1), has_place=False)
@@ -166,7 +161,7 @@ def test_a_search_that_begins_in_a_wall_is_refused():
 
 
 def test_places_that_are_too_far_away_are_not_free():
-    sim = empty_world()
+    sim = several([], 'empty')
     for name in ('a', 'b', 'c', 'd'):
         assembly.add_robot_apart(sim, source(name), settings(1000.0, 1000.0), has_place=False)
     places = [(each.settings.spawn.x_pos, each.settings.spawn.y_pos) for each in sim.vehicles]
@@ -175,7 +170,7 @@ def test_places_that_are_too_far_away_are_not_free():
 
 @pytest.mark.parametrize('place, other', [((-2.0, -0.45), 'a'), ((0.0, 0.1), 'turtlebot3_world')])
 def test_a_given_place_inside_of_something_is_refused(place, other):
-    sim = several([], 'turtlebot3_world')
+    sim = several([])
     assembly.add_robot_apart(sim, source('a'), settings(-2.0, -0.5), has_place=True)
     with pytest.raises(SimulationError, match='would start inside of {}'.format(other)):
         assembly.add_robot_apart(sim, source('b'), settings(*place), has_place=True)
@@ -221,7 +216,7 @@ def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
 
 
 def test_a_world_without_robots_runs_and_takes_one_later():
-    sim = empty_world()
+    sim = several([], 'empty')
     assert sim.advance(50) == [] and sim.time_s == pytest.approx(0.05)
     assembly.add_robot(sim, source('late'), settings(0.0, 0.0))
     times = [each.time_s for each in sim.advance(50) if each.sensor == 'odometry']

@@ -157,18 +157,18 @@ class RobotTopics:
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
-        self._counts.report(status, self._vehicle.command_timeout_s,
-                            self._vehicle.command_timed_out)
+        drive = self._vehicle.drive
+        self._counts.report(status, drive.timeout_s, drive.timed_out)
 
     def discard_command(self) -> None:
         """Drop a command that was not applied yet: after a reset it is out of date."""
         self._commands.take()
 
     def _log_timeout(self) -> None:
-        timed_out = self._vehicle.command_timed_out
+        timed_out = self._vehicle.drive.timed_out
         if timed_out and not self._timed_out:
             rospy.logwarn('no command on %s for %g s of simulated time: %s is stopped',
-                          self._command_topic, self._vehicle.command_timeout_s,
+                          self._command_topic, self._vehicle.drive.timeout_s,
                           self._names.words)
         self._timed_out = timed_out
 

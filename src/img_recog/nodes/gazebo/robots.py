@@ -104,7 +104,7 @@ class Robots:
         self._images.check_cameras(plan.cameras, plan.names)
         self._check_topics(plan)
         names, odometry, name = plan.names, vehicle.odometry, vehicle.robot.name
-        vehicle.scale_command_timeout(self._timeout_scale)
+        vehicle.drive.scale_timeout(self._timeout_scale)
         self._images.add_cameras(vehicle, plan.cameras, names)
         self._robots[name] = _Connected(
             plan, vehicle, RobotTopics(vehicle, names, self._transforms, self._calls))
@@ -156,7 +156,7 @@ class Robots:
         """Make `cmd_vel_timeout` of all robots, also later ones, `scale` times as long."""
         self._timeout_scale = scale
         for robot in self._robots.values():
-            robot.vehicle.scale_command_timeout(scale)
+            robot.vehicle.drive.scale_timeout(scale)
 
     def use_diagnostics(self, diagnostics: NodeDiagnostics) -> None:
         """Report each robot with a namespace as a separate status from now on."""
