@@ -117,17 +117,22 @@ def test_state_moves_the_models_that_it_names(folder):
     assert places(contents) == {'a': [1, 0, 1], 'b': [2, 0, 1], 'c': [0, 0, 1]}
 
 
-def test_a_model_file_is_a_world(folder):
+def test_a_model_file_is_a_world_with_the_floor(folder):
     root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
     contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None)
     assert places(contents) == {'m': [0, 0, 1]}
-    assert contents.gravity is None and not contents.has_physics
+    assert contents.gravity is None and not contents.has_physics and contents.has_floor
 
 
 def test_what_is_not_found_is_named_once(folder):
     contents = read(folder, include('model://sofa'), include('model://sofa'), '<include/>',
-                    '<population name="p"/>')
-    assert contents.missing == ('model://sofa', 'an <include> without a <uri>', 'population p')
+                    '<population name="p"/>', include('https://host/table'),
+                    include('http://host/table'), include('model://table'))
+    assert contents.missing == (
+        'model://sofa', 'an <include> without a <uri>', 'population p',
+        'https://host/table (a URL, which is not downloaded)',
+        'http://host/table (a URL, which is not downloaded)')
+    assert list(places(contents)) == ['table']
 
 
 @pytest.mark.parametrize('text, words', [
@@ -186,18 +191,6 @@ def test_too_many_included_models(folder):
     assert len(read(folder, many).trees) == 40
 
 
-@pytest.mark.parametrize('uri', ['https://host/table', 'http://host/table'])
-def test_a_url_is_missing(folder, uri):
-    contents = read(folder, include(uri), include('model://table'))
-    assert contents.missing == (uri + ' (a URL, which is not downloaded)',)
-    assert list(places(contents)) == ['table']
-
-
-def test_a_wrong_gravity_is_refused(folder):
-    assert "<gravity>: got '9.8', expected 3 finite numbers" in refusal(
-        read, folder, '<gravity>9.8</gravity>')
-
-
 def test_plugins_and_sensors_are_named(folder):
     plugin = '<plugin name="p" filename="lib{}.so"/>'
     model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK.replace(
@@ -215,14 +208,16 @@ def test_the_floor_is_seen_in_a_world_that_has_it(folder, inside, has_floor):
     assert read(folder, inside).has_floor is has_floor
 
 
-def test_a_model_alone_has_the_floor(folder):
-    root = ElementTree.fromstring('<sdf><model name="m">' + LINK + '</model></sdf>')
-    assert sdf_file.read(root, str(folder / 'm.sdf'), lambda uri: None).has_floor
-
-
 def test_the_pose_of_the_user_camera(folder):
     gui = '<gui><camera name="user_camera">{}</camera></gui>'
     assert read(folder, gui.format('<pose>1 2 3 0 0 0</pose>')).camera.translation.tolist() == [
         1, 2, 3]
     assert read(folder, gui.format('')).camera is None and read(folder).camera is None
-    assert '<pose> of camera user_camera' in refusal(read, folder, gui.format('<pose>1</pose>'))
+
+
+@pytest.mark.parametrize('inside, words', [
+    ('<gravity>9.8</gravity>', "<gravity>: got '9.8', expected 3 finite numbers"),
+    ('<gui><camera name="user_camera"><pose>1</pose></camera></gui>',
+     '<pose> of camera user_camera')])
+def test_wrong_numbers_are_refused(folder, inside, words):
+    assert words in refusal(read, folder, inside)

@@ -46,25 +46,20 @@ def test_a_tag_counts_more():
     assert drive_of(WIDE.replace('</robot>', TAG.format(0.287))).wheel_separation == 0.287
 
 
-@pytest.mark.parametrize('shape, expected', [
-    (COLLISION.replace('0.033', '0.05'), Wheels(0.16, 0.1)),
-    ('<collision>\n      <geometry><sphere radius="0.04"/></geometry>', Wheels(0.16, 0.08)),
+# the collision shape of both wheels, or of the left one alone
+@pytest.mark.parametrize('shape, count, expected', [
+    (COLLISION.replace('0.033', '0.05'), 2, Wheels(0.16, 0.1)),
+    ('<collision>\n      <geometry><sphere radius="0.04"/></geometry>', 2, Wheels(0.16, 0.08)),
     # the tyres are outside of the joints, along their axes: both to the left
-    (COLLISION.replace('<geometry>', '<origin xyz="0 0 0.01"/><geometry>'), Wheels(0.16, 0.066)),
-    ('<collision>\n      <geometry><box size="1 1 1"/></geometry>', Wheels(0.16, None))])
-def test_the_shape_of_the_wheels(shape, expected):
-    assert measure(changed((COLLISION, shape))) == expected
-
-
-def test_tyres_outside_of_the_joints():
-    left, _, right = burger().partition(COLLISION)
-    urdf = left + COLLISION.replace('<geometry>', '<origin xyz="0 0 0.01"/><geometry>') + right
-    assert measure(urdf).wheel_separation == 0.17
-
-
-def test_wheels_of_two_sizes_have_no_diameter():
-    left, _, right = burger().partition(COLLISION)
-    assert measure(left + COLLISION.replace('0.033', '0.04') + right) == Wheels(0.16, None)
+    (COLLISION.replace('<geometry>', '<origin xyz="0 0 0.01"/><geometry>'), 2,
+     Wheels(0.16, 0.066)),
+    (COLLISION.replace('<geometry>', '<origin xyz="0 0 0.01"/><geometry>'), 1,
+     Wheels(0.17, 0.066)),
+    ('<collision>\n      <geometry><box size="1 1 1"/></geometry>', 2, Wheels(0.16, None)),
+    (COLLISION.replace('0.033', '0.04'), 1, Wheels(0.16, None))])
+def test_the_shape_of_the_wheels(shape, count, expected):
+    assert burger().count(COLLISION) == 2
+    assert measure(burger().replace(COLLISION, shape, count)) == expected
 
 
 def test_joints_below_other_joints():
