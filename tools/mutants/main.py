@@ -92,7 +92,8 @@ def main(arguments: Optional[List[str]] = None) -> int:
     seed = random.SystemRandom().randrange(10000) if options.seed is None else options.seed
     tree = Tree(root, folder)
     mutants = draw(tree, options.number, seed, options.only)
-    workers = [Worker(tree.copy('copy{}'.format(number)), os.environ['MUTANTS_PYTHON'])
+    # roslaunch looks for files in all folders of the package, except in those with a dot
+    workers = [Worker(tree.copy('.copy{}'.format(number)), os.environ['MUTANTS_PYTHON'])
                for number in range(options.workers)]
     try:
         counts = run(mutants, workers, recorded(tree, workers[0], folder),
