@@ -96,8 +96,8 @@ class Gazebo:
         if single is None:
             RobotUpdates(self._robots, plans, self._calls)
         else:
-            self._robots.connect(self._simulator.vehicles[0], single)
             vehicle = self._simulator.vehicles[0]
+            self._robots.connect(vehicle, single)
             self._outline_frame = vehicle.odometry.odom_frame
             self._outline_origin = PlanePose(*vehicle.odometry_origin)
         self._models: Optional[ModelServices] = None
@@ -119,9 +119,8 @@ class Gazebo:
             rospy.loginfo('simulating %d robots in world %s', len(self._simulator.vehicles),
                           physics.world)
         else:
-            robot = self._simulator.vehicles[0].robot
-            rospy.loginfo('simulating %.4f kg with root link %s in world %s', robot.mass(),
-                          robot.root, physics.world)
+            rospy.loginfo('simulating %.4f kg with root link %s in world %s',
+                          vehicle.robot.mass(), vehicle.robot.root, physics.world)
             self._robots.log_start(single.name)
 
     def spin(self) -> None:
