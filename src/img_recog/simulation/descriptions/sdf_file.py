@@ -7,12 +7,11 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from img_recog import rotations
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation.descriptions import sdf_frames, sdf_models
 from img_recog.simulation.descriptions.geometry import Transform
-from img_recog.simulation.descriptions.numbers import read_numbers, words
+from img_recog.simulation.descriptions.numbers import read_numbers
 from img_recog.simulation.descriptions.sdf_models import Tree, Version
 from img_recog.simulation.settings import SimulationError
 
@@ -98,7 +97,7 @@ class _Reader:
 
     def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:
-        _apply_state(model, state)
+        sdf_frames.apply_state(model, state)
         self._ignore([each for each in model.iter() if each.tag in ('plugin', 'sensor')],
                      model.get('name', ''))
         self.has_ground_plane |= model.get('name') == _GROUND_PLANE
@@ -223,19 +222,6 @@ def _model_file(path: str) -> Optional[str]:
         names = [name for _, name in sorted(found, reverse=True) if name] + names
     paths = (os.path.join(path, name) for name in names)
     return next((os.path.abspath(each) for each in paths if os.path.isfile(each)), None)
-
-
-def _apply_state(model: ElementTree.Element, state: Optional[ElementTree.Element]) -> None:
-    """Move a model to where the <state> of its world has it, like Gazebo."""
-    if state is None:
-        return
-    for each in state.findall('model'):
-        if each.get('name') == model.get('name') and each.find('pose') is not None:
-            pose = sdf_frames.pose_of(each)
-            for old in model.findall('pose'):
-                model.remove(old)
-            values = (*pose.translation, *rotations.to_rpy(pose.rotation))
-            ElementTree.SubElement(model, 'pose').text = words(values)
 
 
 def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:

@@ -1,9 +1,10 @@
 """The poses in an SDF, and the frames that they are given in."""
 import xml.etree.ElementTree as ElementTree
-from typing import Sequence
+from typing import Optional, Sequence
 
+from img_recog import rotations
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
-from img_recog.simulation.descriptions.numbers import read_lengths
+from img_recog.simulation.descriptions.numbers import read_lengths, words
 from img_recog.simulation.settings import SimulationError
 
 WORLD = 'world'
@@ -15,6 +16,19 @@ def pose_of(element: ElementTree.Element) -> Transform:
     text = element.findtext('pose', '').strip() or '0 0 0 0 0 0'
     values = read_lengths('<pose> of {} {}'.format(element.tag, element.get('name', '')), text, 6)
     return from_rpy(values[:3], values[3:])
+
+
+def apply_state(model: ElementTree.Element, state: Optional[ElementTree.Element]) -> None:
+    """Move a model to where the <state> of its world has it, like Gazebo."""
+    if state is None:
+        return
+    for each in state.findall('model'):
+        if each.get('name') == model.get('name') and each.find('pose') is not None:
+            pose = pose_of(each)
+            for old in model.findall('pose'):
+                model.remove(old)
+            values = (*pose.translation, *rotations.to_rpy(pose.rotation))
+            ElementTree.SubElement(model, 'pose').text = words(values)
 
 
 class Scope:
