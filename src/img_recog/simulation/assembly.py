@@ -72,7 +72,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
         cameras = tuple(camera_tags.cameras(urdf))
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
-    warnings = []
+    warnings = ['{}: {}'.format(source, warning) for warning in robot.warnings]
     if robot.missing_meshes:
         warnings.append('{}: {}'.format(source, meshes.warning_about(robot.missing_meshes)))
     if robot.missing_materials:

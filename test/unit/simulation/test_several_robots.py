@@ -120,7 +120,7 @@ def test_places_are_free_and_inside_of_the_walls():
                                  settings(-2.0, -0.5, 0.3), has_place=False)
     assert sim.overlaps() == []
     found = np.array([vehicle.robot.motion().position[:2] for vehicle in sim.vehicles])
-    assert found[0].tolist() == [-2.0, -0.5]
+    assert found[0] == pytest.approx([-2.0, -0.5], abs=1e-6)
     assert np.hypot(*found.T).max() < 2.7       # the radius of the wall
     between = np.hypot(*(found[:, None] - found).transpose(2, 0, 1)) + 9 * np.eye(16)
     assert between.min() >= 0.4

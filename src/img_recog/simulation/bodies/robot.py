@@ -143,8 +143,7 @@ class SimulatedRobot(Body):
         for name, link in self._link_indices.items():
             pybullet.changeDynamics(
                 self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
-                lateralFriction=min(description.friction.get(name, FLOOR_FRICTION),
-                                    FLOOR_FRICTION),
+                lateralFriction=description.friction.get(name, FLOOR_FRICTION),
                 physicsClientId=self.physics_client_id)
         # of all joints, and not in the call above: PyBullet would set those of the root link by it
         pybullet.changeDynamics(self.body_id, -1, maxJointVelocity=_MAX_JOINT_VELOCITY,

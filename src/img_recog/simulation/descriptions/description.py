@@ -3,35 +3,34 @@
 PyBullet gives a link without <inertial> a mass of 1 kg, and every fixed joint costs time in each
 step. Therefore fixed links are lumped into the link that they are fixed to, like Gazebo's
 SDFormat does: shapes are moved, masses and inertias added up, and `frames` keeps where each link
-went. A fixed link with a mass and a friction coefficient stays, since PyBullet has one coefficient
-per link.
+went. PyBullet has one coefficient of friction per link: shapes with another one than the link
+that they are lumped into go to a link without mass, which is fixed to that.
 """
 import os
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
-from typing import Dict, NamedTuple, Sequence
+from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 
 from img_recog.files import FindFile, find_in
 from img_recog.markup import MarkupError, parse_xml
-from img_recog.simulation.descriptions import urdf_visuals
+from img_recog.simulation.descriptions import inertias, urdf_tree, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, NO_INERTIA, Inertia, Transform
 from img_recog.simulation.descriptions.meshes import resolve
-from img_recog.simulation.descriptions.numbers import (read_coefficient, read_direction,
-                                                       read_number, read_numbers)
-from img_recog.simulation.descriptions.urdf_elements import (
-    INERTIA_KEYS, check_mass, check_moments, origin_of, set_inertial, set_origin)
+from img_recog.simulation.descriptions.numbers import read_coefficient
+from img_recog.simulation.descriptions.urdf_elements import (add_massless, origin_of,
+                                                             set_friction, set_inertial,
+                                                             set_origin)
+from img_recog.simulation.descriptions.urdf_tree import UrdfTree
 from img_recog.simulation.settings import SimulationError
 
 # Of the floor, and of links without a coefficient (Gazebo's default). PyBullet multiplies the
 # coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
 FLOOR_FRICTION = 1.0
-_JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
 
 
-@dataclass(frozen=True)
-class Frame:
+class Frame(NamedTuple):
     """Where a link of the description went: its constant `pose` in the lumped `link`."""
 
     link: str
@@ -43,9 +42,10 @@ class Description:
     """A lumped robot.
 
     name: of the robot; urdf: XML text for PyBullet; root: name of the root link; frames: of all
-    links of the original description; friction: lateral friction coefficients of the lumped links
-    that have one; missing_meshes: URIs of meshes that were not found; missing_materials: what is
-    not known or not found of the materials in <gazebo> tags.
+    links of the original description, but for those that are left out; friction: lateral friction
+    coefficients of the lumped links with shapes, at most that of the floor; missing_meshes: URIs
+    of meshes that were not found; missing_materials: what is not known or not found of the
+    materials in <gazebo> tags; warnings: what is simulated in another way than given, a line each.
     """
 
     name: str
@@ -55,18 +55,7 @@ class Description:
     friction: Dict[str, float]
     missing_meshes: Sequence[str] = ()
     missing_materials: Sequence[str] = ()
-
-
-class _Joint(NamedTuple):
-    """A joint: its name, its element and the <parent> in it."""
-
-    name: str
-    element: ElementTree.Element
-    parent: ElementTree.Element
-
-    @property
-    def parent_link(self) -> str:
-        return self.parent.get('link', '')
+    warnings: Sequence[str] = ()
 
 
 def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
@@ -77,36 +66,31 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     number cannot be simulated.
     """
     robot = root_of(urdf)
-    _check_names(robot)
+    tree = urdf_tree.read(robot)
     missing = resolve(robot, find_mesh)
     missing_materials = urdf_visuals.apply_materials(robot, find_mesh)
     urdf_visuals.check_shapes(robot)
-    links = {link.get('name', ''): link for link in robot.findall('link')}
-    parents = _joints_by_child(robot, links)
-    root = _root(links, parents)
-    of_links = {name: _inertia(name, link) for name, link in links.items()}
-    friction = {name: value for name, value in frictions(robot).items()
-                if of_links[name].mass or not _is_fixed(name, parents)}
-    frames = {name: _frame(name, parents, friction) for name in links}
-
-    for name, frame in frames.items():
-        if frame.link != name:
-            _move_shapes(links[name], links[frame.link], frame.pose)
-            of_links[frame.link] += of_links[name].moved(frame.pose)
-            robot.remove(links[name])
-    for child, joint in parents.items():
-        if frames[child].link != child:
-            robot.remove(joint.element)
-        else:
+    frames = {name: _frame(name, tree) for name in tree.links}
+    sums = _inertias(tree, frames)
+    warnings = _leave_out(robot, tree, frames, sums)
+    coefficients = frictions(robot)
+    for tag in robot.findall('gazebo'):
+        robot.remove(tag)
+    friction = _lump(robot, tree, frames, coefficients)
+    for joint in tree.parents.values():
+        if not joint.is_fixed:
             carrier = frames[joint.parent_link]
             joint.parent.set('link', carrier.link)
             set_origin(joint.element, carrier.pose @ origin_of(joint.element))
-    for joint in parents.values():
-        _check_joint(joint.element)
-    for name in {frame.link for frame in frames.values()}:
-        _set_inertia(name, links[name], of_links[name])
-    return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'), root,
-                       frames, friction, tuple(missing), tuple(missing_materials))
+    for name, total in sums.items():
+        possible = inertias.possible('link {} and what is fixed to it'.format(name), total.mass,
+                                     total.matrix)
+        set_inertial(tree.links[name], total.mass, Transform(np.eye(3), total.center),
+                     possible.matrix)
+        warnings += [possible.warning] if possible.warning else []
+    return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'),
+                       tree.root, frames, friction, tuple(missing), tuple(missing_materials),
+                       tuple(warnings))
 
 
 def root_of(urdf: str) -> ElementTree.Element:
@@ -121,77 +105,95 @@ def root_of(urdf: str) -> ElementTree.Element:
     return robot
 
 
-def _check_names(robot: ElementTree.Element) -> None:
-    for tag in ('link', 'joint'):
-        names = [element.get('name') for element in robot.findall(tag)]
-        if None in names or len(set(names)) < len(names):
-            raise SimulationError('each <{}> must have a unique name (names: {})'.format(
-                tag, ', '.join(map(str, names))))
-
-
-def _joints_by_child(robot: ElementTree.Element,
-                     links: Dict[str, ElementTree.Element]) -> Dict[str, _Joint]:
-    joints: Dict[str, _Joint] = {}
-    for joint in robot.findall('joint'):
-        name = joint.get('name', '')
-        parent, child = (_end(joint, end, links) for end in ('parent', 'child'))
-        link = child.get('link', '')
-        if link in joints:
-            raise SimulationError('link {} is the child of two joints, {} and {}'.format(
-                link, joints[link].name, name))
-        joints[link] = _Joint(name, joint, parent)
-    return joints
-
-
-def _end(joint: ElementTree.Element, end: str,
-         links: Dict[str, ElementTree.Element]) -> ElementTree.Element:
-    """Return the <parent> or <child> of a joint; SimulationError when it names no link."""
-    element = joint.find(end)
-    link = None if element is None else element.get('link')
-    if element is None or link not in links:
-        raise SimulationError('joint {} has the {} link {}, which does not exist (links: {})'
-                              .format(joint.get('name'), end, link, ', '.join(links)))
-    return element
-
-
-def _check_joint(joint: ElementTree.Element) -> None:
-    kind, axis = joint.get('type'), joint.find('axis')
-    if kind not in _JOINTS:
-        raise SimulationError('joint {} is of type {}; supported are {}'.format(
-            joint.get('name'), kind, ', '.join(_JOINTS)))
-    name = 'axis of joint {}'.format(joint.get('name'))
-    if axis is not None:
-        read_direction(name, axis.get('xyz', '1 0 0'))
-
-
-def _root(links: Dict[str, ElementTree.Element],
-          parents: Dict[str, _Joint]) -> str:
-    for name in links:
-        ancestors, link = {name}, name
-        while link in parents:
-            link = parents[link].parent_link
-            if link in ancestors:
-                raise SimulationError('link {} is its own ancestor, through joint {}'.format(
-                    link, parents[link].name))
-            ancestors.add(link)
-    roots = [name for name in links if name not in parents]
-    if len(roots) != 1:
-        raise SimulationError('got {} root links ({}), expected one'.format(
-            len(roots), ', '.join(roots) or 'none'))
-    return roots[0]
-
-
-def _is_fixed(name: str, parents: Dict[str, _Joint]) -> bool:
-    return name in parents and parents[name].element.get('type') == 'fixed'
-
-
-def _frame(name: str, parents: Dict[str, _Joint], friction: Dict[str, float]) -> Frame:
+def _frame(name: str, tree: UrdfTree) -> Frame:
     pose, carrier = IDENTITY, name
-    while _is_fixed(carrier, parents) and carrier not in friction:
-        joint = parents[carrier]
+    while carrier in tree.parents and tree.parents[carrier].is_fixed:
+        joint = tree.parents[carrier]
         pose = origin_of(joint.element) @ pose
         carrier = joint.parent_link
     return Frame(carrier, pose)
+
+
+def _inertias(tree: UrdfTree, frames: Dict[str, Frame]) -> Dict[str, Inertia]:
+    """Return the inertia of each lumped link, by its name."""
+    sums: Dict[str, Inertia] = {}
+    for name, frame in frames.items():
+        sums[frame.link] = sums.get(frame.link, NO_INERTIA) + inertias.read(
+            name, tree.links[name]).moved(frame.pose)
+    return sums
+
+
+def _leave_out(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
+               sums: Dict[str, Inertia]) -> List[str]:
+    """Remove the lumped links without mass, and what is joined to them; return warnings.
+
+    Gazebo's SDFormat does so too. Raises SimulationError when that is the whole robot.
+    """
+    if sums[tree.root].mass == 0:
+        raise SimulationError('link {} can move but has no mass'.format(tree.root),
+                              'add an <inertial> to it or to a link fixed to it')
+    gone: Set[str] = set()
+    warnings = []
+    for name in sums:     # from the root on
+        above = frames[tree.parents[name].parent_link].link if name in tree.parents else ''
+        if sums[name].mass and above not in gone:
+            continue
+        gone.add(name)
+        if above not in gone:
+            warnings.append(
+                'link {} can move (joint {}) but has no mass: it is left out with all that is '
+                'joined to it, like in Gazebo'.format(name, tree.parents[name].name))
+    for name in [name for name, frame in frames.items() if frame.link in gone]:
+        del frames[name]
+        robot.remove(tree.links.pop(name))
+        robot.remove(tree.parents.pop(name).element)
+    for name in gone:
+        del sums[name]
+    return warnings
+
+
+def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
+          coefficients: Dict[str, float]) -> Dict[str, float]:
+    """Move all shapes to the lumped links, and remove the others; return the friction of those.
+
+    coefficients: of friction, by the names of the links.
+    """
+    friction: Dict[str, float] = {}
+    surfaces: Dict[Tuple[str, float], ElementTree.Element] = {}
+    for name, (carrier, pose) in frames.items():
+        link = tree.links[name]
+        if carrier != name:
+            robot.remove(link)
+            robot.remove(tree.parents[name].element)
+            _move(link.findall('visual'), tree.links[carrier], pose)
+        shapes = link.findall('collision')
+        surface = carrier, min(coefficients.get(name, FLOOR_FRICTION), FLOOR_FRICTION)
+        if shapes and surface not in surfaces:
+            surfaces[surface] = tree.links[carrier] if carrier not in friction else _add_surface(
+                robot, carrier, name, tree.parents[name].name)
+            set_friction(surfaces[surface], surface[1])
+            friction[surfaces[surface].get('name', '')] = surface[1]
+        if shapes and surfaces[surface] is not link:
+            _move(shapes, surfaces[surface], pose)
+    return friction
+
+
+def _add_surface(robot: ElementTree.Element, carrier: str, name: str,
+                 joint_name: str) -> ElementTree.Element:
+    """Add a link without mass, fixed to another one in the same place."""
+    link = ElementTree.SubElement(robot, 'link', name=name)
+    add_massless(link)
+    joint = ElementTree.SubElement(robot, 'joint', name=joint_name, type='fixed')
+    ElementTree.SubElement(joint, 'parent', link=carrier)
+    ElementTree.SubElement(joint, 'child', link=name)
+    return link
+
+
+def _move(shapes: List[ElementTree.Element], target: ElementTree.Element,
+          pose: Transform) -> None:
+    for shape in shapes:
+        set_origin(shape, pose @ origin_of(shape))
+        target.append(shape)
 
 
 def frictions(robot: ElementTree.Element) -> Dict[str, float]:
@@ -213,32 +215,3 @@ def frictions(robot: ElementTree.Element) -> Dict[str, float]:
             found[name] = read_coefficient('lateral_friction of link ' + name,
                                            of_link.get('value'))
     return found
-
-
-def _inertia(name: str, link: ElementTree.Element) -> Inertia:
-    inertial = link.find('inertial')
-    if inertial is None:
-        return NO_INERTIA
-    mass, inertia = inertial.find('mass'), inertial.find('inertia')
-    if mass is None or inertia is None:
-        raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
-    kilograms = read_number('mass of link ' + name, mass.get('value'))
-    check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
-    values = ' '.join(inertia.get(key, '0') for key in INERTIA_KEYS)
-    matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)
-    return Inertia(kilograms, np.zeros(3), matrix).moved(origin_of(inertial))
-
-
-def _set_inertia(name: str, link: ElementTree.Element, inertia: Inertia) -> None:
-    if inertia.mass == 0:
-        raise SimulationError('link {} can move but has no mass'.format(name),
-                              'add an <inertial> to it or to a link fixed to it')
-    check_moments('link {}, with the links fixed to it,'.format(name), inertia.matrix)
-    set_inertial(link, inertia.mass, Transform(np.eye(3), inertia.center), inertia.matrix)
-
-
-def _move_shapes(source: ElementTree.Element, target: ElementTree.Element,
-                 pose: Transform) -> None:
-    for shape in source.findall('visual') + source.findall('collision'):
-        set_origin(shape, pose @ origin_of(shape))
-        target.append(shape)

@@ -7,13 +7,13 @@ import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.mesh_file import READABLE
-from img_recog.simulation.descriptions import materials
+from img_recog.simulation.descriptions import inertias, materials
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import (read_coefficient, read_direction,
                                                        read_lengths, read_number, words)
 from img_recog.simulation.descriptions.sdf_frames import pose_of
 from img_recog.simulation.descriptions.urdf_elements import (
-    INERTIA_KEYS, check_mass, check_moments, set_inertial, set_origin)
+    INERTIA_KEYS, check_mass, set_friction, set_inertial, set_origin)
 from img_recog.simulation.descriptions.urdf_visuals import IS_PLANE, material_element
 from img_recog.simulation.settings import SimulationError
 
@@ -27,8 +27,11 @@ class _Unsupported(Exception):
 
 
 def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
-                 offset: Transform) -> None:
-    """Add the inertia of an SDF's link; offset: of that in the frame of the URDF's link."""
+                 offset: Transform) -> str:
+    """Add the inertia of an SDF's link; return a warning, '' if it can be simulated as it is.
+
+    offset: of the link in the frame of the URDF's link.
+    """
     name = source.get('name', '')
     given = source.find('inertial')
     if given is None:
@@ -39,8 +42,9 @@ def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
         '<{}> of link {}'.format(key, name),
         given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'))
         for key in INERTIA_KEYS]).reshape(3, 3)
-    check_moments('link ' + name, matrix)
-    set_inertial(link, mass, offset @ pose_of(given), matrix)
+    possible = inertias.possible('link ' + name, mass, matrix)
+    set_inertial(link, mass, offset @ pose_of(given), possible.matrix)
+    return possible.warning
 
 
 def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None:
@@ -48,9 +52,7 @@ def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None
     text = source.findtext('collision/surface/friction/ode/mu')
     if text is None:
         return
-    value = read_coefficient('<mu> of link ' + source.get('name', ''), text)
-    contact = ElementTree.SubElement(link, 'contact')
-    ElementTree.SubElement(contact, 'lateral_friction', value=repr(value))
+    set_friction(link, read_coefficient('<mu> of link ' + source.get('name', ''), text))
 
 
 def add_shape(link: ElementTree.Element, shape: ElementTree.Element, pose: Transform,

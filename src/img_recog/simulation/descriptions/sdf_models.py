@@ -24,7 +24,7 @@ class Tree(NamedTuple):
     name: of the model, with ::LINK for the roots after the first; urdf: its text, in which all
     meshes have absolute paths; pose: of the root link in the world; fixed: whether that never
     moves; in_model: the pose of the root link in the frame of the model; first: whether it is the
-    first tree of its model.
+    first tree of its model; warnings: what is simulated in another way than given, a line each.
     """
 
     name: str
@@ -33,6 +33,7 @@ class Tree(NamedTuple):
     fixed: bool
     in_model: Transform = IDENTITY
     first: bool = True
+    warnings: Tuple[str, ...] = ()
 
 
 class _Link(NamedTuple):
@@ -83,6 +84,7 @@ class _Builder:
     def __init__(self, version: Version, find: FindFile, missing: List[str]):
         self._version, self._find, self._missing = version, find, missing
         self.links: Dict[str, _Link] = {}
+        self._warnings: List[str] = []      # of the tree that is being built
         self._joints: List[_Joint] = []
 
     def collect(self, model: ElementTree.Element, prefix: str, pose: Transform,
@@ -166,7 +168,7 @@ class _Builder:
             self._add_joint_element(robot, to_world, IDENTITY, parent=WORLD)
         else:
             base = root.pose
-        names = [root.name]
+        names, self._warnings = [root.name], []
         for link in names:          # grows while it is iterated over
             seen.add(link)
             self._add_link(robot, self.links[link], frames[link], is_fixed and link == root.name)
@@ -176,7 +178,7 @@ class _Builder:
                     names.append(joint.child)
                     self._add_joint_element(robot, joint, _relative(frames[link], joint.pose))
         return Tree(name, ElementTree.tostring(robot, 'unicode'), pose @ base,
-                    is_fixed or base is not root.pose, base)
+                    is_fixed or base is not root.pose, base, warnings=tuple(self._warnings))
 
     def _add_link(self, robot: ElementTree.Element, link: _Link, frame: Transform,
                   is_fixed: bool) -> None:
@@ -186,7 +188,8 @@ class _Builder:
         if is_fixed or link.is_static:
             add_massless(added)
         else:
-            sdf_links.add_inertial(added, link.element, offset)
+            warning = sdf_links.add_inertial(added, link.element, offset)
+            self._warnings += [warning] if warning else []
         sdf_links.add_friction(added, link.element)
         scope = Scope(link.element)
         for tag in ('visual', 'collision'):

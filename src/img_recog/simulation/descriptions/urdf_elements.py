@@ -1,4 +1,4 @@
-"""Elements of a URDF that several modules read or write: origins and inertias."""
+"""Elements of a URDF that several modules read or write: origins, inertias and friction."""
 import xml.etree.ElementTree as ElementTree
 from typing import List
 
@@ -10,9 +10,8 @@ from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers
 from img_recog.simulation.settings import SimulationError
 
 INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')   # row by row
-# kg, kg m2: in PyBullet, a body of 1e300 kg falls through the floor
-_MAX_MASS, _MAX_MOMENT = 1e9, 1e15
-_MIN = 1e-20
+# kg: in PyBullet, a body of 1e300 kg falls through the floor
+_MIN_MASS, _MAX_MASS = 1e-20, 1e9
 
 
 def roots(robot: ElementTree.Element) -> List[str]:
@@ -63,6 +62,16 @@ def add_massless(link: ElementTree.Element) -> None:
     ElementTree.SubElement(inertial, 'inertia', dict.fromkeys(INERTIA_KEYS, '0'))
 
 
+def set_friction(link: ElementTree.Element, value: float) -> None:
+    """Give a link a coefficient of friction in place of the one that it may have."""
+    contact = link.find('contact')
+    if contact is None:
+        contact = ElementTree.SubElement(link, 'contact')
+    for old in contact.findall('lateral_friction'):
+        contact.remove(old)
+    ElementTree.SubElement(contact, 'lateral_friction', value=repr(value))
+
+
 def check_mass(name: str, mass: float, otherwise: str = '') -> None:
     """Raise SimulationError unless a mass in kg can be used; otherwise: what else is allowed.
 
@@ -70,16 +79,7 @@ def check_mass(name: str, mass: float, otherwise: str = '') -> None:
     Traceback (most recent call last):
     img_recog.simulation.settings.SimulationError: mass of link a: got 0 kg, expected more than 0
     """
-    if not _MIN <= mass <= _MAX_MASS:
-        limit = 'more than 0' if mass < _MIN else 'at most {:g}'.format(_MAX_MASS)
+    if not _MIN_MASS <= mass <= _MAX_MASS:
+        limit = 'more than 0' if mass < _MIN_MASS else 'at most {:g}'.format(_MAX_MASS)
         raise SimulationError('{}: got {:g} kg, expected {}{}'.format(
             name, mass, limit, otherwise))
-
-
-def check_moments(name: str, inertia: np.ndarray) -> None:
-    """Raise SimulationError unless an inertia (3, 3) in kg m2 can be simulated."""
-    moments = np.linalg.eigvalsh(inertia)
-    if moments[0] < _MIN or moments[2] > _MAX_MOMENT:
-        raise SimulationError('{} has the inertia {}, expected {}'.format(
-            name, np.round(np.diag(inertia), 9).tolist(), 'positive moments about all axes'
-            if moments[0] < _MIN else 'moments of at most {:g} kg m2'.format(_MAX_MOMENT)))

@@ -109,6 +109,8 @@ def _read_sdf(root: ElementTree.Element, path: str,
     name = os.path.splitext(os.path.basename(path))[0]
     warnings = () if not contents.ignored else ('world {}: not simulated: {}'.format(
         name, ', '.join(contents.ignored)),)
+    warnings += tuple('world {}: model {}: {}'.format(name, tree.name, warning)
+                      for tree in contents.trees for warning in tree.warnings)
     return WorldFile(name, contents.trees, gravity, contents.has_physics, warnings,
                      contents.has_floor, contents.camera), contents.missing
 

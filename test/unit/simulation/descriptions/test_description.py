@@ -47,19 +47,14 @@ def test_burger_frames_are_where_the_joints_put_them():
 
 def test_friction_is_that_of_gazebos_tag_or_pybullets():
     assert parse(burger()).friction == {
-        'wheel_left_link': 0.1, 'wheel_right_link': 0.1, 'caster_back_link': 0.1}
-    contact = '<contact><lateral_friction value="0.3"/></contact>'
+        'base_footprint': 1.0, 'wheel_left_link': 0.1, 'wheel_right_link': 0.1,
+        'caster_back_link': 0.1}
+    contact = '<collision/><contact><lateral_friction value="0.3"/></contact>'
     tag = '<gazebo reference="a"><mu1>0.7</mu1></gazebo>'
     assert parse(ROBOT.format(link('a', inside=contact))).friction == {'a': 0.3}
     assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.7}
     tag = '<gazebo reference="a"><mu1 value="0.6"/></gazebo>'
     assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.6}
-
-
-def test_the_friction_of_a_fixed_link_without_mass_is_not_used():
-    contact = '<contact><lateral_friction value="0.3"/></contact>'
-    urdf = parse(ROBOT.format(link('a') + link('b', 0, inside=contact) + joint('ab', 'a', 'b')))
-    assert urdf.friction == {} and urdf.frames['b'].link == 'a'
 
 
 def test_chain_of_fixed_links_becomes_one_and_what_moves_stays():
@@ -90,19 +85,17 @@ PAIR = link('a') + link('b')
     (PAIR + link('c') + joint('j', 'a', 'c') + joint('k', 'b', 'c'),
      'link c is the child of two joints, j and k'),
     (link('a') + joint('j', 'a', 'b'), 'child link b, which does not'),
-    (link('a', '0'), 'mass of link a: got 0 kg'), (link('a', -1), 'mass of link a: got -1 kg'),
+    (link('a', '0'), 'link a can move but has no mass'),
+    (link('a', -1), 'mass of link a: got -1 kg'),
     (link('a', '1e300'),
      'mass of link a: got 1e+300 kg, expected at most 1e+09 (or no <inertial>)'),
     (link('a', 'nan'), "mass of link a: got 'nan'"),
     (link('a', 'heavy'), "mass of link a: got 'heavy'"),
-    (link('a') + link('b', 0) + joint('j', 'a', 'b', 'continuous'),
-     'link b can move but has no mass'),
     (PAIR + joint('j', 'a', 'b', 'planar'),
      'joint j is of type planar; supported are continuous, fixed'),
     (PAIR + joint('j', 'a', 'b', 'continuous', '<axis xyz="0 0 0"/>'),
      'axis of joint j: got 0 0 0'),
-    (link('a').replace('"1"', '"0"'), 'link a, with the links fixed to'),
-    (link('a').replace('ixx="1"', 'ixx="-1"'), 'expected positive moments'),
+    (link('a').replace('ixx="1"', 'ixx="1e16"'), 'expected at most 1e+15'),
     (link('a') + '<gazebo reference="a"><mu1>-0.5</mu1></gazebo>',
      'mu1 of link a: got -0.5, expected at least 0'),
     (PAIR + joint('j', 'a', 'b', origin='<origin xyz="inf 0 0"/>'),
@@ -166,18 +159,60 @@ def test_shapes_move_with_their_link_and_keep_their_parts():
     assert len(lumped.findall('visual/geometry')) == len(lumped.findall('collision')) == 2
 
 
-def test_fixed_link_with_friction_stays_and_carries_those_on_it():
-    contact = '<contact><lateral_friction value="0.3"/></contact>'
+SHAPE = '<collision><origin xyz="0 0 0.5"/><geometry/></collision>'
+
+
+def surface(friction):
+    return SHAPE + '<contact><lateral_friction value="{}"/></contact>'.format(friction)
+
+
+def test_fixed_shapes_keep_their_friction_and_their_link_gives_its_mass_away():
     urdf = parse(ROBOT.format(
-        link('a') + link('b', inside=contact) + link('c') + joint('ab', 'a', 'b')
-        + joint('bc', 'b', 'c', origin='<origin xyz="0 0 2"/>')))
-    assert urdf.frames['c'].link == urdf.frames['b'].link == 'b' and urdf.root == 'a'
-    assert list(urdf.frames['c'].pose.translation) == [0, 0, 2]
+        link('a', 0) + link('b', 2, surface(0.7)) + link('c', 0, surface(0)) + link('d', 1, SHAPE)
+        + link('e', 0, surface(0)) + link('f', '0', surface(7)) + joint('ab', 'a', 'b')
+        + ''.join(joint('b' + name, 'b', name, origin='<origin xyz="0 0 2"/><axis xyz="0 0 0"/>')
+                  for name in 'cdef')))
     robot = ElementTree.fromstring(urdf.urdf)
-    assert [each.get('name') for each in robot.findall('link')] == ['a', 'b']
-    assert [each.get('name') for each in robot.findall('joint')] == ['ab']
-    assert urdf.missing_meshes == () and urdf.name == 'r'
+    assert urdf.friction == {'a': 0.7, 'c': 0.0, 'd': 1.0}
+    found = {each.get('name'): each for each in robot.findall('link')}
+    assert {name: [float(shape.find('origin').get('xyz').split()[2])
+                   for shape in each.findall('collision')] for name, each in found.items()} == {
+        'a': [0.5], 'c': [2.5, 2.5], 'd': [2.5, 2.5]}
+    assert {name: float(each.find('inertial/mass').get('value'))
+            for name, each in found.items()} == {'a': 3.0, 'c': 0.0, 'd': 0.0}
+    assert {name: float(each.find('contact/lateral_friction').get('value'))
+            for name, each in found.items()} == urdf.friction
+    assert [(each.get('name'), each.get('type'), each.find('parent').get('link'))
+            for each in robot.findall('joint')] == [('bc', 'fixed', 'a'), ('bd', 'fixed', 'a')]
+    assert {frame.link for frame in urdf.frames.values()} == {'a'}
+    assert list(urdf.frames['e'].pose.translation) == [0, 0, 2]
+    assert urdf.missing_meshes == () and urdf.warnings == () and urdf.name == 'r'
     assert parse('<robot>' + link('a') + '</robot>').name == 'robot'
+
+
+def test_what_moves_without_mass_is_left_out_with_a_warning():
+    urdf = parse(ROBOT.format(
+        link('a') + link('b', 0) + link('c', '0') + link('d') + link('e', 0, SHAPE)
+        + joint('ab', 'a', 'b', 'continuous') + joint('bc', 'b', 'c') + joint('cd', 'c', 'd')
+        .replace('fixed', 'revolute') + joint('ae', 'a', 'e', 'prismatic')))
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert [each.get('name') for each in robot.findall('link')] == ['a'] == list(urdf.frames)
+    assert robot.findall('joint') == []
+    first, second = urdf.warnings
+    assert first.startswith('link b can move (joint ab) but has no mass: it is left out')
+    assert second.startswith('link e can move (joint ae)')
+
+
+def test_inertia_of_no_body_is_replaced_with_a_warning():
+    urdf = parse(ROBOT.format(link('a').replace('ixy="0"', 'ixy="-2"')))
+    inertia = ElementTree.fromstring(urdf.urdf).find('link/inertial/inertia')
+    # the principal moments -1, 1 and 3; the nearest are 0, 2 and 2
+    assert {key: float(value) for key, value in inertia.items()} == pytest.approx(
+        {'ixx': 1, 'ixy': -1, 'ixz': 0, 'iyy': 1, 'iyz': 0, 'izz': 2}, abs=1e-4)
+    assert urdf.warnings == (
+        'link a and what is fixed to it: got the principal moments of inertia -1, 1, 3 kg m2; '
+        'those of a body are more than 0, and none exceeds the sum of the others; simulated with '
+        '3e-05, 2, 2',)
 
 
 @pytest.mark.parametrize('kind', ['continuous', 'prismatic', 'revolute'])
