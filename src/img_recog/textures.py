@@ -5,7 +5,7 @@ from PIL import Image
 from img_recog.errors import UserError, one_line
 
 _MAX_SIZE_PX = 4096
-_MAX_PIXELS = 50_000_000
+_MAX_PIXELS = 1 << 27        # 8192x16384; each takes 3 bytes while it is reduced
 Image.MAX_IMAGE_PIXELS = None       # Pillow's own limit is a warning, or names no number
 
 

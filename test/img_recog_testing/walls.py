@@ -3,9 +3,9 @@ import ast
 import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'mesh_file', 'resources',
-                'robot_file', 'rotations', 'settings', 'signals', 'still_images', 'textures',
-                'timed_xmlrpc', 'visuals')
+GROUND_FLOOR = ('errors', 'files', 'helper_process', 'markup', 'mesh_file', 'mesh_formats',
+                'resources', 'robot_file', 'rotations', 'settings', 'signals', 'still_images',
+                'textures', 'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -29,7 +29,8 @@ ALLOWED = {
     'markup': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'rotations': (), 'signals': (),
     'timed_xmlrpc': (), 'visuals': (), 'textures': ('errors',),
-    'mesh_file': ('errors', 'textures', 'visuals'),
+    'mesh_file': ('errors', 'mesh_formats', 'textures', 'visuals'),
+    'mesh_formats': ('visuals',),
     'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'markup'), 'still_images': ('errors', 'settings'),

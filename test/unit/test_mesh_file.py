@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog import mesh_file
+from img_recog import mesh_file, textures
 from img_recog.mesh_file import MeshError
+from img_recog.textures import TextureError
 from img_recog.visuals import GREY
 from img_recog_testing import bombs
 
@@ -79,6 +80,8 @@ def textured(folder, image):
         image))
     (folder / 'meshes' / 'a.obj').write_text(TEXTURED)
     part, = mesh_file.read(str(folder / 'meshes' / 'a.obj'))
+    assert part.color == (0.2, 0.4, 0.6, 1.0) and part.has_material and part.problem == ''
+    assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
     return part
 
 
@@ -86,35 +89,48 @@ def test_textures_are_found_where_gazebo_looks_for_them(tmp_path):
     (tmp_path / 'materials' / 'textures').mkdir(parents=True)
     Image.new('RGB', (2, 2), (10, 20, 30)).save(str(tmp_path / 'materials' / 'textures' / 'a.png'))
     part = textured(tmp_path, 'a.png')
-    assert part.problem == '' and part.texture[0, 0].tolist() == [10, 20, 30]
-    assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
+    assert textures.read(part.texture)[0, 0].tolist() == [10, 20, 30]
 
 
-def test_a_texture_that_is_missing_is_named_and_the_mesh_is_drawn(tmp_path):
+def test_a_texture_that_is_missing_is_named(tmp_path):
     part = textured(tmp_path, 'a.png')
-    assert part.problem == ('cannot read all of the mesh {}: its texture a.png: No such file or '
-                            'directory'.format(tmp_path / 'meshes' / 'a.obj'))
-    assert part.texture is None and part.color == pytest.approx((0.2, 0.4, 0.6, 1.0), abs=0.005)
+    with pytest.raises(TextureError) as error:
+        textures.read(part.texture)
+    assert str(error.value) == (
+        'cannot read the texture {}: No such file or directory; give a PNG or JPEG file'.format(
+            tmp_path / 'meshes' / 'a.png'))
 
 
 @pytest.mark.parametrize('share', [0.0, 0.02, 0.5, 0.95])
 @pytest.mark.parametrize('suffix', ['png', 'jpg'])
-def test_a_texture_that_is_truncated_is_named_and_the_mesh_is_drawn(tmp_path, suffix, share):
+def test_a_texture_that_is_truncated_is_named(tmp_path, suffix, share):
     noise = np.random.RandomState(0).randint(0, 255, (64, 64, 3)).astype(np.uint8)
     Image.fromarray(noise).save(str(tmp_path / ('whole.' + suffix)))
     content = (tmp_path / ('whole.' + suffix)).read_bytes()
     (tmp_path / 'meshes').mkdir()
     (tmp_path / 'meshes' / ('a.' + suffix)).write_bytes(content[:int(share * len(content))])
     part = textured(tmp_path, 'a.' + suffix)
-    assert 'its texture ' in part.problem and '\n' not in part.problem
-    assert part.texture is None and len(part.positions) == 1
+    with pytest.raises(TextureError) as error:
+        textures.read(part.texture)
+    assert 'cannot read the texture ' in str(error.value) and '\n' not in str(error.value)
 
 
 def test_a_texture_of_too_many_pixels_is_named_and_not_decoded(tmp_path):
     (tmp_path / 'meshes').mkdir()
     (tmp_path / 'meshes' / 'a.png').write_bytes(bombs.png())
-    part = textured(tmp_path, 'a.png')
-    assert '20000x20000 pixels are more than 50000000' in part.problem and part.texture is None
+    with pytest.raises(TextureError) as error:
+        textures.read(textured(tmp_path, 'a.png').texture)
+    assert '20000x20000 pixels are more than 134217728' in str(error.value)
+
+
+def test_pybullet_gets_the_texture_of_an_obj(tmp_path):
+    (tmp_path / 'meshes').mkdir()
+    Image.new('RGB', (2, 2), (10, 20, 30)).save(str(tmp_path / 'meshes' / 'a.png'))
+    textured(tmp_path, 'a.png')
+    path = mesh_file.write(str(tmp_path / 'meshes' / 'a.obj'), str(tmp_path), materials=True)
+    part, = mesh_file.read(path)
+    assert textures.read(part.texture)[0, 0].tolist() == [10, 20, 30]
+    assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
 
 
 @pytest.mark.parametrize('name, content, count', [
@@ -144,7 +160,7 @@ def test_pybullet_gets_the_same_triangles(tmp_path, name, content, count):
     ('a.obj', OBJ.replace('v 1 0 0', 'v inf 0 0'), 'it has a coordinate of more than 1e+09'),
     ('a.obj', OBJ.replace('v 1 0 0', 'v -1e10 0 0'), 'it has a coordinate of more than 1e+09'),
     ('a.stl', b'', ''), ('a.stl', BINARY[:50], ''), ('a.stl', BINARY[:-1], ''),
-    ('a.stl', 'solid a\n', ''), ('a.stl', ASCII[:70], ''),
+    ('a.stl', 'solid a\n', ''), ('a.stl', ASCII[:70], 'it has 2 corners in 1 facets'),
     ('a.stl', BINARY[:96] + b'\0\0\x80\x7f' + BINARY[100:], 'a coordinate of more than 1e+09'),
     ('a.dae', '', ''), ('a.dae', '<COLLADA/>', ''),
     ('a.xyz', '1 2 3', "its name ends with '.xyz', expected .dae, .obj, .stl")])

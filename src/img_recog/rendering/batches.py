@@ -130,14 +130,18 @@ class Loader:
                     ) -> Tuple[Sequence[float], Optional[np.ndarray]]:
         """Return color and image of triangles: the material's, or those of the file."""
         material = visual.material
-        if material is None or (visual.prefers_file and part.has_material):
-            return part.color, part.texture
+        if material is not None and not (visual.prefers_file and part.has_material):
+            return material.color, self._image(material.texture)
+        image = self._image(part.texture)
+        return part.color if image is None else (1.0, 1.0, 1.0, part.color[3]), image
+
+    def _image(self, path: str) -> Optional[np.ndarray]:
+        """Return the image at a path, None for '' or if it cannot be read."""
         try:
-            image = self._images.get(material.texture) if material.texture else None
+            return self._images.get(path) if path else None
         except textures.TextureError as error:
             self._miss(one_line(error))
-            image = None
-        return material.color, image
+            return None
 
     def _miss(self, problem: str) -> None:
         if problem and problem not in self._missing:

@@ -22,7 +22,7 @@ def area_and_volume(part):
     (Shape(PLANE, (4.0, 2.0)), 8.0, 0.0)])
 def test_primitive_shapes(shape, area, volume):
     part, = of_shape(shape)
-    assert part.color == GREY and part.texture is None
+    assert part.color == GREY and part.texture == ''
     got = area_and_volume(part)
     assert got[0] == pytest.approx(area, rel=0.01)
     assert got[1] == pytest.approx(volume, rel=0.02)

@@ -1,0 +1,75 @@
+"""The materials of mesh files, and where their textures are."""
+import os
+import re
+from typing import Any, List, NamedTuple, Sequence
+from urllib.parse import unquote
+
+from img_recog.visuals import GREY, Color
+
+# where Gazebo looks for the textures of a mesh
+_FOLDERS = ('', os.path.join('..', 'materials', 'textures'))
+_FILE = 'file://'
+# of a model or package, whose folder is above that of the mesh or beside one that is
+_IN_FOLDER = re.compile('(?:model|package)://')
+_BASE = 200         # of the numbers that colors stand for
+
+
+class FileMaterial(NamedTuple):
+    """A material of a mesh file.
+
+    color: used where the texture cannot be read; else white, with the same opacity; texture: the
+    path of an image file, '' for none.
+    """
+
+    color: Color = GREY
+    texture: str = ''
+
+
+def number_color(number: int) -> List[float]:
+    """Return a color, of 0 to 1, that stands for a number below 200^3.
+
+    trimesh gets it in place of a material, of which it would drop what it does not know.
+
+    >>> number_of([int(255 * value) for value in number_color(70000)])
+    70000
+    """
+    # the same number whether the color is rounded to 1/255 or cut off
+    return [(number // power % _BASE + 0.25) / 255 for power in (_BASE ** 2, _BASE, 1)]
+
+
+def number_of(color: Sequence[Any]) -> int:
+    """Return the number that a color of 0 to 255 stands for."""
+    red, green, blue = (int(value) for value in color[:3])
+    return (red * _BASE + green) * _BASE + blue
+
+
+def find_texture(mesh: str, name: str) -> str:
+    """Return the path of a texture that a mesh file names, found as Gazebo finds it.
+
+    One that an absolute path or a model names is also searched for where the mesh is. Without any
+    it is the path where it should be, '' for no name.
+    """
+    given = unquote(name.strip())
+    if not given:
+        return ''
+    folder = os.path.dirname(os.path.abspath(mesh))
+    in_folder = _IN_FOLDER.match(given)
+    given = given[len(_FILE):] if given.startswith(_FILE) else given
+    if in_folder:
+        given = given[in_folder.end():]
+        folders = _above(folder)
+    else:
+        folders = [os.path.join(folder, each) for each in _FOLDERS]
+    paths = [os.path.normpath(os.path.join(each, given)) for each in folders]
+    last = re.split(r'[/\\]', given)[-1]
+    others = [os.path.normpath(os.path.join(folder, each, last)) for each in _FOLDERS]
+    return next((path for path in paths + others if os.path.isfile(path)), paths[0])
+
+
+def _above(folder: str) -> List[str]:
+    """Return the folders that contain a folder, the nearest first."""
+    found = []
+    while folder != os.path.dirname(folder):
+        folder = os.path.dirname(folder)
+        found.append(folder)
+    return found

@@ -1,0 +1,188 @@
+"""COLLADA files of all kinds that Gazebo reads give all of their triangles."""
+import numpy as np
+import pytest
+
+from img_recog import mesh_file
+from img_recog.visuals import GREY
+
+IMAGE = '<library_images><image id="i"><init_from>a%20b.png</init_from></image></library_images>'
+SURFACE = ('<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>'
+           '<newparam sid="p"><sampler2D><source>s</source></sampler2D></newparam>')
+DIFFUSE = '<diffuse><color>0.2 0.4 0.6 1</color></diffuse>'
+TEXTURE = '<diffuse><texture texture="p" texcoord="u"/></diffuse>'
+TRIANGLES = ('<triangles count="2" material="m1">{}<p>0 0 0 1 0 1 2 0 2 0 0 0 2 0 2 3 0 3</p>'
+             '</triangles>')
+INPUTS = ('<input semantic="VERTEX" source="#v" offset="0"/>'
+          '<input semantic="NORMAL" source="#n" offset="1"/>'
+          '<input semantic="TEXCOORD" source="#t" offset="2" set="0"/>')
+NODE = '<node>{}<instance_geometry url="#g">{}</instance_geometry></node>'
+BIND = ('<bind_material><technique_common><instance_material symbol="m1" target="#m"/>'
+        '</technique_common></bind_material>')
+POINTS = '0 0 0 2 0 0 2 1 0 0 1 0'
+UVS = '0 0 1 0 1 1 0 1'
+
+
+def source(name, values, components):
+    return ('<source id="{0}"><float_array id="{0}a" count="{1}">{2}</float_array>'
+            '<technique_common><accessor source="#{0}a" count="{3}" stride="{4}">{5}</accessor>'
+            '</technique_common></source>').format(
+                name, len(values.split()), values, len(values.split()) // len(components),
+                len(components), ''.join('<param name="{}" type="float"/>'.format(each)
+                                         for each in components))
+
+
+def collada(shader=DIFFUSE, primitives=TRIANGLES.format(INPUTS), nodes=NODE.format('', BIND),
+            extra='', uvs=source('t', UVS, 'ST'), effect=SURFACE, image=IMAGE):
+    """Return the text of a rectangle of 2 m x 1 m."""
+    return '''<?xml version="1.0"?>
+<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema"><asset/>{image}
+<library_effects><effect id="e"><profile_COMMON>{effect}<technique sid="t"><phong>{shader}</phong>
+</technique></profile_COMMON></effect></library_effects><library_materials><material id="m">
+<instance_effect url="#e"/></material></library_materials><library_geometries><geometry id="g">
+<mesh>{sources}<vertices id="v"><input semantic="POSITION" source="#x"/></vertices>{primitives}
+</mesh></geometry></library_geometries>{extra}<library_visual_scenes><visual_scene id="s">{nodes}
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>
+'''.format(image=image, effect=effect, shader=shader, primitives=primitives, nodes=nodes,
+           extra=extra,
+           sources=source('x', POINTS, 'XYZ') + source('n', '0 0 1', 'XYZ') + uvs)
+
+
+def read(folder, text):
+    """Return the only part of a COLLADA file."""
+    (folder / 'a.dae').write_text(text)
+    part, = mesh_file.read(str(folder / 'a.dae'))
+    assert np.linalg.norm(part.normals, axis=2) == pytest.approx(1)
+    return part
+
+
+def area(part):
+    sides = part.positions[:, 1:] - part.positions[:, :1]
+    return np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2
+
+
+INSTANCE = '<instance_geometry url="#g">{}</instance_geometry>'.format(BIND)
+OTHER = INPUTS.replace('offset="2"', 'offset="3"').replace(
+    '<input semantic="TEX', '<input semantic="{}" source="#n" offset="2"/><input semantic="TEX')
+WIDER = '<p>0 0 0 0 1 0 0 1 2 0 0 2 0 0 0 0 2 0 0 2 3 0 0 3</p>'
+POLYGON = INPUTS + '{}<p>0 0 0 1 0 1 2 0 2 3 0 3</p>'
+CONTROLLER = ('<library_controllers><controller id="c"><skin source="#g"><bind_shape_matrix>'
+              '1 0 0 0 0 1 0 0 0 0 1 5 0 0 0 1</bind_shape_matrix></skin></controller>'
+              '</library_controllers>')
+INSTANCE_CONTROLLER = '<node><instance_controller url="#c"><skeleton>#b</skeleton>{}' \
+    '</instance_controller></node>'.format(BIND)
+
+
+@pytest.mark.parametrize('changes', [
+    {}, {'primitives': '<!-- a --><?b?>' + TRIANGLES.format(INPUTS + '<!-- c -->')},
+    {'primitives': '<lines count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1</p>'
+     '</lines><linestrips/><triangles count="0"/>' + TRIANGLES.format(INPUTS)},
+    {'primitives': TRIANGLES.format(OTHER.format('COLOR')).replace(
+        TRIANGLES[TRIANGLES.index('<p>'):TRIANGLES.index('</tri')], WIDER)},
+    {'primitives': TRIANGLES.format(OTHER.format('TEXTANGENT')).replace(
+        TRIANGLES[TRIANGLES.index('<p>'):TRIANGLES.index('</tri')], WIDER)},
+    {'primitives': '<polylist count="1" material="m1">{}</polylist>'.format(
+        POLYGON.format('<vcount>4</vcount>'))},
+    {'primitives': '<polygons count="1" material="m1">{}</polygons>'.format(POLYGON.format(''))},
+    {'primitives': '<trifans count="1" material="m1">{}</trifans>'.format(POLYGON.format(''))},
+    {'primitives': '<tristrips count="1" material="m1">{}<p>0 0 0 1 0 1 3 0 3 2 0 2</p>'
+     '</tristrips>'.format(INPUTS)},
+    {'uvs': source('t', '0 0 9 1 0 9 1 1 9 0 1 9', 'STP')},
+    {'uvs': source('t', '0 0 9 9 1 0 9 9 1 1 9 9 0 1 9 9', 'STPQ')},
+    {'uvs': source('t', UVS, 'UV')}, {'uvs': source('t', UVS, 'ST').replace(' name=', ' sid=')},
+    {'nodes': '<node><instance_node url="#used"/></node>',
+     'extra': '<library_nodes><node id="used">{}</node></library_nodes>'.format(INSTANCE)},
+    {'nodes': '<node><node>{}</node><instance_light url="#none"/><extra/></node>'.format(
+        INSTANCE)},
+    {'nodes': INSTANCE_CONTROLLER, 'extra': CONTROLLER},
+    {'nodes': INSTANCE_CONTROLLER, 'extra': CONTROLLER.replace('<skin', '<morph').replace(
+        '</skin', '</morph')}])
+def test_all_of_a_mesh_is_read(tmp_path, changes):
+    part = read(tmp_path, collada(**changes))
+    assert part.positions.shape == (2, 3, 3) and area(part) == pytest.approx(2)
+    assert part.uvs == pytest.approx(part.positions[:, :, :2] / (2, 1))
+    assert part.color == (0.2, 0.4, 0.6, 1.0) and part.has_material and part.problem == ''
+
+
+@pytest.mark.parametrize('spoil', [
+    lambda text: '\n' + text, lambda text: '\ufeff' + text,
+    lambda text: text.replace('xmlns="http://www.collada.org/2005/11/COLLADASchema"', ''),
+    lambda text: text.replace('COLLADA ', 'COLLADA xmlns:xsi="http://b" ')])
+def test_what_surrounds_the_content_does_not_matter(tmp_path, spoil):
+    assert len(read(tmp_path, spoil(collada())).positions) == 2
+
+
+def test_transforms_apply_in_their_order(tmp_path):
+    part = read(tmp_path, collada(nodes=NODE.format(
+        '<translate>1 2 3</translate><rotate>0 0 2 90</rotate><scale>2 1 1</scale>', BIND)))
+    points = np.unique(part.positions.reshape(-1, 3).round(6), axis=0)
+    assert points == pytest.approx(np.array([[0, 2, 3], [0, 6, 3], [1, 2, 3], [1, 6, 3]]))
+
+
+def test_a_skin_has_the_pose_that_it_was_bound_in(tmp_path):
+    part = read(tmp_path, collada(nodes=INSTANCE_CONTROLLER, extra=CONTROLLER))
+    assert part.positions[:, :, 2] == pytest.approx(5)
+
+
+@pytest.mark.parametrize('normals', [
+    '<float_array id="na" count="0"/>', '<float_array id="na" count="3">0 0 0</float_array>'])
+def test_normals_that_are_missing_are_those_of_the_triangles(tmp_path, normals):
+    text = collada()
+    begin = text.index('<float_array id="na"')
+    end = text.index('<technique_common>', begin)
+    part = read(tmp_path, text[:begin] + normals + text[end:])
+    assert part.normals == pytest.approx(np.broadcast_to((0, 0, 1), (2, 3, 3)))
+
+
+@pytest.mark.parametrize('changes', [
+    {'nodes': NODE.format('', '')}, {'nodes': NODE.format('', BIND.replace('"#m"', '"#none"'))},
+    {'primitives': TRIANGLES.format(INPUTS).replace(' material="m1"', '')}])
+def test_texture_coordinates_need_no_material(tmp_path, changes):
+    part = read(tmp_path, collada(**changes))
+    assert part.uvs == pytest.approx(part.positions[:, :, :2] / (2, 1))
+    assert (part.color, part.texture, part.has_material) == (GREY, '', False)
+
+
+def test_a_symbol_that_is_not_bound_names_a_material(tmp_path):
+    part = read(tmp_path, collada(nodes=NODE.format('', '')).replace('"m1"', '"m"'))
+    assert part.color == (0.2, 0.4, 0.6, 1.0) and part.has_material
+
+
+@pytest.mark.parametrize('changes', [
+    {}, {'shader': TEXTURE.replace('"p"', '"i"')},
+    {'effect': SURFACE.replace('<source>s</source>', '<instance_image url="#i"/>')},
+    {'image': IMAGE.replace('<init_from>', '<init_from><ref>').replace('</i', '</ref></i', 1)}])
+def test_the_texture_of_a_material_is_found(tmp_path, changes):
+    part = read(tmp_path, collada(**{'shader': TEXTURE, **changes}))
+    assert part.texture == str(tmp_path / 'a b.png') and part.has_material
+
+
+@pytest.mark.parametrize('changes', [
+    {'image': ''}, {'image': '<library_images><image id="i"/></library_images>'},
+    {'effect': ''}])
+def test_a_material_whose_image_is_incomplete_is_grey(tmp_path, changes):
+    part = read(tmp_path, collada(shader=TEXTURE, **changes))
+    assert (part.color, part.texture, part.has_material) == (GREY, '', True)
+    assert len(part.positions) == 2
+
+
+@pytest.mark.parametrize('shader, color', [
+    ('', GREY), ('<emission><color>0.5 0 0.9 1</color></emission>' + DIFFUSE, (0.7, 0.4, 1, 1))])
+def test_colors(tmp_path, shader, color):
+    assert read(tmp_path, collada(shader=shader)).color == pytest.approx(color)
+
+
+@pytest.mark.parametrize('mode, color, amount, opacity', [
+    (' opaque="A_ONE"', '1 1 1 0.5', '<transparency><float>0.5</float></transparency>', 0.25),
+    (' opaque="A_ONE"', '0 0 0 0.5', '', 0.5), (' opaque="A_ZERO"', '0 0 0 0.2', '', 0.8),
+    (' opaque="RGB_ZERO"', '1 1 1 1', '<transparency><float>0.25</float></transparency>', 0.75),
+    (' opaque="RGB_ONE"', '0.5 0.5 0.5 1', '', 0.5), ('', '0 0 0 0', '', 1.0)])
+def test_opacity(tmp_path, mode, color, amount, opacity):
+    shader = '{}<transparent{}><color>{}</color></transparent>{}'.format(
+        DIFFUSE, mode, color, amount)
+    assert read(tmp_path, collada(shader=shader)).color == pytest.approx((0.2, 0.4, 0.6, opacity))
+
+
+def test_what_is_left_out_is_counted(tmp_path):
+    nodes = NODE.format('', BIND) + NODE.format('<translate>nan 0 0</translate>', BIND)
+    assert read(tmp_path, collada(nodes=nodes)).problem == (
+        'cannot read all of the mesh {}: only 2 of its 4 triangles'.format(tmp_path / 'a.dae'))
