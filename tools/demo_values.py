@@ -23,7 +23,7 @@ def check(words):
         if name == 'colors':
             from img_recog.recognition import parameter_file
             parameter_file.read(value)
-        elif name == 'urdf' and value.endswith('.xacro'):
+        elif name == 'urdf':
             from img_recog import robot_file
             robot_file.read(value)
         elif name in _PARAMETERS:
@@ -31,10 +31,11 @@ def check(words):
     if given.get('camera') == 'robot':
         _check_robot_camera(given)
     if 'world' in given:
-        from img_recog import resources
+        from img_recog import resources, robot_file
         from img_recog.simulation.descriptions import world_file
         world_file.read(given['world'], resources.worlds(), resources.find,
-                        given.get('allow_partial_world', '').lower() in ('1', 'true'))
+                        given.get('allow_partial_world', '').lower() in ('1', 'true'),
+                        read_file=robot_file.read_any)
 
 
 def _check_setting(name, value):

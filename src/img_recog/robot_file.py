@@ -6,12 +6,12 @@ import subprocess
 import sys
 import types
 from importlib import util
-from typing import Iterator, List, Optional
+from typing import Iterator, List, Optional, Union
 
 import rospkg
 
 from img_recog.errors import UserError, one_line
-from img_recog.markup import MarkupError, check_xml, read_bytes
+from img_recog.markup import MarkupError, check_expanded, check_xml, parse_xml, read_bytes
 
 _XACRO = '.xacro'
 _TIMEOUT_S = 60.0
@@ -22,10 +22,10 @@ def read(path: str, option: str = 'urdf') -> str:
 
     path: of a URDF, or of a xacro file, whose name ends with .xacro. option: what the user types
     to name the file, for the error.
-    Raises UserError when it cannot be read, or xacro is missing or fails.
+    Raises UserError when it cannot be read, xacro is missing or fails, or a URDF contains xacro.
     """
     try:
-        text = read_bytes(path).decode()
+        text = _text(read_any(path))
     except MarkupError as error:
         raise UserError('cannot read the robot in {}: {}'.format(path, error.problem),
                         'set {} to a URDF file'.format(option))
@@ -35,10 +35,27 @@ def read(path: str, option: str = 'urdf') -> str:
     except ValueError:
         raise UserError('cannot read the robot in {}: it is not a text file'.format(path),
                         'set {} to a URDF file'.format(option))
-    if not path.endswith(_XACRO):
-        return text
     try:
-        check_xml(text)
+        root = parse_xml(text)
+    except MarkupError:
+        return text     # who reads it says what is wrong with it
+    try:
+        check_expanded(root)
+    except MarkupError as error:
+        raise UserError('cannot use the robot in {}: {}'.format(path, error.problem), error.advice)
+    return text
+
+
+def read_any(path: str) -> Union[str, bytes]:
+    """Return the content of a file, or what it expands to if its name ends with .xacro.
+
+    Raises OSError and MarkupError as `read_bytes` does, and UserError as `read` does.
+    """
+    content = read_bytes(path)
+    if not path.endswith(_XACRO):
+        return content
+    try:
+        check_xml(content)
     except MarkupError as error:
         raise _failed(path, error)
     return _expanded(path)
@@ -55,6 +72,18 @@ def main() -> int:
         sys.stderr.write('{}\n'.format(one_line(error)))
         return 1
     return 0
+
+
+def _text(content: Union[str, bytes]) -> str:
+    """Return what is UTF-8, or else Latin-1; ValueError for what is no text."""
+    if isinstance(content, str):
+        return content
+    if b'\0' in content:
+        raise ValueError('it has a NUL')
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        return content.decode('latin-1')
 
 
 def _expanded(path: str) -> str:

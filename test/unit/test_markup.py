@@ -8,7 +8,7 @@ from img_recog import markup, robot_file
 from img_recog.camera import calibration
 from img_recog.recognition import parameter_file
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import description, world_file
+from img_recog.simulation.descriptions import description, model_file, world_file
 from img_recog_testing.refusals import refusal
 
 LAUGHS = ('<!DOCTYPE robot [<!ENTITY a "ha">'
@@ -71,6 +71,62 @@ def test_other_xml_is_read_like_by_elementtree(text):
     for each in (text, text.encode()):
         assert ElementTree.tostring(markup.parse_xml(each)) == ElementTree.tostring(
             ElementTree.fromstring(each))
+
+
+@pytest.mark.parametrize('text, same', [
+    ('\n <?xml version="1.0"?>\n<a/>', '<a/>'),
+    ('text<!DOCTYPE a><a>b</a></a> text', '<a>b</a>'),
+    ('<a b="c & d">e & f &nbsp; &amp; &#38;</a>',
+     '<a b="c &amp; d">e &amp; f &amp;nbsp; &amp; &#38;</a>'),
+    ('<!-- a -- b ---><a><!---- c -- & -->d</a>', '<a>d</a>'),
+    ('<a b=\'"\'c="<"d=5 e=x/>', '<a b="&quot;" c="&lt;" d="5" e="x"/>'),
+    ('<a xmlns:y="z" xmlns:xx="x"><x:b y:c="1"/></a>',
+     '<a xmlns:y="z" xmlns:xx="x" xmlns:x="x"><x:b y:c="1"/></a>'),
+    ('<a>\x1b&<![CDATA[&<]]></a>', '<a> &amp;<![CDATA[&<]]></a>')],
+    ids=['declaration', 'around the root', 'ampersand', 'comments', 'attributes', 'prefixes',
+         'control character'])
+def test_what_tinyxml_reads_is_read(text, same):
+    for each in (text, text.encode(), b'<!-- \xe9 &\n-->' + text.encode()):
+        assert ElementTree.tostring(markup.parse_xml(each)) == ElementTree.tostring(
+            ElementTree.fromstring(same))
+
+
+@pytest.mark.parametrize('text, words', [
+    ('\n<?xml version="1.0"?>\n<a>', 'XML or text declaration not at start of entity: line 2'),
+    ('<a b="&"></b>', 'not well-formed (invalid token): line 1'),
+    ('<a b/>', 'not well-formed'), ('<a b="1" b="2"/>', 'duplicate attribute'),
+    ('<a>&<!-- </a>', 'not well-formed'), ('<a>& < b</a>', 'not well-formed'),
+    ('<a>&' + '<b/>' * 700000 + '</a>', 'not well-formed'),
+    ('&' + '<a>' * 101 + '</a>' * 101, 'not well-formed')])
+def test_what_tinyxml_refuses_too_has_the_error_of_the_text_itself(text, words):
+    assert 'not XML: ' + words in refusal(markup.parse_xml, text)
+
+
+XACRO = '<robot name="r"><link name="a"/>{}</robot>'
+
+
+@pytest.mark.parametrize('inside, words', [
+    ('<xacro:include filename="b.xacro"/>', '<xacro:include>'),
+    ('<a xmlns:x="http://www.ros.org/wiki/xacro"><x:macro/></a>', '<xacro:macro>'),
+    ('<joint><origin xyz="0 0 ${half}"/></joint>', '<origin xyz="0 0 ${half}">'),
+    ('<link><visual><mesh filename="$(find b)/c.stl"/></visual></link>',
+     '<mesh filename="$(find b)/c.stl">')])
+def test_xacro_that_is_not_expanded_is_named_wherever_it_is_read(tmp_path, inside, words):
+    words = 'it contains xacro ({}), which is not expanded'.format(words)
+    path = tmp_path / 'robot.urdf'
+    path.write_text(XACRO.format(inside))
+    for read, value in ((description.parse, path.read_text()), (robot_file.read, str(path))):
+        assert words in refusal(read, value)
+        assert 'give the file a name that ends with .xacro, or expand it' in refusal(read, value)
+    assert words in refusal(world_file.read, str(path), {})
+    assert words in refusal(model_file.read, path.read_text(), 'm', lambda uri: None)
+
+
+def test_the_namespace_of_xacro_alone_is_no_xacro(tmp_path):
+    path = tmp_path / 'robot.urdf'
+    path.write_text('<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><gazebo><a b="${c}"/>'
+                    '</gazebo></robot>')
+    assert robot_file.read(str(path)) == path.read_text()
 
 
 def test_encodings():

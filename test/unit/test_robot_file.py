@@ -11,6 +11,7 @@ from unittest import mock
 import pytest
 
 from img_recog import robot_file
+from img_recog.simulation.descriptions import world_file
 from img_recog_testing import refusals
 
 URDF = '<robot name="r"><link name="a"/></robot>'
@@ -71,6 +72,12 @@ def test_urdf_is_read_as_it_is(tmp_path):
     path = tmp_path / 'robot.urdf'
     path.write_text(URDF)
     assert robot_file.read(str(path)) == URDF
+
+
+def test_text_that_is_not_utf_8_is_latin_1(tmp_path):
+    path = tmp_path / 'robot.urdf'
+    path.write_bytes(b'<robot name="\xe9"/>')
+    assert robot_file.read(str(path)) == '<robot name="\u00e9"/>'
 
 
 @pytest.mark.parametrize('name', ['no.urdf', 'no.urdf.xacro'])
@@ -134,6 +141,20 @@ def test_module_expands_macros_arguments_and_packages_of_ros_1(box):
     text = robot_file.read(box)
     assert '<sphere radius="0.2"/>' in text and 'xacro:' not in text
     assert 'ament_index_python' not in sys.modules
+
+
+@needs_module
+def test_a_world_is_expanded_like_a_robot(box, tmp_path):
+    world = world_file.read(box, {}, read_file=robot_file.read_any)
+    assert world.name == 'box' and '<sphere radius="0.2"' in world.trees[0].urdf
+    assert 'it contains xacro' in refusals.refusal(world_file.read, box, {})
+    with open(box, 'w') as file:
+        file.write('<sdf xmlns:xacro="http://ros.org/wiki/xacro"><xacro:if value="0"/></sdf>')
+    assert world_file.read(box, {}, read_file=robot_file.read_any).trees == ()
+    with open(box, 'w') as file:
+        file.write('<robot')
+    assert refusals.refusal(world_file.read, box, {}, read_file=robot_file.read_any).startswith(
+        'xacro cannot expand ' + box)
 
 
 @needs_module

@@ -28,7 +28,7 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
                                 resources.find, urdf_path, SENSORS)
     settings = dataclasses.replace(assembly.default_settings(robot), spawn=spawn)
     file = world_file.read(world, resources.worlds(), resources.find, allow_partial_world,
-                           _option('allow_partial_world'))
+                           _option('allow_partial_world'), robot_file.read_any)
     built = assembly.build(physics, file, [(robot, settings)], _UNUSED_SENSORS, _option)
     for warning in robot.warnings + built.warnings:
         _log.warning('%s', warning)

@@ -35,7 +35,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
 
-from img_recog import resources
+from img_recog import resources, robot_file
 from img_recog.conversions import plane_msgs, robot_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.gazebo import model_services
@@ -225,7 +225,7 @@ class Gazebo:
 def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:
     """Build the simulator of a world, with the robot if there is a single one; log warnings."""
     world = world_file.read(physics.world, resources.worlds(), resources.find,
-                            physics.allow_partial_world)
+                            physics.allow_partial_world, read_file=robot_file.read_any)
     if world.has_physics:
         rospy.loginfo('world %s: its <physics> is not used: PyBullet simulates in steps of %g s',
                       world.name, physics.step_s)

@@ -14,7 +14,7 @@ from typing import Dict, List, NamedTuple, Sequence, Set, Tuple
 import numpy as np
 
 from img_recog.files import FindFile, find_in
-from img_recog.markup import MarkupError, parse_xml
+from img_recog.markup import MarkupError, check_expanded, parse_xml
 from img_recog.simulation.descriptions import inertias, urdf_tree, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, NO_INERTIA, Inertia, Transform
 from img_recog.simulation.descriptions.meshes import resolve
@@ -97,6 +97,7 @@ def root_of(urdf: str) -> ElementTree.Element:
     """Return the <robot> of a URDF's text; SimulationError when it is not a URDF."""
     try:
         robot = parse_xml(urdf)
+        check_expanded(robot)
     except MarkupError as error:
         raise SimulationError(error.problem, error.advice or 'check the file given as urdf')
     if robot.tag != 'robot':

@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import List, Sequence, Tuple
 
 from img_recog.files import FindFile
-from img_recog.markup import MarkupError, parse_xml
+from img_recog.markup import MarkupError, check_expanded, parse_xml
 from img_recog.simulation.descriptions import (description, gazebo_tags, names, sdf_file,
                                                urdf_visuals, world_file)
 from img_recog.simulation.descriptions.geometry import IDENTITY
@@ -34,6 +34,7 @@ def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
     names.check('model', name)
     try:
         root = parse_xml(text)
+        check_expanded(root)
         if root.tag == 'robot':
             trees, missing = _of_urdf(root, text, name, find)
         elif root.tag == 'sdf':

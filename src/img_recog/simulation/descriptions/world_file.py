@@ -2,15 +2,17 @@
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from img_recog.files import FindFile, find_in, find_user_path
-from img_recog.markup import MarkupError, parse_xml, read_bytes
+from img_recog.markup import MarkupError, check_expanded, parse_xml, read_bytes
 from img_recog.simulation.descriptions import meshes, sdf_file, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
+
+ReadFile = Callable[[str], Union[str, bytes]]
 
 EMPTY = 'empty'
 GRAVITY = (0.0, 0.0, -9.8)      # m/s2, Gazebo's default
@@ -40,18 +42,20 @@ class WorldFile(NamedTuple):
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
-         allow_partial: bool = False, option: str = 'allow_partial_world:=true') -> WorldFile:
+         allow_partial: bool = False, option: str = 'allow_partial_world:=true',
+         read_file: ReadFile = read_bytes) -> WorldFile:
     """Return the world that the setting `world` names: a key of `worlds`, `empty` or a path.
 
     worlds: paths of world files by name. find: returns the path of a file or folder at a URI that
     is not in the folder of the world file. allow_partial: whether a world of which something
     cannot be had is loaded without that, with a warning. option: what the user types to set that.
+    read_file: returns the content of the world file; it raises UserError when it cannot.
     Raises SimulationError when it cannot be read.
     """
     if world == EMPTY:
         return WorldFile(EMPTY)
     path = worlds.get(world) or os.path.expanduser(find_user_path(world))
-    root = _parsed(world, path, worlds)
+    root = _parsed(world, path, worlds, read_file)
     try:
         if root.tag == 'robot':
             file, missing = _read_urdf(world, root, path, find)
@@ -115,11 +119,13 @@ def _read_sdf(root: ElementTree.Element, path: str,
                      contents.has_floor, contents.camera), contents.missing
 
 
-def _parsed(world: str, path: str, worlds: Dict[str, str]) -> ElementTree.Element:
+def _parsed(world: str, path: str, worlds: Dict[str, str],
+            read_file: ReadFile) -> ElementTree.Element:
     allowed = 'allowed is {}, {} or the path of a URDF or SDF file'.format(
         ', '.join(sorted(worlds)), EMPTY)
     try:
-        root = parse_xml(read_bytes(path))
+        root = parse_xml(read_file(path))
+        check_expanded(root)
     except (OSError, ValueError) as error:
         raise SimulationError('world: got {!r}, which cannot be read as a file ({})'.format(
             world, error), allowed)
