@@ -28,11 +28,14 @@ class Shape(NamedTuple):
 class Material(NamedTuple):
     """A color (red, green, blue, opacity; 0 to 1), multiplied by the image file `texture`.
 
-    texture: '' for none.
+    texture: '' for none; scale: how large its image is, 1 for all of the texture coordinates;
+    pattern: the name of one that `color` is the mean of, '' for none.
     """
 
     color: Color = GREY
     texture: str = ''
+    scale: Tuple[float, float] = (1.0, 1.0)
+    pattern: str = ''
 
 
 class Visual(NamedTuple):
@@ -40,7 +43,8 @@ class Visual(NamedTuple):
 
     part: the number of the part, whose frame moves; pose (4, 4): of the shape in that frame, a
     homogeneous transform in m; material: None is that of the mesh file, else grey; prefers_file:
-    whether `material` is only used for what has none in the mesh file.
+    whether `material` is only used for what has none in the mesh file; opacity: by which that of
+    a mesh file is multiplied.
     """
 
     part: int
@@ -48,6 +52,7 @@ class Visual(NamedTuple):
     pose: np.ndarray
     material: Optional[Material] = None
     prefers_file: bool = False
+    opacity: float = 1.0
 
 
 class Light(NamedTuple):

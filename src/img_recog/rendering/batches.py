@@ -7,7 +7,7 @@ import numpy as np
 from img_recog import mesh_file, textures
 from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError, Triangles
-from img_recog.rendering import shaders, triangles
+from img_recog.rendering import patterns, shaders, triangles
 from img_recog.rendering.file_cache import FileCache
 from img_recog.visuals import BOX, CYLINDER, PLANE, SPHERE, Shape, Visual, VisualScene
 
@@ -15,6 +15,7 @@ _FLOOR_COLOR = (0.7, 0.7, 0.7, 1.0)
 _FLOOR_SIZE_M = 400.0
 _CLOSED = BOX, CYLINDER, SPHERE         # of which one never sees the inside; a mesh may be open
 _NO_TEXTURE = -1
+_WHITE = (1.0, 1.0, 1.0)
 _VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
                     ('color', 'u1', 4)])
 
@@ -113,7 +114,8 @@ class Loader:
         for part in self._triangles(visual.shape):
             color, image = self._appearance(visual, part)
             if color[3] > 0:
-                found.append((_corners(part, pose, color), image, color[3] < 1))
+                scale = (1.0, 1.0) if visual.material is None else visual.material.scale
+                found.append((_corners(part, pose, color, scale), image, color[3] < 1))
         return found
 
     def _triangles(self, shape: Shape) -> List[Triangles]:
@@ -131,9 +133,13 @@ class Loader:
         """Return color and image of triangles: the material's, or those of the file."""
         material = visual.material
         if material is not None and not (visual.prefers_file and part.has_material):
+            if material.pattern and part.uvs.any():
+                return (*_WHITE, material.color[3]), patterns.image(material.pattern,
+                                                                    material.color)
             return material.color, self._image(material.texture)
         image = self._image(part.texture)
-        return part.color if image is None else (1.0, 1.0, 1.0, part.color[3]), image
+        return (*(part.color[:3] if image is None else _WHITE),
+                part.color[3] * visual.opacity), image
 
     def _image(self, path: str) -> Optional[np.ndarray]:
         """Return the image at a path, None for '' or if it cannot be read."""
@@ -187,11 +193,15 @@ class Loader:
         return key
 
 
-def _corners(part: Triangles, pose: np.ndarray, color: Sequence[float]) -> np.ndarray:
-    """Return the corners of triangles, moved by `pose` (4, 4), as an array of _VERTEX."""
+def _corners(part: Triangles, pose: np.ndarray, color: Sequence[float],
+             scale: Sequence[float] = (1.0, 1.0)) -> np.ndarray:
+    """Return the corners of triangles, moved by `pose` (4, 4), as an array of _VERTEX.
+
+    scale: of the texture, about its middle, like Ogre does it.
+    """
     corners = np.empty(len(part.positions) * 3, _VERTEX)
     corners['position'] = part.positions.reshape(-1, 3) @ pose[:3, :3].T + pose[:3, 3]
     corners['normal'] = part.normals.reshape(-1, 3) @ pose[:3, :3].T
-    corners['uv'] = part.uvs.reshape(-1, 2)
+    corners['uv'] = (part.uvs.reshape(-1, 2) - 0.5) / scale + 0.5
     corners['color'] = np.round(np.clip(color, 0, 1) * np.array(255.0))
     return corners

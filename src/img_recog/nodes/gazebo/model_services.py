@@ -89,7 +89,7 @@ class ModelServices:
         if model_file.is_robot(request.model_xml):
             add = self._robot_adder(name, request, state, frame)
         else:
-            trees = model_file.read(request.model_xml, name, resources.find)
+            trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)
             add = partial(self._models.add, name, trees, state, frame)
         self._calls.call(add)
         rospy.loginfo('added the model %s', name)

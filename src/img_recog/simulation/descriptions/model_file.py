@@ -1,12 +1,12 @@
 """Reads the text of a model that is added to a world while that is simulated."""
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import List, Sequence, Tuple
+from typing import Callable, List, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, check_expanded, parse_xml
-from img_recog.simulation.descriptions import (description, gazebo_tags, names, sdf_file,
-                                               urdf_visuals, world_file)
+from img_recog.simulation.descriptions import (description, gazebo_tags, materials, names,
+                                               sdf_file, urdf_visuals, world_file)
 from img_recog.simulation.descriptions.geometry import IDENTITY
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.urdf_elements import roots
@@ -24,10 +24,12 @@ def is_robot(text: str) -> bool:
         return False        # `read` says what is wrong
 
 
-def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
+def read(text: str, name: str, find: FindFile,
+         warn: Callable[[str], None] = lambda line: None) -> Sequence[Tree]:
     """Return the trees of a model that is given as SDF or URDF, under a new name.
 
-    find: returns the path of a file or folder at a URI.
+    find: returns the path of a file or folder at a URI; warn: gets a line about looks that were
+    not found.
     Raises SimulationError when it is neither, something in it cannot be had, or the name is not
     allowed.
     """
@@ -46,6 +48,9 @@ def read(text: str, name: str, find: FindFile) -> Sequence[Tree]:
             urdf_visuals.check(tree.urdf)
     except (MarkupError, SimulationError) as error:
         raise SimulationError('model {}: {}'.format(name, error.problem), error.advice)
+    missing, looks = materials.split_looks(missing)
+    if looks:
+        warn('model {}: {}'.format(name, world_file.warning_about(looks)))
     if missing:
         raise SimulationError('model {}: not found, or not supported: {}'.format(
             name, ', '.join(missing)),

@@ -14,8 +14,9 @@ from img_recog.simulation.descriptions.numbers import (read_coefficient, read_di
 from img_recog.simulation.descriptions.sdf_frames import pose_of
 from img_recog.simulation.descriptions.urdf_elements import (
     INERTIA_KEYS, check_mass, set_friction, set_inertial, set_origin)
-from img_recog.simulation.descriptions.urdf_visuals import IS_PLANE, material_element
+from img_recog.simulation.descriptions.urdf_visuals import IS_PLANE, OPACITY, material_element
 from img_recog.simulation.settings import SimulationError
+from img_recog.visuals import GREY, Material
 
 _PLANE_THICKNESS_M = 0.01       # below the plane
 
@@ -74,10 +75,12 @@ def add_shape(link: ElementTree.Element, shape: ElementTree.Element, pose: Trans
         if concave and geometry.tag == 'mesh':
             added.set('concave', 'yes')
         return ''
-    if geometry.tag == 'mesh' and not materials.is_given(shape):
-        return ''       # the file has materials
     material, missing = materials.of_sdf(shape, find)
-    added.append(material_element(material))
+    opacity = materials.opacity(shape)
+    if geometry.tag == 'mesh' and material is None:
+        added.set(OPACITY, repr(opacity))       # the file has materials
+        return missing
+    added.append(material_element(material or Material((*GREY[:3], opacity))))
     return missing
 
 

@@ -6,6 +6,7 @@ from typing import Dict, Iterator, List, Optional, Tuple
 
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import materials
+from img_recog.simulation.descriptions.materials import Look
 from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers, words
 from img_recog.simulation.descriptions.urdf_elements import origin_of
 from img_recog.simulation.settings import SimulationError
@@ -18,6 +19,8 @@ IS_PLANE = 'plane'      # the attribute of a box that is a plane, the upper side
 # In a URDF, a <material> is that of a mesh whose file has none, like in RViz; Gazebo 11 ignores
 # it. A material of an SDF or of a <gazebo> tag replaces that of the file; it has this attribute.
 _REPLACES = 'replaces_file'
+_SCALE, _PATTERN = 'texture_scale', 'pattern'     # attributes of a material of an SDF
+OPACITY = 'opacity'     # the attribute of a visual by which that of its mesh file is multiplied
 
 
 def check(urdf: str) -> None:
@@ -47,7 +50,8 @@ def _visual(element: ElementTree.Element, part: int,
         x, y, z = shape.size
         shape, pose[:3, 3] = Shape(PLANE, (x, y)), pose[:3, 3] + pose[:3, 2] * z / 2
     return Visual(part, shape, pose, _material(element, named), shape.kind == MESH
-                  and given is not None and given.get(_REPLACES) is None)
+                  and given is not None and given.get(_REPLACES) is None,
+                  float(element.get(OPACITY, '1')))
 
 
 def _material(visual: ElementTree.Element,
@@ -63,7 +67,11 @@ def _material(visual: ElementTree.Element,
         'rgba of material ' + element.get('name', ''),
         '1 1 1 1' if color is None else color.get('rgba'), 4).tolist()
     path = '' if texture is None else texture.get('filename', '')
-    return None if color is None and not path else Material((red, green, blue, opacity), path)
+    if color is None and not path:
+        return None
+    width, height = element.get(_SCALE, '1 1').split()
+    return Material((red, green, blue, opacity), path, (float(width), float(height)),
+                    element.get(_PATTERN, ''))
 
 
 def check_shapes(robot: ElementTree.Element) -> None:
@@ -125,8 +133,8 @@ def apply_materials(robot: ElementTree.Element, find: FindFile) -> List[str]:
             continue
         for shape in _materials(tag):
             material, gap = materials.of_sdf(shape, find)
-            if gap:
-                missing += [gap] if gap not in missing else []
+            if gap or material is None:
+                missing += [gap] if gap and gap not in missing else []
                 continue
             for visual in link.findall('visual'):
                 for old in visual.findall('material'):
@@ -143,7 +151,7 @@ def _resolve_textures(robot: ElementTree.Element, find: FindFile) -> List[str]:
             path = find(uri)
             if path is None:
                 parent.remove(texture)
-                missing += [] if 'texture ' + uri in missing else ['texture ' + uri]
+                missing += [] if 'texture ' + uri in missing else [Look('texture ' + uri)]
             else:
                 texture.set('filename', os.path.abspath(path))
     return missing
@@ -152,7 +160,9 @@ def _resolve_textures(robot: ElementTree.Element, find: FindFile) -> List[str]:
 def material_element(material: Material) -> ElementTree.Element:
     """Return a URDF's <material>, which replaces that of a mesh file."""
     # a name for each: in a URDF, materials of one name are the same
-    made = ElementTree.Element('material', {'name': '{} {}'.format(*material), _REPLACES: 'true'})
+    made = ElementTree.Element('material', {
+        'name': ' '.join(map(str, material)), _REPLACES: 'true', _SCALE: words(material.scale),
+        _PATTERN: material.pattern})
     ElementTree.SubElement(made, 'color', rgba=words(material.color))
     if material.texture:
         ElementTree.SubElement(made, 'texture', filename=material.texture)

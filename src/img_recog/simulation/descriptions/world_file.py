@@ -6,7 +6,7 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, 
 
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.markup import MarkupError, check_expanded, parse_xml, read_bytes
-from img_recog.simulation.descriptions import meshes, sdf_file, urdf_visuals
+from img_recog.simulation.descriptions import materials, meshes, sdf_file, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.urdf_elements import roots
@@ -63,6 +63,10 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
             file, missing = _read_sdf(root, path, find)
     except SimulationError as error:
         raise SimulationError('world {}: {}'.format(world, error.problem), error.advice)
+    missing, looks = materials.split_looks(missing)
+    if looks:
+        file = file._replace(warnings=(
+            *file.warnings, 'world {}: {}'.format(world, warning_about(looks))))
     if missing and not allow_partial:
         raise SimulationError(
             'world {}: not found, or not supported: {}'.format(world, ', '.join(missing)),
@@ -71,6 +75,12 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
         file = file._replace(warnings=(
             'world {}: loaded without: {}'.format(world, ', '.join(missing)), *file.warnings))
     return file
+
+
+def warning_about(looks: Sequence[str]) -> str:
+    """Return what is warned of materials and textures that are not found, by name."""
+    return '; '.join(['not found, drawn in another color: ' + ', '.join(looks),
+                      *advice_on(looks)])
 
 
 def advice_on(missing: Sequence[str]) -> List[str]:

@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.simulation.descriptions import materials
+from img_recog.simulation.descriptions.materials import Look
 from img_recog.visuals import GREY, Material
 from img_recog_testing.refusals import refusal
 
@@ -20,6 +21,10 @@ material course : first
 material shiny { technique { pass { diffuse 0.5 0.25 0.5
   emissive 0 0 0 } } }
 material broken { technique { pass { diffuse 1.2.3 0 0 } } }
+material glowing { technique { pass { ambient 0.5 0.5 0.25 emissive 0.7 0 0 } } }
+material far : base { technique { pass { texture_unit { scale 0.1 .25 texture "course.png" } } } }
+abstract material "base" { technique { pass { diffuse 1 1 1 1 } } }
+material nearer : far {}
 material lost { technique { pass { texture_unit { texture lost.png } diffuse .5 .5 .5 } } }
 '''
 
@@ -45,15 +50,18 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize('inside, color', [
-    ('', GREY), ('<material/>', GREY), ('<material><script/></material>', GREY),
     ('<material><diffuse>0.1 0.2 0.3 0.4</diffuse></material>', (0.1, 0.2, 0.3, 0.4)),
     ('<material><ambient>0.1 0.2 0.3</ambient></material>', (0.1, 0.2, 0.3, 1.0)),
     ('<material><ambient>1 1 1 1</ambient><diffuse>0 0 1 1</diffuse></material>', (0, 0, 1, 1)),
-    (script('Gazebo/Blue'), (0, 0, 1, 1)), (script('Gazebo/GreyTransparent'), (.5, .5, .5, .5)),
-    (script('Gazebo/Bricks', 'file://media/materials/scripts/gazebo.material'),
-     (0.56, 0.38, 0.37, 1))])
+    ('<material><script>Gazebo/Red</script></material>', (1, 0, 0, 1)),
+    (script('Gazebo/Blue'), (0, 0, 1, 1)), (script('Gazebo/GreyTransparent'), (.5, .5, .5, .5))])
 def test_colors(inside, color):
     assert read(inside) == (Material(color), '')
+
+
+def test_a_material_with_a_texture_of_gazebo_has_a_pattern():
+    material, _ = read(script('Gazebo/Bricks', 'file://media/materials/scripts/gazebo.material'))
+    assert material == Material((0.56, 0.38, 0.37, 1), pattern='bricks')
 
 
 @pytest.mark.parametrize('name, colors, color', [
@@ -67,12 +75,10 @@ def test_colors_count_in_addition_to_a_script(name, colors, color):
     assert material.color == pytest.approx(color) and missing == ''
 
 
-@pytest.mark.parametrize('inside, is_given', [
-    ('', False), ('<material><lighting>1</lighting><script/></material>', False),
-    ('<material><ambient>1 1 1</ambient></material>', True), (script('a'), True)])
-def test_a_material_needs_a_script_or_a_color(inside, is_given):
-    visual = ElementTree.fromstring('<visual>{}</visual>'.format(inside))
-    assert materials.is_given(visual) is is_given
+@pytest.mark.parametrize('inside', [
+    '', '<material/>', '<material><lighting>1</lighting><script/></material>'])
+def test_a_material_needs_a_script_or_a_color(inside):
+    assert read(inside) == (None, '')
 
 
 @pytest.mark.parametrize('transparency, opacity', [
@@ -93,16 +99,22 @@ def test_a_script_and_its_texture(folder, uris):
     assert read(script('first', *uris), find) == (Material((0.1, 0.2, 0.3, 0.5)), '')
     assert read(script('shiny', *uris), find) == (Material((0.5, 0.25, 0.5, 1)), '')
     assert read(script('broken', *uris), find) == (Material(GREY), '')
+    assert read(script('glowing', *uris), find) == (Material((1, 0.5, 0.25, 1)), '')
     texture = str(folder / 'textures' / 'course.png')
-    assert read(script('course', *uris), find) == (Material((1, 1, 1, 1), texture), '')
+    assert read(script('course', *uris), find) == (Material((0.1, 0.2, 0.3, 0.5), texture), '')
+    for name in ('far', 'nearer'):
+        assert read(script(name, *uris), find) == (
+            Material((1, 1, 1, 1), texture, (0.1, 0.25)), '')
     assert read(script('lost', *uris), find) == (Material((0.5, 0.5, 0.5, 1)), 'texture lost.png')
     for name in ('commented', 'cours', 'Gazebo/NoSuchColor'):
-        assert read(script(name, *uris), find) == (Material(GREY), 'material ' + name)
+        material, missing = read(script(name, *uris), find)
+        assert (material, missing) == (None, 'material ' + name) and isinstance(missing, Look)
 
 
 @pytest.mark.parametrize('inside, words', [
     ('<material><diffuse>red</diffuse></material>', "<diffuse> of visual v: got 'red'"),
     ('<material><ambient>1 1</ambient></material>', "<ambient> of visual v: got '1 1'"),
-    ('<transparency>x</transparency>', "<transparency> of visual v: got 'x'")])
+    ('<material><diffuse>1 1 1</diffuse></material><transparency>x</transparency>',
+     "<transparency> of visual v: got 'x'")])
 def test_wrong_numbers_are_refused(inside, words):
     assert words in refusal(read, inside)

@@ -217,16 +217,20 @@ def test_all_that_is_missing_is_named(read):
      'https://a/b (a URL, which is not downloaded)',
      'download the models and include them by model://NAME, or '),
     (SHELF.replace('</link>', MESH.format('package://p/a.dae') + '</link>'),
-     'mesh package://p/a.dae', 'build the packages and source their setup.bash, or '),
-    (SHELF.replace('</link>', SCRIPT.format('Shop/Plaid') + '</link>'), 'material Shop/Plaid',
-     'set GAZEBO_MODEL_PATH to the folders of the models, or '),
-    (SHELF.replace('</link>', SCRIPT.format('Gazebo/Plaid') + '</link>'),
-     'material Gazebo/Plaid', '')])
+     'mesh package://p/a.dae', 'build the packages and source their setup.bash, or ')])
 def test_advice_says_what_can_help(read, inside, name, advice):
     assert refusal(read, sdf(inside)).endswith(
         'not supported: {}; {}add allow_partial_world:=true to load the rest'.format(name, advice))
     assert refusal(read, sdf(inside), option='--all').endswith('add --all to load the rest')
     assert read(sdf(inside), allow_partial=True).warnings[0].endswith('loaded without: ' + name)
+
+
+@pytest.mark.parametrize('name, advice', [
+    ('Shop/Plaid', '; set GAZEBO_MODEL_PATH to the folders of the models'), ('Gazebo/Plaid', '')])
+def test_a_look_that_is_missing_is_a_warning(read, name, advice):
+    file = read(sdf(SHELF.replace('</link>', SCRIPT.format(name) + '</link>')))
+    warning, = file.warnings
+    assert warning.endswith(': not found, drawn in another color: material ' + name + advice)
 
 
 def test_missing_mesh_of_a_urdf_is_refused_or_replaced(read):
@@ -249,7 +253,8 @@ def test_textures_and_materials_of_a_urdf(read, tmp_path):
     tree, = read(text.format('a.png', 'Gazebo/Red'), 'w.urdf').trees
     color = ElementTree.fromstring(tree.urdf).find('link/visual/material/color')
     assert color.get('rgba') == '1.0 0.0 0.0 1.0'
-    assert 'not supported: texture b.png' in refusal(read, text.format('b.png', ''), 'w.urdf')
+    warning, = read(text.format('b.png', ''), 'w.urdf').warnings
+    assert warning.endswith('w.urdf: not found, drawn in another color: texture b.png')
 
 
 @pytest.mark.parametrize('content, words', [
