@@ -34,6 +34,8 @@ def test_primitive_shapes(shape, area, volume):
         outward = np.einsum('ij,ij->i', np.cross(b - a, c - a), a)
         # no triangle is wound the other way; those at the poles of a sphere have no area
         assert outward.min() > -1e-12 and np.mean(outward > 1e-6) > 0.9
+    triangles = {BOX: 12, CYLINDER: 4 * 48, SPHERE: 2 * 48 * 24, PLANE: 2}
+    assert len(part.positions) == triangles[shape.kind]
     assert part.uvs.min() >= -1e-9 and part.uvs.max() <= 1 + 1e-9
 
 
