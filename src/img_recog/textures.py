@@ -5,7 +5,7 @@ from PIL import Image
 from img_recog.errors import UserError, one_line
 
 _MAX_SIZE_PX = 4096
-_MAX_PIXELS = 50_000_000
+_MAX_PIXELS = 50_000_000            # max_image_pixels is the limit of images of a camera
 Image.MAX_IMAGE_PIXELS = None       # Pillow's own limit is a warning, or names no number
 
 

@@ -187,8 +187,8 @@ def test_layout_is_as_it_was(name, settings, shape, tmp_path):
     figure, _ = tuning_picture.draw(image, settings)
     png = io.BytesIO()
     figure.savefig(png)
-    assert_unchanged(of_matplotlib(png.getvalue()), os.path.join(os.path.dirname(__file__), name + '.png'),
-                     tmp_path)
+    assert_unchanged(of_matplotlib(png.getvalue()),
+                     os.path.join(os.path.dirname(__file__), name + '.png'), tmp_path)
 
 
 @pytest.mark.parametrize('limit_px, ticks', [
