@@ -72,6 +72,16 @@ def test_obj_without_a_material_is_grey(tmp_path):
     assert area_and_volume(part)[1] == pytest.approx(8 / 6)
 
 
+def test_normals_of_a_scaled_mesh_stay_upright_on_it(tmp_path):
+    (tmp_path / 'a.obj').write_text(OBJ)
+    part, = of_shape(Shape(MESH, (3.0, 1.0, 0.5), str(tmp_path / 'a.obj')))
+    assert np.linalg.norm(part.normals, axis=2) == pytest.approx(np.ones((4, 3)))
+    a, b, c = part.positions.transpose(1, 0, 2)
+    flat = np.cross(b - a, c - a)
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    assert part.normals == pytest.approx(np.stack([flat] * 3, axis=1), abs=1e-6)
+
+
 @pytest.mark.parametrize('shape', [
     Shape(BOX, (0.0, 1.0, 0.0)), Shape(CYLINDER, (0.0, 0.0)), Shape(SPHERE, (0.0,))])
 def test_a_size_of_zero_gives_finite_numbers(shape):
