@@ -5,7 +5,8 @@ from PIL import Image
 from img_recog.errors import UserError, one_line
 
 _MAX_SIZE_PX = 4096
-_MAX_PIXELS = 1 << 27        # 8192x16384; each takes 3 bytes while it is reduced
+# 8192x16384; each takes 3 bytes while it is reduced. Images of a camera have max_image_pixels
+_MAX_PIXELS = 1 << 27
 Image.MAX_IMAGE_PIXELS = None       # Pillow's own limit is a warning, or names no number
 
 

@@ -117,7 +117,7 @@ def test_aspect_ratio_may_differ_by_one_percent(own, size):
     *(((640, 480), size) for size in ((640, 360), (480, 640), (640, 470), (1, 480), (647, 480),
                                       (640, 485), (0, 480), (640, 0))),
     *((own, (320, 240)) for own in ((0, 0), (0, 480), (640, 0), (-640, -480), (-640, 480))),
-    ((640, 0), (640, 240))])
+    ((640, 0), (640, 240)), ((0, 240), (320, 240)), ((320, 0), (320, 240))])
 def test_another_aspect_ratio_is_refused(own, size):
     with pytest.raises(CalibrationError, match='^the calibration is for {}x{}, the images are '
                                                '{}x{}, another aspect ratio$'.format(*own, *size)):

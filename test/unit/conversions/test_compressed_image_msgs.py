@@ -112,6 +112,12 @@ def test_error_of_an_image_that_cannot_be_compressed_is_one_line(image, encoding
     assert '\n' not in str(error.value)
 
 
+def test_an_encoder_that_fails_without_an_error_is_an_error(monkeypatch):
+    monkeypatch.setattr(cv2, 'imencode', lambda *_: (False, None))
+    with pytest.raises(ImageError, match='as jpeg: the encoder failed'):
+        to_msg(GREY, 'mono8', Header())
+
+
 def test_a_long_encoding_is_shortened_in_the_error():
     with pytest.raises(ImageError, match='^cannot compress an image of shape') as refused:
         to_msg(NOISE, 'x\n' * 1000, Header())

@@ -64,6 +64,8 @@ def test_corners_that_cannot_be_drawn_are_left_out(bad):
     for outline in outlines:
         msg.markers.append(Marker(type=Marker.LINE_STRIP, points=[
             Point(x, y, 0.0) for x, y in [*outline, outline[0]]]))
+    msg.markers += [Marker(type=kind, points=[Point(1.0, 1.0, 0.0)] * 3)
+                    for kind in (Marker.LINE_LIST, Marker.CUBE)]
     assert [each.tolist() for each in plane_msgs.outlines_from_msg(msg)] == [
         [[0.0, 0.0], [1e6, -2.0]]]
 

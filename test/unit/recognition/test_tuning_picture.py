@@ -11,7 +11,7 @@ from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
 from img_recog.recognition.tuning_statistics import frame_statistics, spans, within
-from img_recog_testing.figures import assert_unchanged
+from img_recog_testing.figures import assert_unchanged, of_matplotlib
 
 ARTICLE = with_colors()()
 FIVE = with_colors(['blue', 'red', 'green', 'yellow', 'all_of_the_red'])(
@@ -187,8 +187,8 @@ def test_layout_is_as_it_was(name, settings, shape, tmp_path):
     figure, _ = tuning_picture.draw(image, settings)
     png = io.BytesIO()
     figure.savefig(png)
-    assert_unchanged(png.getvalue(), os.path.join(os.path.dirname(__file__), name + '.png'),
-                     tmp_path)
+    assert_unchanged(of_matplotlib(png.getvalue()),
+                     os.path.join(os.path.dirname(__file__), name + '.png'), tmp_path)
 
 
 @pytest.mark.parametrize('limit_px, ticks', [

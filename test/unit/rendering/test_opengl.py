@@ -198,6 +198,16 @@ def test_a_texture_that_has_changed_is_drawn_anew(tmp_path):
     assert images[1][2] > 100 and images[1][0] == 0 and np.array_equal(images[1], images[2])
 
 
+def test_a_texture_is_upright_and_not_mirrored(tmp_path):
+    colors = [[(255, 0, 0), (0, 255, 0)], [(0, 0, 255), (255, 255, 0)]]     # rows from the top
+    Image.fromarray(np.array(colors, np.uint8).repeat(8, 0).repeat(8, 1)).save(
+        str(tmp_path / 'a.png'))
+    image = draw(visual(Shape(BOX, (1, 2, 2)), at(4, 0, 0), (1.0, 1.0, 1.0, 1.0),
+                        texture=str(tmp_path / 'a.png')))
+    seen = [[image[row, column] > 90 for column in (140, 180)] for row in (100, 140)]
+    assert np.array_equal(seen, np.array(colors) > 0)
+
+
 def test_the_sky_is_a_gradient_behind_everything():
     light = Light(ABOVE, (1.0, 0.0, 0.0), False, zenith=(0.0, 0.0, 1.0))
     box = visual(Shape(BOX, (1, 1, 1)), at(3, 0, 0), GREEN)

@@ -34,6 +34,8 @@ def test_primitive_shapes(shape, area, volume):
         outward = np.einsum('ij,ij->i', np.cross(b - a, c - a), a)
         # no triangle is wound the other way; those at the poles of a sphere have no area
         assert outward.min() > -1e-12 and np.mean(outward > 1e-6) > 0.9
+    triangles = {BOX: 12, CYLINDER: 4 * 48, SPHERE: 2 * 48 * 24, PLANE: 2}
+    assert len(part.positions) == triangles[shape.kind]
     assert part.uvs.min() >= -1e-9 and part.uvs.max() <= 1 + 1e-9
 
 
@@ -68,6 +70,16 @@ def test_obj_without_a_material_is_grey(tmp_path):
     part, = of_shape(Shape(MESH, (2.0, 2.0, 2.0), str(tmp_path / 'a.obj')))
     assert part.positions.shape == (4, 3, 3) and part.positions.max() == 2
     assert area_and_volume(part)[1] == pytest.approx(8 / 6)
+
+
+def test_normals_of_a_scaled_mesh_stay_upright_on_it(tmp_path):
+    (tmp_path / 'a.obj').write_text(OBJ)
+    part, = of_shape(Shape(MESH, (3.0, 1.0, 0.5), str(tmp_path / 'a.obj')))
+    assert np.linalg.norm(part.normals, axis=2) == pytest.approx(np.ones((4, 3)))
+    a, b, c = part.positions.transpose(1, 0, 2)
+    flat = np.cross(b - a, c - a)
+    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+    assert part.normals == pytest.approx(np.stack([flat] * 3, axis=1), abs=1e-6)
 
 
 @pytest.mark.parametrize('shape', [

@@ -8,11 +8,16 @@ import pytest
 from img_recog.recognition.settings import with_colors
 from img_recog.replay import figure
 from img_recog.replay.plot_data import PlotData
-from img_recog_testing.figures import assert_unchanged
+from img_recog_testing.figures import assert_unchanged, of_matplotlib
 
 TWO = with_colors()(red_area_limit=400).colors
 FIVE = with_colors(['blue', 'red', 'c', 'd', 'e'])(
     c_hue_min=170, c_hue_max=10, d_hue_min=1, d_hue_max=4, e_hue_min=20, e_hue_max=21).colors
+# the areas of NINE are numbers that are too long for the axis
+NAMES = ['color_{}'.format(number) for number in range(9)]
+NINE = with_colors(NAMES)(color_0_area_limit=400_000, **{
+    '{}_hue_{}'.format(name, end): 20 * number for number, name in enumerate(NAMES)
+    for end in ('min', 'max')}).colors
 SQUARE = np.array([(1.0, 1.0), (1.0, 2.0), (2.0, 2.0), (2.0, 1.0)])
 
 
@@ -28,12 +33,12 @@ def rows(colors, turns=True):
 @pytest.mark.parametrize('name, colors, turns, recognition, teleop, outlines', [
     ('replay_two', TWO, True, [(0.0, 10.0, 0.0), (0.1, -10.0, 0.5)], [(0.05, 0.0, 0.0)],
      [SQUARE, -SQUARE]),
-    ('replay_five', FIVE, False, [(0.0, 10.0, 0.0)], [], [])])
+    ('replay_five', FIVE, False, [(0.0, 10.0, 0.0)], [], []),
+    ('replay_nine', NINE, False, [(0.0, 10.0, 0.0)], [], [])])
 def test_layout_is_as_it_was(name, colors, turns, recognition, teleop, outlines, tmp_path):
     drawn, file = figure.ReplayFigure(), io.BytesIO()
     drawn.draw(file, 'a test', PlotData(
         colors, rows(colors, turns), np.reshape(recognition, (-1, 3)), np.reshape(teleop, (-1, 3)),
         0.24, outlines))
-    assert file.getvalue().startswith(b'\x89PNG')
-    assert_unchanged(file.getvalue(), os.path.join(os.path.dirname(__file__), name + '.png'),
-                     tmp_path)
+    assert_unchanged(of_matplotlib(file.getvalue()),
+                     os.path.join(os.path.dirname(__file__), name + '.png'), tmp_path)

@@ -1,4 +1,6 @@
 """What the pictures of a film show."""
+import os
+
 import cv2
 import numpy as np
 import pytest
@@ -7,9 +9,18 @@ from img_recog.recognition.settings import with_colors
 from img_recog.replay import film_parts
 from img_recog.replay.film_picture import (HEIGHT, WIDTH, FilmPicture, line_colors,
                                            masks_grid)
+from img_recog_testing.figures import assert_unchanged
 from img_recog_testing.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, draw
 
 SETTINGS = with_colors()()
+
+
+def test_layout_is_as_it_was(tmp_path):
+    film = FilmPicture(SETTINGS.colors, [SQUARE])
+    for time_s in (0.0, 3.0, 6.5, 12.25):
+        picture = draw(film, time_s, (0.5 + 0.1 * time_s, 2.0, 0.7),
+                       areas_px=(4800 - int(300 * time_s), 90))
+    assert_unchanged(picture, os.path.join(os.path.dirname(__file__), 'film.png'), tmp_path)
 
 
 def test_all_parts_are_in_the_picture():

@@ -42,7 +42,7 @@ class Topics:
             self._is_watched = is_watched
             if not self._is_changing and set(self._wanted()) != set(self._subscribers):
                 self._is_changing = True
-                threading.Thread(target=self._change, daemon=True).start()
+                threading.Thread(target=self._change, name='subscriptions', daemon=True).start()
 
     def topics(self) -> List[Topic]:
         """Return what is subscribed while somebody looks."""

@@ -43,8 +43,8 @@ class ImageSubscriber:
     allocates memory four times per image, and takes longer than converting it. Here the kernel
     writes the data to its final place.
 
-    The callback must return soon, for example after storing the image in a LatestValue: the next
-    images wait in the socket meanwhile.
+    The callback must return before the next image comes, for example after storing this one in a
+    LatestValue: the next images wait in the socket meanwhile.
 
     Other subscribers to the topic in the same process get copies of the images.
     """

@@ -121,7 +121,8 @@ class Outbox:
             with self._lock:
                 if not self._has_thread:
                     self._has_thread = True
-                    threading.Thread(target=self._run, args=(sock,), daemon=True).start()
+                    threading.Thread(target=self._run, args=(sock,), name='outbox',
+                                     daemon=True).start()
 
     def _count(self, packet: Packet) -> None:
         """Count what is sent, for getBusStats of the node."""

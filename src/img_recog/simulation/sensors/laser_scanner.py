@@ -53,7 +53,10 @@ class ScanSettings(Settings):
 
 
 class LaserScanner(RaySensor):
-    """Measures ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit."""
+    """Measures ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit.
+
+    rays.py finds the distances; here, noise and limits are added.
+    """
 
     def __init__(self, mount: Mount, settings: ScanSettings):
         """Mount the scanner on a link of the robot.

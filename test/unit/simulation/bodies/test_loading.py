@@ -129,6 +129,7 @@ def test_a_mesh_is_read_again_only_when_its_content_changes(tmp_path, monkeypatc
     monkeypatch.setattr(mesh_file, 'write', lambda *args: written.append(args) or write(*args))
     (tmp_path / 'a.obj').write_text(TWO_BOXES)
     first = mesh_cache.cached(str(tmp_path / 'a.obj'))
+    assert os.path.dirname(os.path.dirname(first)) == str(tmp_path / 'cache' / 'img_recog')
     os.rename(str(tmp_path / 'a.obj'), str(tmp_path / 'b.obj'))
     assert mesh_cache.cached(str(tmp_path / 'b.obj')) == first and len(written) == 1
     (tmp_path / 'b.obj').write_text(TWO_BOXES.replace('v 5', 'v 6'))

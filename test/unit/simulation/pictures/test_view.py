@@ -189,6 +189,7 @@ def test_floor_that_is_seen_is_grey_and_large():
     low, high = shapes[0][5][2] - shapes[0][3][2] / 2, shapes[0][5][2] + shapes[0][3][2] / 2
     assert shapes[0][3] == pytest.approx((40.0, 40.0, 0.01))
     assert (low, high) == pytest.approx((-0.01, 0.0))
+    assert shapes[0][5][:2] == pytest.approx((0.0, 0.0))
 
 
 def test_no_part_of_a_copy_reflects_the_sun(monkeypatch):

@@ -1,0 +1,34 @@
+"""What replay.py and film.py have in common."""
+import logging
+
+import pytest
+
+from img_recog.errors import UserError
+from img_recog.replay import programs
+
+LOG = logging.getLogger('program')
+
+
+@pytest.fixture
+def run(caplog, capsys, handlers_as_before):
+    """A function that runs a program; it returns the exit code, the output and the log."""
+    def run(program, *words):
+        code = programs.run(program, words, LOG, 'cannot do it')
+        return code, capsys.readouterr().out, caplog.messages
+    return run
+
+
+def test_only_the_names_that_roslaunch_adds_are_left_out(run):
+    words = 'a.bag', '__name:=replay', 'b:=c', '__d', '__log:=/tmp/log'
+    assert run(lambda left, _: ' '.join(left), *words) == (0, 'a.bag b:=c __d\n', [])
+
+
+@pytest.mark.parametrize('error, line, code', [
+    (UserError('no\nbag', 'give one'), 'no bag; give one', 1),
+    (OSError(28, 'No space left on device', 'out.mp4'), 'out.mp4: No space left on device', 1),
+    (OSError(28, 'No space left on device'), 'cannot do it: No space left on device', 1),
+    (KeyboardInterrupt(), None, 130)])
+def test_what_ends_a_program_is_one_line(run, error, line, code):
+    def program(*_):
+        raise error
+    assert run(program) == (code, '', [line] if line else [])
