@@ -67,6 +67,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
     try:
         robot = description.parse(urdf, find_mesh)
         urdf_visuals.check(robot.urdf)
+        urdf, unused = description.without_unused_tags(urdf, robot)
         found = gazebo_tags.read(urdf, step_s,
                                  (gazebo_tags.DRIVE, *(kind.tags for kind in kinds)))
         cameras = tuple(camera_tags.cameras(urdf))
@@ -79,6 +80,9 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
         warnings.append('{}: not known or not found, of its materials: {}; those links keep their '
                         'other color'.format(
                             source, ', '.join(robot.missing_materials)))
+    if unused:
+        warnings.append('{}: not used, because it has no such links: its <gazebo> tags of {}'
+                        .format(source, ', '.join(unused)))
     if found.not_simulated:
         warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
             source, ', '.join(found.not_simulated)))

@@ -31,6 +31,19 @@ def test_robot_with_its_tags_and_warnings():
     assert read(burger()).warnings == ()
 
 
+def test_tags_of_links_that_are_not_there_are_not_used():
+    sensor = ('<gazebo reference="{0}"><sensor name="{0}" type="camera"><plugin '
+              'filename="libgazebo_ros_camera.so"/></sensor></gazebo>')
+    loose = ('<link name="loose"/><joint name="loose_joint" type="continuous"><child '
+             'link="loose"/><parent link="base_link"/></joint><gazebo reference="loose_joint"/>')
+    tags = ''.join(sensor.format(name) for name in ('camera_link', 'lost', 'loose', 'lost'))
+    robot = read(burger().replace('</robot>', loose + tags + '</robot>'))
+    assert [camera.camera_frame for camera in robot.cameras] == ['camera_link']
+    assert robot.warnings[0].startswith('robot.urdf: link loose can move (joint loose_joint) but')
+    assert robot.warnings[1:] == (
+        'robot.urdf: not used, because it has no such links: its <gazebo> tags of lost, loose',)
+
+
 @pytest.mark.parametrize('visual, words', [
     ('<visual/>', 'visual'),
     ('<visual><geometry><box size="1 1 1"/></geometry><material><color rgba="1 0 0"/></material>'

@@ -106,6 +106,20 @@ def root_of(urdf: str) -> ElementTree.Element:
     return robot
 
 
+def without_unused_tags(urdf: str, robot: Description) -> Tuple[str, List[str]]:
+    """Return the text of a URDF without the <gazebo> tags of links that the robot does not have.
+
+    Gazebo does not look at those. Also returns the names of the links.
+    """
+    root = root_of(urdf)
+    known = {joint.get('name') for joint in root.findall('joint')} | set(robot.frames) | {None, ''}
+    unused = [tag for tag in root.findall('gazebo') if tag.get('reference') not in known]
+    for tag in unused:
+        root.remove(tag)
+    names = list(dict.fromkeys(tag.get('reference', '') for tag in unused))
+    return ElementTree.tostring(root, 'unicode') if unused else urdf, names
+
+
 def _frame(name: str, tree: UrdfTree) -> Frame:
     pose, carrier = IDENTITY, name
     while carrier in tree.parents and tree.parents[carrier].is_fixed:

@@ -99,8 +99,12 @@ def _check_joint(joint: Joint) -> None:
         raise SimulationError('joint {} is of type {}; supported are {}'.format(
             joint.name, kind, ', '.join(_KINDS)))
     # programs that export from CAD write the axis 0 0 0 where nothing moves
-    if axis is not None and not joint.is_fixed:
-        read_direction('axis of joint ' + joint.name, axis.get('xyz', '1 0 0'))
+    if joint.is_fixed:
+        return
+    if axis is None:
+        axis = ElementTree.SubElement(joint.element, 'axis')
+    axis.set('xyz', axis.get('xyz', '1 0 0'))       # or PyBullet prints a warning
+    read_direction('axis of joint ' + joint.name, axis.get('xyz'))
 
 
 def _check_ancestors(links: Links, parents: Dict[str, Joint]) -> None:

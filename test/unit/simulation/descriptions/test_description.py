@@ -215,9 +215,11 @@ def test_inertia_of_no_body_is_replaced_with_a_warning():
         '3e-05, 2, 2',)
 
 
+@pytest.mark.parametrize('given, axis', [('<axis xyz="0 0 1"/>', '0 0 1'), ('<axis/>', '1 0 0'),
+                                         ('', '1 0 0')])
 @pytest.mark.parametrize('kind', ['continuous', 'prismatic', 'revolute'])
-def test_joints_that_move_keep_their_type_and_axis(kind):
+def test_joints_that_move_keep_their_type_and_axis(kind, given, axis):
     robot = ElementTree.fromstring(parse(ROBOT.format(
-        link('a') + link('b') + joint('j', 'a', 'b', kind, '<axis xyz="0 0 1"/>'))).urdf)
+        link('a') + link('b') + joint('j', 'a', 'b', kind, given))).urdf)
     assert robot.find('joint').get('type') == kind
-    assert robot.find('joint/axis').get('xyz') == '0 0 1'
+    assert [each.get('xyz') for each in robot.findall('joint/axis')] == [axis]
