@@ -16,6 +16,7 @@ from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import (camera_tags, description, gazebo_tags, meshes,
                                                urdf_visuals, wheels)
 from img_recog.simulation.descriptions.description import Description
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.pictures.scene import Scene, scene_of
 from img_recog.simulation.sensors.sensor import SensorKind
@@ -125,8 +126,11 @@ def build(physics: PhysicsSettings, world: WorldFile,
     Raises SimulationError when PyBullet cannot load something or the settings do not fit.
     """
     physics_client_id = loading.connect()
-    simulated_world = World(physics, world, physics_client_id)
-    warnings = list(world.warnings)
+    problems, name = Problems(), 'world {}'.format(world.name)
+    simulated_world = World(physics, world, physics_client_id, problems)
+    if not physics.allow_partial_world:
+        problems.refuse(name, 'set {} to load the rest'.format(option_name('allow_partial_world')))
+    warnings = [*world.warnings, *problems.warnings(name)]
     if simulated_world.lifted:
         warnings.append('world {}: at the start in the floor, and lifted onto it: {}'.format(
             world.name, ', '.join('{} by {:.3f} m'.format(*each)

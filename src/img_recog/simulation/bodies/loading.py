@@ -3,7 +3,7 @@ import contextlib
 import os
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, Tuple
+from typing import Dict, Iterator, Optional, Tuple
 
 import pybullet
 
@@ -12,6 +12,7 @@ from img_recog.mesh_file import MeshError
 from img_recog.simulation.bodies import mesh_cache
 from img_recog.simulation.descriptions import names
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.settings import SimulationError
 
 _NOTHING = '<visual><geometry><box size="0 0 0"/></geometry></visual>'
@@ -50,18 +51,21 @@ def body_ids(physics_client_id: int) -> Tuple[int, ...]:
 
 
 def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
-              pose: Transform = IDENTITY, visuals: bool = False) -> int:
+              pose: Transform = IDENTITY, visuals: bool = False,
+              problems: Optional[Problems] = None) -> int:
     """Load the text of a URDF, in which all meshes have absolute paths; return its body's id.
 
     fixed: whether the root link never moves; pose: of the root link in the world; visuals: whether
     to load those as well, which only a window needs; those with a mesh that cannot be read are
-    left out.
+    left out. problems: to which is added what is left out because a mesh of a collision shape
+    cannot be read, which is an error without.
     Raises SimulationError when PyBullet cannot load it, or would crash.
     """
     robot = ElementTree.fromstring(urdf)
     names.check_robot(robot)
-    for mesh in robot.findall('link/collision/geometry/mesh'):
-        mesh.set('filename', mesh_cache.cached(mesh.get('filename', '')))
+    for link in robot.findall('link'):
+        for collision in link.findall('collision'):
+            _cache_meshes(link, collision, problems)
     if not visuals:
         for link in robot.findall('link'):
             for visual in link.findall('visual'):
@@ -70,6 +74,19 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
     with tempfile.TemporaryDirectory(prefix='img_recog_') as folder:
         _write_meshes(robot, folder)
         return _load(robot, physics_client_id, fixed, pose)
+
+
+def _cache_meshes(link: ElementTree.Element, collision: ElementTree.Element,
+                  problems: Optional[Problems]) -> None:
+    """Replace the mesh of a collision shape by one from the cache."""
+    try:
+        for mesh in collision.findall('geometry/mesh'):
+            mesh.set('filename', mesh_cache.cached(mesh.get('filename', '')))
+    except SimulationError as error:
+        if problems is None:
+            raise
+        problems.add(error.problem, error.advice)
+        link.remove(collision)
 
 
 def _write_meshes(robot: ElementTree.Element, folder: str) -> None:

@@ -1,14 +1,16 @@
 """The physics client, and everything in it except robots."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, Sequence
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import pybullet
 
 from img_recog.errors import shortened
+from img_recog.simulation.bodies import loops
 from img_recog.simulation.bodies.body import Body
 from img_recog.simulation.bodies.loading import all_or_nothing, link_indices, load_urdf
 from img_recog.simulation.bodies.solids import Solids
 from img_recog.simulation.descriptions.description import FLOOR_FRICTION, frictions
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.settings import PhysicsSettings, SimulationError
@@ -28,8 +30,13 @@ class World:
     floor when it was added, by name.
     """
 
-    def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int):
-        """Build the world in a physics client; SimulationError when PyBullet cannot load it."""
+    def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
+                 problems: Optional[Problems] = None):
+        """Build the world in a physics client.
+
+        problems: to which is added what of the file cannot be loaded; without, that is a
+        SimulationError.
+        """
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.solids = Solids(physics_client_id)
         self.file, self.revision = file._replace(trees=()), 0
@@ -45,20 +52,24 @@ class World:
         self.floor.name = 'ground_plane'        # Gazebo's name for it
         self._set_dynamics(self.floor, {})
         try:
-            self.add(file.trees)
+            self.add(file.trees, problems)
         except SimulationError as error:
             raise SimulationError('world {}: {}'.format(file.name, error.problem), error.advice)
 
-    def add(self, trees: Sequence[Tree]) -> None:
-        """Add trees to the world; SimulationError when PyBullet cannot load all of them."""
-        coefficients = [frictions(ElementTree.fromstring(tree.urdf)) for tree in trees]
-        added = load_bodies(trees, self.physics_client_id)
-        for body, of_links in zip(added, coefficients):
-            self._set_dynamics(body, of_links)
+    def add(self, trees: Sequence[Tree], problems: Optional[Problems] = None) -> None:
+        """Add trees to the world.
+
+        problems: to which is added what cannot be loaded; without, that is a SimulationError, and
+        nothing is added.
+        """
+        loaded = load_bodies(trees, self.physics_client_id, problems=problems)
+        for tree, body in loaded:
+            loops.close(tree, body)
+            self._set_dynamics(body, frictions(ElementTree.fromstring(tree.urdf)))
             if not body.fixed:
                 self._lift(body)
-        self.bodies += added
-        self.file = self.file._replace(trees=(*self.file.trees, *trees))
+        self.bodies += [body for _, body in loaded]
+        self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
 
     def _lift(self, body: Body) -> None:
@@ -136,18 +147,29 @@ def add_floor(physics_client_id: int, visible: bool = False) -> int:
     return pybullet.createMultiBody(0, plane, slab, physicsClientId=physics_client_id)
 
 
-def load_bodies(trees: Sequence[Tree], physics_client_id: int,
-                visuals: bool = False) -> List[Body]:
-    """Load trees, all or none, like `load_urdf`; SimulationError when PyBullet cannot."""
-    bodies: List[Body] = []
+def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = False,
+                problems: Optional[Problems] = None) -> List[Tuple[Tree, Body]]:
+    """Load trees like `load_urdf`; return those that were loaded, with their bodies.
+
+    problems: to which is added what cannot be loaded; without, that is a SimulationError, and none
+    is loaded.
+    """
+    loaded: List[Tuple[Tree, Body]] = []
+    is_first = True         # whether the model of the next tree has none yet
     with all_or_nothing(physics_client_id):
         for tree in trees:
+            is_first |= tree.first
             try:
                 body = Body(load_urdf(tree.urdf, physics_client_id, tree.fixed, tree.pose,
-                                      visuals), physics_client_id, tree.fixed)
+                                      visuals, problems), physics_client_id, tree.fixed)
             except SimulationError as error:
-                raise SimulationError('model {}: {}'.format(
+                refused = SimulationError('model {}: {}'.format(
                     shortened(tree.name), error.problem), error.advice)
+                if problems is None:
+                    raise refused
+                problems.add(refused.problem, refused.advice)
+                continue
             body.name = tree.name
-            bodies.append(body)
-    return bodies
+            loaded.append((tree._replace(first=is_first), body))
+            is_first = False
+    return loaded

@@ -1,6 +1,6 @@
 """The colors and textures of SDF visuals: Gazebo's named materials, and Ogre's scripts."""
 import xml.etree.ElementTree as ElementTree
-from typing import List, Optional, Sequence, Tuple
+from typing import Optional, Sequence, Tuple
 
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import gazebo_materials, material_scripts
@@ -11,18 +11,8 @@ _AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene
 _SCRIPTS = 'file://media/materials/scripts'     # where Gazebo looks for what names no file
 
 
-class Look(str):
-    """The name of a material or texture that is not found: without it, the rest is usable."""
-
-
-def split_looks(names: Sequence[str]) -> Tuple[List[str], List[str]]:
-    """Return the names that are no Look, and those that are one."""
-    return ([name for name in names if not isinstance(name, Look)],
-            [name for name in names if isinstance(name, Look)])
-
-
 def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Material], str]:
-    """Return the material of an SDF <visual>, and as a Look what of it was not found, or ''.
+    """Return the material of an SDF <visual>, and what of it was not found, or ''.
 
     None if it has neither a color nor a script that is found: then that of a mesh file counts,
     like in Gazebo. Colors count in addition to a script: they replace its colors.
@@ -80,8 +70,8 @@ def _scripted(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Mat
     uris = [uri.text.strip() for uri in script.findall('uri') if uri.text] or [_SCRIPTS]
     found = material_scripts.find(name, [path for path in map(find, uris) if path is not None])
     if found is None:
-        return None, Look('material ' + name)
-    return found[0], Look(found[1])
+        return None, 'material ' + name
+    return found[0], found[1]
 
 
 def _four(text: str) -> str:

@@ -1,13 +1,14 @@
 """Reads the text of a model that is added to a world while that is simulated."""
 import os
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, List, Sequence, Tuple
+from typing import Callable, Sequence
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, check_expanded, parse_xml
-from img_recog.simulation.descriptions import (description, gazebo_tags, materials, names,
-                                               sdf_file, urdf_visuals, world_file)
+from img_recog.simulation.descriptions import (description, gazebo_tags, names, sdf_file,
+                                               urdf_visuals, world_file)
 from img_recog.simulation.descriptions.geometry import IDENTITY
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
@@ -34,13 +35,14 @@ def read(text: str, name: str, find: FindFile,
     allowed.
     """
     names.check('model', name)
+    problems = Problems()
     try:
         root = parse_xml(text)
         check_expanded(root)
         if root.tag == 'robot':
-            trees, missing = _of_urdf(root, text, name, find)
+            trees = _of_urdf(root, text, name, find, problems)
         elif root.tag == 'sdf':
-            trees, missing = _of_sdf(root, name, find)
+            trees = _of_sdf(root, name, find, problems)
         else:
             raise SimulationError('got the root element <{}>, expected <sdf> or <robot> (URDF)'
                                   .format(root.tag))
@@ -48,18 +50,14 @@ def read(text: str, name: str, find: FindFile,
             urdf_visuals.check(tree.urdf)
     except (MarkupError, SimulationError) as error:
         raise SimulationError('model {}: {}'.format(name, error.problem), error.advice)
-    missing, looks = materials.split_looks(missing)
-    if looks:
-        warn('model {}: {}'.format(name, world_file.warning_about(looks)))
-    if missing:
-        raise SimulationError('model {}: not found, or not supported: {}'.format(
-            name, ', '.join(missing)),
-            ', or '.join([*world_file.advice_on(missing), 'remove that from the model']))
+    problems.refuse('model {}'.format(name), 'remove that from the model')
+    for line in problems.warnings('model {}'.format(name)):
+        warn(line)
     return trees
 
 
-def _of_sdf(root: ElementTree.Element, name: str,
-            find: FindFile) -> Tuple[Sequence[Tree], Sequence[str]]:
+def _of_sdf(root: ElementTree.Element, name: str, find: FindFile,
+            problems: Problems) -> Sequence[Tree]:
     models = root.findall('model') + root.findall('include')
     if len(models) != 1:
         raise SimulationError('got {} models, expected one <model> in <sdf>'.format(len(models)))
@@ -69,18 +67,20 @@ def _of_sdf(root: ElementTree.Element, name: str,
         for old in models[0].findall('name'):
             models[0].remove(old)
         ElementTree.SubElement(models[0], 'name').text = name
-    contents = sdf_file.read(root, _NOWHERE, find)
-    if not contents.trees and not contents.missing:
+    contents = sdf_file.read(root, _NOWHERE, find, problems)
+    if not contents.trees and not problems.names:
         raise SimulationError('it has only a floor or lights, which every world here has already',
                               'add a model that has a <link>')
-    return contents.trees, contents.missing
+    return contents.trees
 
 
-def _of_urdf(root: ElementTree.Element, text: str, name: str,
-             find: FindFile) -> Tuple[Sequence[Tree], Sequence[str]]:
+def _of_urdf(root: ElementTree.Element, text: str, name: str, find: FindFile,
+             problems: Problems) -> Sequence[Tree]:
     if _WORLD_LINK in roots(root):
-        tree, lost = world_file.fixed_tree(root, name, find)
-        return [tree], lost
+        return [world_file.fixed_tree(root, name, find, problems)]
     robot = description.parse(text, find)
-    missing: List[str] = ['mesh ' + uri for uri in robot.missing_meshes]
-    return [Tree(name, robot.urdf, IDENTITY, False)], missing + list(robot.missing_materials)
+    for uri in robot.missing_meshes:
+        problems.add('mesh ' + uri)
+    for look in robot.missing_materials:
+        problems.add_look(look)
+    return [Tree(name, robot.urdf, IDENTITY, False)]

@@ -4,6 +4,7 @@ import os
 import re
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -12,15 +13,19 @@ from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation.descriptions import sdf_frames, sdf_models
 from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.simulation.descriptions.numbers import read_numbers
-from img_recog.simulation.descriptions.sdf_models import Tree, Version
+from img_recog.simulation.descriptions.problems import NOT_DOWNLOADED, Problems
+from img_recog.simulation.descriptions.sdf_joints import Version
+from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.settings import SimulationError
 
 _MODEL_URI = 'model://'
 _GROUND_PLANE = 'ground_plane'
-# Gazebo's models of the floor and the light: the simulator has both in every world
-_BUILT_IN = (_MODEL_URI + _GROUND_PLANE, 'model://sun')
+_SUN = 'sun'
+# Gazebo's models of the floor and the light, also those of the new Gazebo, with their version:
+# the simulator has both in every world
+_BUILT_IN = re.compile(
+    '(?:model://|https?://[^/]+/.*models/)(ground[ _]plane|sun)(?:/[0-9]+|/tip)?/?', re.IGNORECASE)
 _MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
-NOT_DOWNLOADED = 'a URL, which is not downloaded'
 _VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
 _URLS = ('http://', 'https://', 'ftp://')
 
@@ -28,52 +33,49 @@ _URLS = ('http://', 'https://', 'ftp://')
 class Contents(NamedTuple):
     """What an SDF describes.
 
-    trees: of all models; gravity (3,): m/s2; has_physics: whether it has a <physics>; missing:
-    names of what cannot be had; ignored: names of plugins and sensors; has_floor: False for a
-    world without Gazebo's ground_plane; camera: the pose of Gazebo's user camera in the world, if
-    it is given.
+    trees: of all models; gravity (3,): m/s2; has_physics: whether it has a <physics>; ignored:
+    names of plugins and sensors; has_floor: False for a world without Gazebo's ground_plane;
+    camera: the pose of Gazebo's user camera in the world, if it is given.
     """
 
     trees: Tuple[Tree, ...]
     gravity: Optional[np.ndarray]
     has_physics: bool
-    missing: Tuple[str, ...]
     ignored: Tuple[str, ...]
     has_floor: bool
     camera: Optional[Transform]
 
 
-def read(root: ElementTree.Element, path: str, find: FindFile) -> Contents:
+def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problems) -> Contents:
     """Read an <sdf> element.
 
     path: of its file; find: returns the path of the file or folder at a URI. Models are also
-    searched for in the folders above the file.
-    Raises SimulationError naming what cannot be used.
+    searched for in the folders above the file. problems: to which is added what cannot be used.
     """
-    reader = _Reader(find)
+    reader = _Reader(find, problems)
     world = root.find('world')
     reader.read(root if world is None else world, _version(root), path, (os.path.abspath(path),))
     gravity, camera = None, None
     if world is not None:
-        text = world.findtext('gravity')
-        text = world.findtext('physics/gravity') if text is None else text
-        gravity = None if text is None else read_numbers('<gravity>', text, 3)
-        element = world.find('gui/camera')
-        if element is not None and element.find('pose') is not None:
-            camera = sdf_frames.pose_of(element)
+        with problems.left_out():
+            text = world.findtext('gravity')
+            text = world.findtext('physics/gravity') if text is None else text
+            gravity = None if text is None else read_numbers('<gravity>', text, 3)
+        with problems.left_out():
+            element = world.find('gui/camera')
+            if element is not None and element.find('pose') is not None:
+                camera = sdf_frames.pose_of(element)
     return Contents(tuple(reader.trees), gravity,
                     world is not None and world.find('physics') is not None,
-                    tuple(reader.missing), tuple(reader.ignored),
-                    world is None or reader.has_ground_plane, camera)
+                    tuple(reader.ignored), world is None or reader.has_ground_plane, camera)
 
 
 class _Reader:
     """Collects the trees of a world and of the files that it includes."""
 
-    def __init__(self, find: FindFile):
-        self._find = find
+    def __init__(self, find: FindFile, problems: Problems):
+        self._find, self._problems = find, problems
         self.trees: List[Tree] = []
-        self.missing: List[str] = []
         self.ignored: List[str] = []
         self.has_ground_plane = False
         self._included_count = self._depth = 0
@@ -84,40 +86,45 @@ class _Reader:
         state = parent.find('state')
         self._ignore(parent.findall('plugin'), parent.get('name', ''))
         for element in list(parent):
-            if element.tag == 'include':
-                included = self._included(element, path, stack)
-                if included is not None:
-                    self._add(*included, state)
-            elif element.tag == 'model':
-                model = copy.deepcopy(element)
-                self._expand(model, path, stack)
-                self._add(model, version, path, state)
-            elif element.tag in ('actor', 'population', 'road'):
-                self._miss('{} {}'.format(element.tag, element.get('name', '')).strip())
+            with self._problems.left_out():
+                if element.tag == 'include':
+                    included = self._included(element, path, stack)
+                    if included is not None:
+                        self._add(*included, state)
+                elif element.tag == 'model':
+                    model = copy.deepcopy(element)
+                    self._expand(model, path, stack)
+                    self._add(model, version, path, state)
+                elif element.tag in ('actor', 'population', 'road'):
+                    raise SimulationError('{} {}'.format(
+                        element.tag, element.get('name', '')).strip())
 
     def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:
-        sdf_frames.apply_state(model, state)
+        with self._problems.left_out():
+            sdf_frames.apply_state(model, state)
         self._ignore([each for each in model.iter() if each.tag in ('plugin', 'sensor')],
                      model.get('name', ''))
         self.has_ground_plane |= model.get('name') == _GROUND_PLANE
-        self.trees += sdf_models.trees(model, version, self._finder(path), self.missing)
+        self.trees += sdf_models.trees(model, version, self._finder(path), self._problems)
 
     def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
                   ) -> Optional[Tuple[ElementTree.Element, Version, str]]:
-        """Return the model of an <include>, its version of SDF and its file; None for none."""
+        """Return the model of an <include>, its version of SDF and its file; None for none.
+
+        Raises SimulationError when it cannot be had.
+        """
         uri = include.findtext('uri', '').strip()
-        if uri.rstrip('/') in _BUILT_IN:
-            self.has_ground_plane |= uri.rstrip('/') == _MODEL_URI + _GROUND_PLANE
+        built_in = _BUILT_IN.fullmatch(unquote(uri))
+        if built_in:
+            self.has_ground_plane |= built_in.group(1).lower() != _SUN
             return None
         if uri.startswith(_URLS):
-            self._miss('{} ({})'.format(uri, NOT_DOWNLOADED))
-            return None
+            raise SimulationError('{} ({})'.format(uri, NOT_DOWNLOADED))
         found = self._finder(path)(uri)
         file = None if found is None else _model_file(found)
         if file is None:
-            self._miss(uri or 'an <include> without a <uri>')
-            return None
+            raise SimulationError(uri or 'an <include> without a <uri>')
         self._check_include(file, stack)
         root = _parsed(file)
         model = root.find('model')
@@ -146,24 +153,26 @@ class _Reader:
 
     def _expand(self, model: ElementTree.Element, path: str, stack: Sequence[str]) -> None:
         """Replace each <include> in a model, at any depth; make the URIs in it absolute."""
-        self._depth += 1
-        if self._depth > _MAX_NESTED:
+        if self._depth >= _MAX_NESTED:
             raise SimulationError('models are nested more than {} deep, at {} in {}'.format(
                 _MAX_NESTED, model.get('name', ''), path), 'include the innermost ones directly')
+        self._depth += 1
         for include in model.findall('include'):
             model.remove(include)
-            included = self._included(include, path, stack)
-            if included is not None:
-                model.append(included[0])
+            with self._problems.left_out():
+                included = self._included(include, path, stack)
+                if included is not None:
+                    model.append(included[0])
         for nested in model.findall('model'):
-            self._expand(nested, path, stack)
+            with self._problems.left_out():
+                self._expand(nested, path, stack)
+        self._depth -= 1
         finder = self._finder(path)
         for element in model.iter():
             if element.tag in ('uri', 'filename') and element.text:
                 found = finder(element.text.strip())
                 if found is not None:
                     element.text = os.path.abspath(found)
-        self._depth -= 1
 
     def _finder(self, path: str) -> FindFile:
         """Return a function that finds what a file refers to."""
@@ -181,10 +190,6 @@ class _Reader:
         for element in elements:
             self.ignored.append('{} {} of {}'.format(
                 element.tag, element.get('filename') or element.get('name', ''), model))
-
-    def _miss(self, name: str) -> None:
-        if name not in self.missing:
-            self.missing.append(name)
 
 
 def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:

@@ -1,6 +1,6 @@
 """The poses in an SDF, and the frames that they are given in."""
 import xml.etree.ElementTree as ElementTree
-from typing import Optional, Sequence
+from typing import Dict, Optional, Sequence
 
 from img_recog import rotations
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
@@ -36,29 +36,34 @@ class Scope:
 
     def __init__(self, model: ElementTree.Element):
         self._name = model.get('name', '')
-        self._elements = {element.get('name', ''): element for element in model
-                          if element.tag in ('link', 'joint', 'frame', 'model')}
+        # until SDF 1.6 they may bear the same names, and poses were relative to links
+        self._elements: Dict[str, ElementTree.Element] = {}
+        for tag in ('link', 'model', 'frame', 'joint'):
+            for element in model.findall(tag):
+                self._elements.setdefault(element.get('name', ''), element)
 
-    def pose(self, element: ElementTree.Element, visited: Sequence[str] = ()) -> Transform:
+    def pose(self, element: ElementTree.Element,
+             visited: Sequence[ElementTree.Element] = ()) -> Transform:
         """Return the pose of a link, joint, frame or model in the model."""
-        name = element.get('name', '')
-        if name in visited:
+        if any(element is each for each in visited):
             raise SimulationError('model {}: the pose of {} depends on itself'.format(
-                self._name, name))
+                self._name, element.get('name', '')))
         pose = element.find('pose')
         base = '' if pose is None else (pose.get('relative_to') or pose.get('frame') or '').strip()
         if not base and element.tag == 'joint':
             base = element.findtext('child', '').strip()
         if not base and element.tag == 'frame':
             base = element.get('attached_to', '')
-        return self.frame(base, (*visited, name)) @ pose_of(element)
+        return self.frame(base, (*visited, element)) @ pose_of(element)
 
-    def frame(self, name: str, visited: Sequence[str] = ()) -> Transform:
+    def frame(self, name: str, visited: Sequence[ElementTree.Element] = ()) -> Transform:
         """Return the pose of a frame in the model, by its name."""
-        if name in ('', _MODEL, WORLD, self._name):
-            return IDENTITY
         outer, _, inner = name.partition('::')
         element = self._elements.get(outer)
+        if element is None and name in ('', _MODEL, WORLD, self._name):
+            return IDENTITY
+        if element is None and outer == self._name:
+            return self.frame(inner, visited)
         if element is None:
             raise SimulationError('model {}: a pose is relative to {}, which does not exist'
                                   .format(self._name, name))

@@ -9,8 +9,8 @@ from img_recog.files import FindFile
 from img_recog.mesh_file import READABLE
 from img_recog.simulation.descriptions import inertias, materials
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
-from img_recog.simulation.descriptions.numbers import (read_coefficient, read_direction,
-                                                       read_lengths, read_number, words)
+from img_recog.simulation.descriptions.numbers import (read_direction, read_lengths,
+                                                       read_number, words)
 from img_recog.simulation.descriptions.sdf_frames import pose_of
 from img_recog.simulation.descriptions.urdf_elements import (
     INERTIA_KEYS, check_mass, set_friction, set_inertial, set_origin)
@@ -21,10 +21,6 @@ from img_recog.visuals import GREY, Material
 _PLANE_THICKNESS_M = 0.01       # below the plane
 
 _Geometry = Tuple[ElementTree.Element, Transform]
-
-
-class _Unsupported(Exception):
-    """Something of an SDF that cannot be had; the text names it."""
 
 
 def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
@@ -49,25 +45,26 @@ def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
 
 
 def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None:
-    """Add the coefficient of the first collision that has one: PyBullet has one for each link."""
+    """Add the coefficient of the first collision that has one: PyBullet has one for each link.
+
+    In Gazebo a negative one means as much as there can be, which is that of a link without one.
+    """
     text = source.findtext('collision/surface/friction/ode/mu')
-    if text is None:
-        return
-    set_friction(link, read_coefficient('<mu> of link ' + source.get('name', ''), text))
+    value = 0.0 if text is None else read_number('<mu> of link ' + source.get('name', ''), text)
+    if text is not None and value >= 0:
+        set_friction(link, value)
 
 
 def add_shape(link: ElementTree.Element, shape: ElementTree.Element, pose: Transform,
               find: FindFile, concave: bool) -> str:
-    """Add an SDF <visual> or <collision> to the <link> of a URDF; return what is missing or ''.
+    """Add an SDF <visual> or <collision> to the <link> of a URDF; return what its material
+    lacks or ''.
 
     pose: of the shape in the link's frame. find: returns the path of the file or folder at a URI.
     concave: whether a collision mesh is not replaced by its convex hull.
-    Raises SimulationError when a number is wrong.
+    Raises SimulationError when it cannot be had, or a number is wrong.
     """
-    try:
-        geometry, offset = _geometry(shape, find)
-    except _Unsupported as gap:
-        return str(gap)
+    geometry, offset = _geometry(shape, find)
     added = ElementTree.SubElement(link, shape.tag, name=shape.get('name', ''))
     set_origin(added, pose @ offset)
     ElementTree.SubElement(added, 'geometry').append(geometry)
@@ -88,11 +85,13 @@ def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
     """Return the element in a URDF's <geometry>, and its pose in the frame of the shape."""
     geometry = shape.find('geometry')
     if geometry is None or not len(geometry):
-        raise _Unsupported('<{} {}> has no geometry'.format(shape.tag, shape.get('name', '')))
+        raise SimulationError('<{} {}> has no geometry'.format(
+            shape.tag, shape.get('name', '')))
     element = geometry[0]
     make = _MAKERS.get(element.tag)
     if make is None:
-        raise _Unsupported('<{}> of {} {}'.format(element.tag, shape.tag, shape.get('name', '')))
+        raise SimulationError('<{}> of {} {}'.format(element.tag, shape.tag,
+                                                     shape.get('name', '')))
     name = '{} {}'.format(shape.tag, shape.get('name', ''))
     return make(name, element, find)
 
@@ -148,9 +147,9 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
     uri = (element.findtext('uri') or element.findtext('filename') or '').strip()
     path = find(uri)
     if path is None or not os.path.isfile(path):
-        raise _Unsupported('mesh ' + uri)
+        raise SimulationError('mesh ' + uri)
     if not path.lower().endswith(READABLE):
-        raise _Unsupported('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
+        raise SimulationError('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
     scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
     return (ElementTree.Element('mesh', filename=os.path.abspath(path), scale=words(scale)),
             IDENTITY)

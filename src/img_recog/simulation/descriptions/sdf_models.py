@@ -1,21 +1,34 @@
 """The models of an SDF as trees of links, each the text of a URDF."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import meshes, sdf_links
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
-from img_recog.simulation.descriptions.numbers import read_direction, read_number, words
+from img_recog.simulation.descriptions.numbers import words
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_frames import WORLD, Scope, pose_of
+from img_recog.simulation.descriptions.sdf_joints import (
+    FIXED, PRISMATIC, Axis, Joint, Joints, Link, Version)
 from img_recog.simulation.descriptions.urdf_elements import add_massless, set_origin
-from img_recog.simulation.settings import SimulationError
 
-_JOINTS = ('continuous', 'fixed', 'prismatic', 'revolute')
-_MAX_JOINT_LIMIT = 1e16         # an SDF's number for no limit
+_FAR_M = 1e16
 
-Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
+
+class Loop(NamedTuple):
+    """A joint that closes a loop of links: a tree has no place for it.
+
+    parent: WORLD for none; pose: of the joint in the frame of the root link; axis (3,): the only
+    one about which it turns, in its frame, None without.
+    """
+
+    kind: str
+    parent: str
+    child: str
+    pose: Transform
+    axis: Optional[np.ndarray]
 
 
 class Tree(NamedTuple):
@@ -24,7 +37,8 @@ class Tree(NamedTuple):
     name: of the model, with ::LINK for the roots after the first; urdf: its text, in which all
     meshes have absolute paths; pose: of the root link in the world; fixed: whether that never
     moves; in_model: the pose of the root link in the frame of the model; first: whether it is the
-    first tree of its model; warnings: what is simulated in another way than given, a line each.
+    first tree of its model; warnings: what is simulated in another way than given, a line each;
+    loops: the joints that the URDF has not.
     """
 
     name: str
@@ -34,153 +48,104 @@ class Tree(NamedTuple):
     in_model: Transform = IDENTITY
     first: bool = True
     warnings: Tuple[str, ...] = ()
-
-
-class _Link(NamedTuple):
-    """A link by its full name; pose: in the outermost model."""
-
-    name: str
-    element: ElementTree.Element
-    pose: Transform
-    is_static: bool
-
-
-class _Joint(NamedTuple):
-    """A joint between links by their full names; pose: of its frame in the outermost model."""
-
-    name: str
-    element: ElementTree.Element
-    parent: str
-    child: str
-    pose: Transform
-    axis: np.ndarray
+    loops: Tuple[Loop, ...] = ()
 
 
 def trees(model: ElementTree.Element, version: Version, find: FindFile,
-          missing: List[str]) -> List[Tree]:
-    """Return the trees of a model.
+          problems: Problems) -> List[Tree]:
+    """Return the trees of a model, none for one without a link.
 
-    version: of the SDF format. find: returns the path of the file or folder at a URI. missing: to
-    which is appended what cannot be had, by name.
-    Raises SimulationError when a number is wrong, or a joint or a pose names nothing.
+    version: of the SDF format. find: returns the path of the file or folder at a URI. problems: to
+    which is added what cannot be used, a number, a joint or a shape; the rest is in the trees.
+    Raises SimulationError when the pose of the model cannot be used.
     """
-    name = model.get('name', '')
-    builder = _Builder(version, find, missing)
-    pose = pose_of(model)
-    builder.collect(model, '', IDENTITY, False)
-    if not builder.links:
-        raise SimulationError('model {} has no link'.format(name), 'add a <link> to it')
-    return builder.trees(name, pose)
+    name, pose = model.get('name', ''), pose_of(model)
+    parts = Joints(model, version, problems)
+    found: List[Tree] = []
+    for root in _roots(parts):
+        tree = _Builder(parts, root, find, problems).tree(name, pose)
+        found.append(tree._replace(name='{}::{}'.format(name, root.name), first=False)
+                     if found else tree)
+    return found
 
 
-def is_true(text: Optional[str]) -> bool:
-    """Return whether the text of an element means true."""
-    return (text or '').strip().lower() in ('1', 'true')
+def _roots(parts: Joints) -> List[Link]:
+    """Return a root for each group of links that joints hold together.
+
+    That is one that does not move, else one that a joint ties to the world, else one that is the
+    child of no joint, else the first one.
+    """
+    groups = {name: [name] for name in parts.links}     # those of a group are the same list
+    for joint in parts.joints:
+        if joint.parent != WORLD and groups[joint.parent] is not groups[joint.child]:
+            first, second = groups[joint.parent], groups[joint.child]
+            first += second
+            groups.update(dict.fromkeys(second, first))
+    tied = {joint.child for joint in parts.joints if joint.parent == WORLD}
+    joined = {joint.child for joint in parts.joints}
+    order = {name: number for number, name in enumerate(parts.links)}
+    unique = {id(group): group for group in groups.values()}
+    return [parts.links[min(group, key=lambda name: (
+        not parts.links[name].is_static, name not in tied, name in joined, order[name]))]
+            for group in unique.values()]
 
 
 class _Builder:
-    """Collects the links and joints of a model and of those in it, and builds the trees."""
+    """Builds the tree of the links that hang on a root, whichever way their joints point."""
 
-    def __init__(self, version: Version, find: FindFile, missing: List[str]):
-        self._version, self._find, self._missing = version, find, missing
-        self.links: Dict[str, _Link] = {}
-        self._warnings: List[str] = []      # of the tree that is being built
-        self._joints: List[_Joint] = []
+    def __init__(self, parts: Joints, root: Link, find: FindFile, problems: Problems):
+        self._links, self._root, self._find, self._problems = parts.links, root, find, problems
+        self._of_links: Dict[str, List[Joint]] = {name: [] for name in parts.links}
+        for joint in parts.joints:
+            self._of_links[joint.child].append(joint)
+            if joint.parent != WORLD:
+                self._of_links[joint.parent].append(joint)
+        self._warnings: List[str] = []
 
-    def collect(self, model: ElementTree.Element, prefix: str, pose: Transform,
-                is_static: bool) -> None:
-        """Add a model; pose: of its frame in the outermost one."""
-        scope = Scope(model)
-        is_static = is_static or is_true(model.findtext('static'))
-        for link in model.findall('link'):
-            name = prefix + link.get('name', '')
-            if not link.get('name') or name in self.links:
-                raise SimulationError('each <link> of model {} must have a unique name'.format(
-                    model.get('name', '')))
-            self.links[name] = _Link(name, link, pose @ scope.pose(link), is_static)
-        for nested in model.findall('model'):
-            self.collect(nested, '{}{}::'.format(prefix, nested.get('name', '')),
-                         pose @ scope.pose(nested), is_static)
-        for joint in model.findall('joint'):
-            self._add_joint(joint, prefix, pose, scope)
-
-    def _add_joint(self, element: ElementTree.Element, prefix: str, pose: Transform,
-                   scope: Scope) -> None:
-        name = prefix + element.get('name', '')
-        if element.get('type') not in _JOINTS:
-            self._missing.append('joint {} of type {}'.format(name, element.get('type')))
-            return
-        parent, child = (element.findtext(end, '').strip() for end in ('parent', 'child'))
-        parent = parent if parent == WORLD else prefix + parent
-        child = prefix + child
-        for end in (parent, child):
-            if end != WORLD and end not in self.links:
-                raise SimulationError('joint {} has the link {}, which does not exist'.format(
-                    name, end))
-        if any(child == other.child for other in self._joints):
-            raise SimulationError('link {} is the child of two joints'.format(child))
-        joint_pose = pose @ scope.pose(element)
-        self._joints.append(_Joint(name, element, parent, child, joint_pose,
-                                   self._axis(element, pose, joint_pose)))
-
-    def _axis(self, joint: ElementTree.Element, model: Transform, pose: Transform) -> np.ndarray:
-        """Return the axis of a joint in its frame."""
-        axis = joint.find('axis')
-        if axis is None:
-            return np.array([0.0, 0.0, 1.0])
-        direction = read_direction('<xyz> of joint ' + joint.get('name', ''),
-                                   axis.findtext('xyz', '0 0 1'))
-        in_model = axis.findtext('use_parent_model_frame')
-        expressed = axis.find('xyz[@expressed_in="__model__"]')     # since SDF 1.7
-        # until SDF 1.4 axes were given in the model's frame
-        if expressed is not None or is_true(in_model) or (
-                in_model is None and self._version < (1, 5)):
-            direction = pose.rotation.T @ model.rotation @ direction
-        return direction
-
-    def trees(self, name: str, pose: Transform) -> List[Tree]:
-        """Return the trees; pose: of the outermost model in the world."""
-        joined = {joint.child for joint in self._joints if joint.parent != WORLD}
-        found: List[Tree] = []
-        seen: Set[str] = set()
-        for link in self.links.values():
-            if link.name not in joined:
-                tree = self._tree(name, link, pose, seen)
-                found.append(tree._replace(name='{}::{}'.format(name, link.name), first=False)
-                             if found else tree)
-        if len(seen) < len(self.links):
-            raise SimulationError('model {}: link {} is its own ancestor'.format(
-                name, min(set(self.links) - seen)))
-        return found
-
-    def _tree(self, name: str, root: _Link, pose: Transform, seen: Set[str]) -> Tree:
-        robot = ElementTree.Element('robot', name=name)
-        to_world = next((joint for joint in self._joints
-                         if joint.child == root.name and joint.parent == WORLD), None)
-        is_fixed = root.is_static or (
-            to_world is not None and to_world.element.get('type') == 'fixed')
-        frames = {root.name: root.pose}
+    def tree(self, name: str, model_pose: Transform) -> Tree:
+        """Return the tree; model_pose: of the outermost model in the world."""
+        robot, root = ElementTree.Element('robot', name=name), self._root
+        to_world = next((joint for joint in self._of_links[root.name] if joint.parent == WORLD),
+                        None)
+        is_fixed = root.is_static or (to_world is not None and to_world.kind == FIXED)
+        base, frames = root.pose, {root.name: root.pose}
+        used = [] if to_world is None else [to_world]
         if to_world is not None and not is_fixed:
             # the joint needs a parent
             add_massless(ElementTree.SubElement(robot, 'link', name=WORLD))
-            frames = {root.name: to_world.pose}
-            base = to_world.pose
-            self._add_joint_element(robot, to_world, IDENTITY, parent=WORLD)
-        else:
-            base = root.pose
-        names, self._warnings = [root.name], []
+            base, frames = to_world.pose, {root.name: to_world.pose}
+            _add_joint(robot, to_world, IDENTITY)
+        names, loops = [root.name], []
         for link in names:          # grows while it is iterated over
-            seen.add(link)
-            self._add_link(robot, self.links[link], frames[link], is_fixed and link == root.name)
-            for joint in self._joints:
-                if joint.parent == link and joint.child not in frames:
-                    frames[joint.child] = joint.pose
-                    names.append(joint.child)
-                    self._add_joint_element(robot, joint, _relative(frames[link], joint.pose))
-        return Tree(name, ElementTree.tostring(robot, 'unicode'), pose @ base,
-                    is_fixed or base is not root.pose, base, warnings=tuple(self._warnings))
+            self._add_link(robot, self._links[link], frames[link], is_fixed and link == root.name)
+            for joint in self._of_links[link]:
+                if any(joint is each for each in used):
+                    continue
+                used.append(joint)
+                away = joint if joint.parent in (link, WORLD) else joint.reversed()
+                if away.parent == WORLD or away.child in frames:
+                    loops.append(joint)
+                    continue
+                frames[away.child] = joint.pose
+                names.append(away.child)
+                _add_joint(robot, away, _relative(frames[link], joint.pose))
+        return Tree(name, ElementTree.tostring(robot, 'unicode'), model_pose @ base,
+                    is_fixed or base is not root.pose, base, warnings=tuple(self._warnings),
+                    loops=tuple(self._loops(loops, base)))
 
-    def _add_link(self, robot: ElementTree.Element, link: _Link, frame: Transform,
+    def _loops(self, joints: Sequence[Joint], base: Transform) -> Iterator[Loop]:
+        for joint in joints:
+            if all(end == WORLD or self._links[end].is_static
+                   for end in (joint.parent, joint.child)):
+                continue
+            if joint.kind == PRISMATIC:
+                self._problems.add('joint {}, which closes a loop of links and slides'.format(
+                    joint.name))
+                continue
+            yield Loop(joint.kind, joint.parent, joint.child, _relative(base, joint.pose),
+                       joint.axes[0].direction if len(joint.axes) == 1 else None)
+
+    def _add_link(self, robot: ElementTree.Element, link: Link, frame: Transform,
                   is_fixed: bool) -> None:
         """Add a link whose frame in the URDF is `frame`, given in the outermost model."""
         added = ElementTree.SubElement(robot, 'link', name=link.name)
@@ -188,43 +153,61 @@ class _Builder:
         if is_fixed or link.is_static:
             add_massless(added)
         else:
-            warning = sdf_links.add_inertial(added, link.element, offset)
+            warning = self._add_inertial(added, link.element, offset)
             self._warnings += [warning] if warning else []
-        sdf_links.add_friction(added, link.element)
+        with self._problems.left_out():
+            sdf_links.add_friction(added, link.element)
         scope = Scope(link.element)
         for tag in ('visual', 'collision'):
             for shape in link.element.findall(tag):
-                missing = sdf_links.add_shape(added, shape, offset @ scope.pose(shape), self._find,
-                                              concave=is_fixed or link.is_static)
-                if missing and missing not in self._missing:
-                    self._missing.append(missing)
+                with self._problems.left_out():
+                    look = sdf_links.add_shape(
+                        added, shape, offset @ scope.pose(shape), self._find,
+                        concave=is_fixed or link.is_static)
+                    if look:
+                        self._problems.add_look(look)
         for tag, other in (('visual', 'collision'), ('collision', 'visual')):
             if link.element.find(tag) is not None and added.find(tag) is None:
                 meshes.add_replacements(added, tag, added.findall(other))
 
-    def _add_joint_element(self, robot: ElementTree.Element, joint: _Joint, pose: Transform,
-                           parent: str = '') -> None:
-        # the links of a static model do not move, and have no mass
-        kind = 'fixed' if self.links[joint.child].is_static else joint.element.get('type', '')
-        element = ElementTree.SubElement(robot, 'joint', name=joint.name, type=kind)
+    def _add_inertial(self, added: ElementTree.Element, link: ElementTree.Element,
+                      offset: Transform) -> str:
+        with self._problems.left_out():
+            return sdf_links.add_inertial(added, link, offset)
+        # one without has that of SDF
+        return sdf_links.add_inertial(added, ElementTree.Element('link'), offset)
+
+
+def _add_joint(robot: ElementTree.Element, joint: Joint, pose: Transform) -> None:
+    """Add a joint, with a massless link between two axes.
+
+    pose: of the frame of the joint in that of its parent.
+    """
+    parent, axes = joint.parent, joint.axes or (None,)
+    for number, axis in enumerate(axes, 1):
+        child = name = '{}::axis_{}'.format(joint.name, number)
+        if number == len(axes):
+            child, name = joint.child, joint.name
+        else:
+            add_massless(ElementTree.SubElement(robot, 'link', name=child))
+        element = ElementTree.SubElement(robot, 'joint', name=name, type=FIXED)
         set_origin(element, pose)
-        ElementTree.SubElement(element, 'parent', link=parent or joint.parent)
-        ElementTree.SubElement(element, 'child', link=joint.child)
-        if kind == 'fixed':
-            return
-        ElementTree.SubElement(element, 'axis', xyz=words(joint.axis))
-        limit = joint.element.find('axis/limit')
-        if limit is not None and kind != 'continuous':
-            lower, upper = (read_number(
-                '<{}> of joint {}'.format(tag, joint.name), limit.findtext(tag, default))
-                for tag, default in (('lower', '-1e16'), ('upper', '1e16')))
-            if max(-lower, upper) >= _MAX_JOINT_LIMIT and kind == 'revolute':
-                element.set('type', 'continuous')
-            else:
-                ElementTree.SubElement(element, 'limit', lower=repr(lower), upper=repr(upper),
-                                       effort='1e9', velocity='1e9')
-        elif kind == 'revolute':
-            element.set('type', 'continuous')
+        ElementTree.SubElement(element, 'parent', link=parent)
+        ElementTree.SubElement(element, 'child', link=child)
+        if axis is not None:
+            _set_axis(element, joint.kind, axis)
+        parent, pose = child, IDENTITY
+
+
+def _set_axis(element: ElementTree.Element, kind: str, axis: Axis) -> None:
+    ElementTree.SubElement(element, 'axis', xyz=words(axis.direction))
+    limits = axis.limits
+    if kind == PRISMATIC:       # which PyBullet does not read without
+        limits = limits or (-_FAR_M, _FAR_M)
+    element.set('type', kind if kind == PRISMATIC else 'revolute' if limits else 'continuous')
+    if limits is not None:
+        ElementTree.SubElement(element, 'limit', lower=repr(limits[0]), upper=repr(limits[1]),
+                               effort='1e9', velocity='1e9')
 
 
 def _relative(frame: Transform, pose: Transform) -> Transform:

@@ -6,7 +6,6 @@ from typing import Dict, Iterator, List, Optional, Tuple
 
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import materials
-from img_recog.simulation.descriptions.materials import Look
 from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers, words
 from img_recog.simulation.descriptions.urdf_elements import origin_of
 from img_recog.simulation.settings import SimulationError
@@ -151,7 +150,7 @@ def _resolve_textures(robot: ElementTree.Element, find: FindFile) -> List[str]:
             path = find(uri)
             if path is None:
                 parent.remove(texture)
-                missing += [] if 'texture ' + uri in missing else [Look('texture ' + uri)]
+                missing += [] if 'texture ' + uri in missing else ['texture ' + uri]
             else:
                 texture.set('filename', os.path.abspath(path))
     return missing

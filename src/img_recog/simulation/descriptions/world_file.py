@@ -1,13 +1,13 @@
 """Reads the file of a world; any number of physics clients can load the result."""
 import os
-import re
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, NamedTuple, Optional, Tuple, Union
 
 from img_recog.files import FindFile, find_in, find_user_path
 from img_recog.markup import MarkupError, check_expanded, parse_xml, read_bytes
-from img_recog.simulation.descriptions import materials, meshes, sdf_file, urdf_visuals
+from img_recog.simulation.descriptions import meshes, sdf_file, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
@@ -16,11 +16,6 @@ ReadFile = Callable[[str], Union[str, bytes]]
 
 EMPTY = 'empty'
 GRAVITY = (0.0, 0.0, -9.8)      # m/s2, Gazebo's default
-# what helps when a name fits a pattern; the scripts of a material are in the folder of a model
-_ADVICE = (
-    ('model://|^material (?!Gazebo/)', 'set GAZEBO_MODEL_PATH to the folders of the models'),
-    ('package://', 'build the packages and source their setup.bash'),
-    (sdf_file.NOT_DOWNLOADED, 'download the models and include them by model://NAME'))
 
 
 class WorldFile(NamedTuple):
@@ -56,55 +51,38 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
         return WorldFile(EMPTY)
     path = worlds.get(world) or os.path.expanduser(find_user_path(world))
     root = _parsed(world, path, worlds, read_file)
+    problems = Problems()
     try:
         if root.tag == 'robot':
-            file, missing = _read_urdf(world, root, path, find)
+            file = _read_urdf(world, root, path, find, problems)
         else:
-            file, missing = _read_sdf(root, path, find)
+            file = _read_sdf(root, path, find, problems)
     except SimulationError as error:
         raise SimulationError('world {}: {}'.format(world, error.problem), error.advice)
-    missing, looks = materials.split_looks(missing)
-    if looks:
-        file = file._replace(warnings=(
-            *file.warnings, 'world {}: {}'.format(world, warning_about(looks))))
-    if missing and not allow_partial:
-        raise SimulationError(
-            'world {}: not found, or not supported: {}'.format(world, ', '.join(missing)),
-            ', or '.join([*advice_on(missing), 'add {} to load the rest'.format(option)]))
-    if missing:
-        file = file._replace(warnings=(
-            'world {}: loaded without: {}'.format(world, ', '.join(missing)), *file.warnings))
-    return file
-
-
-def warning_about(looks: Sequence[str]) -> str:
-    """Return what is warned of materials and textures that are not found, by name."""
-    return '; '.join(['not found, drawn in another color: ' + ', '.join(looks),
-                      *advice_on(looks)])
-
-
-def advice_on(missing: Sequence[str]) -> List[str]:
-    """Return what can be done so that things are found, which are given by their names."""
-    return [advice for pattern, advice in _ADVICE
-            if any(re.search(pattern, name) for name in missing)]
+    name = 'world {}'.format(world)
+    if not allow_partial:
+        problems.refuse(name, 'add {} to load the rest'.format(option))
+    return file._replace(warnings=(*problems.warnings(name), *file.warnings))
 
 
 def _read_urdf(world: str, root: ElementTree.Element, path: str,
-               find: FindFile) -> Tuple[WorldFile, Sequence[str]]:
+               find: FindFile, problems: Problems) -> WorldFile:
     in_folder = find_in(os.path.dirname(os.path.abspath(path)))
-    tree, missing = fixed_tree(root, root.get('name', world),
-                               lambda uri: in_folder(uri) or find(uri))
-    return WorldFile(tree.name, (tree,)), missing
+    tree = fixed_tree(root, root.get('name', world), lambda uri: in_folder(uri) or find(uri),
+                      problems)
+    return WorldFile(tree.name, (tree,))
 
 
-def fixed_tree(robot: ElementTree.Element, name: str,
-               find: FindFile) -> Tuple[Tree, Sequence[str]]:
-    """Return a URDF whose root link never moves, and names of what was not found.
+def fixed_tree(robot: ElementTree.Element, name: str, find: FindFile,
+               problems: Problems) -> Tree:
+    """Return a URDF whose root link never moves; problems: to which is added what is not found.
 
     Raises SimulationError when it has several root links.
     """
-    missing = ['mesh ' + uri for uri in meshes.resolve(robot, find)]
-    missing += urdf_visuals.apply_materials(robot, find)
+    for uri in meshes.resolve(robot, find):
+        problems.add('mesh ' + uri)
+    for look in urdf_visuals.apply_materials(robot, find):
+        problems.add_look(look)
     for collision in robot.findall('link/collision'):
         if collision.find('geometry/mesh') is not None:
             collision.set('concave', 'yes')
@@ -113,12 +91,12 @@ def fixed_tree(robot: ElementTree.Element, name: str,
     if len(found) > 1:      # PyBullet would crash
         raise SimulationError('got {} root links ({}), expected one'.format(
             len(found), ', '.join(found)), 'connect them with fixed joints')
-    return Tree(name, ElementTree.tostring(robot, 'unicode'), IDENTITY, True), missing
+    return Tree(name, ElementTree.tostring(robot, 'unicode'), IDENTITY, True)
 
 
-def _read_sdf(root: ElementTree.Element, path: str,
-              find: FindFile) -> Tuple[WorldFile, Sequence[str]]:
-    contents = sdf_file.read(root, path, find)
+def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,
+              problems: Problems) -> WorldFile:
+    contents = sdf_file.read(root, path, find, problems)
     gravity = GRAVITY if contents.gravity is None else tuple(contents.gravity.tolist())
     name = os.path.splitext(os.path.basename(path))[0]
     warnings = () if not contents.ignored else ('world {}: not simulated: {}'.format(
@@ -126,7 +104,7 @@ def _read_sdf(root: ElementTree.Element, path: str,
     warnings += tuple('world {}: model {}: {}'.format(name, tree.name, warning)
                       for tree in contents.trees for warning in tree.warnings)
     return WorldFile(name, contents.trees, gravity, contents.has_physics, warnings,
-                     contents.has_floor, contents.camera), contents.missing
+                     contents.has_floor, contents.camera)
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str],

@@ -45,7 +45,7 @@ class SceneCopy:
         self.bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id,
                                       visuals=True), physics_client_id)
                        for robot in scene.robots]
-        self.bodies += load_bodies(trees, physics_client_id, visuals=True)
+        self.bodies += [body for _, body in load_bodies(trees, physics_client_id, visuals=True)]
         for body in self.bodies:
             for link in body.links:
                 # otherwise each tall body would show a reflection of the sun

@@ -4,12 +4,14 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from img_recog.simulation.descriptions import sdf_file
-from img_recog_testing.refusals import refusal
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog_testing.sdf import BUILT_IN, sdf
 
 LINK = '<link name="l"><pose>0 0 1 0 0 0</pose></link>'
 CONFIG = ('<model><name>n</name><sdf version="1.4">old.sdf</sdf>'
           '<sdf version="1.6">new.sdf</sdf></model>')
+
+FUEL = 'https://fuel.gazebosim.org/1.0/OpenRobotics/models/'
 
 
 @pytest.fixture
@@ -30,9 +32,13 @@ def include(uri, inside=''):
     return '<include><uri>{}</uri>{}</include>'.format(uri, inside)
 
 
-def read(folder, *inside, find=lambda uri: None):
-    path = folder / 'worlds' / 'hall.world'
-    return sdf_file.read(ElementTree.fromstring(sdf(*inside)), str(path), find)
+def read(folder, *inside, find=lambda uri: None, problems=()):
+    """Return the contents of a world; problems: the names of what is left out of it."""
+    path, found = folder / 'worlds' / 'hall.world', Problems()
+    contents = sdf_file.read(ElementTree.fromstring(sdf(*inside)), str(path), find, found)
+    assert [words for name, words in zip(found.names, problems) if words not in name] == []
+    assert len(found.names) == len(problems)
+    return contents
 
 
 def places(contents):
@@ -41,7 +47,7 @@ def places(contents):
 
 def test_a_model_in_a_folder_above(folder):
     contents = read(folder, BUILT_IN, include(' model://table '))
-    assert places(contents) == {'table': [0, 0, 1]} and contents.missing == ()
+    assert places(contents) == {'table': [0, 0, 1]}
 
 
 def test_name_pose_and_static_of_an_include(folder):
@@ -82,7 +88,6 @@ def test_includes_in_models(folder):
         'model://table', '<pose>1 0 0 0 0 0</pose>') + '<model name="inner">'
         '<pose>0 1 0 0 0 0</pose>' + include('chair') + '</model>')
     contents = read(folder, include('model://nested', '<pose>10 0 0 0 0 0</pose>'))
-    assert contents.missing == ()
     assert places(contents) == {'room': [10, 1, 1], 'room::table::l': [11, 0, 1]}
 
 
@@ -119,7 +124,7 @@ def test_state_moves_the_models_that_it_names(folder):
 
 def test_a_model_file_is_a_world_with_the_floor(folder):
     root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
-    contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None)
+    contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None, Problems())
     assert places(contents) == {'m': [0, 0, 1]}
     assert contents.gravity is None and not contents.has_physics and contents.has_floor
 
@@ -127,35 +132,42 @@ def test_a_model_file_is_a_world_with_the_floor(folder):
 def test_what_is_not_found_is_named_once(folder):
     contents = read(folder, include('model://sofa'), include('model://sofa'), '<include/>',
                     '<population name="p"/>', include('https://host/table'),
-                    include('http://host/table'), include('model://table'))
-    assert contents.missing == (
+                    include('http://host/table'), include('model://table'), problems=[
         'model://sofa', 'an <include> without a <uri>', 'population p',
         'https://host/table (a URL, which is not downloaded)',
-        'http://host/table (a URL, which is not downloaded)')
+        'http://host/table (a URL, which is not downloaded)'])
     assert list(places(contents)) == ['table']
 
 
 @pytest.mark.parametrize('text, words', [
     ('<sdf', 'cannot use '), ('<robot/>', ' is <robot>, not <sdf>'),
     ('<sdf><world name="w"/></sdf>', 'which it includes, has no <model>'),
-    ('<sdf><model name="m"/></sdf>', 'model m has no link'),
-    ('<sdf><model name="m">' + include('model://table') + LINK + '</model></sdf>',
-     'model.sdf includes itself')])
-def test_refuses_an_included_file(folder, text, words):
-    (folder / 'models' / 'table' / 'model.sdf').write_text(text)
-    assert words in refusal(read, folder, include('model://table'))
+    ('<sdf><model name="m"><pose>1</pose>' + LINK + '</model></sdf>', '<pose> of model m')])
+def test_an_included_file_is_left_out(folder, text, words):
+    (folder / 'models' / 'nested' / 'model.sdf').write_text(text)
+    contents = read(folder, include('model://nested'), include('model://table'), problems=[words])
+    assert list(places(contents)) == ['table']
+
+
+@pytest.mark.parametrize('inside', ['', LINK])
+def test_a_model_without_what_it_includes_is_loaded(folder, inside):
+    model(folder / 'models' / 'nested' / 'model.sdf', 'room', include('model://sofa') + inside)
+    contents = read(folder, include('model://nested'), '<model name="hall">' + include(
+        'model://chair') + inside + '</model>', problems=['model://sofa', 'model://chair'])
+    assert list(places(contents)) == (['room', 'hall'] if inside else [])
 
 
 def test_a_light_is_not_loaded(folder):
     (folder / 'models' / 'table' / 'model.sdf').write_text('<sdf><light name="s"/></sdf>')
     contents = read(folder, include('model://table'))
-    assert (contents.trees, contents.missing) == ((), ())
+    assert contents.trees == ()
 
 
 def test_two_files_that_include_each_other(folder):
     model(folder / 'models' / 'table' / 'model.sdf', 'a', LINK + include('../nested/b.sdf'))
     model(folder / 'models' / 'nested' / 'b.sdf', 'b', LINK + include('model://table'))
-    assert 'model.sdf includes itself' in refusal(read, folder, include('model://table'))
+    contents = read(folder, include('model://table'), problems=['model.sdf includes itself'])
+    assert list(places(contents)) == ['a', 'a::b::l']
 
 
 def chain(folder, length):
@@ -170,12 +182,12 @@ def test_models_nested_too_deeply(folder):
     chain(folder, 120)
     tree, = read(folder, include('model://21')).trees
     assert tree.name == 'm' and 'link name="' + 'm::' * 98 + 'table::l"' in tree.urdf
-    assert refusal(read, folder, include('model://20')) == (
-        'models are nested more than 100 deep, at table in {}; include the innermost ones directly'
-        .format(folder / 'models' / 'table' / 'model.sdf'))
+    read(folder, include('model://20'), problems=[
+        'models are nested more than 100 deep, at table in {}'.format(
+            folder / 'models' / 'table' / 'model.sdf')])
     inside = '<model name="n">' * 60 + include('model://0') + '</model>' * 60
-    assert refusal(read, folder, '<model name="o">{}</model>'.format(inside)).startswith(
-        'models are nested more than 100 deep, at m in ')
+    read(folder, '<model name="o">{}</model>'.format(inside), problems=[
+        'models are nested more than 100 deep, at m in '])
 
 
 def test_too_many_included_models(folder):
@@ -184,8 +196,11 @@ def test_too_many_included_models(folder):
         model(folder / 'models' / str(number) / 'model.sdf', 'm', ''.join(include(
             'model://{}'.format(number + 1 if number < 29 else 'table'),
             '<name>{}</name>'.format(name)) for name in 'ab'))
-    assert refusal(read, folder, include('model://0')).startswith(
-        'it includes more than 5000 models, at {}'.format(folder / 'models'))
+    problems = Problems()
+    sdf_file.read(ElementTree.fromstring(sdf(include('model://0'))), str(folder / 'worlds' / 'w'),
+                  lambda uri: None, problems)
+    assert problems.names[0].startswith('it includes more than 5000 models, at {}'.format(
+        folder / 'models'))
     many = ''.join(include('model://table', '<name>{}</name>'.format(number))
                    for number in range(40))
     assert len(read(folder, many).trees) == 40
@@ -202,7 +217,8 @@ def test_plugins_and_sensors_are_named(folder):
 
 @pytest.mark.parametrize('inside, has_floor', [
     ('', False), (BUILT_IN, True), (include('model://ground_plane/'), True),
-    (include('model://sun'), False),
+    (include('model://sun'), False), (include(FUEL + 'Ground Plane'), True),
+    (include(FUEL + 'ground%20plane/2'), True), (include(FUEL + 'Sun'), False),
     ('<model name="ground_plane"><static>1</static>' + LINK + '</model>', True)])
 def test_the_floor_is_seen_in_a_world_that_has_it(folder, inside, has_floor):
     assert read(folder, inside).has_floor is has_floor
@@ -219,5 +235,6 @@ def test_the_pose_of_the_user_camera(folder):
     ('<gravity>9.8</gravity>', "<gravity>: got '9.8', expected 3 finite numbers"),
     ('<gui><camera name="user_camera"><pose>1</pose></camera></gui>',
      '<pose> of camera user_camera')])
-def test_wrong_numbers_are_refused(folder, inside, words):
-    assert words in refusal(read, folder, inside)
+def test_wrong_numbers_are_left_out(folder, inside, words):
+    contents = read(folder, inside, include('model://table'), problems=[words])
+    assert (contents.gravity, contents.camera) == (None, None) and len(contents.trees) == 1

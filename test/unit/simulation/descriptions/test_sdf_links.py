@@ -69,8 +69,8 @@ def test_a_mesh(tmp_path, tag, concave, expected):
 def test_what_cannot_be_had_is_named(tmp_path, geometry, words):
     path = tmp_path / 'a.ply'
     path.write_text('')
-    assert convert(geometry, find={'model://m/a.ply': str(path),
-                                   'model://m/folder': str(tmp_path)}.get) == (None, words)
+    assert refusal(convert, geometry, find={'model://m/a.ply': str(path),
+                                            'model://m/folder': str(tmp_path)}.get) == words
 
 
 @pytest.mark.parametrize('geometry, words', [

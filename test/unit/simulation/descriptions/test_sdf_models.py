@@ -9,9 +9,9 @@ import pytest
 from img_recog.simulation.bodies.loading import connect
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import sdf_models
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.refusals import refusal
 from img_recog_testing.sdf import BOX, INERTIAL
 
 TURNED = '<pose>1 0 0 0 0 1.5707963267948966</pose>'       # of a model: its x is the world's y
@@ -21,10 +21,13 @@ JOINT = ('<joint name="{0}_{1}" type="{2}"><parent>{0}</parent><child>{1}</child
 TIE = JOINT.format('{0}', '{1}', 'fixed', '')
 
 
-def convert(*inside, version=(1, 6), missing=None):
-    """Return the trees of a model of these elements."""
+def convert(*inside, version=(1, 6), problems=()):
+    """Return the trees of a model of these elements; problems: the names of what is left out."""
     model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
-    return sdf_models.trees(model, version, lambda uri: None, [] if missing is None else missing)
+    found = Problems()
+    trees = sdf_models.trees(model, version, lambda uri: None, found)
+    assert found.names == tuple(problems)
+    return trees
 
 
 def load(*inside, **more):
@@ -212,52 +215,57 @@ def test_what_is_static_has_no_mass_and_no_inertia():
     assert set(inertial.find('inertia').attrib.values()) == {'0'}
 
 
-def test_a_joint_of_another_type_is_missing():
-    missing = []
-    convert(LINK.format('a', ''), LINK.format('b', ''), JOINT.format('a', 'b', 'screw', ''),
-            missing=missing)
-    assert missing == ['joint a_b of type screw']
-
-
 TWO = LINK.format('a', '') + LINK.format('b', '')
 FRICTION = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{}</ode></friction>'
                                         '</surface><geometry>')
 
 
-@pytest.mark.parametrize('inside, words', [
-    ('', 'model m has no link'),
-    (LINK.format('a', '0 0 3'), "<pose> of link a: got '0 0 3', expected 6 finite numbers"),
-    (LINK.format('a', '0 0 x 0 0 nan'), "got '0 0 x 0 0 nan', expected 6 finite numbers"),
-    (LINK.format('', ''), 'each <link> of model m must have a unique name'),
-    (LINK.format('a', '') * 2, 'each <link> of model m must have a unique name'),
-    (TWO + TIE.format('a', 'c'), 'joint a_c has the link c, which does not exist'),
-    (TWO + TIE.format('a', 'b') + JOINT.format('world', 'b', 'fixed', ''),
-     'link b is the child of two joints'),
-    (TWO + TIE.format('a', 'b') + TIE.format('b', 'a'), 'model m: link a is its own ancestor'),
+@pytest.mark.parametrize('inside, problem, links', [
+    (TWO.replace('<pose>', '<pose>x ', 1), "<pose> of link a: got 'x', expected 6 finite numbers",
+     ['b']),
+    (TWO + TIE.format('a', 'c'), 'joint a_c has the link c, which does not exist', ['a', 'b']),
     (TWO + JOINT.format('a', 'b', 'revolute', '<axis><xyz>0 0 0</xyz></axis>'),
-     '<xyz> of joint a_b: got 0 0 0, expected a direction'),
-    (TWO + JOINT.format('a', 'b', 'revolute', '<axis><xyz>0 1</xyz></axis>'),
-     "<xyz> of joint a_b: got '0 1', expected 3 finite numbers"),
-    ('<link name="a"><pose relative_to="c">0 0 0 0 0 0</pose></link>',
-     'model m: a pose is relative to c, which does not exist'),
-    ('<link name="a"><pose relative_to="b"/></link><link name="b"><pose relative_to="a"/></link>',
-     'model m: the pose of a depends on itself'),
-    ('<link name="a"><inertial><mass>0</mass></inertial></link>',
-     '<mass> of link a: got 0 kg, expected more than 0'),
-    ('<link name="a"><inertial><mass>1e300</mass></inertial></link>',
-     '<mass> of link a: got 1e+300 kg, expected at most 1e+09'),
-    ('<link name="a"><inertial><inertia><izz>1e16</izz></inertia></inertial></link>',
-     'link a: got the moment of inertia 1e+16 kg m2, expected at most 1e+15'),
-    ('<link name="a"><inertial><inertia><ixx>x</ixx></inertia></inertial></link>',
-     "<ixx> of link a: got 'x', expected 1 finite number"),
-    (FRICTION.format('<mu>-1</mu>'), '<mu> of link a: got -1, expected at least 0'),
-    (FRICTION.format('<mu>much</mu>'), "<mu> of link a: got 'much', expected 1 finite number")])
-def test_refuses_what_crashes_pybullet_or_stands_nowhere(inside, words):
-    assert words in refusal(convert, inside)
+     '<xyz> of joint a_b: got 0 0 0, expected a direction', ['a', 'b']),
+    (TWO + JOINT.format('a', 'b', 'revolute', '<axis><limit><upper>x</upper></limit></axis>'),
+     "<upper> of joint a_b: got 'x', expected 1 finite number", ['a', 'b']),
+    (TWO + JOINT.format('a', 'b', 'screw', ''), 'joint a_b of type screw, which is held', ['a b']),
+    (TWO + JOINT.format('a', 'b', 'revolute', '') + JOINT.format(
+        'b', 'a', 'prismatic', ''), 'joint b_a, which closes a loop of links and slides', ['a b']),
+    (TWO + '<link name="c"><pose relative_to="d"/></link>',
+     'model m: a pose is relative to d, which does not exist', ['a', 'b']),
+    (TWO + '<link name="c"><pose relative_to="c"/></link>',
+     'model m: the pose of c depends on itself', ['a', 'b']),
+    (TWO + '<model name="n"><pose>1</pose>' + LINK.format('c', '') + '</model>',
+     "<pose> of model n: got '1', expected 6 finite numbers", ['a', 'b']),
+    (TWO.replace('<mass>2', '<mass>0', 1), '<mass> of link a: got 0 kg, expected more than 0',
+     ['a', 'b']),
+    (TWO.replace('<mass>2', '<mass>1e300', 1),
+     '<mass> of link a: got 1e+300 kg, expected at most 1e+09', ['a', 'b']),
+    (TWO.replace('<izz>0.02', '<izz>1e16', 1),
+     'link a: got the moment of inertia 1e+16 kg m2, expected at most 1e+15', ['a', 'b']),
+    (TWO.replace('<ixx>0.02', '<ixx>x', 1), "<ixx> of link a: got 'x', expected 1 finite number",
+     ['a', 'b']),
+    (TWO.replace('<size>0.2', '<size>', 1),
+     "<size> of collision s: got ' 0.2 0.2', expected 3 finite numbers", ['a', 'b']),
+    (TWO.replace('box>', 'cone>', 2), '<cone> of collision s', ['a', 'b']),
+    (FRICTION.format('<mu>much</mu>'), "<mu> of link a: got 'much', expected 1 finite number",
+     ['a'])])
+def test_only_what_cannot_be_used_is_left_out(inside, problem, links):
+    trees = convert(inside, problems=[problem])
+    assert [' '.join(part.get('name') for part in ElementTree.fromstring(tree.urdf)
+                     if part.tag == 'link') for tree in trees] == links
+    world = World(PhysicsSettings(), WorldFile('w', tuple(trees)), connect())
+    assert len(world.bodies) == len(links) and all(
+        body.mass() >= 1 for body in world.bodies)
+
+
+def test_a_model_without_a_link_is_nothing():
+    assert convert('<static>1</static>') == []
 
 
 @pytest.mark.parametrize('surface, friction', [
-    ('', 1.0), ('<mu>0.25</mu>', 0.25), ('<mu>100</mu><mu2>50</mu2>', 1.0), ('<mu>0</mu>', 0.0)])
+    ('', 1.0), ('<mu>0.25</mu>', 0.25), ('<mu>100</mu><mu2>50</mu2>', 1.0), ('<mu>0</mu>', 0.0),
+    ('<mu>-1</mu>', 1.0)])
 def test_friction_is_that_of_the_first_collision_and_at_most_that_of_the_floor(surface, friction):
     world = load(FRICTION.format(surface), LINK.format('b', '1 0 0 0 0 0'))
     assert [pybullet.getDynamicsInfo(body.body_id, -1, physicsClientId=world.physics_client_id)[1]

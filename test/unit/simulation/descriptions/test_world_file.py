@@ -5,9 +5,11 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog.simulation import assembly
 from img_recog.simulation.bodies import loading
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import urdf_visuals, world_file
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog.visuals import BOX, Shape
 from img_recog_testing.refusals import refusal
@@ -19,8 +21,8 @@ MESH = '<visual name="v"><geometry><mesh><uri>{}</uri></mesh></geometry></visual
 PEAK = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
 SCRIPT = ('<visual name="v"><geometry><box><size>1 1 1</size></box></geometry><material><script>'
           '<name>{}</name></script></material></visual>')
-BALL = ('<model name="m"><static>1</static><link name="a"/><link name="b"/><joint name="j" '
-        'type="ball"><parent>a</parent><child>b</child></joint></model>')
+SCREW = ('<model name="m"><link name="a"/><link name="b"/><joint name="j" '
+         'type="screw"><parent>a</parent><child>b</child></joint></model>')
 ADVICE = ('; set GAZEBO_MODEL_PATH to the folders of the models, or add '
           'allow_partial_world:=true to load the rest')
 
@@ -212,7 +214,7 @@ def test_all_that_is_missing_is_named(read):
 
 
 @pytest.mark.parametrize('inside, name, advice', [
-    (BALL, 'joint j of type ball', ''), ('<actor name="w"/>', 'actor w', ''),
+    (SCREW, 'joint j of type screw, which is held', ''), ('<actor name="w"/>', 'actor w', ''),
     ('<include><uri>https://a/b</uri></include>',
      'https://a/b (a URL, which is not downloaded)',
      'download the models and include them by model://NAME, or '),
@@ -276,7 +278,9 @@ def test_refusals_name_the_value_and_what_is_allowed(tmp_path, content, words):
 
 def test_a_wrong_number_names_the_world(read):
     line = refusal(read, sdf(CRATE.format('0 0 3')))
-    assert 'hall.world: <pose> of model crate: got \'0 0 3\', expected 6 finite numbers' in line
+    assert line.endswith("hall.world: not found, or not supported: <pose> of model crate: got "
+                         "'0 0 3', expected 6 finite numbers; add allow_partial_world:=true to "
+                         "load the rest")
 
 
 def test_what_pybullet_cannot_load_names_world_and_model(read, tmp_path, monkeypatch):
@@ -295,3 +299,27 @@ def test_a_mesh_that_is_cut_off_is_named(read, tmp_path, name, data):
                                   + '</link>')))
     assert refusal(build, file).startswith(
         'world hall: model shelf: cannot read the mesh {}: '.format(tmp_path / name))
+
+
+def test_what_cannot_be_loaded_is_left_out_by_request(read, tmp_path):
+    (tmp_path / 'a.stl').write_bytes(b'')
+    file = read(sdf(SHELF.replace('</link>', MESH.format('a.stl').replace('visual', 'collision')
+                                  + '</link>'), CRATE.format('0 0 5 0 0 0')))
+    broken = file.trees[0]._replace(name='broken', urdf='<robot name="r"/>')
+    file = file._replace(trees=(broken, broken._replace(first=False), file.trees[0]._replace(
+        first=False), file.trees[1]))
+    problems = Problems()
+    world = World(PhysicsSettings(), file, loading.connect(), problems)
+    assert [body.name for body in world.bodies] == ['shelf', 'crate']
+    # the rest of the model is one
+    assert [tree.first for tree in world.file.trees] == [True, True]
+    model, mesh = problems.names
+    assert model.startswith('model broken: PyBullet cannot load it as URDF (')
+    assert mesh.startswith('cannot read the mesh {}: '.format(tmp_path / 'a.stl'))
+    low, high = extent(world.bodies[0])
+    assert high - low == pytest.approx([0.8, 0.8, 0.2], abs=0.05)
+    warning, = assembly.build(PhysicsSettings(allow_partial_world=True), file, []).warnings
+    assert warning.startswith('world hall: loaded without: model broken: PyBullet')
+    line = refusal(assembly.build, PhysicsSettings(), file, [])
+    assert line.startswith('world hall: not found, or not supported: model broken: ')
+    assert line.endswith('or set allow_partial_world to load the rest')

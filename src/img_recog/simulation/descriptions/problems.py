@@ -1,0 +1,74 @@
+"""What of a world or a model cannot be used: every refusal in its file goes through here."""
+import contextlib
+import re
+from typing import Dict, Iterable, Iterator, List, Tuple
+
+from img_recog.simulation.settings import SimulationError
+
+NOT_DOWNLOADED = 'a URL, which is not downloaded'
+# what helps when a problem fits a pattern; the scripts of a material are in the folder of a model
+_ADVICE = (
+    ('model://|^material (?!Gazebo/)', 'set GAZEBO_MODEL_PATH to the folders of the models'),
+    ('package://', 'build the packages and source their setup.bash'),
+    (NOT_DOWNLOADED, 'download the models and include them by model://NAME'))
+
+
+class Problems:
+    """Collects what cannot be used of a file, so that the rest of it is.
+
+    What the file describes is read element by element, each in a `with left_out()`: an element
+    that is refused is named here, and the reader goes on with the next one.
+    """
+
+    def __init__(self):
+        self._advices: Dict[str, str] = {}      # by problem, in the order in which they came
+        self._looks: Dict[str, None] = {}
+
+    @contextlib.contextmanager
+    def left_out(self) -> Iterator[None]:
+        """Leave out what raises a SimulationError in the `with` block."""
+        try:
+            yield
+        except SimulationError as error:
+            self.add(error.problem, error.advice)
+
+    def add(self, problem: str, advice: str = '') -> None:
+        """Add what is left out, a name or a sentence, and what helps."""
+        self._advices.setdefault(problem, advice)
+
+    def add_look(self, name: str) -> None:
+        """Add a material or texture that is not found: without it, the rest is usable."""
+        self._looks[name] = None
+
+    @property
+    def names(self) -> Tuple[str, ...]:
+        """What was left out, each once."""
+        return tuple(self._advices)
+
+    def refuse(self, name: str, otherwise: str) -> None:
+        """Raise SimulationError if anything was left out.
+
+        name: of the world or model; otherwise: what the user can do besides mending that.
+        """
+        if self._advices:
+            raise SimulationError('{}: not found, or not supported: {}'.format(
+                name, ', '.join(self._advices)), ', or '.join([*self._advice(), otherwise]))
+
+    def warnings(self, name: str) -> List[str]:
+        """Return a line about what was left out and one about looks; name: like `refuse`."""
+        lines = []
+        if self._advices:
+            lines.append('{}: loaded without: {}'.format(name, ', '.join(self._advices)))
+        if self._looks:
+            lines.append('; '.join(['{}: not found, drawn in another color: {}'.format(
+                name, ', '.join(self._looks)), *_general_advice(self._looks)]))
+        return lines
+
+    def _advice(self) -> List[str]:
+        given = [advice for advice in self._advices.values() if advice]
+        return list(dict.fromkeys([*given, *_general_advice(self._advices)]))
+
+
+def _general_advice(problems: Iterable[str]) -> List[str]:
+    return [advice for pattern, advice in _ADVICE
+            if any(re.search(pattern, problem) for problem in problems)]
