@@ -6,15 +6,15 @@ the indices in a damaged file without a check, and ignore triangles that stand b
 import io
 import logging
 import os
-from typing import Any, List, NamedTuple, Optional, Tuple
+from typing import Any, List, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 
 from img_recog.errors import UserError, one_line
 from img_recog.mesh_formats import collada, stl, wavefront
 from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_of
-from img_recog.mesh_formats.simplified import Simplified
-from img_recog.visuals import GREY, Color
+from img_recog.mesh_formats.simplified import FilePart, Simplified
+from img_recog.visuals import GREY, WHOLE, Color, Submesh
 
 READABLE = ('.dae', '.obj', '.stl')
 # a triangle takes 300 bytes while it is read, and 108 when it is drawn
@@ -29,7 +29,8 @@ class Triangles(NamedTuple):
     positions (n, 3, 3): in m, a row a corner; normals (n, 3, 3): unit vectors; uvs (n, 3, 2): from
     the lower left corner of the texture; color: of the material; texture: the path of an image
     file, '' for none, that replaces the color but for its opacity; has_material: whether the file
-    states the color or texture; problem: what of the file cannot be read, else ''.
+    states the color or texture; problem: what of the file cannot be read, else ''; name: of the
+    part of the file.
     """
 
     positions: np.ndarray
@@ -39,13 +40,14 @@ class Triangles(NamedTuple):
     texture: str = ''
     has_material: bool = False
     problem: str = ''
+    name: str = ''
 
 
 class MeshError(UserError):
     """A mesh file cannot be read."""
 
 
-_Part = Tuple[Any, Optional[FileMaterial]]      # a trimesh.Trimesh
+_Part = Tuple[Any, FilePart]      # of a trimesh.Trimesh
 
 
 def read(path: str) -> List[Triangles]:
@@ -55,29 +57,56 @@ def read(path: str) -> List[Triangles]:
     Raises MeshError naming the file.
     """
     parts, problem = _parts(path)
-    triangles = [_triangles(mesh, material) for mesh, material in parts]
+    triangles = [_triangles(mesh, part) for mesh, part in parts]
     if problem:
         triangles[0] = triangles[0]._replace(
             problem='cannot read all of the mesh {}: {}'.format(path, problem))
     return triangles
 
 
-def write(path: str, folder: str, materials: bool = False) -> str:
+def select(parts: List[Triangles], submesh: Submesh) -> List[Triangles]:
+    """Return the part of a mesh that an SDF names; parts: of the whole; MeshError without it."""
+    found = [part for part in parts if submesh.name in ('', part.name)]
+    if not found:
+        raise _missing(submesh, {part.name for part in parts})
+    middle = _middle([part.positions for part in found], submesh)
+    return [part._replace(positions=part.positions - middle) for part in found]
+
+
+def _missing(submesh: Submesh, names: Set[str]) -> MeshError:
+    return MeshError('the mesh has no submesh {}'.format(submesh.name),
+                     'its submeshes are: ' + (', '.join(sorted(names - {''})) or 'none'))
+
+
+def _middle(positions: Sequence[np.ndarray], submesh: Submesh) -> np.ndarray:
+    """Return what comes to the origin (3,): of arrays (..., 3), the middle if it is centered."""
+    if not submesh.is_centered:
+        return np.zeros(3)
+    bounds = [bound for each in positions for bound in (each.reshape(-1, 3).min(axis=0),
+                                                        each.reshape(-1, 3).max(axis=0))]
+    return (np.min(bounds, axis=0) + np.max(bounds, axis=0)) / 2
+
+
+def write(path: str, folder: str, materials: bool = False, submesh: Submesh = WHOLE) -> str:
     """Write the shapes of a mesh file, in m, as a file that PyBullet can read; return its path.
 
     That is an OBJ for an OBJ, whose objects get a convex hull each, and else a binary STL.
-    materials: whether to write those of an OBJ beside it.
+    materials: whether to write those of an OBJ beside it; submesh: what is written of it.
     Raises MeshError naming the file that cannot be read.
     """
     import trimesh
-    found, _ = _parts(path)
+    parts, _ = _parts(path)
+    found = [(mesh, part) for mesh, part in parts if submesh.name in ('', part.name)]
+    if not found:
+        raise _missing(submesh, {part.name for _, part in parts})
+    middle = _middle([mesh.vertices for mesh, _ in found], submesh)
     meshes = []
-    for number, (mesh, material) in enumerate(found):
-        written = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
-        if materials and material is not None:
+    for number, (mesh, part) in enumerate(found):
+        written = trimesh.Trimesh(mesh.vertices - middle, mesh.faces, process=False)
+        if materials and part.material is not None:
             # PyBullet has room for names of 4096 characters
             written.visual = trimesh.visual.TextureVisuals(
-                uv=mesh.visual.uv, material=_simple_material(material, number))
+                uv=mesh.visual.uv, material=_simple_material(part.material, number))
         meshes.append(written)
     name = os.path.join(folder, 'mesh' + written_suffix(path))
     trimesh.Scene(meshes).export(name)
@@ -145,15 +174,14 @@ def _simplified(content: bytes, suffix: str, path: str) -> Simplified:
         return collada.simplified(content, lambda name: find_texture(path, name), MAX_TRIANGLES)
     if suffix == '.obj':
         return wavefront.simplified(content, path)
-    return Simplified(stl.simplified(content), [None])
+    return Simplified(stl.simplified(content), [FilePart()])
 
 
 def _loaded(file: Simplified, suffix: str) -> Tuple[List[_Part], str]:
     import trimesh
     logging.getLogger('trimesh').setLevel(logging.CRITICAL)     # what is left out is counted
-    options = {'split_objects': True, 'split_groups': True} if suffix == '.obj' else {}
     scene = trimesh.load_scene(io.BytesIO(file.content), file_type=suffix[1:], process=False,
-                               resolver=_Library(file.mtl), **options)
+                               resolver=_Library(file.mtl))
     parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh)
              and len(part.faces)]
     count = sum(len(part.faces) for part in parts)
@@ -172,20 +200,17 @@ def _loaded(file: Simplified, suffix: str) -> Tuple[List[_Part], str]:
             part.apply_scale(unit)
     left = sum(len(part.faces) for part in usable)
     total = count if file.triangles is None else file.triangles
-    return ([(part, file.materials[_number(part, len(file.materials))]) for part in usable],
+    return ([(mesh, file.parts[_number(mesh)]) for mesh in usable],
             '' if left >= total else 'only {} of its {} triangles'.format(left, total))
 
 
-def _number(mesh: Any, count: int) -> int:
-    """Return the number of the material of a part, of so many."""
-    if mesh.visual.kind != 'texture':
-        return 0
-    number = number_of(mesh.visual.material.main_color)
-    return number if number < count else 0      # trimesh has a color for what has none
+def _number(mesh: Any) -> int:
+    """Return the number that the color of a mesh stands for, 0 for an STL, which has none."""
+    return number_of(mesh.visual.material.main_color) if mesh.visual.kind == 'texture' else 0
 
 
-def _triangles(mesh: Any, material: Optional[FileMaterial]) -> Triangles:
-    """Return what trimesh has read of one material."""
+def _triangles(mesh: Any, part: FilePart) -> Triangles:
+    """Return what trimesh has read of one part."""
     positions = np.asarray(mesh.triangles, float)
     normals = np.repeat(mesh.face_normals[:, None], 3, axis=1)
     if 'vertex_normals' in mesh._cache:         # not a getter, which would compute them
@@ -195,9 +220,9 @@ def _triangles(mesh: Any, material: Optional[FileMaterial]) -> Triangles:
     uvs = np.zeros((len(positions), 3, 2))
     if mesh.visual.kind == 'texture' and mesh.visual.uv is not None:
         uvs = np.asarray(mesh.visual.uv)[mesh.faces]
-    color, texture = material or FileMaterial()
+    color, texture = part.material or FileMaterial()
     return Triangles(positions, np.asarray(normals, float), uvs, color, texture,
-                     material is not None)
+                     part.material is not None, name=part.name)
 
 
 class _Library:

@@ -13,16 +13,30 @@ BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0,
 BOX, CYLINDER, SPHERE, PLANE, MESH = 'box', 'cylinder', 'sphere', 'plane', 'mesh'
 
 
+class Submesh(NamedTuple):
+    """A part of a mesh file; name: of its node, object or group, '' is the whole file.
+
+    is_centered: whether the middle of its bounds is moved to the origin.
+    """
+
+    name: str = ''
+    is_centered: bool = False
+
+
+WHOLE = Submesh()
+
+
 class Shape(NamedTuple):
     """A shape in its own frame, with its center at the origin, in m.
 
     kind and size: BOX (x, y, z); CYLINDER (radius, length along z); SPHERE (radius,); PLANE
-    (x, y), whose upper side is seen; MESH (scale x, y, z), of the file `path`.
+    (x, y), whose upper side is seen; MESH (scale x, y, z), of the file `path` or a part of it.
     """
 
     kind: str
     size: Tuple[float, ...]
     path: str = ''
+    submesh: Submesh = WHOLE
 
 
 class Material(NamedTuple):

@@ -11,7 +11,7 @@ import numpy as np
 
 from img_recog.mesh_formats.collada_geometry import count_triangles, simplify
 from img_recog.mesh_formats.file_material import FileMaterial, number_color
-from img_recog.mesh_formats.simplified import Simplified
+from img_recog.mesh_formats.simplified import FilePart, Simplified
 from img_recog.visuals import GREY
 
 _NAMESPACE = 'http://www.collada.org/2005/11/COLLADASchema'
@@ -22,10 +22,14 @@ _LUMINANCE = 0.212671, 0.71516, 0.072169        # of ITU-R BT.709, as in the spe
 
 
 class _Shape(NamedTuple):
-    """A geometry in the scene; bound: its materials, by the symbols that it has for them."""
+    """A geometry in the scene.
+
+    name: of the node that it is in; bound: its materials, by the symbols that it has for them.
+    """
 
     geometry: ElementTree.Element
     pose: np.ndarray
+    name: str
     bound: Dict[str, str]
 
 
@@ -52,9 +56,9 @@ def simplified(content: bytes, find_texture: Callable[[str], str],
         if len(shapes) > _MAX_SHAPES or total > max_triangles:
             raise ValueError('it has more than {} shapes or {} triangles'.format(
                 _MAX_SHAPES, max_triangles))
-    materials = _Materials(document, find_texture)
-    written = _written(document.unit(), shapes, materials)
-    return Simplified(ElementTree.tostring(written), materials.found, total)
+    parts = _Parts(_Materials(document, find_texture))
+    written = _written(document.unit(), shapes, parts)
+    return Simplified(ElementTree.tostring(written), parts.found, total)
 
 
 class _Document:
@@ -85,24 +89,26 @@ class _Document:
         scene = None if instance is None else self.get('visual_scene', instance.get('url'))
         if scene is None:
             raise ValueError('it has no visual scene')
-        waiting = [(node, np.eye(4)) for node in reversed(scene.findall('node'))]
+        waiting = [(node, np.eye(4), '') for node in reversed(scene.findall('node'))]
         count = 0
         while waiting:
-            node, pose = waiting.pop()
+            node, pose, name = waiting.pop()
+            name = node.get('name', name)
             count += 1
             if count > _MAX_NODES:
                 raise ValueError('it has more than {} nodes'.format(_MAX_NODES))
             pose = pose @ _transform(node)
             for child in node:
                 if child.tag == 'node':
-                    waiting.append((child, pose))
+                    waiting.append((child, pose, name))
                 elif child.tag == 'instance_node':
                     used = self.get('node', child.get('url'))
-                    waiting += [] if used is None else [(used, pose)]
+                    waiting += [] if used is None else [(used, pose, name)]
                 elif child.tag in ('instance_geometry', 'instance_controller'):
-                    yield from self._shape(child, pose)
+                    yield from self._shape(child, pose, name)
 
-    def _shape(self, instance: ElementTree.Element, pose: np.ndarray) -> Iterator[_Shape]:
+    def _shape(self, instance: ElementTree.Element, pose: np.ndarray,
+               name: str) -> Iterator[_Shape]:
         url = instance.get('url')
         if instance.tag == 'instance_controller':
             # the mesh of a skin, in the pose that it was bound in, or of a morph
@@ -115,7 +121,7 @@ class _Document:
                 pose = pose if matrix is None else _numbers(matrix).reshape(4, 4) @ pose
         geometry = self.get('geometry', url)
         if geometry is not None:
-            yield _Shape(geometry, pose, {
+            yield _Shape(geometry, pose, name, {
                 each.get('symbol', ''): each.get('target', '')
                 for each in instance.findall('bind_material/technique_common/instance_material')})
 
@@ -149,22 +155,36 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
 
 
+class _Parts:
+    """Numbers the names and materials that triangles have; found: by number."""
+
+    def __init__(self, materials: '_Materials'):
+        self._materials = materials
+        self._numbers: Dict[FilePart, int] = {}
+        self.found: List[FilePart] = []
+
+    def number(self, name: str, url: str) -> int:
+        """Return the number of a node's name and the material at a URL."""
+        part = FilePart(name, self._materials.get(url))
+        if part not in self._numbers:
+            self._numbers[part] = len(self.found)
+            self.found.append(part)
+        return self._numbers[part]
+
+
 class _Materials:
-    """The materials that are in use; found: by number."""
+    """The materials that are in use, each read once."""
 
     def __init__(self, document: _Document, find_texture: Callable[[str], str]):
         self._document, self._find_texture = document, find_texture
-        self._numbers: Dict[Optional[str], int] = {None: 0}
-        self.found: List[Optional[FileMaterial]] = [None]
+        self._found: Dict[str, Optional[FileMaterial]] = {}
 
-    def number(self, url: str) -> int:
-        """Return the number of a material, 0 if there is none at a URL."""
-        element = self._document.get('material', url)
-        key = None if element is None else url
-        if element is not None and key not in self._numbers:
-            self._numbers[key] = len(self.found)
-            self.found.append(self._read(element))
-        return self._numbers[key]
+    def get(self, url: str) -> Optional[FileMaterial]:
+        """Return the material at a URL, None if there is none."""
+        if url not in self._found:
+            element = self._document.get('material', url)
+            self._found[url] = None if element is None else self._read(element)
+        return self._found[url]
 
     def _read(self, material: ElementTree.Element) -> FileMaterial:
         instance = material.find('instance_effect')
@@ -218,7 +238,7 @@ def _opacity(shader: ElementTree.Element) -> float:
     return float(np.clip(amount if mode.endswith('_ONE') else 1 - amount, 0, 1))
 
 
-def _written(unit: str, shapes: Sequence[_Shape], materials: _Materials) -> ElementTree.Element:
+def _written(unit: str, shapes: Sequence[_Shape], parts: _Parts) -> ElementTree.Element:
     root = ElementTree.Element('COLLADA', version='1.4.1', xmlns=_NAMESPACE)
     _add(_add(root, 'asset'), 'unit', meter=unit, name='unit')
     effects, made, geometries, scenes = (_add(root, 'library_' + name) for name in (
@@ -237,9 +257,9 @@ def _written(unit: str, shapes: Sequence[_Shape], materials: _Materials) -> Elem
         bound = _add(_add(instance, 'bind_material'), 'technique_common')
         for symbol in {each.get('material', '') for each in shape.geometry.iterfind('mesh/*')}:
             if symbol:
-                number = materials.number(shape.bound.get(symbol, symbol))
+                number = parts.number(shape.name, shape.bound.get(symbol, symbol))
                 _add(bound, 'instance_material', symbol=symbol, target='#m{}'.format(number))
-    for number in range(len(materials.found)):
+    for number in range(len(parts.found)):
         effect = _add(_add(effects, 'effect', id='e{}'.format(number)), 'profile_COMMON')
         diffuse = _add(_add(_add(effect, 'technique', sid='t'), 'lambert'), 'diffuse')
         _add(diffuse, 'color').text = ' '.join(map(repr, [*number_color(number), 1.0]))

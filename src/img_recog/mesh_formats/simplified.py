@@ -1,18 +1,27 @@
 """What the modules of the formats give to `mesh_file`."""
-from typing import List, NamedTuple, Optional
+from typing import NamedTuple, Optional, Sequence
 
 from img_recog.mesh_formats.file_material import FileMaterial
+
+
+class FilePart(NamedTuple):
+    """What a mesh file says of some of its triangles.
+
+    name: the one that a <submesh> of an SDF can state; material: None without one.
+    """
+
+    name: str = ''
+    material: Optional[FileMaterial] = None
 
 
 class Simplified(NamedTuple):
     """A mesh file that trimesh reads whole.
 
-    content: of it; materials: by the number that their color stands for, the first is that of
-    triangles without one; triangles: how many it has, None if that was not counted; mtl: for an
-    OBJ, its file of materials.
+    content: of it; parts: by the number that the color of their triangles stands for; triangles:
+    how many it has, None if that was not counted; mtl: for an OBJ, its file of materials.
     """
 
     content: bytes
-    materials: List[Optional[FileMaterial]]
+    parts: Sequence[FilePart]
     triangles: Optional[int] = None
     mtl: str = ''

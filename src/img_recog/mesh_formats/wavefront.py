@@ -4,27 +4,41 @@ import re
 from typing import Dict, List, Optional
 
 from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_color
-from img_recog.mesh_formats.simplified import Simplified
+from img_recog.mesh_formats.simplified import FilePart, Simplified
 
 # lines of an OBJ that trimesh misreads: with a tab or a space first, or with an index up to 0
 _UNUSUAL = re.compile(rb'^[ \t]|^[vf][nt]?\t|^f.*[ \t/](-|0([/\s]|$))', re.MULTILINE)
 _LIBRARY = re.compile(rb'^[ \t]*mtllib[ \t]+(.*?)[ \t]*\r?$', re.MULTILINE)
+_PART = re.compile(rb'^[ \t]*(o|g|usemtl)(?=\s)([^\r\n]*)', re.MULTILINE)
 _KINDS = ('v', 'vt', 'vn')      # what the indices of a corner of a face count
 _MAX_BYTES = 1 << 24
 _OPTIONS = re.compile(r'(?:-[a-z]+(?:\s+(?:on|off|[-+.\d]+(?=\s)))*\s+)*', re.IGNORECASE)
 
 
 def simplified(content: bytes, mesh: str) -> Simplified:
-    """Return an OBJ without what trimesh misreads, and its materials; mesh: its path."""
+    """Return an OBJ without what trimesh misreads, and its parts; mesh: its path.
+
+    The name of a part is that of the object or group before it, like in Gazebo.
+    """
     materials: Dict[str, FileMaterial] = {}
     for line in _LIBRARY.findall(content):
         for name in _library_names(line.decode('utf-8', 'replace'), mesh):
             materials.update(read_mtl(_text(name), mesh))
+    numbers = {FilePart(): 0}
+    part = FilePart()
+
+    def use(line: 're.Match[bytes]') -> bytes:
+        nonlocal part
+        name = ' '.join(line.group(2).decode('utf-8', 'replace').split())
+        part = (part._replace(material=materials.get(name)) if line.group(1) == b'usemtl'
+                else part._replace(name=name))
+        return b'usemtl %d' % numbers.setdefault(part, len(numbers))
+    content = b'mtllib m\nusemtl 0\n' + _PART.sub(use, content)
     if _UNUSUAL.search(content):
         content = _as_usual(content.decode('utf-8', 'replace')).encode()
-    mtl = '\n'.join('newmtl {}\nKd {} {} {}'.format(name, *number_color(number))
-                    for number, name in enumerate(materials, 1))
-    return Simplified(content, [None, *materials.values()], mtl=mtl)
+    mtl = '\n'.join('newmtl {0}\nKd {1} {2} {3}'.format(number, *number_color(number))
+                    for number in range(len(numbers)))
+    return Simplified(content, list(numbers), mtl=mtl)
 
 
 def _library_names(line: str, mesh: str) -> List[str]:

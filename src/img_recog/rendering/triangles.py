@@ -18,7 +18,8 @@ def of_shape(shape: Shape, read_file: Callable[[str], List[Triangles]] = mesh_fi
     """
     if shape.kind == MESH:
         scale = np.array(shape.size)
-        return [_scaled(part, scale) for part in read_file(shape.path)]
+        return [_scaled(part, scale)
+                for part in mesh_file.select(read_file(shape.path), shape.submesh)]
     return [_PRIMITIVES[shape.kind](*shape.size)]
 
 
@@ -78,29 +79,36 @@ def _circle() -> np.ndarray:
 
 
 def _cylinder(radius: float, length: float) -> Triangles:
-    circle, z = _circle() * radius, length / 2
+    """Return a cylinder with the texture as in Gazebo: upside down, beginning at the y axis."""
+    directions = _circle() @ [[0, 1], [-1, 0]]
+    circle, z = directions * radius, length / 2
     low = np.column_stack([circle, np.full(len(circle), -z)])
     high = np.column_stack([circle, np.full(len(circle), z)])
     grid = np.stack([low, high])
-    outward = np.stack([np.column_stack([_circle(), np.zeros(len(circle))])] * 2)
+    outward = np.stack([np.column_stack([directions, np.zeros(len(circle))])] * 2)
     side = _grid(grid, outward)
+    side = side._replace(uvs=1 - side.uvs)
+    around = np.linspace(1, 0, len(circle))
     caps = []
     for ring, side_z in ((high, 1.0), (low, -1.0)):
         center = np.broadcast_to((0.0, 0.0, side_z * z), (_SECTIONS, 3))
         corners = np.stack([center, ring[:-1], ring[1:]], axis=1)
+        edge = np.column_stack([around, np.full(len(circle), 0.0 if side_z > 0 else 1.0)])
+        uvs = np.stack([np.broadcast_to((0.0, 1.0), (_SECTIONS, 2)), edge[:-1], edge[1:]], axis=1)
         if side_z < 0:      # counterclockwise seen from below
-            corners = corners[:, ::-1]
+            corners, uvs = corners[:, ::-1], uvs[:, ::-1]
         normals = np.broadcast_to((0.0, 0.0, side_z), corners.shape)
-        caps.append(Triangles(corners, normals, corners[:, :, :2] / max(2 * radius, 1e-12) + 0.5))
+        caps.append(Triangles(corners, normals, uvs))
     return _joined([side] + caps)
 
 
 def _sphere(radius: float) -> Triangles:
+    """Return a sphere whose poles are on the y axis, like those of Gazebo."""
     polar = np.linspace(-np.pi / 2, np.pi / 2, _SECTIONS // 2 + 1)
     circle = _circle()
     directions = np.stack([np.column_stack([circle * np.cos(angle),
                                             np.full(len(circle), np.sin(angle))])
-                           for angle in polar])
+                           for angle in polar])[:, :, [1, 2, 0]]
     return _grid(directions * radius, directions)
 
 

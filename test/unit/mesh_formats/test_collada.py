@@ -111,6 +111,13 @@ def test_what_surrounds_the_content_does_not_matter(tmp_path, spoil):
     assert len(read(tmp_path, spoil(collada())).positions) == 2
 
 
+def test_parts_have_the_names_of_their_nodes(tmp_path):
+    (tmp_path / 'a.dae').write_text(collada(nodes='<node name="one">{}<node>{}</node><node '
+                                            'name="two">{}</node></node>'.format(*[INSTANCE] * 3)))
+    parts = mesh_file.read(str(tmp_path / 'a.dae'))
+    assert [part.name for part in parts] == ['one', 'two', 'one']
+
+
 def test_transforms_apply_in_their_order(tmp_path):
     part = read(tmp_path, collada(nodes=NODE.format(
         '<translate>1 2 3</translate><rotate>0 0 2 90</rotate><scale>2 1 1</scale>', BIND)))

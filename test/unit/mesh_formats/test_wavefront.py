@@ -55,3 +55,12 @@ def test_parts_have_their_materials(tmp_path):
         'usemtl m{}\nf 1 2 3\n'.format(number) for number in range(300)))
     parts = mesh_file.read(str(tmp_path / 'a.obj'))
     assert sorted(part.color[0] for part in parts) == pytest.approx(np.arange(300) / 300)
+
+
+def test_parts_have_the_name_of_the_object_or_group_before_them(tmp_path):
+    (tmp_path / 'a.mtl').write_text('newmtl m\nKd 1 0 0\n')
+    (tmp_path / 'a.obj').write_text('mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no one\n'
+                                    'f 1 2 3\nusemtl m\nf 1 2 3\ng two  words\nf 1 2 3\n')
+    parts = mesh_file.read(str(tmp_path / 'a.obj'))
+    assert sorted((part.name, part.has_material) for part in parts) == [
+        ('', False), ('one', False), ('one', True), ('two words', True)]

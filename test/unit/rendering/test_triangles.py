@@ -2,8 +2,9 @@
 import numpy as np
 import pytest
 
+from img_recog.mesh_file import MeshError
 from img_recog.rendering.triangles import of_shape
-from img_recog.visuals import BOX, CYLINDER, GREY, MESH, PLANE, SPHERE, Shape
+from img_recog.visuals import BOX, CYLINDER, GREY, MESH, PLANE, SPHERE, Shape, Submesh
 
 OBJ = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
 
@@ -63,6 +64,36 @@ def test_textures_on_top_of_a_box_and_below_are_those_of_gazebo(side, right, up)
     face = np.all(part.normals == (0, 0, side), axis=2)
     assert part.uvs[face] == pytest.approx(
         np.column_stack([part.positions[face][:, :2] @ axis + 0.5 for axis in (right, up)]))
+
+
+def test_a_texture_on_a_cylinder_is_upside_down_like_in_gazebo():
+    part, = of_shape(Shape(CYLINDER, (1.0, 2.0)))
+    side = np.abs(part.normals[:, :, 2]) < 0.5
+    x, y, z = part.positions[side].T
+    assert part.uvs[side][:, 1] == pytest.approx((1 - z) / 2)
+    u = part.uvs[side][:, 0]        # clockwise from the y axis, seen from above
+    assert np.sin(2 * np.pi * u) == pytest.approx(x) and np.cos(2 * np.pi * u) == pytest.approx(y)
+
+
+def test_the_poles_of_a_sphere_are_on_the_y_axis_like_in_gazebo():
+    part, = of_shape(Shape(SPHERE, (1.0,)))
+    x, y, z = part.positions.reshape(-1, 3).T
+    u, v = part.uvs.reshape(-1, 2).T
+    assert np.sin(np.pi * (v - 0.5)) == pytest.approx(y)
+    inner = np.abs(y) < 0.99
+    assert np.arctan2(x, z)[inner] == pytest.approx(
+        np.arctan2(np.sin(2 * np.pi * u), np.cos(2 * np.pi * u))[inner], abs=1e-9)
+
+
+def test_a_submesh_may_be_moved_to_the_middle(tmp_path):
+    (tmp_path / 'a.obj').write_text('o a\n' + OBJ[:-8] + 'o b\nf 2 3 4\n')
+    path = str(tmp_path / 'a.obj')
+    part, = of_shape(Shape(MESH, (2.0, 1.0, 1.0), path, Submesh('b')))
+    assert part.positions.tolist() == [[[2, 0, 0], [0, 1, 0], [0, 0, 1]]] and part.name == 'b'
+    part, = of_shape(Shape(MESH, (2.0, 1.0, 1.0), path, Submesh('b', is_centered=True)))
+    assert part.positions.tolist() == [[[1, -.5, -.5], [-1, .5, -.5], [-1, -.5, .5]]]
+    with pytest.raises(MeshError, match='has no submesh c; its submeshes are: a, b'):
+        of_shape(Shape(MESH, (1.0, 1.0, 1.0), path, Submesh('c')))
 
 
 def test_obj_without_a_material_is_grey(tmp_path):

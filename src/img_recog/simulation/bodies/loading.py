@@ -10,7 +10,7 @@ import pybullet
 from img_recog import mesh_file, rotations
 from img_recog.mesh_file import MeshError
 from img_recog.simulation.bodies import mesh_cache
-from img_recog.simulation.descriptions import names
+from img_recog.simulation.descriptions import names, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.settings import SimulationError
@@ -81,7 +81,8 @@ def _cache_meshes(link: ElementTree.Element, collision: ElementTree.Element,
     """Replace the mesh of a collision shape by one from the cache."""
     try:
         for mesh in collision.findall('geometry/mesh'):
-            mesh.set('filename', mesh_cache.cached(mesh.get('filename', '')))
+            mesh.set('filename', mesh_cache.cached(mesh.get('filename', ''),
+                                                   urdf_visuals.submesh_of(mesh)))
     except SimulationError as error:
         if problems is None:
             raise
@@ -96,7 +97,8 @@ def _write_meshes(robot: ElementTree.Element, folder: str) -> None:
             try:
                 for mesh in visual.findall('geometry/mesh'):
                     mesh.set('filename', mesh_file.write(
-                        mesh.get('filename', ''), tempfile.mkdtemp(dir=folder), materials=True))
+                        mesh.get('filename', ''), tempfile.mkdtemp(dir=folder), materials=True,
+                        submesh=urdf_visuals.submesh_of(mesh)))
             except MeshError:
                 link.remove(visual)
 

@@ -11,12 +11,13 @@ from img_recog import mesh_file
 from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError
 from img_recog.simulation.settings import SimulationError
+from img_recog.visuals import WHOLE, Submesh
 
-_FOLDER = os.path.join('img_recog', 'meshes_1')     # another number when the files change
+_FOLDER = os.path.join('img_recog', 'meshes_2')     # another number when the files change
 
 
-def cached(path: str) -> str:
-    """Return the path of a file for PyBullet with the shapes of a mesh file.
+def cached(path: str, submesh: Submesh = WHOLE) -> str:
+    """Return the path of a file for PyBullet with the shapes of a mesh file, or of a part of it.
 
     The content of the mesh file tells which one. Raises SimulationError when that cannot be read
     or the cache cannot be written.
@@ -24,14 +25,17 @@ def cached(path: str) -> str:
     folder = os.path.join(os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'),
                           _FOLDER)
     try:
-        key = hashlib.sha256(mesh_file.read_content(path)).hexdigest()
+        content = mesh_file.read_content(path)
+        if submesh != WHOLE:
+            content += repr(submesh).encode()
+        key = hashlib.sha256(content).hexdigest()
         kept = os.path.join(folder, key + mesh_file.written_suffix(path))
         if os.path.isfile(kept):
             return kept
         os.makedirs(folder, exist_ok=True)
         # another process may write the same file
         with tempfile.TemporaryDirectory(dir=folder) as own:
-            os.replace(mesh_file.write(path, own), kept)
+            os.replace(mesh_file.write(path, own, submesh=submesh), kept)
     except MeshError as error:
         raise SimulationError(error.problem, error.advice)
     except OSError as error:

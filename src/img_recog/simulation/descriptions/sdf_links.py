@@ -14,7 +14,8 @@ from img_recog.simulation.descriptions.numbers import (read_direction, read_leng
 from img_recog.simulation.descriptions.sdf_frames import pose_of
 from img_recog.simulation.descriptions.urdf_elements import (
     INERTIA_KEYS, check_mass, set_friction, set_inertial, set_origin)
-from img_recog.simulation.descriptions.urdf_visuals import IS_PLANE, OPACITY, material_element
+from img_recog.simulation.descriptions.urdf_visuals import (CENTERED, IS_PLANE, OPACITY, SUBMESH,
+                                                            material_element)
 from img_recog.simulation.settings import SimulationError
 from img_recog.visuals import GREY, Material
 
@@ -151,8 +152,13 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
     if not path.lower().endswith(READABLE):
         raise SimulationError('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
     scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
-    return (ElementTree.Element('mesh', filename=os.path.abspath(path), scale=words(scale)),
-            IDENTITY)
+    mesh = ElementTree.Element('mesh', filename=os.path.abspath(path), scale=words(scale))
+    submesh = element.findtext('submesh/name', '').strip()
+    if submesh:
+        mesh.set(SUBMESH, submesh)
+        if element.findtext('submesh/center', '').strip().lower() in ('1', 'true'):
+            mesh.set(CENTERED, 'true')
+    return mesh, IDENTITY
 
 
 _MAKERS: Dict[str, Callable[[str, ElementTree.Element, FindFile], _Geometry]] = {

@@ -9,7 +9,8 @@ from img_recog.simulation.descriptions import materials
 from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers, words
 from img_recog.simulation.descriptions.urdf_elements import origin_of
 from img_recog.simulation.settings import SimulationError
-from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape, Visual
+from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape, Submesh,
+                               Visual)
 
 _SIZES = {'box': (('size', 3),), 'cylinder': (('radius', 1), ('length', 1)),
           'sphere': (('radius', 1),), 'capsule': (('radius', 1), ('length', 1))}
@@ -19,6 +20,7 @@ IS_PLANE = 'plane'      # the attribute of a box that is a plane, the upper side
 # it. A material of an SDF or of a <gazebo> tag replaces that of the file; it has this attribute.
 _REPLACES = 'replaces_file'
 _SCALE, _PATTERN = 'texture_scale', 'pattern'     # attributes of a material of an SDF
+SUBMESH, CENTERED = 'submesh', 'centered'       # attributes of a mesh of an SDF
 OPACITY = 'opacity'     # the attribute of a visual by which that of its mesh file is multiplied
 
 
@@ -97,11 +99,16 @@ def read_shape(visual: ElementTree.Element) -> Shape:
     element = geometry[0]
     sizes = _sizes(element)
     if element.tag == 'mesh':
-        return Shape(MESH, sizes, element.get('filename', ''))
+        return Shape(MESH, sizes, element.get('filename', ''), submesh_of(element))
     if element.tag not in _KINDS:
         raise SimulationError('got the geometry {}, expected box, cylinder, sphere or mesh'.format(
             element.tag))
     return Shape(_KINDS[element.tag], sizes)
+
+
+def submesh_of(mesh: ElementTree.Element) -> Submesh:
+    """Return which part of the file of a <mesh> is meant."""
+    return Submesh(mesh.get(SUBMESH, ''), mesh.get(CENTERED) is not None)
 
 
 def _sizes(element: ElementTree.Element) -> Tuple[float, ...]:

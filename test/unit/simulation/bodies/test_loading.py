@@ -8,6 +8,7 @@ from PIL import Image
 from img_recog import mesh_file
 from img_recog.simulation.bodies import loading, mesh_cache
 from img_recog.simulation.settings import SimulationError
+from img_recog.visuals import WHOLE, Submesh
 from img_recog_testing.refusals import refusal
 
 
@@ -126,7 +127,8 @@ def test_a_mesh_is_read_again_only_when_its_content_changes(tmp_path, monkeypatc
     monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path / 'cache'))
     written = []
     write = mesh_file.write
-    monkeypatch.setattr(mesh_file, 'write', lambda *args: written.append(args) or write(*args))
+    monkeypatch.setattr(mesh_file, 'write', lambda *args, **more: (
+        written.append(args) or write(*args, **more)))
     (tmp_path / 'a.obj').write_text(TWO_BOXES)
     first = mesh_cache.cached(str(tmp_path / 'a.obj'))
     assert os.path.dirname(os.path.dirname(first)) == str(tmp_path / 'cache' / 'img_recog')
@@ -137,6 +139,19 @@ def test_a_mesh_is_read_again_only_when_its_content_changes(tmp_path, monkeypatc
     assert len(written) == 2
     assert sorted(os.listdir(os.path.dirname(second))) == sorted(map(os.path.basename,
                                                                      (first, second)))
+
+
+def test_a_part_of_a_mesh_is_another_file(tmp_path, monkeypatch):
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path / 'cache'))
+    path = str(tmp_path / 'a.obj')
+    (tmp_path / 'a.obj').write_text(TWO_BOXES)
+    assert refusal(mesh_cache.cached, path, Submesh('c')) == (
+        'the mesh has no submesh c; its submeshes are: a, b')
+    for submesh, low, high in ((WHOLE, 0, 6), (Submesh('a'), 0, 1), (Submesh('b'), 5, 6),
+                               (Submesh('b', is_centered=True), -0.5, 0.5)):
+        parts = mesh_file.read(mesh_cache.cached(path, submesh))
+        assert min(part.positions[..., 0].min() for part in parts) == low
+        assert max(part.positions[..., 0].max() for part in parts) == high
 
 
 def test_a_cache_that_cannot_be_written_is_named(tmp_path, monkeypatch):

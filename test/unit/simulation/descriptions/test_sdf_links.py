@@ -4,8 +4,9 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from img_recog.simulation.descriptions import sdf_file, sdf_links
+from img_recog.simulation.descriptions import sdf_file, sdf_links, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, from_rpy
+from img_recog.visuals import WHOLE, Submesh
 from img_recog_testing.refusals import refusal
 
 
@@ -57,6 +58,18 @@ def test_a_mesh(tmp_path, tag, concave, expected):
     assert mesh.attrib == {'filename': str(path), 'scale': '2.0 2.0 3.0'}
     assert shape.get('concave') == expected and missing == ''
     assert shape.find('material') is None       # that of the file counts
+
+
+@pytest.mark.parametrize('inside, submesh', [
+    ('', WHOLE), ('<submesh><name> a </name></submesh>', Submesh('a')),
+    ('<submesh><name>a</name><center>true</center></submesh>', Submesh('a', is_centered=True)),
+    ('<submesh><name>a</name><center>0</center></submesh>', Submesh('a'))])
+@pytest.mark.parametrize('tag', ['visual', 'collision'])
+def test_a_part_of_a_mesh(tmp_path, tag, inside, submesh):
+    (tmp_path / 'a.stl').write_text('')
+    shape, _ = convert('<mesh><uri>a</uri>{}</mesh>'.format(inside), tag,
+                       find=lambda uri: str(tmp_path / 'a.stl'))
+    assert urdf_visuals.submesh_of(shape.find('geometry/mesh')) == submesh
 
 
 @pytest.mark.parametrize('geometry, words', [
