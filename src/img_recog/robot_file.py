@@ -25,7 +25,8 @@ def read(path: str, option: str = 'urdf') -> str:
     Raises UserError when it cannot be read, xacro is missing or fails, or a URDF contains xacro.
     """
     try:
-        text = _text(read_any(path))
+        content = read_bytes(path)
+        text = '' if path.endswith(_XACRO) else _text(content)
     except MarkupError as error:
         raise UserError('cannot read the robot in {}: {}'.format(path, error.problem),
                         'set {} to a URDF file'.format(option))
@@ -35,6 +36,8 @@ def read(path: str, option: str = 'urdf') -> str:
     except ValueError:
         raise UserError('cannot read the robot in {}: it is not a text file'.format(path),
                         'set {} to a URDF file'.format(option))
+    if path.endswith(_XACRO):
+        return _checked_and_expanded(path, content)
     try:
         root = parse_xml(text)
     except MarkupError:
@@ -52,13 +55,7 @@ def read_any(path: str) -> Union[str, bytes]:
     Raises OSError and MarkupError as `read_bytes` does, and UserError as `read` does.
     """
     content = read_bytes(path)
-    if not path.endswith(_XACRO):
-        return content
-    try:
-        check_xml(content)
-    except MarkupError as error:
-        raise _failed(path, error)
-    return _expanded(path)
+    return _checked_and_expanded(path, content) if path.endswith(_XACRO) else content
 
 
 def main() -> int:
@@ -74,16 +71,22 @@ def main() -> int:
     return 0
 
 
-def _text(content: Union[str, bytes]) -> str:
+def _text(content: bytes) -> str:
     """Return what is UTF-8, or else Latin-1; ValueError for what is no text."""
-    if isinstance(content, str):
-        return content
     if b'\0' in content:
         raise ValueError('it has a NUL')
     try:
         return content.decode()
     except UnicodeDecodeError:
         return content.decode('latin-1')
+
+
+def _checked_and_expanded(path: str, content: bytes) -> str:
+    try:
+        check_xml(content)
+    except MarkupError as error:
+        raise _failed(path, error)
+    return _expanded(path)
 
 
 def _expanded(path: str) -> str:
@@ -108,7 +111,7 @@ def _ros_command() -> Optional[str]:
     """Return the path of ROS 1's command xacro, None when that package is not installed."""
     try:
         rospkg.RosPack().get_path('xacro')
-    except rospkg.ResourceNotFound:
+    except (rospkg.ResourceNotFound, OSError):
         return None
     folders = os.environ.get('PATH', os.defpath).split(os.pathsep)
     if sys.prefix != sys.base_prefix:
