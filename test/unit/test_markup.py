@@ -122,6 +122,12 @@ def test_xacro_that_is_not_expanded_is_named_wherever_it_is_read(tmp_path, insid
     assert words in refusal(model_file.read, path.read_text(), 'm', lambda uri: None)
 
 
+def test_old_xacro_that_nothing_expands_is_named():
+    line = refusal(description.parse, XACRO.format('<include filename="b.xacro"/>'))
+    assert line == ('it contains xacro (<include>), which is not expanded; xacro of Noetic '
+                    'expands only elements with a prefix, like <xacro:include>')
+
+
 def test_the_namespace_of_xacro_alone_is_no_xacro(tmp_path):
     path = tmp_path / 'robot.urdf'
     path.write_text('<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><gazebo><a b="${c}"/>'
