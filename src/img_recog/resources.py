@@ -5,11 +5,13 @@ from typing import Dict, Iterable, Iterator, Optional
 
 import rospkg
 
-from img_recog.files import find_in
+from img_recog.files import user_folders
 
 DEFAULT_WORLD = 'turtlebot3_world'
 _PACKAGE = 'package://'
 _MODEL = 'model://'
+_FILE = 'file://'
+_DOWNLOADED = os.path.join('~', '.gazebo', 'models')
 _GAZEBO_WORLDS = 'turtlebot3_gazebo'
 _packages = rospkg.RosPack()
 
@@ -17,23 +19,30 @@ _packages = rospkg.RosPack()
 def find(uri: str) -> Optional[str]:
     """Return the path of what is at a package://, model:// or file:// URI or a path, else None.
 
-    model:// is searched for in the folders of GAZEBO_MODEL_PATH, and then in those that packages
-    export as gazebo_model_path; it can be a folder.
+    As in Gazebo, model:// is searched for in the folders of GAZEBO_MODEL_PATH, in those that
+    packages export to gazebo_ros as gazebo_model_path, and in that for which Gazebo downloads
+    them; a relative path, with file:// or without, in the working directory, in the folders of
+    GAZEBO_RESOURCE_PATH, and in those that packages export as gazebo_media_path. Except for
+    package:// it can be a folder.
     """
-    folders: Iterable[str]
+    exists = os.path.exists
     if uri.startswith(_PACKAGE):
         package, _, path = uri[len(_PACKAGE):].partition('/')
         try:
-            folders = [_packages.get_path(package)]
+            folders: Iterable[str] = [_packages.get_path(package)]
         except rospkg.ResourceNotFound:
             return None
+        exists = os.path.isfile
     elif uri.startswith(_MODEL):
         path = uri[len(_MODEL):].lstrip('/')
-        folders = itertools.chain(os.environ.get('GAZEBO_MODEL_PATH', '').split(os.pathsep),
-                                  _exported_folders())
+        folders = itertools.chain(_gazebo_folders('GAZEBO_MODEL_PATH', 'gazebo_model_path'),
+                                  [os.path.expanduser(_DOWNLOADED)])
     else:
-        return find_in(os.getcwd())(uri)
-    exists = os.path.exists if uri.startswith(_MODEL) else os.path.isfile
+        path = uri[len(_FILE):] if uri.startswith(_FILE) else uri
+        folders = itertools.chain(user_folders(), _gazebo_folders('GAZEBO_RESOURCE_PATH',
+                                                                  'gazebo_media_path'))
+        if '://' in path or not path:
+            return None
     paths = (os.path.join(folder, path) for folder in folders if folder)
     return next((path for path in paths if exists(path)), None)
 
@@ -64,11 +73,12 @@ def colors() -> str:
     return _own_file('colors.yaml', 'config')
 
 
-def _exported_folders() -> Iterator[str]:
-    """Return the folders of models that packages export to gazebo_ros."""
+def _gazebo_folders(variable: str, export: str) -> Iterator[str]:
+    """Return the folders in a variable of the environment, and those that packages export."""
+    yield from os.environ.get(variable, '').split(os.pathsep)
     for package in _packages.list():
         try:
-            exports = _packages.get_manifest(package).get_export('gazebo_ros', 'gazebo_model_path')
+            exports = _packages.get_manifest(package).get_export('gazebo_ros', export)
         except Exception:       # a package.xml that is not valid raises errors of several types
             continue
         for folder in exports:

@@ -57,6 +57,23 @@ def test_file_and_path(monkeypatch, mesh):
     assert resources.find('http://example.org/shelf.dae') is None
 
 
+@pytest.mark.parametrize('uri', ['file://shelf/meshes', 'file://shelf/meshes/shelf.dae',
+                                 'shelf/meshes/shelf.dae'])
+def test_a_relative_path_is_searched_for_where_gazebo_does(monkeypatch, tmp_path, mesh, uri):
+    monkeypatch.setenv('GAZEBO_RESOURCE_PATH', str(tmp_path / 'nothing'))
+    assert resources.find(uri) is None
+    monkeypatch.setenv('GAZEBO_RESOURCE_PATH', ':'.join(['/nowhere', str(tmp_path / 'models')]))
+    assert resources.find(uri) == str(tmp_path / 'models' / uri.replace('file://', ''))
+
+
+def test_models_that_gazebo_has_downloaded(monkeypatch, tmp_path):
+    monkeypatch.setenv('HOME', str(tmp_path))
+    folder = tmp_path / '.gazebo' / 'models' / 'table'
+    assert resources.find('model://table') is None
+    folder.mkdir(parents=True)
+    assert resources.find('model://table') == str(folder)
+
+
 @pytest.fixture
 def packages(monkeypatch, tmp_path):
     """A folder of packages, of which one is turtlebot3_gazebo."""
@@ -69,7 +86,8 @@ def packages(monkeypatch, tmp_path):
             '<export>{}</export></package>'.format(name, export))
         return path
     paths = {'bare': add('bare'), 'turtlebot3_gazebo': add(
-        'turtlebot3_gazebo', '<gazebo_ros gazebo_model_path="${prefix}/models"/>')}
+        'turtlebot3_gazebo', '<gazebo_ros gazebo_model_path="${prefix}/models" '
+        'gazebo_media_path="${prefix}/media"/>')}
     (add('broken') / 'package.xml').write_text('<package><name>broken</name></package>')
     monkeypatch.setattr(resources, '_packages',
                         rospkg.RosPack([str(tmp_path / 'packages')]))
@@ -97,3 +115,10 @@ def test_names_of_worlds(packages):
 def test_names_of_worlds_without_turtlebot3_gazebo(monkeypatch, tmp_path):
     monkeypatch.setattr(resources, '_packages', rospkg.RosPack([str(tmp_path)]))
     assert set(resources.worlds()) == {'color_posts', 'turtlebot3_world'}
+
+
+def test_media_in_a_folder_that_a_package_exports(packages):
+    path = packages['turtlebot3_gazebo'] / 'media' / 'materials'
+    assert resources.find('file://materials') is None
+    path.mkdir(parents=True)
+    assert resources.find('file://materials') == str(path)

@@ -9,6 +9,7 @@ NOT_DOWNLOADED = 'a URL, which is not downloaded'
 # what helps when a problem fits a pattern; the scripts of a material are in the folder of a model
 _ADVICE = (
     ('model://|^material (?!Gazebo/)', 'set GAZEBO_MODEL_PATH to the folders of the models'),
+    ('file://(?!/)', 'set GAZEBO_RESOURCE_PATH to the folders from which their paths start'),
     ('package://', 'build the packages and source their setup.bash'),
     (NOT_DOWNLOADED, 'download the models and include them by model://NAME'))
 

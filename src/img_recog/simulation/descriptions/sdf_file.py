@@ -193,13 +193,11 @@ class _Reader:
 
 
 def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:
-    """Return a function that finds URIs, and paths relative to `folder`; files and folders."""
+    """Return a function that finds files and folders: a relative path in `folder` first."""
     def found(uri: str) -> Optional[str]:
         path = uri[len('file://'):] if uri.startswith('file://') else uri
-        if '://' not in path:
-            joined = os.path.join(folder, path)
-            return joined if path and os.path.exists(joined) else None
-        return find(uri)
+        joined = os.path.join(folder, path)
+        return joined if path and '://' not in path and os.path.exists(joined) else find(uri)
     return found
 
 

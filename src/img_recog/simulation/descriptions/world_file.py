@@ -50,6 +50,7 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
     if world == EMPTY:
         return WorldFile(EMPTY)
     path = worlds.get(world) or os.path.expanduser(find_user_path(world))
+    path = path if os.path.isfile(path) else find(path) or path     # like worlds/hall.world
     root = _parsed(world, path, worlds, read_file)
     problems = Problems()
     try:

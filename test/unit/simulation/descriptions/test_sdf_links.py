@@ -114,8 +114,10 @@ def test_materials_of_different_colors_have_different_names():
 def test_relative_paths(tmp_path):
     (tmp_path / 'meshes').mkdir()
     (tmp_path / 'meshes' / 'a.stl').write_text('')
-    find = sdf_file.find_relative(str(tmp_path), {'model://b': 'found'}.get)
+    found = {'model://b': 'found', 'file://elsewhere/a.stl': 'there'}
+    find = sdf_file.find_relative(str(tmp_path), found.get)
     assert find('meshes/a.stl') == str(tmp_path / 'meshes' / 'a.stl')
     assert find('file://meshes') == str(tmp_path / 'meshes')
     assert find('file://' + str(tmp_path / 'meshes')) == str(tmp_path / 'meshes')
     assert (find('model://b'), find('none'), find('')) == ('found', None, None)
+    assert find('file://elsewhere/a.stl') == 'there'

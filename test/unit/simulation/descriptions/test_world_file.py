@@ -85,6 +85,12 @@ def test_urdf_by_path_stays_where_it_is(read):
     assert world.bodies[0].pose() == before
 
 
+def test_a_world_that_the_finder_finds(tmp_path):
+    (tmp_path / 'hall.world').write_text(sdf(SHELF))
+    found = {'worlds/hall.world': str(tmp_path / 'hall.world')}
+    assert world_file.read('worlds/hall.world', WORLDS, found.get).name == 'hall'
+
+
 def test_static_model_floats_and_a_crate_falls_onto_the_floor(read):
     file = read(sdf(BUILT_IN, SHELF, CRATE.format('-1 0 0.5 0 0 0.5')))
     assert (file.name, file.warnings) == ('hall', ())
