@@ -20,7 +20,7 @@ class FakeRenderer:
         self.images, self._blue = 0, round(255 * scene.light.background[2])
         return ['no mesh of {}'.format(part) for part in range(1, len(scene.moving))]
 
-    def draw(self, camera, pose, poses):
+    def draw(self, camera, pose, poses, ceiling):
         x = pose[0, 3]
         if x == DIE:
             os._exit(1)

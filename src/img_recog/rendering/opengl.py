@@ -1,4 +1,5 @@
 """Draws a scene by OpenGL, in memory: no display is needed."""
+import math
 from typing import Dict, List, Sequence, Tuple
 
 import moderngl
@@ -13,8 +14,9 @@ from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
 from img_recog.visuals import VisualScene
 
+_MAX_CEILING_M = 1e6            # instead of infinity
 _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is seen
-_CLIP_DISTANCE0 = 0x3000        # of OpenGL; moderngl has no name for it
+_CLIP_DISTANCE0, _CLIP_DISTANCE1 = 0x3000, 0x3001   # of OpenGL; moderngl has no names for them
 
 
 class Renderer:
@@ -47,16 +49,19 @@ class Renderer:
         self._floor, self._boxes = loaded.floor, coverage.Boxes(loaded.bounds)
         return loaded.missing
 
-    def draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    def draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray,
+             ceiling: float = math.inf) -> np.ndarray:
         """Return an image, uint8 RGB of shape (height, width, 3).
 
         camera_pose (4, 4): in the world, of the camera body, which looks along its x axis with z
-        upward in the image. poses (n, 7): of all parts, see `matrices.from_poses`.
+        upward in the image. poses (n, 7): of all parts, see `matrices.from_poses`. ceiling: the
+        height in m from which on nothing is drawn; shadows stay.
         """
         with self._context:
-            return self._draw(camera, camera_pose, poses)
+            return self._draw(camera, camera_pose, poses, ceiling)
 
-    def _draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    def _draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray,
+              ceiling: float) -> np.ndarray:
         models = matrices.from_poses(poses)
         if self._shadow_poses != poses.tobytes():       # else of another camera
             self._shadows.draw(models)
@@ -68,11 +73,13 @@ class Renderer:
         to_clip = _projection(camera) @ view
         rectangles = coverage.rectangles(self._boxes.in_world(models), to_clip, camera.near)
         is_seen = coverage.are_on_image(rectangles)
-        self._set_frame(to_clip, camera_pose[:3, 3])
+        self._set_frame(to_clip, camera_pose[:3, 3], ceiling)
         self._draw_background(target, camera, view)
         if is_seen.any():
             target.samples.use()
             self._context.enable_direct(_CLIP_DISTANCE0)
+            if ceiling < math.inf:
+                self._context.enable_direct(_CLIP_DISTANCE1)
             target.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=coverage.around(
                 rectangles[is_seen], camera.width, camera.height))
             parts = set(self._boxes.parts[is_seen])
@@ -81,6 +88,7 @@ class Renderer:
             self._context.blend_func = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA,
                                         moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
             self._render([batch for batch in self._transparent if batch.part in parts], models)
+            self._context.disable_direct(_CLIP_DISTANCE1)
             target.resolve(self._context, coverage.runs(rectangles[is_seen], camera.width,
                                                         camera.height))
         return target.read()
@@ -120,7 +128,7 @@ class Renderer:
             self._targets[size] = Target(self._context, size, self._resolve)
         return self._targets[width, height]
 
-    def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray) -> None:
+    def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray, ceiling: float) -> None:
         self._shadows.texture.use(1)
         # on the camera's side of the floor, or all
         kept_heights = ((0.0, 1.0) if self._floor is None
@@ -131,6 +139,7 @@ class Renderer:
             program['texel_m'].value = self._shadows.texel_m
             program['eye'].value = tuple(eye)
             program['kept_heights'].value = kept_heights
+            program['ceiling'].value = min(ceiling, _MAX_CEILING_M)
             program['sun'].value = tuple(self._sun)
             program['shadows'].value = 1
 

@@ -1,4 +1,5 @@
 """What runs in the process that draws: it answers requests, one at a time."""
+import math
 from multiprocessing.connection import Connection
 from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -22,12 +23,13 @@ class Shot(NamedTuple):
     """A picture to be drawn.
 
     pose (4, 4): of the camera body in the world, see `opengl.Renderer.draw`; depth: whether its
-    depths are wanted too.
+    depths are wanted too; ceiling: the height in m from which on nothing is drawn.
     """
 
     camera: Camera
     pose: np.ndarray
     depth: bool = False
+    ceiling: float = math.inf
 
 
 class Request(NamedTuple):
@@ -91,7 +93,7 @@ def serve(connection: Connection, memory: Any, make: Make) -> None:
                        else renderer.load(request.scene, request.poses))
             for shot, (image, depth) in zip(request.shots,
                                             pictures(slots[request.slot], request.shots)):
-                image[:] = renderer.draw(shot.camera, shot.pose, request.poses)
+                image[:] = renderer.draw(shot.camera, shot.pose, request.poses, shot.ceiling)
                 if depth is not None:
                     depth[:] = renderer.depth(shot.camera, shot.pose, request.poses)
             connection.send(Answer(missing, reason))

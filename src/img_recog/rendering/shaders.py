@@ -78,7 +78,7 @@ SHADED_VERTEX = '''
 #version 330
 uniform mat4 to_clip, model, to_map;
 uniform vec3 eye, sun;
-uniform float texel_m;
+uniform float texel_m, ceiling;
 uniform vec2 kept_heights;      // factor and offset; what is negative then is not drawn
 in vec3 position, normal;
 in vec2 uv;
@@ -98,6 +98,7 @@ void main() {
     on_image = uv;
     tint = color;
     gl_ClipDistance[0] = kept_heights.x * world.z + kept_heights.y;
+    gl_ClipDistance[1] = ceiling - world.z;
     gl_Position = to_clip * world;
 }
 '''.replace('DEPTH_M', repr(SHADOW_DEPTH_M))

@@ -132,6 +132,21 @@ def test_what_is_beyond_near_and_far_is_not_drawn():
         assert bool(image[120, 160, 1] == 0) is seen, distance
 
 
+def test_what_is_above_a_ceiling_is_not_drawn():
+    wall, roof = (visual(Shape(BOX, size), at(*place), color) for size, place, color in (
+        ((2, 2, 3), (0, 2, 1.5), GREEN), ((9, 9, 0.2), (0, 0, 3), RED)))
+    renderer = loaded(scene(wall, roof, visual(Shape(BOX, (1, 1, 1)), at(0, 0, 0.5), BLUE)), HERE)
+    down = looking_down(10.0)
+    for ceiling, color in ((np.inf, 0), (2.9, 2), (0.0, None), (np.inf, 0)):
+        red, green, blue = image = renderer.draw(CAMERA, down, HERE, ceiling)[120, 160].tolist()
+        expected = [128, 64, 191] if color is None else [255 * (color == n) for n in range(3)]
+        # without the roof, what it shades is still in its shadow
+        assert image == pytest.approx(expected, abs=40), (ceiling, red, green, blue)
+    # a tall wall is cut, and the rest of it is seen
+    forward = renderer.draw(CAMERA, at(-6, 2, 1.5), HERE, 1.5)
+    assert forward[110, 160].tolist() == [128, 64, 191] and forward[130, 160, 1] > 100
+
+
 @pytest.mark.parametrize('distance, expected', [
     (0.5, 0.5), (3.0, 3.0), (9.0, 9.0), (11.0, math.inf)])
 def test_depths_along_the_optical_axis(distance, expected):

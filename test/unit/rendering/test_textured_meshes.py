@@ -6,6 +6,7 @@ import pytest
 from PIL import Image
 
 from img_recog.simulation.descriptions import sdf_file, urdf_visuals
+from img_recog.simulation.descriptions.problems import Problems
 from img_recog_testing.drawn import draw, looking_down
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
@@ -44,9 +45,10 @@ def seen(tmp_path):
 
     def colors(inside, *places, mesh='a.dae'):
         text = MODEL.format(inside).replace('a.dae', mesh)
+        problems = Problems()
         contents = sdf_file.read(ElementTree.fromstring(text), str(tmp_path / 'm.sdf'),
-                                 lambda uri: None)
-        assert contents.missing == ()
+                                 lambda uri: None, problems)
+        assert not problems.names
         visual, = urdf_visuals.read(contents.trees[0].urdf, {'l': 0})
         image = draw(visual, pose=looking_down(4.0))
         scale = 160 / np.tan(np.radians(30)) / 4        # pixels for a meter

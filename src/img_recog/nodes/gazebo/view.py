@@ -1,5 +1,6 @@
 """The image topic of the simulation."""
 import dataclasses
+import math
 import time
 
 from std_msgs.msg import Header
@@ -14,7 +15,6 @@ from img_recog.simulation.settings import ViewSettings
 from img_recog.simulation.simulator import Simulator
 
 _FRAME = 'view'                 # not a frame of tf: the camera is not part of the robot
-_NEAR_M, _FAR_M = 0.05, 60.0
 
 
 class ViewTopic:
@@ -24,7 +24,7 @@ class ViewTopic:
         """Advertise the topic; above: the viewpoint of the view `above`."""
         self._settings, self._above = settings, above
         width, height = settings.view_width, settings.view_height
-        self.camera = Camera(width, height, view.horizontal_fov(width, height), _NEAR_M, _FAR_M)
+        self.camera = Camera(width, height, view.horizontal_fov(width, height))
         self._images = ImagePublisher('~view/image_raw')
         self._next_s = 0.0
 
@@ -50,7 +50,11 @@ class ViewTopic:
         viewpoint = self._above
         if self._settings.view == 'follow' and simulator.vehicles:
             viewpoint = view.follow(simulator.vehicles[0].robot.pose())
-        return Shot(self.camera, viewpoint.pose())
+        pose = viewpoint.pose()
+        near, far = view.near_and_far(pose, self.camera.slopes)
+        roof = view.ceiling(simulator.world, [each.robot for each in simulator.vehicles])
+        return Shot(self.camera._replace(near=near, far=far), pose,
+                    ceiling=roof if roof < pose[2, 3] else math.inf)
 
     def publish(self, picture: Picture, time_s: float) -> None:
         """Publish what was drawn at a simulated time."""

@@ -1,4 +1,5 @@
 """Images by PyBullet's TinyRenderer, which needs no OpenGL: slow, and without shadows."""
+import math
 import os
 from typing import Any, List, Tuple
 
@@ -13,6 +14,7 @@ from img_recog.visuals import (BODY_TO_OPENGL, BOX, CYLINDER, MESH, PLANE, SPHER
 
 _PLANE_THICKNESS_M = 0.002
 _BACKGROUND_DEPTH = 1 - 5e-7
+_STRAIGHT_DOWN = -0.999         # the height of a unit vector
 
 
 class TinyRenderer:
@@ -43,12 +45,16 @@ class TinyRenderer:
             self._missing.append(line)
         return False
 
-    def draw(self, camera: Any, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    def draw(self, camera: Any, camera_pose: np.ndarray, poses: np.ndarray,
+             ceiling: float = math.inf) -> np.ndarray:
         """Return an image, uint8 RGB of shape (height, width, 3).
 
         camera: like rendering.camera.Camera; camera_pose (4, 4): of its body in the world, which
-        looks along its x axis; poses (n, 7): of all parts.
+        looks along its x axis; poses (n, 7): of all parts; ceiling: the height in m from which on
+        nothing is drawn by a camera that looks down.
         """
+        if camera_pose[2, 0] < _STRAIGHT_DOWN and ceiling < math.inf:
+            camera = camera._replace(near=max(camera.near, camera_pose[2, 3] - ceiling))
         pixels, depth = self._draw(camera, camera_pose, poses)
         pixels[depth > _BACKGROUND_DEPTH] = np.round(np.array(self._light.background) * 255)
         return pixels

@@ -1,12 +1,12 @@
 """Where the simulation is seen from: by ~view/image_raw and by the window."""
 import math
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.simulation.bodies.body import Pose
+from img_recog.simulation.bodies.body import Body, Pose
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.visuals import BODY_TO_OPENGL
@@ -15,6 +15,13 @@ FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, lik
 _FOLLOW_DISTANCE_M = 1.3        # distance and pitch look over the walls of turtlebot3_world
 _FOLLOW_PITCH_DEG = -68.0
 _MIN_DISTANCE_M, _MAX_DISTANCE_M = 0.5, 50.0
+_MAX_HEIGHT_M = 300.0           # to show all of a large world
+_MIN_FAR_M, _MAX_FAR_M = 60.0, 1000.0
+_NEAR_SHARE = 1 / 1200          # of the far distance: with 24 bits, depths are exact to 0.1 %
+_MIN_ROOM_M = 1.5               # what is lower above the floor of a robot is furniture, no roof
+_ROOF_MARGIN_M = 0.02
+# of the places above a robot, in m in x and y, that a roof covers: a door or a lamp is smaller
+_UNDER_ROOF = ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 _MAX_FLAT_M = 0.01
 
 
@@ -57,7 +64,7 @@ def above(world: World) -> Viewpoint:
     if camera is None and not _shows(viewpoint, low, high):
         x, y = ((low + high) / 2)[:2].tolist()
         viewpoint = viewpoint._replace(target=(x, y, 0.0))
-    while not _shows(viewpoint, low, high) and viewpoint.distance < _MAX_DISTANCE_M:
+    while not _shows(viewpoint, low, high) and viewpoint.distance < _MAX_HEIGHT_M:
         viewpoint = viewpoint._replace(distance=viewpoint.distance + 1)
     return viewpoint
 
@@ -79,6 +86,43 @@ def _shows(viewpoint: Viewpoint, low: np.ndarray, high: np.ndarray) -> bool:
     reach = math.tan(math.radians(FIELD_OF_VIEW / 2)) * (viewpoint.distance - high[2])
     offsets = np.abs([low[:2] - viewpoint.target[:2], high[:2] - viewpoint.target[:2]]).max(axis=0)
     return bool(offsets[0] < reach and offsets[1] < reach * 4 / 3)
+
+
+def near_and_far(pose: np.ndarray, slopes: Tuple[float, float]) -> Tuple[float, float]:
+    """Return the distances in m along the optical axis between which there is something to see.
+
+    They reach to the floor in all of the image, but not farther than 1 km. pose (4, 4): of the
+    camera, which looks along its x axis; slopes: like rendering.camera.Camera.slopes.
+    """
+    corners = np.array([(1.0, x * slopes[0], z * slopes[1]) for x in (-1, 1) for z in (-1, 1)])
+    descents = -corners @ pose[2, :3]
+    height = abs(float(pose[2, 3]))
+    far = max(height / descent if descent > 0 else _MAX_FAR_M for descent in descents.tolist())
+    far = min(max(far * 1.05, _MIN_FAR_M), _MAX_FAR_M)
+    return far * _NEAR_SHARE, far
+
+
+def ceiling(world: World, robots: Sequence[Body]) -> float:
+    """Return the height in m from which on nothing is to be drawn, so that the robots are seen.
+
+    That is under the lowest roof that one of them stands under, +inf without one.
+    """
+    return min((_height_of_roof(body, world.physics_client_id) for body in robots),
+               default=math.inf) - _ROOF_MARGIN_M
+
+
+def _height_of_roof(body: Body, physics_client_id: int) -> float:
+    """Return the height of the lowest point of a roof above a body, +inf without one."""
+    boxes = np.array([pybullet.getAABB(body.body_id, link, physicsClientId=physics_client_id)
+                      for link in body.links])
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    x, y = ((low + high) / 2)[:2].tolist()
+    begin = max(float(low[2]) + _MIN_ROOM_M, float(high[2]))
+    places = [(x + aside, y + ahead) for aside, ahead in _UNDER_ROOF]
+    hits = pybullet.rayTestBatch([(*place, begin) for place in places],
+                                 [(*place, begin + _MAX_FAR_M) for place in places],
+                                 physicsClientId=physics_client_id)
+    return min(hit[3][2] for hit in hits) if all(hit[0] >= 0 for hit in hits) else math.inf
 
 
 def follow(pose: Pose) -> Viewpoint:

@@ -86,9 +86,35 @@ def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
     found = in_world(tmp_path, shelf(-3, 0), shelf(9, 6))
     assert found == ABOVE._replace(target=(pytest.approx(3.0, abs=0.1), pytest.approx(
         3.0, abs=0.1), 0.0), distance=16.0)
-    assert in_world(tmp_path, shelf(-300, 0), shelf(90, 60)).distance == 50.0
+    assert in_world(tmp_path, shelf(-300, 0), shelf(90, 60)).distance == 300.0
     plane = SHELF.replace('0.8 0.8 0.2', '99 99 0.01').replace('1 2 1 0 0 0', '0 0 0 0 0 0')
     assert in_world(tmp_path, plane) == ABOVE
+
+
+@pytest.mark.parametrize('pose, far', [
+    ((0.8, 0, 12, 0, 1.5708, 0), 60), ((57.5, -14.75, 58.9, 0, 0.8516, 2.54), 132.5),
+    ((0, 0, 100, 0, 1.5708, 0), 105), ((0, 0, 2, 0, 0, 0), 1000), ((0, 0, 2, 0, -1, 0), 1000)])
+def test_the_picture_reaches_to_the_floor_in_all_of_it(pose, far):
+    slope = np.tan(np.radians(30))
+    found = view.near_and_far(from_rpy(pose[:3], pose[3:]).matrix(), (slope, slope * 0.75))
+    assert found == pytest.approx((far / 1200, far), rel=0.01)
+
+
+def roof_above(tmp_path, *boxes):
+    shelves = [SHELF.replace('shelf', 'shelf{}'.format(number)).replace(
+        '0.8 0.8 0.2', size).replace('1 2 1 0 0 0', place + ' 0 0 0')
+        for number, (size, place) in enumerate(boxes)]
+    (tmp_path / 'hall.world').write_text(sdf(*shelves))
+    simulator = robots.assemble(str(tmp_path / 'hall.world')).simulator
+    return view.ceiling(simulator.world, [simulator.vehicles[0].robot])
+
+
+def test_the_view_ends_under_the_lowest_roof_above_a_robot(tmp_path):
+    roof, upper = ('9 9 0.2', '0 0 3'), ('9 9 0.2', '0 0 6')
+    table, beam = ('9 9 0.1', '0 0 0.8'), ('0.5 9 0.2', '0 0 2')
+    assert roof_above(tmp_path, upper, table, roof) == pytest.approx(2.9, abs=0.05)
+    for others in ((), (table,), (beam,), (('9 9 0.2', '20 0 3'),)):
+        assert roof_above(tmp_path, *others) == np.inf
 
 
 def test_the_pose_of_a_viewpoint():
