@@ -15,6 +15,7 @@ _MAX_ELEMENTS, _MAX_ATTRIBUTES, _MAX_OF_ELEMENT = 200000, 400000, 1000
 _MAX_TAG = 1 << 22                              # characters up to the next <
 _LONG_TAG = '<[^<]{%d}' % _MAX_TAG
 _MAX_NAMES = 600000         # of elements and attributes
+_MAKE_NOTHING = ('xacro:arg', 'xacro:macro', 'xacro:property')
 _OLD_XACRO = ('include', 'macro', 'property')      # before Jade; a URDF has none of them
 # Of what TinyXML reads, with which Gazebo reads all files. Of what is no element, CDATA remains.
 _CDATA = '<![CDATA['
@@ -71,13 +72,16 @@ def _parsed(text: Union[str, bytes]) -> ElementTree.Element:
         raise MarkupError('not XML: {}'.format(one_line(error)))
 
 
-def check_expanded(root: ElementTree.Element) -> None:
-    """Raise MarkupError when an element of a URDF or SDF is one of xacro, or has its expressions.
+def check_expanded(root: ElementTree.Element) -> str:
+    """Raise MarkupError when something of a URDF or SDF is missing, because xacro would make it.
+
+    Returns what is left over of xacro, like <xacro:property>, '' for nothing.
     """
     of_links = [element for tag in ('link', 'joint') for part in root.findall(tag)
                 for element in part.iter()]
-    found = [re.sub('.*}', 'xacro:', element.tag) for element in root.iter()
-             if 'xacro}' in element.tag] + [
+    names = [re.sub('.*}', 'xacro:', element.tag) for element in root.iter()
+             if 'xacro}' in element.tag]
+    found = [name for name in names if name not in _MAKE_NOTHING] + [
         element.tag for element in root if root.tag == 'robot' and element.tag in _OLD_XACRO] + [
         '{} {}="{}"'.format(element.tag, *item) for element in of_links
         for item in element.items() if '${' in item[1] or '$(' in item[1]]
@@ -87,6 +91,7 @@ def check_expanded(root: ElementTree.Element) -> None:
             'give the file a name that ends with .xacro, or expand it: xacro FILE > robot.urdf'
             if found[0] not in _OLD_XACRO else 'xacro of Noetic expands only elements with a '
             'prefix, like <xacro:{}>'.format(found[0]))
+    return '<{}>'.format(names[0]) if names else ''
 
 
 class _Part(NamedTuple):

@@ -10,6 +10,7 @@ from img_recog.recognition import parameter_file
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import description, model_file, world_file
 from img_recog_testing.refusals import refusal
+from img_recog_testing.robots import burger
 
 LAUGHS = ('<!DOCTYPE robot [<!ENTITY a "ha">'
           + ''.join('<!ENTITY {} "{}">'.format(name, '&{};'.format(other) * 10)
@@ -107,7 +108,8 @@ XACRO = '<robot name="r"><link name="a"/>{}</robot>'
 
 @pytest.mark.parametrize('inside, words', [
     ('<xacro:include filename="b.xacro"/>', '<xacro:include>'),
-    ('<a xmlns:x="http://www.ros.org/wiki/xacro"><x:macro/></a>', '<xacro:macro>'),
+    ('<a xmlns:x="http://www.ros.org/wiki/xacro"><x:insert_block/></a>',
+     '<xacro:insert_block>'),
     ('<joint><origin xyz="0 0 ${half}"/></joint>', '<origin xyz="0 0 ${half}">'),
     ('<link><visual><mesh filename="$(find b)/c.stl"/></visual></link>',
      '<mesh filename="$(find b)/c.stl">')])
@@ -126,6 +128,12 @@ def test_old_xacro_that_nothing_expands_is_named():
     line = refusal(description.parse, XACRO.format('<include filename="b.xacro"/>'))
     assert line == ('it contains xacro (<include>), which is not expanded; xacro of Noetic '
                     'expands only elements with a prefix, like <xacro:include>')
+
+
+def test_xacro_that_makes_nothing_is_a_warning():
+    text = burger().replace('<link ', '<xacro:property name="a" value="1"/><link ', 1)
+    assert description.parse(text).warnings == (
+        'it contains xacro (<xacro:property>), which is not expanded',)
 
 
 def test_the_namespace_of_xacro_alone_is_no_xacro(tmp_path):

@@ -66,6 +66,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     number cannot be simulated.
     """
     robot = root_of(urdf)
+    xacro = check_expanded(robot)
     tree = urdf_tree.read(robot)
     missing = resolve(robot, find_mesh)
     missing_materials = urdf_visuals.apply_materials(robot, find_mesh)
@@ -73,6 +74,8 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     frames = {name: _frame(name, tree) for name in tree.links}
     sums = _inertias(tree, frames)
     warnings = _leave_out(robot, tree, frames, sums)
+    if xacro:
+        warnings.append('it contains xacro ({}), which is not expanded'.format(xacro))
     coefficients = frictions(robot)
     for tag in robot.findall('gazebo'):
         robot.remove(tag)

@@ -54,8 +54,12 @@ def read(robot: ElementTree.Element) -> UrdfTree:
     _check_ancestors(links, parents)
     found = roots(robot)
     if len(found) != 1:
-        raise SimulationError('got {} root links ({}), expected one'.format(
-            len(found), ', '.join(found) or 'none'))
+        others = sorted({element.tag for element in robot} - {'link', 'joint'})
+        raise SimulationError(
+            'got {} root links ({}), expected one'.format(
+                len(found), ', '.join(found) or 'none'),
+            'its elements are <{}>; xacro expands macros only with the prefix xacro:'.format(
+                '>, <'.join(others)) if others and not links else '')
     names = [found[0]]
     for name in names:          # grows while it is iterated over
         names += children.get(name, [])

@@ -76,7 +76,10 @@ PAIR = link('a') + link('b')
 
 
 @pytest.mark.parametrize('inside, words', [
-    ('', 'got 0 root links'), (PAIR, '2 root links (a, b)'),
+    ('', 'got 0 root links (none), expected one'),
+    ('<cart/><material name="m"/>', 'got 0 root links (none), expected one; its elements are '
+     '<cart>, <material>; xacro expands macros only with the prefix xacro:'),
+    (PAIR, '2 root links (a, b)'),
     (PAIR + joint('j', 'a', 'b') + joint('k', 'b', 'a'),
      'link a is its own ancestor, through joint k'),
     (link('r') + PAIR + joint('j', 'a', 'b') + joint('k', 'b', 'a'), 'link a is its own ancestor'),
