@@ -5,7 +5,6 @@ from typing import IO, Any, ContextManager, Dict, List, Sequence, Tuple
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
@@ -31,7 +30,6 @@ class ReplayFigure:
     def __init__(self) -> None:
         with _style():
             self.figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
-            FigureCanvasAgg(self.figure)
             # fixed positions: computing a layout takes as long as drawing
             grid = self.figure.add_gridspec(4, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
                                             hspace=0.32)

@@ -104,6 +104,12 @@ def test_neighboring_tiles_of_a_row_are_one_rectangle():
         np.array([[32 / 80 - 1, 64 / 50 - 1, 96 / 80 - 1, 96 / 50 - 1]]))
 
 
+def test_tiles_hold_a_pixel_around():
+    # pixels 64.5 to 95.5 of 160: 63.5 and 96.5 are in the tiles beside
+    assert coverage.runs(np.array([[64.5 / 80 - 1, -1.0, 95.5 / 80 - 1, 1.0]]), 160, 32) == (
+        pytest.approx(np.array([[32 / 80 - 1, -1.0, 128 / 80 - 1, 1.0]])))
+
+
 def test_triangles_of_a_rectangle():
     corners = np.frombuffer(coverage.triangles(np.array([[0.0, 1.0, 2.0, 3.0]])), 'f4')
     assert corners.reshape(-1, 2).tolist() == [[0, 1], [2, 1], [0, 3], [0, 3], [2, 1], [2, 3]]

@@ -17,6 +17,7 @@ SETTINGS = with_colors()()
 
 def test_layout_is_as_it_was(tmp_path):
     film = FilmPicture(SETTINGS.colors, [SQUARE])
+    film.scan = np.array([(3.9, 1.0), (3.9, 1.5), (2.0, 0.2)])
     for time_s in (0.0, 3.0, 6.5, 12.25):
         picture = draw(film, time_s, (0.5 + 0.1 * time_s, 2.0, 0.7),
                        areas_px=(4800 - int(300 * time_s), 90))
