@@ -138,6 +138,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
     simulator = Simulator(simulated_world)
     for robot, settings in robots:
         warnings += add_robot(simulator, robot, settings, unused_sensors)
+        warnings += _lift_of(simulator.vehicles[-1])
     for overlap in simulator.overlaps():
         warnings.append('{}: they overlap at the start, and the physics will throw them apart; '
                         'set {}'.format(overlap, ', '.join(
@@ -179,16 +180,25 @@ def add_robot_apart(simulator: Simulator, robot: RobotSource, settings: RobotSet
                 raise SimulationError('it would start inside of {}'.format(', '.join(others)),
                                       'give it another x_pos, y_pos or z_pos')
         else:
-            vehicle.set_start(places.find(simulator, vehicle))
+            places.start_apart(simulator, vehicle)
     except UserError as error:
         simulator.remove(vehicle)
         raise _refused(robot.source, error.problem, error.advice)
-    return warnings
+    return warnings + _lift_of(vehicle)
 
 
 def named(robot: RobotSource, name: str) -> RobotSource:
     """Return the robot with another name."""
     return robot._replace(description=dataclasses.replace(robot.description, name=name))
+
+
+def _lift_of(vehicle: Vehicle) -> List[str]:
+    """Return the warning about a robot that was lifted, if it was."""
+    if not vehicle.lift.onto:
+        return []
+    return ['{}: at z_pos {:g} m it would be in {}; it was lifted onto it by {:.3f} m'.format(
+        vehicle.robot.name, vehicle.settings.spawn.z_pos, vehicle.lift.onto,
+        vehicle.lift.height_m)]
 
 
 @contextlib.contextmanager

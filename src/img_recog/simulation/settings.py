@@ -37,7 +37,10 @@ class PhysicsSettings(Settings):
 
 @dataclass(frozen=True)
 class SpawnSettings(Settings):
-    """Pose of the robot's root link at the start and after a reset: m, rad, in the world."""
+    """Pose of the robot's root link at the start and after a reset: m, rad, in the world.
+
+    A robot that would be in the floor is lifted onto it.
+    """
 
     x_pos: float = setting(-2.0, between(-1000, 1000))
     y_pos: float = setting(-0.5, between(-1000, 1000))

@@ -4,13 +4,12 @@ from typing import Any, List, Sequence
 import pybullet
 
 from img_recog.simulation.bodies.body import Body
+from img_recog.simulation.bodies.standing import MAX_DEPTH_M
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.vehicle import Reading, Vehicle
-
-_MAX_CONTACT_DEPTH_M = 0.005
 
 
 class Simulator:
@@ -84,7 +83,7 @@ class Simulator:
             # of two robots, either may be the first body of a contact
             other = contact[1] if contact[2] == robot.body_id else contact[2]
             name = names.get(other, robot.name)
-            if contact[8] < -_MAX_CONTACT_DEPTH_M and name not in found:
+            if contact[8] < -MAX_DEPTH_M and name not in found:
                 found.append(name)
         return found
 

@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tu
 import numpy as np
 
 from img_recog import rotations
+from img_recog.simulation.bodies import standing
 from img_recog.simulation.bodies.body import Pose
 from img_recog.simulation.bodies.differential_drive import DifferentialDrive
 from img_recog.simulation.bodies.robot import SimulatedRobot
@@ -35,7 +36,8 @@ class Vehicle:
 
     robot: the body; drive: what sets its motors; description: what it was made with; settings:
     those of all sensors, in which an empty frame is the root link; kinds: of the sensors;
-    missing_sensors: those that were left out, and the links for them that the robot does not have.
+    missing_sensors: those that were left out, and the links for them that the robot does not have;
+    lift: how far it was moved upward, onto what it was in, when it was last put somewhere.
     """
 
     def __init__(self, description: Description, settings: RobotSettings, world: World,
@@ -45,12 +47,13 @@ class Vehicle:
         Raises SimulationError when a setting does not fit the robot or the physics; nothing is
         left in the world then.
         """
-        self.description, self.kinds, self._step_s = description, kinds, world.step_s
+        self.description, self.kinds, self._world = description, kinds, world
         self.settings = dataclasses.replace(settings, sensors={
             kind.name: _with_root(settings.sensors.get(kind.name, kind.settings()),
                                   description.root) for kind in kinds})
         self.robot = SimulatedRobot(description, settings.drive, settings.spawn,
                                     world.physics_client_id)
+        self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
                                         world.step_s)
         self.drive = DifferentialDrive(settings.drive)
@@ -60,6 +63,9 @@ class Vehicle:
         for kind in kinds:
             self._mount(kind, self.settings.sensors[kind.name], world)
         self._enabled = list(self._sensors.values())
+
+    def _lift(self) -> None:
+        self.lift = standing.lift(self.robot, self._world.floor, self._world.bodies)
 
     def _mount(self, kind: SensorKind, settings: Any, world: World) -> None:
         """Add a sensor, but not when only the default names a link that is missing."""
@@ -71,7 +77,7 @@ class Vehicle:
         # a generator each: the noise of one sensor does not depend on whether another is read
         noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number))
         self._sensors[kind.name] = ScheduledSensor(
-            kind.name, whole_steps(name, getattr(settings, name), self._step_s),
+            kind.name, whole_steps(name, getattr(settings, name), self._world.step_s),
             kind.make(Mount(self.robot, world, noise), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
@@ -83,9 +89,9 @@ class Vehicle:
         name = 'camera_{}'.format(sum(isinstance(each.sensor, RobotCamera)
                                       for each in self._sensors.values()))
         camera = RobotCamera(self.robot, settings, poses)
-        period_s = nearest_period(settings.camera_rate, self._step_s)
+        period_s = nearest_period(settings.camera_rate, self._world.step_s)
         self._sensors[name] = ScheduledSensor(
-            name, whole_steps('camera_rate', period_s, self._step_s), camera)
+            name, whole_steps('camera_rate', period_s, self._world.step_s), camera)
         self._sensors[name].enabled = False
         return name
 
@@ -144,6 +150,7 @@ class Vehicle:
         """Move the robot back to its start, at rest and without a command."""
         self.drive.reset()
         self.robot.reset()
+        self._lift()
         self._wheel_velocities = None
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
@@ -157,7 +164,7 @@ class Vehicle:
     def move_to(self, x: float, y: float, yaw: float) -> None:
         """Move the robot to x, y in m and yaw in rad, at rest and without a command.
 
-        It stands at the height of its start.
+        It is put at z_pos, as at the start.
         """
         self.drive.reset()
         self.robot.place(Pose((x, y, self.settings.spawn.z_pos),
@@ -166,7 +173,8 @@ class Vehicle:
         self.notify_teleported()
 
     def notify_teleported(self) -> None:
-        """Call after the robot was moved from outside."""
+        """Call after the robot was moved from outside; it is lifted onto what it is in."""
+        self._lift()
         self._wheel_velocities = None
         for scheduled in self._sensors.values():
             scheduled.sensor.notify_teleported()

@@ -133,6 +133,15 @@ class Body:
             pybullet.resetJointState(self.body_id, joint, position, 0.0,
                                      physicsClientId=self.physics_client_id)
 
+    def raise_by(self, height: float) -> None:
+        """Move the body upward by a height in m, without changing how it moves."""
+        client = {'physicsClientId': self.physics_client_id}
+        (x, y, z), turned = pybullet.getBasePositionAndOrientation(self.body_id, **client)
+        velocity = pybullet.getBaseVelocity(self.body_id, **client)
+        pybullet.resetBasePositionAndOrientation(self.body_id, (x, y, z + height), turned,
+                                                 **client)
+        pybullet.resetBaseVelocity(self.body_id, *velocity, **client)
+
     def reset(self) -> None:
         """Move the parts back to `start`, at rest; that is where they were when it was loaded."""
         self.place(self.start)

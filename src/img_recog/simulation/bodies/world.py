@@ -6,6 +6,7 @@ import pybullet
 
 from img_recog.errors import shortened
 from img_recog.simulation.bodies import loops
+from img_recog.simulation.bodies import standing
 from img_recog.simulation.bodies.body import Body
 from img_recog.simulation.bodies.loading import all_or_nothing, link_indices, load_urdf
 from img_recog.simulation.bodies.solids import Solids
@@ -17,7 +18,6 @@ from img_recog.simulation.settings import PhysicsSettings, SimulationError
 
 _FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
 _FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
-_MAX_DEPTH_M = 0.005            # in the floor at the start
 
 
 class World:
@@ -67,24 +67,13 @@ class World:
             loops.close(tree, body)
             self._set_dynamics(body, frictions(ElementTree.fromstring(tree.urdf)))
             if not body.fixed:
-                self._lift(body)
+                lifted = standing.lift(body, self.floor)
+                if lifted.onto:
+                    body.start = body.pose()
+                    self.lifted[body.name] = lifted.height_m
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
-
-    def _lift(self, body: Body) -> None:
-        """Move a body that is in the floor onto it.
-
-        The physics would throw it into the air; that of Gazebo lifts it by 1 cm/s at most.
-        """
-        points = pybullet.getClosestPoints(body.body_id, self.floor.body_id, 0.0,
-                                           physicsClientId=self.physics_client_id)
-        depth_m = -min((point[8] for point in points), default=0.0)
-        if depth_m > _MAX_DEPTH_M:
-            x, y, z = body.start.position
-            body.start = body.start._replace(position=(x, y, z + depth_m))
-            body.reset()
-            self.lifted[body.name] = depth_m
 
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
