@@ -16,7 +16,6 @@ _MAX_TAG = 1 << 22                              # characters up to the next <
 _LONG_TAG = '<[^<]{%d}' % _MAX_TAG
 _MAX_NAMES = 600000         # of elements and attributes
 _MAKE_NOTHING = ('xacro:arg', 'xacro:macro', 'xacro:property')
-_OLD_XACRO = ('include', 'macro', 'property')      # before Jade; a URDF has none of them
 # Of what TinyXML reads, with which Gazebo reads all files. Of what is no element, CDATA remains.
 _CDATA = '<![CDATA['
 _OTHERS = (('<!--', '-->'), (_CDATA, ']]>'), ('<?', '?>'), ('<!', '>'))
@@ -82,15 +81,14 @@ def check_expanded(root: ElementTree.Element) -> str:
     names = [re.sub('.*}', 'xacro:', element.tag) for element in root.iter()
              if 'xacro}' in element.tag]
     found = [name for name in names if name not in _MAKE_NOTHING] + [
-        element.tag for element in root if root.tag == 'robot' and element.tag in _OLD_XACRO] + [
+        element.tag for element in root if root.tag == 'robot' and element.tag == 'include'] + [
         '{} {}="{}"'.format(element.tag, *item) for element in of_links
         for item in element.items() if '${' in item[1] or '$(' in item[1]]
     if found:
         raise MarkupError(
             'it contains xacro (<{}>), which is not expanded'.format(shortened(found[0])),
             'give the file a name that ends with .xacro, or expand it: xacro FILE > robot.urdf'
-            if found[0] not in _OLD_XACRO else 'xacro of Noetic expands only elements with a '
-            'prefix, like <xacro:{}>'.format(found[0]))
+            if found[0] != 'include' else 'xacro of Noetic expands only <xacro:include>')
     return '<{}>'.format(names[0]) if names else ''
 
 
