@@ -1,4 +1,5 @@
 """Reads the text of a model that is added to a world while that is simulated."""
+import itertools
 import os
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Sequence
@@ -30,7 +31,7 @@ def read(text: str, name: str, find: FindFile,
     """Return the trees of a model that is given as SDF or URDF, under a new name.
 
     find: returns the path of a file or folder at a URI; warn: gets a line about looks that were
-    not found.
+    not found, and about what is simulated in another way than given.
     Raises SimulationError when it is neither, something in it cannot be had, or the name is not
     allowed.
     """
@@ -53,6 +54,8 @@ def read(text: str, name: str, find: FindFile,
     problems.refuse('model {}'.format(name), 'remove that from the model')
     for line in problems.warnings('model {}'.format(name)):
         warn(line)
+    for warning in itertools.chain(*(tree.warnings for tree in trees)):
+        warn('model {}: {}'.format(name, warning))
     return trees
 
 
@@ -83,4 +86,4 @@ def _of_urdf(root: ElementTree.Element, text: str, name: str, find: FindFile,
         problems.add('mesh ' + uri)
     for look in robot.missing_materials:
         problems.add_look(look)
-    return [Tree(name, robot.urdf, IDENTITY, False)]
+    return [Tree(name, robot.urdf, IDENTITY, False, warnings=tuple(robot.warnings))]

@@ -105,6 +105,19 @@ def test_textures_of_urdfs_are_found(tmp_path, root):
                         'build the packages and source their setup.bash']
 
 
+@pytest.mark.parametrize('text', [
+    '<robot name="r"><link name="l">{}</link></robot>'.format(MASS.replace('"1"', '"1e-3"', 1)),
+    SDF.format('<model name="o"><link name="l"><inertial><inertia><ixx>1e-3</ixx></inertia>'
+               '</inertial></link></model>')])
+def test_an_inertia_of_no_body_is_a_warning(text):
+    warnings = []
+    model_file.read(text, 'm', nowhere, warnings.append)
+    assert warnings == []
+    model_file.read(text.replace('1e-3', '3'), 'm', nowhere, warnings.append)
+    line, = warnings
+    assert line.startswith('model m: link l') and line.endswith('simulated with 1.33, 1.33, 2.67')
+
+
 def test_unusual_names():
     for name in ('a b', 'a\nb', '\u00e4\u2603', '%s<&">', '\U0001f916' * 125):
         tree, = model_file.read(SDF.format(MODEL), name, nowhere)
