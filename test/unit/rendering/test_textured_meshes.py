@@ -1,12 +1,9 @@
 """Meshes of an SDF are drawn with the materials that the SDF gives them."""
-import xml.etree.ElementTree as ElementTree
-
 import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog.simulation.descriptions import sdf_file, urdf_visuals
-from img_recog.simulation.descriptions.problems import Problems
+from img_recog.simulation.descriptions import urdf_visuals, world_file
 from img_recog_testing.drawn import draw, looking_down
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
@@ -44,12 +41,10 @@ def seen(tmp_path):
     (tmp_path / 'a.obj').write_text('v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n')
 
     def colors(inside, *places, mesh='a.dae'):
-        text = MODEL.format(inside).replace('a.dae', mesh)
-        problems = Problems()
-        contents = sdf_file.read(ElementTree.fromstring(text), str(tmp_path / 'm.sdf'),
-                                 lambda uri: None, problems)
-        assert not problems.names
-        visual, = urdf_visuals.read(contents.trees[0].urdf, {'l': 0})
+        (tmp_path / 'm.sdf').write_text(MODEL.format(inside).replace('a.dae', mesh))
+        file = world_file.read(str(tmp_path / 'm.sdf'), {})
+        assert file.warnings == ()
+        visual, = urdf_visuals.read(file.trees[0].urdf, {'l': 0})
         image = draw(visual, pose=looking_down(4.0))
         scale = 160 / np.tan(np.radians(30)) / 4        # pixels for a meter
         return [image[round(120 - scale * x), round(160 - scale * y)].tolist() for x, y in places]
