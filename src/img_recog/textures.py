@@ -19,18 +19,22 @@ def read(path: str) -> np.ndarray:
 
     An image with a side of more than 4096 pixels is reduced.
     """
+    return _read(path, 'RGB')
+
+
+def read_with_alpha(path: str) -> np.ndarray:
+    """Return the image of a file like `read`, RGBA of shape (rows, columns, 4)."""
+    return _read(path, 'RGBA')
+
+
+def _read(path: str, mode: str) -> np.ndarray:
     try:
         with Image.open(path) as image:
-            return decoded(image)
+            if image.width * image.height > _MAX_PIXELS:
+                raise ValueError('{}x{} pixels are more than {}'.format(
+                    image.width, image.height, _MAX_PIXELS))
+            image.thumbnail((_MAX_SIZE_PX, _MAX_SIZE_PX))
+            return np.array(image.convert(mode))
     except Exception as error:      # Pillow raises errors of many types
         raise TextureError('cannot read the texture {}: {}'.format(path, one_line(error)),
                            'give a PNG or JPEG file')
-
-
-def decoded(image: Image.Image) -> np.ndarray:
-    """Return the pixels of an opened image like `read`; ValueError or OSError if it cannot be."""
-    if image.width * image.height > _MAX_PIXELS:
-        raise ValueError('{}x{} pixels are more than {}'.format(
-            image.width, image.height, _MAX_PIXELS))
-    image.thumbnail((_MAX_SIZE_PX, _MAX_SIZE_PX))
-    return np.array(image.convert('RGB'))

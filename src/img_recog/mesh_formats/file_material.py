@@ -9,6 +9,7 @@ from img_recog.visuals import GREY, Color
 # where Gazebo looks for the textures of a mesh
 _FOLDERS = ('', os.path.join('..', 'materials', 'textures'))
 _FILE = 'file://'
+_SEPARATOR = re.compile(r'[/\\]')        # of paths, also of other systems
 # of a model or package, whose folder is above that of the mesh or beside one that is
 _IN_FOLDER = re.compile('(?:model|package)://')
 _BASE = 200         # of the numbers that colors stand for
@@ -46,8 +47,8 @@ def number_of(color: Sequence[Any]) -> int:
 def find_texture(mesh: str, name: str) -> str:
     """Return the path of a texture that a mesh file names, found as Gazebo finds it.
 
-    One that an absolute path or a model names is also searched for where the mesh is. Without any
-    it is the path where it should be, '' for no name.
+    One that is not there is also searched for where the mesh is, without the folders of its name,
+    and in all folders above. Without any it is the path where it should be, '' for no name.
     """
     given = unquote(name.strip())
     if not given:
@@ -55,15 +56,13 @@ def find_texture(mesh: str, name: str) -> str:
     folder = os.path.dirname(os.path.abspath(mesh))
     in_folder = _IN_FOLDER.match(given)
     given = given[len(_FILE):] if given.startswith(_FILE) else given
-    if in_folder:
-        given = given[in_folder.end():]
-        folders = _above(folder)
-    else:
-        folders = [os.path.join(folder, each) for each in _FOLDERS]
-    paths = [os.path.normpath(os.path.join(each, given)) for each in folders]
-    last = re.split(r'[/\\]', given)[-1]
-    others = [os.path.normpath(os.path.join(folder, each, last)) for each in _FOLDERS]
-    return next((path for path in paths + others if os.path.isfile(path)), paths[0])
+    beside = [os.path.join(folder, each) for each in _FOLDERS]
+    paths = [] if in_folder else [os.path.join(each, given) for each in beside]
+    words = _SEPARATOR.split(given[in_folder.end():] if in_folder else given)
+    below = [word for word in words if word not in ('', '..')]
+    paths += [os.path.join(each, *below) for each in _above(folder)]
+    paths += [os.path.join(each, words[-1]) for each in beside]
+    return os.path.normpath(next((path for path in paths if os.path.isfile(path)), paths[0]))
 
 
 def _above(folder: str) -> List[str]:

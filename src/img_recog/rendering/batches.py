@@ -26,7 +26,8 @@ _Key = Tuple[bool, int, int, bool]
 class Batch(NamedTuple):
     """Triangles that are drawn at once: of one texture, and of one moving part or all static ones.
 
-    part: the number of the moving part, -1 for static ones; texture: None for colors alone;
+    part: the number of the moving part, -1 for static ones; texture: None for colors alone, with
+    an alpha channel if the triangles are only seen where it is opaque;
     flags: what moderngl's `enable_only` gets; shaded, depth: drawn by the programs of those names.
     """
 
@@ -82,6 +83,7 @@ class Loader:
         self.depth = context.program(vertex_shader=shaders.SHADOW_VERTEX,
                                      fragment_shader=shaders.SHADOW_FRAGMENT)
         self._meshes, self._images = FileCache(mesh_file.read), FileCache(textures.read)
+        self._cutouts = FileCache(textures.read_with_alpha)
         # by the id of their image, which therefore is kept
         self._textures: Dict[int, Tuple[np.ndarray, moderngl.Texture]] = {}
         self._missing: List[str] = []
@@ -104,6 +106,7 @@ class Loader:
                 grouped.setdefault(key, []).append(corners)
         self._meshes.forget_unused()
         self._images.forget_unused()
+        self._cutouts.forget_unused()
         batches = [self._batch(key, np.concatenate(grouped[key])) for key in sorted(grouped)]
         return Loaded(batches, bounds, self._floor() if scene.light.floor else None, self._missing)
 
@@ -136,15 +139,16 @@ class Loader:
             if material.pattern and part.uvs.any():
                 return (*_WHITE, material.color[3]), patterns.image(material.pattern,
                                                                     material.color)
-            return material.color, self._image(material.texture)
-        image = self._image(part.texture)
+            return material.color, self._image(
+                material.texture, self._cutouts if material.is_cutout else self._images)
+        image = self._image(part.texture, self._images)
         return (*(part.color[:3] if image is None else _WHITE),
                 part.color[3] * visual.opacity), image
 
-    def _image(self, path: str) -> Optional[np.ndarray]:
+    def _image(self, path: str, images: FileCache[np.ndarray]) -> Optional[np.ndarray]:
         """Return the image at a path, None for '' or if it cannot be read."""
         try:
-            return self._images.get(path) if path else None
+            return images.get(path) if path else None
         except textures.TextureError as error:
             self._miss(one_line(error))
             return None
@@ -184,9 +188,10 @@ class Loader:
         if key in old:
             self._textures[key] = old[key]
         if key not in self._textures:
-            height, width = image.shape[:2]
+            height, width, channels = image.shape
             # OpenGL's first row is the lowest
-            texture = self._context.texture((width, height), 3, image[::-1].tobytes(), alignment=1)
+            texture = self._context.texture((width, height), channels, image[::-1].tobytes(),
+                                            alignment=1)
             texture.build_mipmaps()
             texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
             self._textures[key] = image, texture

@@ -17,6 +17,8 @@ from img_recog.visuals import VisualScene
 _MAX_CEILING_M = 1e6            # instead of infinity
 _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is seen
 _CLIP_DISTANCE0, _CLIP_DISTANCE1 = 0x3000, 0x3001   # of OpenGL; moderngl has no names for them
+# GL_SAMPLE_ALPHA_TO_COVERAGE and _ONE: what is not opaque covers no samples
+_CUTOUT = 0x809E, 0x809F
 
 
 class Renderer:
@@ -156,10 +158,15 @@ class Renderer:
     def _render(self, batches: Sequence[Batch], models: np.ndarray) -> None:
         for batch in batches:
             batch.shaded.program['model'].write(matrices.to_bytes(batch.model(models)))
+            is_cutout = batch.texture is not None and batch.texture.components == 4
             if batch.texture is not None:
                 batch.texture.use(0)
             self._context.enable_only(batch.flags)
+            for option in _CUTOUT if is_cutout else ():
+                self._context.enable_direct(option)
             batch.shaded.render()
+            for option in _CUTOUT if is_cutout else ():
+                self._context.disable_direct(option)
 
 
 def _projection(camera: Camera) -> np.ndarray:

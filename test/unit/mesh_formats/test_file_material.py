@@ -7,7 +7,7 @@ from img_recog.mesh_formats.file_material import find_texture, number_color, num
 
 FILES = ('models/b/meshes/near.png', 'models/b/materials/textures/far.png',
          'models/b/materials/textures/both.png', 'models/b/meshes/both.png',
-         'models/other/a.png')
+         'models/other/a.png', 'photos/me.jpg')
 
 
 @pytest.mark.parametrize('name, found', [
@@ -15,7 +15,9 @@ FILES = ('models/b/meshes/near.png', 'models/b/materials/textures/far.png',
     ('../materials/textures/far.png', FILES[1]), ('file://near.png', FILES[0]),
     ('file://C:\\Users\\me\\far.png', FILES[1]), ('/home/me/near.png', FILES[0]),
     ('model://other/a.png', FILES[4]), ('package://b/materials/textures/far.png', FILES[1]),
-    ('none.png', 'models/b/meshes/none.png'), (' ', '')])
+    ('../../../../photos/me.jpg', FILES[5]), ('photos\\me.jpg', FILES[5]),
+    ('none.png', 'models/b/meshes/none.png'), ('model://none/a.png', 'models/b/none/a.png'),
+    (' ', '')])
 def test_textures_are_found(tmp_path, name, found):
     for path in FILES:
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)

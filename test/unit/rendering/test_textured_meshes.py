@@ -74,3 +74,17 @@ def test_a_pattern_needs_texture_coordinates(seen):
     assert np.ptp(seen(SCRIPT.format('Gazebo/Bricks'), *places), axis=0).max() > 20
     assert seen(SCRIPT.format('Gazebo/Bricks'), (0, 0), mesh='a.obj')[0] == pytest.approx(
         [143, 97, 94], abs=2)
+
+
+@pytest.mark.parametrize('how, behind', [
+    ('alpha_rejection greater 128', True), ('scene_blend alpha_blend', True),
+    ('alpha_rejection always_pass', False)])
+def test_what_is_cut_out_of_a_texture_shows_what_is_behind(seen, tmp_path, how, behind):
+    image = np.zeros((16, 16, 4), np.uint8)
+    image[:, :8] = 255, 0, 0, 255
+    Image.fromarray(image).save(str(tmp_path / 'materials' / 'textures' / 'leaf.png'))
+    (tmp_path / 'materials' / 'scripts' / 'leaf.material').write_text(
+        'material Leaf { technique { pass { %s texture_unit { texture leaf.png } } } }' % how)
+    left, right = seen(SCRIPT.format('Leaf'), (-0.5, 0), (0.5, 0))
+    assert left == pytest.approx([255, 0, 0], abs=2)
+    assert right == ([128, 64, 191] if behind else [0, 0, 0])

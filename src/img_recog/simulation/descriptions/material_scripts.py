@@ -11,6 +11,7 @@ _COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/', re.DOTALL)
 _HEAD = re.compile(
     r'^[ \t]*(?:abstract\s+)?material\s+("[^"]+"|[^\s{:]+)\s*(?::\s*([^\s{]+)\s*)?{',
     re.MULTILINE)
+_CUTOUT = r'\balpha_rejection\s+(?!always_pass)|\bscene_blend\s+alpha_blend'
 _NUMBER = r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?'
 _NUMBERS = r'\b{}((?:\s+' + _NUMBER + r'){{{}}}(?:\s+' + _NUMBER + r')?)(?=[\s}}])'
 
@@ -72,7 +73,8 @@ def _material(blocks: Sequence[str], folders: Sequence[str]) -> Tuple[Material, 
     glow = _numbers('emissive', 3, blocks) or (0.0, 0.0, 0.0)
     red, green, blue = (min(one + other, 1.0) for one, other in zip(rgb, glow))
     width, height = [*(_numbers('scale', 1, blocks) or (1.0,)), 1.0][:2] if texture else (1.0, 1.0)
-    material = Material((red, green, blue, opacity), scale=(width or 1.0, height or 1.0))
+    material = Material((red, green, blue, opacity), scale=(width or 1.0, height or 1.0),
+                        is_cutout=_first(_CUTOUT, blocks) is not None)
     if texture is None:
         return material, ''
     name = texture.group(1) or texture.group(2)

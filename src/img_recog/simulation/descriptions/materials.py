@@ -8,6 +8,7 @@ from img_recog.simulation.descriptions.numbers import read_number, read_numbers
 from img_recog.visuals import Color, Material
 
 _AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene>
+_DEFAULT = '__default__'                # SDF's own word for no script
 _SCRIPTS = 'file://media/materials/scripts'     # where Gazebo looks for what names no file
 
 
@@ -62,7 +63,7 @@ def _scripted(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Mat
     """Return the material that the <script> of a visual names, and what was not found or ''."""
     script = visual.find('material/script')
     name = '' if script is None else (script.findtext('name') or script.text or '').strip()
-    if script is None or not name:
+    if script is None or name in ('', _DEFAULT):
         return None, ''
     material = gazebo_materials.named(name)     # of a file that is a part of Gazebo
     if material is not None:

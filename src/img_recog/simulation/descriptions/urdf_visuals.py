@@ -19,7 +19,8 @@ IS_PLANE = 'plane'      # the attribute of a box that is a plane, the upper side
 # In a URDF, a <material> is that of a mesh whose file has none, like in RViz; Gazebo 11 ignores
 # it. A material of an SDF or of a <gazebo> tag replaces that of the file; it has this attribute.
 _REPLACES = 'replaces_file'
-_SCALE, _PATTERN = 'texture_scale', 'pattern'     # attributes of a material of an SDF
+# attributes of a material of an SDF
+_SCALE, _PATTERN, _CUTOUT = 'texture_scale', 'pattern', 'cutout'
 SUBMESH, CENTERED = 'submesh', 'centered'       # attributes of a mesh of an SDF
 OPACITY = 'opacity'     # the attribute of a visual by which that of its mesh file is multiplied
 
@@ -72,7 +73,7 @@ def _material(visual: ElementTree.Element,
         return None
     width, height = element.get(_SCALE, '1 1').split()
     return Material((red, green, blue, opacity), path, (float(width), float(height)),
-                    element.get(_PATTERN, ''))
+                    element.get(_PATTERN, ''), element.get(_CUTOUT) is not None)
 
 
 def check_shapes(robot: ElementTree.Element) -> None:
@@ -168,7 +169,7 @@ def material_element(material: Material) -> ElementTree.Element:
     # a name for each: in a URDF, materials of one name are the same
     made = ElementTree.Element('material', {
         'name': ' '.join(map(str, material)), _REPLACES: 'true', _SCALE: words(material.scale),
-        _PATTERN: material.pattern})
+        _PATTERN: material.pattern, **({_CUTOUT: 'true'} if material.is_cutout else {})})
     ElementTree.SubElement(made, 'color', rgba=words(material.color))
     if material.texture:
         ElementTree.SubElement(made, 'texture', filename=material.texture)

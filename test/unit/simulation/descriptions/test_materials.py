@@ -75,7 +75,8 @@ def test_colors_count_in_addition_to_a_script(name, colors, color):
 
 
 @pytest.mark.parametrize('inside', [
-    '', '<material/>', '<material><lighting>1</lighting><script/></material>'])
+    '', '<material/>', '<material><lighting>1</lighting><script/></material>',
+    '<material><script><name>__default__</name><uri>__default__</uri></script></material>'])
 def test_a_material_needs_a_script_or_a_color(inside):
     assert read(inside) == (None, '')
 
