@@ -264,7 +264,8 @@ def test_the_whole_sky_is_drawn_in_all_directions_of_the_camera():
 
 
 @pytest.mark.parametrize('height, z, is_seen', [
-    (3, -0.5, False), (3, 0.5, True), (-3, 0.5, False), (-3, -0.5, True)])
+    (3, -0.5, False), (3, 0.5, True), (-3, 0.5, False), (-3, -0.5, True),
+    (-0.9, 0.5, False)])
 def test_the_floor_hides_what_is_on_its_other_side(height, z, is_seen):
     pose = looking_down(height)
     if height < 0:
