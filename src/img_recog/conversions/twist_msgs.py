@@ -1,8 +1,8 @@
-"""Converts geometry_msgs/Twist and the two velocities of a differential drive."""
+"""Converts geometry_msgs/Twist and TwistStamped, and the velocities of a drive."""
 import math
-from typing import Tuple
+from typing import Tuple, Union
 
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, TwistStamped
 
 from img_recog.errors import UserError
 
@@ -30,10 +30,20 @@ def from_msg(msg: Twist) -> Tuple[float, float]:
 
     Raises TwistError when any of the six fields is not a finite number.
     """
-    values = {part + '.' + axis: getattr(getattr(msg, part), axis)
+    return planar_from_msg(msg)[:2]
+
+
+def planar_from_msg(msg: Union[Twist, TwistStamped]) -> Tuple[float, float, float]:
+    """Return linear.x in m/s, angular.z in rad/s and linear.y in m/s; errors as for `from_msg`.
+
+    >>> planar_from_msg(TwistStamped(twist=to_msg(0.2, -0.5)))
+    (0.2, -0.5, 0.0)
+    """
+    twist = msg.twist if isinstance(msg, TwistStamped) else msg
+    values = {part + '.' + axis: getattr(getattr(twist, part), axis)
               for part in ('linear', 'angular') for axis in 'xyz'}
     bad = ['{}={}'.format(name, value) for name, value in values.items()
            if not math.isfinite(value)]
     if bad:
         raise TwistError('Twist: got {}, expected finite numbers'.format(', '.join(bad)))
-    return msg.linear.x, msg.angular.z
+    return twist.linear.x, twist.angular.z, twist.linear.y

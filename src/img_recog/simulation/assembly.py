@@ -13,9 +13,11 @@ from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import places
 from img_recog.simulation.bodies import loading
 from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import (camera_tags, description, gazebo_tags, meshes,
+from img_recog.simulation.descriptions import (camera_tags, description,
+                                               drive_controllers, drive_tags, gazebo_tags, meshes,
                                                urdf_visuals, wheels)
 from img_recog.simulation.descriptions.description import Description
+from img_recog.simulation.descriptions.drive_controllers import Controllers
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.pictures.scene import Scene, scene_of
@@ -26,6 +28,13 @@ from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseS
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
+# Ackermann steering, tricycles and legs are not
+_DRIVES = (
+    'simulated are differential, skid-steered and planar drives: {}, and of controllers whose '
+    'parameters are loaded before the node starts, {}; else set left_joint and right_joint to the '
+    'joints of its wheels'.format(
+        ', '.join('lib' + row.tags.plugins[0] for row in drive_tags.PLUGINS[:3]),
+        ', '.join(drive_controllers.TYPES)))
 ReadSettings = Callable[[type, Mapping[str, Any]], Any]
 
 
@@ -34,7 +43,8 @@ class RobotSource(NamedTuple):
 
     source: what messages call the text, like robot_description or the path of a file; kinds: of
     the sensors that it can have; tag_values: the settings in its <gazebo> tags, by name; cameras:
-    those in its <gazebo> tags; warnings: a line each.
+    those in its <gazebo> tags; warnings: a line each; other_drives: where nothing says how it is
+    driven, what is there instead.
     """
 
     source: str
@@ -43,6 +53,7 @@ class RobotSource(NamedTuple):
     tag_values: gazebo_tags.Values
     cameras: Tuple[CameraSettings, ...]
     warnings: Tuple[str, ...]
+    other_drives: Tuple[str, ...] = ()
 
 
 class Assembly(NamedTuple):
@@ -58,19 +69,20 @@ class Assembly(NamedTuple):
 
 
 def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
-               kinds: Sequence[SensorKind] = ()) -> RobotSource:
+               kinds: Sequence[SensorKind] = (), controllers: Controllers = {}) -> RobotSource:
     """Read the text of a URDF.
 
     step_s: of the physics. find_mesh: returns the path of a mesh's URI. source, kinds: see
-    RobotSource.
+    RobotSource. controllers: those of ros_control that it can have.
     Raises SimulationError naming the source when the text is not a URDF that can be simulated.
     """
     try:
         robot = description.parse(urdf, find_mesh)
         urdf_visuals.check(robot.urdf)
+        drive = drive_tags.find(urdf, step_s, controllers)
         urdf, unused = description.without_unused_tags(urdf, robot)
-        found = gazebo_tags.read(urdf, step_s,
-                                 (gazebo_tags.DRIVE, *(kind.tags for kind in kinds)))
+        found = gazebo_tags.read(urdf, step_s, (*([drive.tags] if drive else ()),
+                                                *(kind.tags for kind in kinds)))
         cameras = tuple(camera_tags.cameras(urdf))
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
@@ -84,10 +96,14 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
     if unused:
         warnings.append('{}: not used, because it has no such links: its <gazebo> tags of {}'
                         .format(source, ', '.join(unused)))
-    if found.not_simulated:
+    not_simulated = (*found.not_simulated, *(drive.problems if drive else
+                                             drive_controllers.not_simulated(controllers)))
+    if not_simulated:
         warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
-            source, ', '.join(found.not_simulated)))
-    return RobotSource(source, robot, kinds, found.values, cameras, tuple(warnings))
+            source, ', '.join(not_simulated)))
+    values = drive.settings(found.values) if drive else found.values
+    return RobotSource(source, robot, kinds, values, cameras, tuple(warnings),
+                       () if drive else not_simulated)
 
 
 def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
@@ -97,10 +113,18 @@ def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
     `values`, by name: those of tags, and as the URDF has them, the separation and the diameter of
     the wheels.
     """
-    measured = wheels.measure(robot.description, read(DriveSettings, robot.tag_values)).values()
-    values: Mapping[str, Any] = {**measured, **robot.tag_values}
+    measured = wheels.measure(robot.description, read(DriveSettings, robot.tag_values))
+    values: Mapping[str, Any] = {**measured.values(), **robot.tag_values}
+    drive = read(DriveSettings, values)
+    if robot.other_drives and measured.wheel_separation is None and drive.left_joints:
+        raise _refused(robot.source, 'no drive that is simulated; it has: {}'.format(
+            ', '.join(robot.other_drives)), _DRIVES)
+    if measured.swapped:
+        # libgazebo_ros_diff_drive has <legacyMode>, in which they are
+        drive = dataclasses.replace(drive, left_joint=drive.right_joint,
+                                    right_joint=drive.left_joint)
     return RobotSettings(
-        read(SpawnSettings, values), read(DriveSettings, values), read(NoiseSettings, values),
+        read(SpawnSettings, values), drive, read(NoiseSettings, values),
         {kind.name: read(kind.settings, values) for kind in robot.kinds})
 
 
@@ -158,8 +182,9 @@ def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,
     simulator.add(vehicle)
     for sensor in unused_sensors:
         vehicle.set_sensor_enabled(sensor, False)
-    return ['{}: {}'.format(robot.source, line) for line in wheels.measure(
-        robot.description, settings.drive).contradictions(settings.drive)] + [
+    lines = wheels.measure(robot.description, settings.drive).warnings(
+        settings.drive, robot.tag_values)
+    return ['{}: {}'.format(robot.source, line) for line in lines] + [
         '{} runs without the sensor {}: no link {}'.format(robot.description.name, sensor, link)
         for sensor, link in vehicle.missing_sensors.items() if sensor not in unused_sensors]
 

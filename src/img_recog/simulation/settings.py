@@ -1,7 +1,7 @@
 """The settings of the simulator; defaults are those of turtlebot3_gazebo for the burger."""
 import math
 from dataclasses import dataclass, field
-from typing import Mapping
+from typing import Mapping, Tuple
 
 from img_recog.errors import UserError
 from img_recog.settings import (Allowed, SettingError, Settings, above, any_value, at_least,
@@ -11,6 +11,7 @@ from img_recog.settings import (Allowed, SettingError, Settings, above, any_valu
 REAL_TIME_FACTORS = Allowed('from 0.001 to 1000, or 0',
                             lambda value: value == 0 or 0.001 <= value <= 1000)
 VIEWS = ('above', 'follow')
+DIFFERENTIAL, PLANAR = 'differential', 'planar'       # drives
 
 
 class SimulationError(UserError):
@@ -50,26 +51,60 @@ class SpawnSettings(Settings):
 
 @dataclass(frozen=True)
 class DriveSettings(Settings):
-    """The differential drive (parameters and units of libgazebo_ros_diff_drive).
+    """A drive (parameters and units of libgazebo_ros_diff_drive and diff_drive_controller).
 
-    wheel_separation, wheel_diameter: m. wheel_torque: N m per wheel. wheel_acceleration: m/s2 at
-    the rim. drive_period_s: between two updates of the wheel speeds.
-    max_linear_velocity, max_angular_velocity: limits of commands in m/s and rad/s; 0 is no limit
-    (the real burger has 0.22 and 2.84). cmd_vel_timeout: simulated s after which the robot stops
-    unless another command arrives; 0 is never. command_topic: where they arrive.
+    drive: differential has wheels on both sides, planar moves the base itself. left_joint,
+    right_joint: of the wheels, with a comma between several on a side. wheel_separation,
+    wheel_diameter: m; the commands and the encoder count with multiples of them, by the
+    multipliers. wheel_torque: N m per wheel. wheel_acceleration: m/s2 at the rim.
+    drive_period_s: between two updates of the wheel speeds.
+    max_linear_velocity to min_angular_acceleration: limits of commands in m/s, rad/s, m/s2 and
+    rad/s2; 0 is no maximum (the real burger has 0.22 m/s and 2.84 rad/s), or as minimum the
+    opposite of the maximum. cmd_vel_timeout: simulated s after which the robot stops unless
+    another command arrives; 0 is never. command_topic: where they arrive; stamped_commands:
+    whether as TwistStamped.
     """
 
+    drive: str = setting(DIFFERENTIAL, one_of(DIFFERENTIAL, PLANAR))
     left_joint: str = setting('wheel_left_joint', not_empty())
     right_joint: str = setting('wheel_right_joint', not_empty())
     wheel_separation: float = setting(0.160, above(0))
     wheel_diameter: float = setting(0.066, above(0))
+    wheel_separation_multiplier: float = setting(1.0, above(0))
+    left_wheel_radius_multiplier: float = setting(1.0, above(0))
+    right_wheel_radius_multiplier: float = setting(1.0, above(0))
     wheel_torque: float = setting(10.0, above(0))
     wheel_acceleration: float = setting(1.0, at_least(0))
     drive_period_s: float = setting(0.01, above(0))
     max_linear_velocity: float = setting(0.0, at_least(0))
+    min_linear_velocity: float = setting(0.0, between(-1000, 0))
     max_angular_velocity: float = setting(0.0, at_least(0))
+    min_angular_velocity: float = setting(0.0, between(-1000, 0))
+    max_linear_acceleration: float = setting(0.0, at_least(0))
+    min_linear_acceleration: float = setting(0.0, between(-1000, 0))
+    max_angular_acceleration: float = setting(0.0, at_least(0))
+    min_angular_acceleration: float = setting(0.0, between(-1000, 0))
     cmd_vel_timeout: float = setting(0.0, at_least(0))
     command_topic: str = setting('cmd_vel', not_empty())
+    stamped_commands: bool = setting(False)
+
+    @property
+    def left_joints(self) -> Tuple[str, ...]:
+        """The names of the joints of the left wheels; none if the base itself is moved.
+
+        >>> DriveSettings(left_joint='front, rear').left_joints
+        ('front', 'rear')
+        """
+        return _names(self.left_joint) if self.drive == DIFFERENTIAL else ()
+
+    @property
+    def right_joints(self) -> Tuple[str, ...]:
+        """The names of the joints of the right wheels, as for the left ones."""
+        return _names(self.right_joint) if self.drive == DIFFERENTIAL else ()
+
+
+def _names(text: str) -> Tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(',') if name.strip())
 
 
 @dataclass(frozen=True)

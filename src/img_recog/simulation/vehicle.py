@@ -1,13 +1,13 @@
 """A robot with its drive and its sensors."""
 import dataclasses
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, cast
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple, cast
 
 import numpy as np
 
 from img_recog import rotations
 from img_recog.simulation.bodies import standing
 from img_recog.simulation.bodies.body import Pose
-from img_recog.simulation.bodies.differential_drive import DifferentialDrive
+from img_recog.simulation.bodies.drives import make_drive
 from img_recog.simulation.bodies.robot import SimulatedRobot
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions.description import Description
@@ -34,7 +34,7 @@ class Reading(NamedTuple):
 class Vehicle:
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
-    robot: the body; drive: what sets its motors; description: what it was made with; settings:
+    robot: the body; drive: what moves it; description: what it was made with; settings:
     those of all sensors, in which an empty frame is the root link; kinds: of the sensors;
     missing_sensors: those that were left out, and the links for them that the robot does not have;
     lift: how far it was moved upward, onto what it was in, when it was last put somewhere.
@@ -51,13 +51,12 @@ class Vehicle:
         self.settings = dataclasses.replace(settings, sensors={
             kind.name: _with_root(settings.sensors.get(kind.name, kind.settings()),
                                   description.root) for kind in kinds})
-        self.robot = SimulatedRobot(description, settings.drive, settings.spawn,
+        self.drive = make_drive(settings.drive)
+        self.robot = SimulatedRobot(description, self.drive.motors, settings.spawn,
                                     world.physics_client_id)
         self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,
                                         world.step_s)
-        self.drive = DifferentialDrive(settings.drive)
-        self._wheel_velocities: Optional[Tuple[float, float]] = None    # that the motors have
         self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing_sensors: Dict[str, str] = {}
         for kind in kinds:
@@ -78,7 +77,7 @@ class Vehicle:
         noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number))
         self._sensors[kind.name] = ScheduledSensor(
             kind.name, whole_steps(name, getattr(settings, name), self._world.step_s),
-            kind.make(Mount(self.robot, world, noise), settings))
+            kind.make(Mount(self.robot, world, noise, self.drive), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
         """Add a camera, which is disabled; return the name of the sensor.
@@ -108,9 +107,12 @@ class Vehicle:
         scheduled.enabled = enabled
         self._enabled = [each for each in self._sensors.values() if each.enabled]
 
-    def command(self, linear_x: float, angular_z: float) -> None:
-        """Drive at linear_x m/s and angular_z rad/s until the next command."""
-        self.drive.command(linear_x, angular_z)
+    def command(self, linear_x: float, angular_z: float, linear_y: float = 0.0) -> None:
+        """Drive at linear_x m/s and angular_z rad/s until the next command.
+
+        linear_y: to the left in m/s, for a drive that can.
+        """
+        self.drive.command(linear_x, angular_z, linear_y)
 
     @property
     def odometry(self) -> OdometrySettings:
@@ -126,12 +128,9 @@ class Vehicle:
         return spawn.x_pos, spawn.y_pos, spawn.yaw
 
     def before_step(self, steps: int) -> None:
-        """Set the motors if the drive is due after `steps` steps of the physics."""
+        """Let the drive move the robot if it is due after `steps` steps of the physics."""
         if steps % self._drive_steps == 0:
-            velocities = self.drive.update(self.robot.wheel_velocities)
-            if velocities != self._wheel_velocities:
-                self._wheel_velocities = velocities
-                self.robot.set_wheel_velocities(velocities)
+            self.drive.update(self.robot)
 
     def due_sensors(self, steps: int) -> List[ScheduledSensor]:
         """Return the sensors that are to be read after `steps` steps."""
@@ -151,7 +150,6 @@ class Vehicle:
         self.drive.reset()
         self.robot.reset()
         self._lift()
-        self._wheel_velocities = None
         for scheduled in self._sensors.values():
             scheduled.sensor.restart()
 
@@ -169,13 +167,13 @@ class Vehicle:
         self.drive.reset()
         self.robot.place(Pose((x, y, self.settings.spawn.z_pos),
                               rotations.of_yaw(yaw), self.robot.pose().joints))
-        self.robot.set_wheel_velocities((0.0, 0.0))
+        self.robot.stop_wheels()
         self.notify_teleported()
 
     def notify_teleported(self) -> None:
         """Call after the robot was moved from outside; it is lifted onto what it is in."""
         self._lift()
-        self._wheel_velocities = None
+        self.drive.notify_stopped()
         for scheduled in self._sensors.values():
             scheduled.sensor.notify_teleported()
 

@@ -86,7 +86,7 @@ class ModelServices:
         if not name:
             raise SimulationError('model_name is empty', 'give the model a name')
         # read in the thread of the service: the simulation goes on meanwhile
-        if model_file.is_robot(request.model_xml):
+        if self._plans.is_robot(request.model_xml, request.robot_namespace.strip('/')):
             add = self._robot_adder(name, request, state, frame)
         else:
             trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)

@@ -10,13 +10,15 @@ import rospy
 from img_recog import resources
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import shortened
+from img_recog.nodes.gazebo import controllers
 from img_recog.nodes.gazebo.names import Names, topic_fields
 from img_recog.ros import parameters
 from img_recog.settings import (ParameterError, Settings, setting, setting_fields, unknown)
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import RobotSource
+from img_recog.simulation.descriptions import model_file
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           RobotSettings, SpawnSettings)
+                                           RobotSettings, SimulationError, SpawnSettings)
 
 ROBOTS = '~robots'
 _MAX_SEED = 2 ** 31 - 1
@@ -124,6 +126,16 @@ class RobotPlans:
             settings=plan.settings if 'seed' in own else _with_seed(plan.settings, name),
             has_place='x_pos' in own or 'y_pos' in own)
 
+    def is_robot(self, text: str, namespace: str) -> bool:
+        """Return whether a model is a robot that drives: a URDF with a drive.
+
+        namespace: of the robot.
+        """
+        try:
+            return model_file.is_robot(text, controllers.read(text, Names(namespace)))
+        except SimulationError:
+            return False        # a model that is read otherwise, or refused
+
     def spawned(self, name: str, urdf: str, namespace: str, spawn: SpawnSettings) -> RobotPlan:
         """Return the plan of a robot that a service adds at a place.
 
@@ -140,7 +152,8 @@ class RobotPlans:
     def _plan(self, name: str, urdf: str, source: str, names: Names,
               namespace: str) -> RobotPlan:
         """name: '' for that in the URDF; namespace: of its own parameters, '' for none."""
-        robot = assembly.read_robot(urdf, self._step_s, resources.find, source, SENSORS)
+        robot = assembly.read_robot(urdf, self._step_s, resources.find, source, SENSORS,
+                                    controllers.read(urdf, names))
         if name:
             robot = assembly.named(robot, name)
         spaces = namespace or '~', '~'

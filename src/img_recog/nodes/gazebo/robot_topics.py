@@ -1,9 +1,9 @@
 """The topics of one simulated robot."""
-from typing import Any, List, Sequence
+from typing import Any, List, Sequence, Union
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
-from geometry_msgs.msg import PoseStamped, TransformStamped, Twist
+from geometry_msgs.msg import PoseStamped, TransformStamped, Twist, TwistStamped
 from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import plane_msgs, robot_msgs, twist_msgs
@@ -96,15 +96,16 @@ class RobotTopics:
         self._warn_of_pose = ThrottledWarning()
         self._is_closed = False
         self._subscribers = [
-            rospy.Subscriber(self._command_topic, Twist, self._keep_command, queue_size=10,
-                             tcp_nodelay=True),
+            rospy.Subscriber(self._command_topic,
+                             TwistStamped if vehicle.settings.drive.stamped_commands else Twist,
+                             self._keep_command, queue_size=10, tcp_nodelay=True),
             rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose, queue_size=1,
                              tcp_nodelay=True)]
 
-    def _keep_command(self, msg: Twist) -> None:
+    def _keep_command(self, msg: Union[Twist, TwistStamped]) -> None:
         try:
             # checked here, so that a bad command does not replace a good one
-            replaced = self._commands.put(twist_msgs.from_msg(msg))
+            replaced = self._commands.put(twist_msgs.planar_from_msg(msg))
         except twist_msgs.TwistError as error:
             self._counts.refused.add(error)
             self._warn('ignored a message on %s: %s', self._command_topic, error)

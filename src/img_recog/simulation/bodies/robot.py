@@ -1,19 +1,22 @@
-"""A robot in a world: its frames, its joints and its wheel motors."""
+"""A robot in a world: its frames, its joints and the motors of its wheels."""
 from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 import pybullet
 
 from img_recog import rotations
 from img_recog.rotations import Quaternion
+from img_recog.simulation.bodies import tyres
 from img_recog.simulation.bodies.body import (Body, FrameState, Motion, Pose, Vector,
                                               motion_of_frame)
 from img_recog.simulation.bodies.loading import link_indices, load_urdf
 from img_recog.simulation.descriptions.description import FLOOR_FRICTION, Description
-from img_recog.simulation.settings import DriveSettings, SimulationError, SpawnSettings
+from img_recog.simulation.settings import SimulationError, SpawnSettings
 
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
 # wheels, while their motors go on and turn the robot over.
 _MAX_JOINT_VELOCITY = 1e5
+
+_TYRE_FORCE_N = 1e6         # of the motors that keep tyres in place
 
 
 class JointStates(NamedTuple):
@@ -25,32 +28,47 @@ class JointStates(NamedTuple):
     efforts: Sequence[float]
 
 
-class SimulatedRobot(Body):
-    """The body of a description, driven by two wheels.
+class Motors(NamedTuple):
+    """What drives a robot.
 
-    root: name of its root link; drive: how it is driven; spawn: where `reset` moves it.
+    joints: of the wheels, each with the setting that names it; torque: the maximum of a wheel in
+    N m; slip_radius: in m, of wheels that slip when the robot turns, else 0; slides: whether the
+    robot has no friction, because its base itself is moved.
     """
 
-    def __init__(self, description: Description, drive: DriveSettings, spawn: SpawnSettings,
+    joints: Sequence[Tuple[str, str]]
+    torque: float
+    slip_radius: float = 0.0
+    slides: bool = False
+
+
+class SimulatedRobot(Body):
+    """The body of a description, with motors.
+
+    root: name of its root link; spawn: where `reset` moves it.
+    """
+
+    def __init__(self, description: Description, motors: Motors, spawn: SpawnSettings,
                  physics_client_id: int):
         """Load the robot into a physics client.
 
         Raises SimulationError when PyBullet cannot load it or a wheel joint is missing.
         """
-        super().__init__(load_urdf(description.urdf, physics_client_id), physics_client_id)
+        urdf = tyres.added(description.urdf, [name for _, name in motors.joints],
+                           motors.slip_radius)
+        super().__init__(load_urdf(urdf, physics_client_id), physics_client_id)
+        self._tyres = [self.joints.pop(name) for name in tuple(self.joints)
+                       if name.endswith(tyres.SUFFIX)]
         self.name = description.name
-        self.drive, self.spawn = drive, spawn
-        self._torques = (drive.wheel_torque, drive.wheel_torque)
+        self.spawn = spawn
         self.root, self._frames = description.root, description.frames
         self._link_indices = link_indices(self.body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
         self._joint_names = tuple(self.joints)
-        if drive.left_joint == drive.right_joint:
-            raise SimulationError('left_joint: got {!r}, the same as right_joint; a differential '
-                                  'drive has two wheels'.format(drive.left_joint))
-        self._wheels = (self._wheel_index('left_joint', drive.left_joint),
-                        self._wheel_index('right_joint', drive.right_joint))
-        self._set_dynamics(description)
+        self._wheels = tuple(self._wheel_index(*joint) for joint in motors.joints)
+        self._torques = (motors.torque,) * len(self._wheels)
+        self._set_dynamics(description, motors.slides)
+        self.start = self.pose()
         self.reset()
 
     def reset(self) -> None:
@@ -58,24 +76,33 @@ class SimulatedRobot(Body):
         spawn = self.spawn
         self.place(Pose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
                         rotations.of_yaw(spawn.yaw), [0.0] * len(self.joints)))
-        self.set_wheel_velocities((0.0, 0.0))
+        self.stop_wheels()
 
-    def wheel_positions(self) -> Tuple[float, float]:
-        """Return how far the left and right wheel have turned since the reset, in rad."""
-        left, right = self._wheel_states()
-        return left[0], right[0]
+    def place(self, pose: Pose) -> None:
+        """Move the parts to `pose`, at rest."""
+        super().place(pose)
+        for tyre in self._tyres:
+            pybullet.resetJointState(self.body_id, tyre, 0.0, 0.0,
+                                     physicsClientId=self.physics_client_id)
 
-    def wheel_velocities(self) -> Tuple[float, float]:
-        """Return the angular velocities of the left and right wheel, in rad/s."""
-        left, right = self._wheel_states()
-        return left[1], right[1]
+    def stop_wheels(self) -> None:
+        """Let the motors of the wheels hold them."""
+        self.set_wheel_velocities((0.0,) * len(self._wheels))
 
-    def _wheel_states(self) -> tuple:
+    def wheel_positions(self) -> Tuple[float, ...]:
+        """Return how far each wheel has turned since the reset, in rad, in the motors' order."""
+        return tuple(state[0] for state in self._wheel_states())
+
+    def wheel_velocities(self) -> Tuple[float, ...]:
+        """Return the angular velocities of the wheels, in rad/s."""
+        return tuple(state[1] for state in self._wheel_states())
+
+    def _wheel_states(self) -> Sequence[tuple]:
         return pybullet.getJointStates(self.body_id, self._wheels,
-                                       physicsClientId=self.physics_client_id)
+                                       physicsClientId=self.physics_client_id) or ()
 
-    def set_wheel_velocities(self, velocities: Tuple[float, float]) -> None:
-        """Set the target velocities of the motors of the left and right wheel, in rad/s."""
+    def set_wheel_velocities(self, velocities: Sequence[float]) -> None:
+        """Set the target velocities of the motors of the wheels, in rad/s."""
         pybullet.setJointMotorControlArray(
             self.body_id, self._wheels, pybullet.VELOCITY_CONTROL, targetVelocities=velocities,
             forces=self._torques, physicsClientId=self.physics_client_id)
@@ -139,11 +166,12 @@ class SimulatedRobot(Body):
                 'set {} to the joint of a wheel'.format(setting))
         return self.joints[name]
 
-    def _set_dynamics(self, description: Description) -> None:
+    def _set_dynamics(self, description: Description, slides: bool) -> None:
         for name, link in self._link_indices.items():
             pybullet.changeDynamics(
                 self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
-                lateralFriction=description.friction.get(name, FLOOR_FRICTION),
+                lateralFriction=0.0 if slides else description.friction.get(
+                    name, FLOOR_FRICTION),
                 physicsClientId=self.physics_client_id)
         # of all joints, and not in the call above: PyBullet would set those of the root link by it
         pybullet.changeDynamics(self.body_id, -1, maxJointVelocity=_MAX_JOINT_VELOCITY,
@@ -153,6 +181,10 @@ class SimulatedRobot(Body):
                 self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
                 physicsClientId=self.physics_client_id)
         self.release(joint for joint in self.joints.values() if joint not in self._wheels)
+        for tyre in self._tyres:
+            pybullet.setJointMotorControl2(
+                self.body_id, tyre, pybullet.POSITION_CONTROL, targetPosition=0.0,
+                force=_TYRE_FORCE_N, physicsClientId=self.physics_client_id)
 
     def _torsional_friction(self, wheel: int) -> float:
         """Return the spinning friction of a wheel in m (torque per load, N m / N).

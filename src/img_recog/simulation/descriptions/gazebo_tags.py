@@ -1,7 +1,7 @@
 """The settings that the <gazebo> tags of a URDF give for the drive and the sensors.
 
-camera_tags.py reads those of cameras, description.py reads friction. The rows of each kind of
-sensors are beside its class, as `Tags`.
+drive_tags.py has the rows of drives, camera_tags.py reads those of cameras, description.py
+friction. The rows of each kind of sensors are beside its class, as `Tags`.
 """
 import math
 import xml.etree.ElementTree as ElementTree
@@ -86,14 +86,6 @@ def read(urdf: str, step_s: float, readers: Sequence[Tags]) -> Found:
     return found
 
 
-def has_drive(urdf: str) -> bool:
-    """Return whether a plugin in the <gazebo> tags drives the robot.
-
-    Raises SimulationError when `urdf` is not a URDF.
-    """
-    return any(part.readers for part in _parts(root_of(urdf), [DRIVE]))
-
-
 class _Part(NamedTuple):
     """A plugin or a sensor with its plugin; readers: the numbers of those that read it."""
 
@@ -109,7 +101,7 @@ def _parts(robot: ElementTree.Element, readers: Sequence[Tags]) -> Iterator[_Par
         link = tag.get('reference')
         for plugin in tag.findall('plugin'):
             of_plugin = [number for number, tags in enumerate(readers)
-                         if not tags.needs_sensor and _is_of(plugin, tags)]
+                         if not tags.needs_sensor and is_of(plugin, tags)]
             yield _Part(of_plugin, _label(plugin, 'filename'), link, None, plugin)
         for sensor in tag.findall('sensor'):
             yield from _sensor_parts(sensor, link, readers)
@@ -125,7 +117,7 @@ def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
                if sensor.get('type') in tags.sensors]
     plugins = sensor.findall('plugin')
     number, ours = next(((number, plugin) for number, tags in of_type for plugin in plugins
-                         if _is_of(plugin, tags)), (None, None))
+                         if is_of(plugin, tags)), (None, None))
     # an imu sensor without a plugin publishes nothing: the official burger has one in addition to
     # the plugin that publishes; a ray sensor with a plugin of another kind is a sonar or similar
     if number is None and not plugins:
@@ -139,7 +131,8 @@ def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
             yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)
 
 
-def _is_of(plugin: ElementTree.Element, tags: Tags) -> bool:
+def is_of(plugin: ElementTree.Element, tags: Tags) -> bool:
+    """Return whether a plugin is one of those that have the settings."""
     return any(word in plugin.get('filename', '') for word in tags.plugins)
 
 
@@ -197,14 +190,3 @@ POSITIVE = Reader('a finite number', lambda text: max(_number(text), 0.0) or Non
 # in Hz, for the setting of a period; 0 means "each physics step" in Gazebo; here it leaves the
 # default
 RATE = Reader(*POSITIVE)
-
-DRIVE_PLUGIN = 'gazebo_ros_diff_drive'
-DRIVE = Tags((DRIVE_PLUGIN,), (
-    Row('left_joint', NAME, 'plugin', 'leftJoint'),
-    Row('right_joint', NAME, 'plugin', 'rightJoint'),
-    Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation'),
-    Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter'),
-    # <torque> is the name in the plugin's first versions
-    Row('wheel_torque', NUMBER, 'plugin', 'wheelTorque', 'torque'),
-    Row('wheel_acceleration', NUMBER, 'plugin', 'wheelAcceleration'),
-    Row('command_topic', NAME, 'plugin', 'commandTopic')))

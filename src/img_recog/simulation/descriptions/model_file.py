@@ -6,8 +6,9 @@ from typing import Callable, Sequence
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, check_expanded, parse_xml
-from img_recog.simulation.descriptions import (description, gazebo_tags, names, sdf_file,
+from img_recog.simulation.descriptions import (description, drive_tags, names, sdf_file,
                                                urdf_visuals, world_file)
+from img_recog.simulation.descriptions.drive_controllers import Controllers
 from img_recog.simulation.descriptions.geometry import IDENTITY
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
@@ -15,15 +16,17 @@ from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
 
 _NOWHERE = os.path.join(os.sep, 'model.sdf')        # a text has no folder
+_ANY_STEP_S = 0.001
 _WORLD_LINK = 'world'       # a URDF whose root has that name is fixed to the world
 
 
-def is_robot(text: str) -> bool:
-    """Return whether a model is a robot that drives: a URDF with the plugin of a drive."""
-    try:
-        return gazebo_tags.has_drive(text)
-    except SimulationError:
-        return False        # `read` says what is wrong
+def is_robot(text: str, controllers: Controllers = {}) -> bool:
+    """Return whether a model is a robot that drives: a URDF with the plugin of a drive.
+
+    controllers: those of ros_control that it can have. Raises SimulationError when it is not a
+    URDF.
+    """
+    return drive_tags.find(text, _ANY_STEP_S, controllers) is not None
 
 
 def read(text: str, name: str, find: FindFile,

@@ -3,11 +3,10 @@ from dataclasses import dataclass
 
 from img_recog.settings import Settings, above, setting
 from img_recog.simulation.bodies.robot import JointStates
-from img_recog.simulation.descriptions.gazebo_tags import DRIVE_PLUGIN, RATE, Row, Tags
+from img_recog.simulation.descriptions.gazebo_tags import Tags
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
-# in Gazebo one plugin publishes odometry and joint states
-TAGS = Tags((DRIVE_PLUGIN,), (Row('joint_states_period_s', RATE, 'plugin', 'updateRate'),))
+TAGS = Tags((), ())         # a drive has them
 
 
 @dataclass(frozen=True)

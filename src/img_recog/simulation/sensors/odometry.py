@@ -1,4 +1,4 @@
-"""Odometry: the pose of a robot, from the world or from the turns of its wheels."""
+"""Odometry: the pose of a robot, from the world or from the encoders of its drive."""
 import math
 from dataclasses import dataclass
 
@@ -7,29 +7,20 @@ import numpy as np
 from img_recog import rotations
 from img_recog.settings import Settings, above, any_value, not_empty, one_of, setting
 from img_recog.simulation.bodies.body import Motion
-from img_recog.simulation.descriptions.gazebo_tags import (DRIVE_PLUGIN, FLAG, NAME, RATE, Row,
-                                                           Tags, choice)
+from img_recog.simulation.descriptions.gazebo_tags import Tags
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 WORLD, ENCODER = 'world', 'encoder'
 
-TAGS = Tags((DRIVE_PLUGIN,), (
-    # the numbers are those of OdomSource in the plugin
-    Row('odometry_source', choice('world or encoder', {
-        WORLD: WORLD, '1': WORLD, ENCODER: ENCODER, '0': ENCODER}), 'plugin', 'odometrySource'),
-    Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF'),
-    Row('odom_frame', NAME, 'plugin', 'odometryFrame'),
-    Row('base_frame', NAME, 'plugin', 'robotBaseFrame'),
-    Row('odometry_topic', NAME, 'plugin', 'odometryTopic'),
-    Row('odometry_period_s', RATE, 'plugin', 'updateRate')))
+TAGS = Tags((), ())         # a drive has them
 
 
 @dataclass(frozen=True)
 class OdometrySettings(Settings):
     """Odometry like that of libgazebo_ros_diff_drive.
 
-    odometry_source: world is the true pose in the world, encoder is integrated from the start by
-    the turns of the wheels. odom_frame, base_frame: frame_id and child_frame_id; an empty
+    odometry_source: world is the true pose in the world, encoder is added up from the start by
+    what the drive counts. odom_frame, base_frame: frame_id and child_frame_id; an empty
     base_frame is the root link. publish_odom_tf: whether the pose is published on tf as well.
     odometry_period_s: a multiple of the physics step, in simulated s. 30 Hz does not divide into
     steps of 1 ms: 33 ms is the nearest period that does.
@@ -56,36 +47,42 @@ class WorldOdometry(Sensor):
         return self._robot.motion(self._frame)
 
 
-class WheelOdometry(Sensor):
-    """Integrates the turns of the wheels; the pose is zero at the start and after a reset."""
+class EncoderOdometry(Sensor):
+    """Adds up the way that the drive counts; the pose is zero at the start and after a reset.
+
+    It misses that wheels slip.
+    """
 
     def __init__(self, mount: Mount, settings: OdometrySettings):
-        self._robot, self._period_s = mount.robot, settings.odometry_period_s
-        drive = mount.robot.drive
-        self._radius, self._separation = drive.wheel_diameter / 2, drive.wheel_separation
+        self._robot, self._drive = mount.robot, mount.drive
+        self._period_s = settings.odometry_period_s
         self.restart()
 
     def restart(self) -> None:
         """Set the pose to zero."""
         self._x = self._y = self._yaw = 0.0
-        self._wheels = self._robot.wheel_positions()
+        self.notify_teleported()
+
+    def notify_teleported(self) -> None:
+        """Count on from where the robot is now."""
+        self._encoders = self._drive.encoders(self._robot)
 
     def read(self) -> Motion:
         """Return the motion of the point between the wheels; to be called once a period."""
-        wheels = self._robot.wheel_positions()
-        left, right = ((now - before) * self._radius for now, before in zip(wheels, self._wheels))
-        self._wheels = wheels
-        distance, turn = (left + right) / 2, (right - left) / self._separation
+        before, self._encoders = self._encoders, self._drive.encoders(self._robot)
+        forward, left, turn = self._drive.travelled(before, self._encoders)
         # a chord has the direction of its arc at the middle (Siegwart et al. 2011, 5.2.4)
-        self._x += distance * math.cos(self._yaw + turn / 2)
-        self._y += distance * math.sin(self._yaw + turn / 2)
+        cos, sin = math.cos(self._yaw + turn / 2), math.sin(self._yaw + turn / 2)
+        self._x += forward * cos - left * sin
+        self._y += forward * sin + left * cos
         self._yaw += turn
         return Motion(np.array([self._x, self._y, 0.0]),
                       rotations.of_yaw(self._yaw),
-                      np.array([distance / self._period_s, 0.0, 0.0]),
+                      np.array([forward / self._period_s, left / self._period_s, 0.0]),
                       np.array([0.0, 0.0, turn / self._period_s]))
 
 
 def make_odometry(mount: Mount, settings: OdometrySettings) -> Sensor:
     """Return the odometry for `settings`; SimulationError when base_frame is not a link."""
-    return (WorldOdometry if settings.odometry_source == WORLD else WheelOdometry)(mount, settings)
+    is_world = settings.odometry_source == WORLD
+    return (WorldOdometry if is_world else EncoderOdometry)(mount, settings)

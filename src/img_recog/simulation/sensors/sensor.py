@@ -4,6 +4,7 @@ from typing import Any, Callable, NamedTuple
 
 import numpy as np
 
+from img_recog.simulation.bodies.drive import Drive
 from img_recog.simulation.bodies.robot import SimulatedRobot
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions.gazebo_tags import Tags
@@ -26,12 +27,14 @@ class Sensor(abc.ABC):
 class Mount(NamedTuple):
     """What a sensor is made for.
 
-    robot: its links carry the sensor; noise: the random generator of this sensor alone.
+    robot: its links carry the sensor; noise: the random generator of this sensor alone; drive:
+    of the robot.
     """
 
     robot: SimulatedRobot
     world: World
     noise: np.random.RandomState
+    drive: Drive
 
 
 class SensorKind(NamedTuple):

@@ -7,12 +7,25 @@ from img_recog.simulation.settings import DriveSettings
 RADIUS = 0.033
 
 
-def follow(drive, updates, start=(0.0, 0.0)):
+class Wheels:
+    """A robot with two ideal wheels: they have the velocities that are set, in rad/s."""
+
+    def __init__(self, *velocities):
+        self.velocities = velocities
+
+    def wheel_velocities(self):
+        return self.velocities
+
+    def set_wheel_velocities(self, velocities):
+        self.velocities = tuple(velocities)
+
+
+def follow(drive, updates, start=(0.0, 0.0), robot=None):
     """Return the speeds of the wheel rims after each update, m/s."""
-    velocities, history = start, []
+    robot, history = robot or Wheels(*start), []
     for _ in range(updates):
-        velocities = drive.update(lambda now=velocities: now)
-        history.append(tuple(velocity * RADIUS for velocity in velocities))
+        drive.update(robot)
+        history.append(tuple(velocity * RADIUS for velocity in robot.velocities))
     return history
 
 
@@ -104,10 +117,11 @@ def test_after_the_timeout_the_robot_brakes_with_the_ramp():
 
 def test_new_command_restarts_the_timeout():
     drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, cmd_vel_timeout=0.05))
+    robot = Wheels(0.0, 0.0)
     for _ in range(4):
         drive.command(0.2, 0.0)
-        assert follow(drive, 4) == [pytest.approx((0.2, 0.2))] * 4
-    assert follow(drive, 2) == [pytest.approx((0.2, 0.2)), (0.0, 0.0)]
+        assert follow(drive, 4, robot=robot) == [pytest.approx((0.2, 0.2))] * 4
+    assert follow(drive, 2, robot=robot) == [pytest.approx((0.2, 0.2)), (0.0, 0.0)]
     drive.command(0.1, 0.0)
     assert follow(drive, 1)[-1] == pytest.approx((0.1, 0.1))
 

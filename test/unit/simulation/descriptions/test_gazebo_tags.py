@@ -4,7 +4,8 @@ import os
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.simulation.descriptions.gazebo_tags import DRIVE, read
+from img_recog.simulation.descriptions.drive_tags import DIFF_DRIVE
+from img_recog.simulation.descriptions.gazebo_tags import read
 from img_recog_testing.refusals import refusal
 
 OURS = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..', '..', 'urdf',
@@ -81,7 +82,7 @@ def imu_sensor(inside, noise='', rate='100'):
 
 
 def found(urdf, step_s=0.001):
-    return read(urdf, step_s, (DRIVE, *(kind.tags for kind in SENSORS)))
+    return read(urdf, step_s, (DIFF_DRIVE.tags, *(kind.tags for kind in SENSORS)))
 
 
 def overrides(urdf, step_s=0.001):

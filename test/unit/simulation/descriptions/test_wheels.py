@@ -1,10 +1,13 @@
 """The separation and diameter of the wheels of a URDF."""
+import xml.etree.ElementTree as ElementTree
+
 import pytest
 
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import description, wheels
 from img_recog.simulation.descriptions.wheels import Wheels
 from img_recog.simulation.settings import DriveSettings
+from img_recog_testing import wheeled
 from img_recog_testing.robots import assemble, burger, read
 
 COLLISION = '<collision>\n      <geometry><cylinder radius="0.033" length="0.018"/></geometry>'
@@ -91,6 +94,74 @@ def test_unknown_joints_have_nothing_to_measure(joints):
         'will move at another speed than commanded',))])
 def test_a_contradiction_is_a_warning(settings, lines):
     assert assemble(drive=DriveSettings(**settings)).warnings == lines
+
+
+NOT_MEASURED = ('robot.urdf: the URDF does not state the diameter of the wheels, and it cannot be '
+                'measured: 0.066 m is assumed; if that is wrong, set the parameter wheel_diameter')
+DIFF_DRIVE = {'leftJoint': 'left_0_joint', 'rightJoint': 'right_0_joint'}
+
+
+def with_mesh(tmp_path, text, shape='<mesh filename="wheel"/>', **tags):
+    """Return the diameter, the separation and the lines about the wheels of a robot."""
+    path = str(tmp_path / 'wheel.obj')
+    with open(path, 'w') as file:
+        file.write(text)
+    built = wheeled.assembled(wheeled.robot(
+        wheeled.plugin('gazebo_ros_diff_drive', **DIFF_DRIVE, **tags), shape=shape),
+        find_mesh=lambda uri: path)
+    drive = built.simulator.vehicles[0].settings.drive
+    return drive.wheel_diameter, drive.wheel_separation, [
+        line for line in built.warnings if 'wheel_' in line]
+
+
+def test_the_radius_of_a_mesh_is_measured_about_the_axis_of_its_joint(tmp_path):
+    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08)) == (0.16, 0.4, [])
+    assert with_mesh(tmp_path, wheeled.wheel_mesh(80, width=50), shape=(
+        '<mesh filename="wheel" scale="0.001 0.001 0.001"/>')) == (0.16, 0.4, [])
+
+
+@pytest.mark.parametrize('middle', [(0.05, 0.0), (0.0, -0.3)])
+def test_what_is_no_wheel_about_the_axis_cannot_be_measured(tmp_path, middle):
+    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08, middle)) == (0.066, 0.4, [NOT_MEASURED])
+
+
+def test_a_diameter_that_is_given_needs_no_measurement(tmp_path):
+    given = {'wheelDiameter': '0.15'}
+    assert with_mesh(tmp_path, wheeled.wheel_mesh(0.08, (0.3, 0)), **given) == (0.15, 0.4, [])
+    diameter, _, lines = with_mesh(tmp_path, wheeled.wheel_mesh(0.08), wheelDiameter='0.12')
+    assert (diameter, len(lines)) == (0.12, 1)
+    assert 'wheel_diameter is 0.12 m, but in the URDF it is 0.16 m' in lines[0]
+
+
+def test_a_wheel_without_a_collision_shape_is_measured_at_what_is_seen():
+    urdf = burger().replace(COLLISION, COLLISION.replace('0.033', '0.04'))
+    for side in ('left', 'right'):
+        assert measure(without_collision(urdf, 'wheel_{}_link'.format(side))).wheel_separation
+    bare = without_collision(without_collision(urdf, 'wheel_left_link'), 'wheel_right_link')
+    assert measure(bare) == Wheels(0.16, 0.066)
+
+
+def without_collision(urdf, name):
+    root = ElementTree.fromstring(urdf)
+    link = next(each for each in root.findall('link') if each.get('name') == name)
+    for shape in link.findall('collision'):
+        link.remove(shape)
+    return ElementTree.tostring(root, 'unicode')
+
+
+@pytest.mark.parametrize('rows', [(0.15, -0.15), (0.2, 0.0, -0.2)])
+def test_several_wheels_on_a_side(rows):
+    names = {side: ', '.join('{}_{}_joint'.format(side, row) for row in range(len(rows)))
+             for side in ('left', 'right')}
+    robot = description.parse(wheeled.robot(rows=rows, separation=0.5, radius=0.08))
+    drive = DriveSettings(left_joint=names['left'], right_joint=names['right'])
+    assert wheels.measure(robot, drive) == Wheels(0.5, 0.16)
+    drive = DriveSettings(left_joint=names['right'], right_joint=names['left'])
+    assert wheels.measure(robot, drive) == Wheels(0.5, 0.16, swapped=True)
+
+
+def test_a_base_that_moves_itself_has_no_wheels():
+    assert measure(burger(), drive='planar') == Wheels()
 
 
 def test_a_wide_robot_turns_as_commanded():

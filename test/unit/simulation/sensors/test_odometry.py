@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from img_recog.settings import SettingError
-from img_recog.simulation.sensors.odometry import OdometrySettings, WheelOdometry
+from img_recog.simulation.bodies.drives import make_drive
+from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog.simulation.settings import DriveSettings, SimulationError
 from img_recog_testing.robots import simulator
@@ -89,8 +90,8 @@ def test_encoder_follows_an_arc(speed, turn):
 class Wheels:
     """A robot of which there is only how far its wheels have turned, in rad."""
 
-    def __init__(self, left, right, drive):
-        self.turned, self.drive = [left, right], drive
+    def __init__(self, left, right, settings):
+        self.turned, self.settings = [left, right], settings
 
     def wheel_positions(self):
         return tuple(self.turned)
@@ -98,14 +99,16 @@ class Wheels:
     def roll(self, distance, turn):
         """Turn the wheels as if the robot drove on an arc: m, rad."""
         for wheel, side in enumerate((-1, 1)):
-            rim = distance + side * turn * self.drive.wheel_separation / 2
-            self.turned[wheel] += rim / (self.drive.wheel_diameter / 2)
+            rim = distance + side * turn * self.settings.wheel_separation / 2
+            self.turned[wheel] += rim / (self.settings.wheel_diameter / 2)
 
 
 @pytest.mark.parametrize('radius', [0.5, -0.5])
 def test_encoder_counts_a_circle_exactly_where_no_wheel_slips(radius):
-    wheels = Wheels(7.0, -3.0, DriveSettings(wheel_separation=0.2, wheel_diameter=0.1))
-    odometry = WheelOdometry(Mount(wheels, None, None), OdometrySettings(odometry_period_s=0.05))
+    settings = DriveSettings(wheel_separation=0.2, wheel_diameter=0.1)
+    wheels = Wheels(7.0, -3.0, settings)
+    odometry = EncoderOdometry(Mount(wheels, None, None, make_drive(settings)),
+                               OdometrySettings(odometry_period_s=0.05))
     places = []
     for _ in range(400):
         turn = math.copysign(2 * math.pi / 400, radius)

@@ -1,0 +1,35 @@
+"""Reads the parameters of the controllers of ros_control that a robot can have."""
+from typing import Any, Dict, Mapping
+
+import rospy
+
+from img_recog.nodes.gazebo.names import Names
+from img_recog.ros import parameters
+from img_recog.simulation.descriptions import drive_tags
+from img_recog.simulation.descriptions.drive_controllers import Controllers
+
+
+def read(urdf: str, names: Names) -> Controllers:
+    """Return the parameters of controllers, by the names that these have in the robot's namespace.
+
+    They are on the parameter server in the namespace of the plugin in the text of the URDF, below
+    that of the robot, or for all robots below that of this node. Which of them a controller
+    manager would start is not known.
+    Raises SimulationError when `urdf` is not a URDF.
+    """
+    inner = drive_tags.control_namespace(urdf)
+    if inner is None:
+        return {}
+    if inner == names.namespace:
+        inner = ''
+    found: Dict[str, Mapping[str, Any]] = {}
+    for namespace in (_joined(names.namespace, inner), inner):
+        values = parameters.value(rospy.get_namespace() + namespace)
+        for name, value in sorted(values.items() if isinstance(values, dict) else ()):
+            if isinstance(value, dict) and '/' in str(value.get('type', '')):
+                found.setdefault(_joined(inner, name), value)
+    return found
+
+
+def _joined(*names: str) -> str:
+    return '/'.join(filter(None, names))

@@ -1,0 +1,141 @@
+"""The drives that the plugins of a URDF stand for: a row each.
+
+drive_controllers.py has those of controllers of ros_control.
+"""
+from typing import NamedTuple, Optional, Tuple
+
+from img_recog.simulation.descriptions import drive_controllers
+from img_recog.simulation.descriptions.description import root_of
+from img_recog.simulation.descriptions.drive_controllers import Controllers
+from img_recog.simulation.descriptions.gazebo_tags import (FLAG, NAME, NUMBER, POSITIVE, RATE, Row,
+                                                           Tags, Values, choice, is_of)
+from img_recog.simulation.settings import PLANAR
+
+_WORLD, _ENCODER = 'world', 'encoder'
+_TOPICS = (
+    Row('command_topic', NAME, 'plugin', 'commandTopic'),
+    Row('odometry_topic', NAME, 'plugin', 'odometryTopic'),
+    Row('odom_frame', NAME, 'plugin', 'odometryFrame'),
+    Row('base_frame', NAME, 'plugin', 'robotBaseFrame'))
+# in Gazebo one plugin publishes odometry and joint states
+_UPDATE_RATE = (
+    Row('odometry_period_s', RATE, 'plugin', 'updateRate'),
+    Row('joint_states_period_s', RATE, 'plugin', 'updateRate'))
+_CORNERS = {'left_joint': ('leftFrontJoint', 'leftRearJoint'),
+            'right_joint': ('rightFrontJoint', 'rightRearJoint')}
+
+
+class DrivePlugin(NamedTuple):
+    """A row: tags: of the plugin; defaults: settings that hold where these have none."""
+
+    tags: Tags
+    defaults: Values = {}
+
+
+class DriveSource(NamedTuple):
+    """What says how a robot is driven.
+
+    tags: of the plugin, to be read with those of the sensors; defaults: settings that hold where
+    these have none; problems: what of it is not simulated.
+    """
+
+    tags: Tags
+    defaults: Values = {}
+    problems: Tuple[str, ...] = ()
+
+    def settings(self, values: Values) -> Values:
+        """Return the settings by name; values: those in the tags."""
+        return _with_corners({**self.defaults, **values})
+
+
+DIFF_DRIVE = DrivePlugin(Tags(('gazebo_ros_diff_drive',), (
+    Row('left_joint', NAME, 'plugin', 'leftJoint'),
+    Row('right_joint', NAME, 'plugin', 'rightJoint'),
+    Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation'),
+    Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter'),
+    # <torque> is the name in the plugin's first versions
+    Row('wheel_torque', NUMBER, 'plugin', 'wheelTorque', 'torque'),
+    Row('wheel_acceleration', NUMBER, 'plugin', 'wheelAcceleration'),
+    # the numbers are those of OdomSource in the plugin
+    Row('odometry_source', choice('world or encoder', {
+        _WORLD: _WORLD, '1': _WORLD, _ENCODER: _ENCODER, '0': _ENCODER}), 'plugin',
+        'odometrySource'),
+    Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF'), *_TOPICS, *_UPDATE_RATE)))
+
+PLUGINS = (
+    DIFF_DRIVE,
+    DrivePlugin(Tags(('gazebo_ros_skid_steer_drive',), (
+        *(Row(corner, NAME, 'plugin', corner) for pair in _CORNERS.values() for corner in pair),
+        Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation'),
+        Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter'),
+        Row('wheel_torque', NUMBER, 'plugin', 'torque'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'broadcastTF'), *_TOPICS, *_UPDATE_RATE)),
+        # the names of the plugin
+        {'leftFrontJoint': 'left_front_joint', 'leftRearJoint': 'left_rear_joint',
+         'rightFrontJoint': 'right_front_joint', 'rightRearJoint': 'right_rear_joint',
+         'wheel_torque': 5.0, 'wheel_acceleration': 0.0, 'publish_odom_tf': False}),
+    DrivePlugin(Tags(('gazebo_ros_planar_move',), (
+        Row('odometry_period_s', RATE, 'plugin', 'odometryRate'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publishTF'),
+        Row('cmd_vel_timeout', POSITIVE, 'plugin', 'cmdTimeout'), *_TOPICS)),
+        {'drive': PLANAR, 'odometry_period_s': 0.05}),
+    # of hector_gazebo_plugins, and those that others derived from it
+    DrivePlugin(Tags(('force_based_move',), (
+        Row('odometry_period_s', RATE, 'plugin', 'odometryRate'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publishOdometryTf'),
+        Row('cmd_vel_timeout', POSITIVE, 'plugin', 'cmdVelTimeOut', 'commandWatchdog'), *_TOPICS)),
+        {'drive': PLANAR, 'odometry_period_s': 0.05, 'odometry_source': _ENCODER}),
+    # of kobuki_gazebo_plugins; its frames and topics are in its code
+    DrivePlugin(Tags(('gazebo_ros_kobuki',), (
+        Row('left_joint', NAME, 'plugin', 'left_wheel_joint_name'),
+        Row('right_joint', NAME, 'plugin', 'right_wheel_joint_name'),
+        Row('wheel_separation', NUMBER, 'plugin', 'wheel_separation'),
+        Row('wheel_diameter', NUMBER, 'plugin', 'wheel_diameter'),
+        Row('wheel_torque', NUMBER, 'plugin', 'torque'),
+        Row('cmd_vel_timeout', POSITIVE, 'plugin', 'velocity_command_timeout'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publish_tf'))),
+        {'wheel_acceleration': 0.0, 'odometry_source': _ENCODER, 'publish_odom_tf': False,
+         'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}))
+
+_CONTROL = Tags(('gazebo_ros_control', 'fetch_gazebo_plugin'), ())     # run controllers
+
+
+def find(urdf: str, step_s: float, controllers: Controllers = {}) -> Optional[DriveSource]:
+    """Return what says how the robot of a URDF's text is driven, None if nothing does.
+
+    step_s: of the physics. controllers: those of ros_control that the robot can have. A plugin
+    that drives by itself counts more than a controller; of two, the first counts.
+    Raises SimulationError when `urdf` is not a URDF, or a controller has a wrong value.
+    """
+    robot = root_of(urdf)
+    for plugin in robot.findall('gazebo/plugin'):
+        for row in PLUGINS:
+            if is_of(plugin, row.tags):
+                return DriveSource(row.tags, row.defaults)
+    found = None
+    if control_namespace(urdf) is not None:
+        found = drive_controllers.find(robot, controllers, step_s)
+    return found and DriveSource(_CONTROL, found.values, found.problems)
+
+
+def control_namespace(urdf: str) -> Optional[str]:
+    """Return the namespace of the controllers of ros_control, None if a robot has none.
+
+    It has no slashes at the ends, and is '' where it is that of the robot.
+    Raises SimulationError when `urdf` is not a URDF.
+    """
+    for plugin in root_of(urdf).findall('gazebo/plugin'):
+        if is_of(plugin, _CONTROL):
+            return plugin.findtext('robotNamespace', '').strip().strip('/')
+    return None
+
+
+def _with_corners(values: Values) -> Values:
+    """Return settings with the joints of the front and the rear wheels together."""
+    kept = {name: value for name, value in values.items()
+            if not any(name in pair for pair in _CORNERS.values())}
+    for side, pair in _CORNERS.items():
+        names = [str(values[corner]) for corner in pair if corner in values]
+        if names:
+            kept[side] = ', '.join(dict.fromkeys(names))
+    return kept

@@ -1,0 +1,163 @@
+"""What the plugins of a URDF, and the parameters of controllers, say about the drive."""
+import pytest
+
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import drive_tags
+from img_recog_testing.refusals import refusal
+from img_recog_testing.wheeled import controllers, plugin, robot, source
+
+CORNERS = {'leftFrontJoint': 'left_0_joint', 'leftRearJoint': 'left_1_joint',
+           'rightFrontJoint': 'right_0_joint', 'rightRearJoint': 'right_1_joint'}
+CONTROL = plugin('gazebo_ros_control')
+JOINT_STATES = {'type': 'joint_state_controller/JointStateController', 'publish_rate': 20}
+ARM = {'type': 'position_controllers/JointPositionController', 'joint': 'elbow'}
+LIMITS = {'has_velocity_limits': True, 'max_velocity': 1.0, 'min_velocity': -0.5,
+          'has_acceleration_limits': False, 'max_acceleration': 2.0}
+
+
+def values(*elements, given=()):
+    """Return the settings that a URDF gives."""
+    return source(robot(''.join(elements), rows=(0.15, -0.15)), given).tag_values
+
+
+def differing(found, **wanted):
+    return {name: found.get(name) for name in wanted if found.get(name) != wanted[name]}
+
+
+def test_skid_steering():
+    found = values(plugin(
+        'gazebo_ros_skid_steer_drive', **CORNERS, wheelSeparation='0.5', wheelDiameter='0.2',
+        torque='20', commandTopic='/robot/cmd_vel', odometryTopic='odometry', updateRate='50',
+        odometryFrame='/map', robotBaseFrame='/base_link', broadcastTF='1'))
+    assert not differing(
+        found, left_joint='left_0_joint, left_1_joint', wheel_separation=0.5, wheel_diameter=0.2,
+        right_joint='right_0_joint, right_1_joint', wheel_torque=20.0, wheel_acceleration=0.0,
+        command_topic='robot/cmd_vel', odometry_topic='odometry', odometry_period_s=0.02,
+        joint_states_period_s=0.02, odom_frame='map', base_frame='base_link',
+        publish_odom_tf=True)
+
+
+def test_skid_steering_by_what_the_plugin_assumes():
+    found = values(plugin('gazebo_ros_skid_steer_drive'))
+    assert not differing(
+        found, left_joint='left_front_joint, left_rear_joint', publish_odom_tf=False,
+        right_joint='right_front_joint, right_rear_joint', wheel_torque=5.0)
+
+
+@pytest.mark.parametrize('library, more, wanted', [
+    ('gazebo_ros_planar_move', {'odometryRate': '50', 'cmdTimeout': '-1'},
+     {'odometry_period_s': 0.02, 'odometry_source': None, 'cmd_vel_timeout': None}),
+    ('gazebo_ros_planar_move', {'cmdTimeout': '0.5'},
+     {'odometry_period_s': 0.05, 'cmd_vel_timeout': 0.5}),
+    ('hector_gazebo_ros_force_based_move', {'publishOdometryTf': '0', 'cmdVelTimeOut': '0.25'},
+     {'odometry_source': 'encoder', 'publish_odom_tf': False, 'cmd_vel_timeout': 0.25})])
+def test_bases_that_move_themselves(library, more, wanted):
+    found = values(plugin(library, commandTopic='go', odometryFrame='map', **more))
+    assert not differing(found, drive='planar', command_topic='go', odom_frame='map', **wanted)
+
+
+def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():
+    planar, skid = plugin('gazebo_ros_planar_move'), plugin('gazebo_ros_skid_steer_drive')
+    assert values(planar, skid)['drive'] == 'planar' and 'drive' not in values(skid, planar)
+    assert values(CONTROL, planar, given=controllers())['drive'] == 'planar'
+
+
+def test_a_controller_by_what_it_assumes():
+    found = values(CONTROL, given=controllers(2))
+    assert not differing(
+        found, left_joint='left_0_joint, left_1_joint', wheel_separation=None,
+        right_joint='right_0_joint, right_1_joint', wheel_diameter=None, wheel_acceleration=0.0,
+        wheel_separation_multiplier=1.0, odometry_source='encoder', odometry_period_s=0.02,
+        base_frame='base_link', odom_frame='odom', publish_odom_tf=True, cmd_vel_timeout=0.5,
+        command_topic='base/cmd_vel', odometry_topic='base/odom', stamped_commands=False,
+        max_linear_velocity=None)
+
+
+def test_a_controller_with_its_parameters():
+    given = controllers(
+        left_wheel='left_0_joint', wheel_separation=0.3, wheel_separation_multiplier=1.5,
+        wheel_radius=0.05, wheel_radius_multiplier=1.1, left_wheel_radius_multiplier=1.2,
+        publish_rate=100, base_frame_id='/base', odom_frame_id='map', enable_odom_tf=False,
+        cmd_vel_timeout=0.25, use_stamped_vel=True,
+        linear={'x': LIMITS}, angular={'z': {**LIMITS, 'has_velocity_limits': False,
+                                             'has_acceleration_limits': True}})
+    found = values(CONTROL, given={**given, 'joints': JOINT_STATES})
+    assert not differing(
+        found, left_joint='left_0_joint', wheel_separation=0.3, wheel_separation_multiplier=1.5,
+        wheel_diameter=0.1, left_wheel_radius_multiplier=1.2, right_wheel_radius_multiplier=1.1,
+        odometry_period_s=0.01, joint_states_period_s=0.05, base_frame='base', odom_frame='map',
+        publish_odom_tf=False, cmd_vel_timeout=0.25, stamped_commands=True,
+        max_linear_velocity=1.0, min_linear_velocity=-0.5, max_linear_acceleration=None,
+        max_angular_velocity=None, max_angular_acceleration=2.0)
+
+
+@pytest.mark.parametrize('effort, torque', [
+    ('<limit effort="7.5" velocity="10"/>', 7.5), ('', 1e6), ('<limit velocity="1"/>', 1e6)])
+def test_the_torque_is_the_limit_of_the_joint(effort, torque):
+    urdf = robot(CONTROL).replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/>' + effort)
+    assert source(urdf, controllers()).tag_values['wheel_torque'] == torque
+
+
+def test_of_another_robots_controllers_none_is_used():
+    others = {'other': {**controllers()['base'], 'left_wheel': 'left', 'right_wheel': ['right']}}
+    found = values(CONTROL, given={**others, **controllers()})
+    assert found['command_topic'] == 'base/cmd_vel'
+
+
+@pytest.mark.parametrize('given', [{}, {'base': controllers()['base']}])
+def test_no_controller_without_the_plugin_that_runs_them(given):
+    assert 'left_joint' not in values(given=given)
+
+
+def test_mecanum_wheels_are_a_base_that_moves_itself():
+    corners = {name + '_wheel_joint': joint for name, joint in (
+        ('front_left', 'left_0_joint'), ('front_right', 'right_0_joint'),
+        ('back_left', 'left_1_joint'), ('back_right', 'right_1_joint'))}
+    found = values(CONTROL, given={'base': {
+        'type': 'mecanum_drive_controller/MecanumDriveController', **corners}})
+    assert not differing(found, drive='planar', command_topic='base/cmd_vel')
+
+
+@pytest.mark.parametrize('parameters, wanted', [
+    ({'wheel_radius': 'large'}, "parameter base/wheel_radius: got 'large', expected a finite num"),
+    ({'left_wheel': 3}, 'parameter base/left_wheel: got 3, expected the name of a joint, or a li'),
+    ({'right_wheel': []}, 'parameter base/right_wheel: got [], expected the name of a joint'),
+    ({'linear': {'x': {'has_velocity_limits': True, 'max_velocity': [1]}}},
+     'parameter base/linear/x/max_velocity: got [1], expected a finite number')])
+def test_refuses_parameters_by_their_names(parameters, wanted):
+    line = refusal(source, robot(CONTROL), controllers(**parameters))
+    assert line.startswith('cannot use the robot in robot.urdf: ' + wanted)
+
+
+def test_what_else_is_controlled_is_a_warning():
+    jerky = controllers(linear={'x': {'has_jerk_limits': True}})
+    read = source(robot(CONTROL), {**jerky, 'joints': JOINT_STATES, 'arm': ARM})
+    assert read.warnings[-1].endswith(
+        'not simulated, of its <gazebo> tags: jerk limits of controller base, controller arm '
+        '(position_controllers/JointPositionController)')
+
+
+@pytest.mark.parametrize('elements, given, wanted', [
+    (CONTROL, {}, 'it has: plugin libgazebo_ros_control.so;'),
+    (CONTROL, {'car': {'type': 'ackermann_steering_controller/AckermannSteeringController'}},
+     'controller car (ackermann_steering_controller/AckermannSteeringController);'),
+    (CONTROL, {'base': {**controllers()['base'], 'left_wheel': 'l'}},
+     'controller base (diff_drive_controller/DiffDriveController of joints that the robot does '
+     'not have);'),
+    (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;')])
+def test_a_robot_without_a_drive_that_is_simulated_is_refused_in_one_line(elements, given, wanted):
+    line = refusal(assembly.default_settings, source(robot(elements), given))
+    assert 'cannot use the robot in robot.urdf: no drive that is simulated; it has: ' in line
+    assert wanted in line and 'set left_joint and right_joint' in line
+    assert 'diff_drive_controller/DiffDriveController' in line.split(';', 2)[2]
+
+
+@pytest.mark.parametrize('namespace, wanted', [
+    ('', ''), ('/', ''), ('/husky/', 'husky'), (' a/b ', 'a/b')])
+def test_the_namespace_of_controllers(namespace, wanted):
+    assert drive_tags.control_namespace(robot(
+        plugin('gazebo_ros_control', robotNamespace=namespace))) == wanted
+
+
+def test_no_namespace_where_there_are_no_controllers():
+    assert drive_tags.control_namespace(robot(plugin('gazebo_ros_planar_move'))) is None
