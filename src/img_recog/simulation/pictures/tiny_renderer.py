@@ -1,12 +1,15 @@
 """Images by PyBullet's TinyRenderer, which needs no OpenGL: slow, and without shadows."""
 import math
 import os
+import tempfile
 from typing import Any, List, Tuple
 
 import numpy as np
 import pybullet
 
-from img_recog import rotations
+from img_recog import mesh_file, rotations
+from img_recog.errors import one_line
+from img_recog.mesh_file import MeshError
 from img_recog.simulation.bodies.loading import connect
 from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.visuals import (BODY_TO_OPENGL, BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape,
@@ -30,20 +33,19 @@ class TinyRenderer:
         self._light = scene.light
         self._bodies: List[Tuple[int, np.ndarray, int]] = []
         self._missing: List[str] = []
-        for visual in scene.visuals:
-            # PyBullet shows nothing in place of a mesh that it cannot read, and logs why
-            if self._has_file(visual.shape.path):
-                self._bodies.append((visual.part, visual.pose, self._load(visual)))
+        with tempfile.TemporaryDirectory(prefix='img_recog_') as folder:
+            for visual in scene.visuals:
+                try:
+                    body_id = self._load(visual, folder)
+                except MeshError as error:
+                    self._miss(one_line(error))
+                else:
+                    self._bodies.append((visual.part, visual.pose, body_id))
         return self._missing
 
-    def _has_file(self, path: str) -> bool:
-        """Return whether a file can be opened; '' is for none."""
-        line = 'there is no file ' + path
-        if not path or os.path.isfile(path):
-            return True
+    def _miss(self, line: str) -> None:
         if line not in self._missing:
             self._missing.append(line)
-        return False
 
     def draw(self, camera: Any, camera_pose: np.ndarray, poses: np.ndarray,
              ceiling: float = math.inf) -> np.ndarray:
@@ -92,17 +94,23 @@ class TinyRenderer:
         return (np.reshape(drawn[2], (*shape, 4)).astype(np.uint8)[:, :, :3].copy(),
                 np.reshape(drawn[3], shape).astype(np.float32))
 
-    def _load(self, visual: Visual) -> int:
-        """Return the id of a body that shows a visual."""
-        material = visual.material or Material()
+    def _load(self, visual: Visual, folder: str) -> int:
+        """Return the id of a body that shows a visual; folder: for the files of meshes."""
+        material, shape = visual.material or Material(), visual.shape
+        if shape.path:
+            # PyBullet would show nothing in place of what it cannot read
+            shape = shape._replace(path=mesh_file.write(
+                shape.path, tempfile.mkdtemp(dir=folder), materials=True, submesh=shape.submesh))
         shape_id = pybullet.createVisualShape(
             rgbaColor=material.color, specularColor=(0, 0, 0), physicsClientId=self._client,
-            **_options(visual.shape))
+            **_options(shape))
         body_id = pybullet.createMultiBody(0, -1, shape_id, physicsClientId=self._client)
-        if material.texture and self._has_file(material.texture):
+        if material.texture and os.path.isfile(material.texture):
             texture_id = pybullet.loadTexture(material.texture, physicsClientId=self._client)
             pybullet.changeVisualShape(body_id, -1, textureUniqueId=texture_id,
                                        physicsClientId=self._client)
+        elif material.texture:
+            self._miss('there is no file ' + material.texture)
         return body_id
 
 

@@ -90,7 +90,8 @@ def test_what_cannot_be_read_is_named_and_the_rest_is_drawn(tmp_path):
     assert renderer.load(scene(
         visual(Shape(MESH, (1, 1, 1), mesh), at(3, 0, 0)),
         visual(Shape(BOX, (1, 1, 1)), at(3, 0, 0), (1.0, 0.0, 0.0, 1.0), texture=texture)),
-        POSES) == ['there is no file ' + mesh, 'there is no file ' + texture]
+        POSES) == ['cannot read the mesh {}: No such file or directory; give a DAE, OBJ or STL '
+                   'file that is complete'.format(mesh), 'there is no file ' + texture]
     red, green, blue = renderer.draw(CAMERA, at(0, 0, 0), POSES)[60, 80].tolist()
     assert red > 150 and green == blue == 0
 
