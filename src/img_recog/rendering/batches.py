@@ -9,29 +9,32 @@ from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError, Triangles
 from img_recog.rendering import patterns, shaders, triangles
 from img_recog.rendering.file_cache import FileCache
-from img_recog.visuals import BOX, CYLINDER, PLANE, SPHERE, Shape, Visual, VisualScene
+from img_recog.visuals import PLANE, Shape, Visual, VisualScene
 
 _FLOOR_COLOR = (0.7, 0.7, 0.7, 1.0)
 _FLOOR_SIZE_M = 400.0
-_CLOSED = BOX, CYLINDER, SPHERE         # of which one never sees the inside; a mesh may be open
 _NO_TEXTURE = -1
 _WHITE = (1.0, 1.0, 1.0)
 _VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
                     ('color', 'u1', 4)])
 
-# what the triangles of a batch have in common: transparent, part or -1, texture or -1, closed
-_Key = Tuple[bool, int, int, bool]
+# what the triangles of a batch have in common: transparent, part or -1, texture or -1
+_Key = Tuple[bool, int, int]
 
 
 class Batch(NamedTuple):
-    """Triangles that are drawn at once: of one texture, and of one moving part or all static ones.
+    """Triangles that are drawn alike: of one texture, and of one moving part or all static ones.
 
-    part: the number of the moving part, -1 for static ones; texture: None for colors alone, with
-    an alpha channel if the triangles are only seen where it is opaque;
-    flags: what moderngl's `enable_only` gets; shaded, depth: drawn by the programs of those names.
+    They are those of some visuals, one after the other. part: the number of the moving part, -1
+    for static ones; boxes (k,): the numbers of the visuals' bounds; ends (k + 1,): the corners
+    before each visual, and all; texture: None for colors alone, with an alpha channel
+    if the triangles are only seen where it is opaque; flags: what moderngl's `enable_only` gets;
+    shaded, depth: drawn by the programs of those names.
     """
 
     part: int
+    boxes: np.ndarray
+    ends: np.ndarray
     texture: Optional[moderngl.Texture]
     is_transparent: bool
     flags: int
@@ -41,6 +44,13 @@ class Batch(NamedTuple):
     def model(self, models: np.ndarray) -> np.ndarray:
         """Return its transform (4, 4) to the world; models (n, 4, 4): those of all parts."""
         return models[self.part] if self.part >= 0 else np.eye(4)
+
+    def render(self, array: moderngl.VertexArray, is_seen: np.ndarray) -> None:
+        """Draw what is seen; array: `shaded` or `depth`; is_seen (n,): of the bounds of all."""
+        steps = np.diff(is_seen[self.boxes].astype(np.int8), prepend=0, append=0)
+        begins, ends = self.ends[steps == 1].tolist(), self.ends[steps == -1].tolist()
+        for begin, end in zip(begins, ends):
+            array.render(vertices=end - begin, first=begin)
 
 
 class Bounds(NamedTuple):
@@ -93,21 +103,20 @@ class Loader:
         self._missing = []
         old_textures, self._textures = self._textures, {}
         bounds: List[Bounds] = []
-        grouped: Dict[_Key, List[np.ndarray]] = {}
+        grouped: Dict[_Key, List[Tuple[int, np.ndarray]]] = {}
         for visual in scene.visuals:
             is_moving = scene.moving[visual.part]
             pose = visual.pose if is_moving else models[visual.part] @ visual.pose
             part = visual.part if is_moving else -1
             for corners, image, is_transparent in self._vertices(visual, pose):
+                key = (is_transparent, part, self._texture(image, old_textures))
+                grouped.setdefault(key, []).append((len(bounds), corners))
                 bounds.append(Bounds(part, corners['position'].min(axis=0),
                                      corners['position'].max(axis=0)))
-                key = (is_transparent, part, self._texture(image, old_textures),
-                       visual.shape.kind in _CLOSED)
-                grouped.setdefault(key, []).append(corners)
         self._meshes.forget_unused()
         self._images.forget_unused()
         self._cutouts.forget_unused()
-        batches = [self._batch(key, np.concatenate(grouped[key])) for key in sorted(grouped)]
+        batches = [self._batch(key, *zip(*grouped[key])) for key in sorted(grouped)]
         return Loaded(batches, bounds, self._floor() if scene.light.floor else None, self._missing)
 
     def _vertices(self, visual: Visual, pose: np.ndarray
@@ -157,27 +166,28 @@ class Loader:
         if problem and problem not in self._missing:
             self._missing.append(problem)
 
-    def _batch(self, key: _Key, corners: np.ndarray) -> Batch:
-        is_transparent, part, texture, is_closed = key
+    def _batch(self, key: _Key, boxes: Sequence[int], corners: Sequence[np.ndarray]) -> Batch:
+        is_transparent, part, texture = key
+        image = self._textures[texture][1] if texture != _NO_TEXTURE else None
         flags = moderngl.DEPTH_TEST
         if is_transparent:
             flags |= moderngl.BLEND
-        elif is_closed:
-            flags |= moderngl.CULL_FACE
-        buffer = self._context.buffer(corners.tobytes())
-        image = self._textures[texture][1] if texture != _NO_TEXTURE else None
+        elif image is None or image.components == 3:
+            flags |= moderngl.CULL_FACE     # like in Gazebo; leaves that are cut out have no back
+        buffer = self._context.buffer(np.concatenate(corners))
         shaded = (
             self._context.vertex_array(self.plain, [
                 (buffer, '3f 3f 8x 4f1', 'position', 'normal', 'color')])
             if image is None else self._context.vertex_array(self.textured, [
                 (buffer, '3f 3f 2f 4f1', 'position', 'normal', 'uv', 'color')]))
         depth = self._context.vertex_array(self.depth, [(buffer, '3f 24x', 'position')])
-        return Batch(part, image, is_transparent, flags, shaded, depth)
+        ends = np.cumsum([0, *map(len, corners)])
+        return Batch(part, np.array(boxes, int), ends, image, is_transparent, flags, shaded, depth)
 
     def _floor(self) -> Batch:
         part, = triangles.of_shape(Shape(PLANE, (_FLOOR_SIZE_M, _FLOOR_SIZE_M)))
-        return self._batch((False, -1, _NO_TEXTURE, False),
-                           _corners(part, np.eye(4), _FLOOR_COLOR))
+        return self._batch((False, -1, _NO_TEXTURE), [0],
+                           [_corners(part, np.eye(4), _FLOOR_COLOR)])
 
     def _texture(self, image: Optional[np.ndarray],
                  old: Dict[int, Tuple[np.ndarray, moderngl.Texture]]) -> int:

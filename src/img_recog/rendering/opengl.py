@@ -84,12 +84,11 @@ class Renderer:
                 self._context.enable_direct(_CLIP_DISTANCE1)
             target.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=coverage.around(
                 rectangles[is_seen], camera.width, camera.height))
-            parts = set(self._boxes.parts[is_seen])
-            self._render([batch for batch in self._opaque if batch.part in parts], models)
+            self._render(self._opaque, models, is_seen)
             # the colors of the samples are multiplied with their opacity already
             self._context.blend_func = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA,
                                         moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
-            self._render([batch for batch in self._transparent if batch.part in parts], models)
+            self._render(self._transparent, models, is_seen)
             self._context.disable_direct(_CLIP_DISTANCE1)
             target.resolve(self._context, coverage.runs(rectangles[is_seen], camera.width,
                                                         camera.height))
@@ -116,11 +115,15 @@ class Renderer:
         target.depths.use()
         target.depths.clear(depth=1.0)
         to_clip = _projection(camera) @ matrices.view(camera_pose)
-        floor = [] if self._floor is None else [self._floor]
-        for batch in [*self._opaque, *self._transparent, *floor]:
+        is_seen = coverage.are_on_image(coverage.rectangles(
+            self._boxes.in_world(models), to_clip, camera.near))
+        drawn = [(batch, is_seen) for batch in (*self._opaque, *self._transparent)]
+        if self._floor is not None:
+            drawn.append((self._floor, np.ones(1, bool)))
+        for batch, which in drawn:
             self._context.enable_only(batch.flags)
             self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip @ batch.model(models)))
-            batch.depth.render()
+            batch.render(batch.depth, which)
         encoded = np.frombuffer(target.depths.read(attachment=-1, dtype='f4'), np.float32)
         return encoded.reshape(camera.height, camera.width)
 
@@ -139,6 +142,7 @@ class Renderer:
             program['to_clip'].write(matrices.to_bytes(to_clip))
             program['to_map'].write(matrices.to_bytes(self._shadows.to_map))
             program['texel_m'].value = self._shadows.texel_m
+            program['grazing'].value = self._shadows.grazing
             program['eye'].value = tuple(eye)
             program['kept_heights'].value = kept_heights
             program['ceiling'].value = min(ceiling, _MAX_CEILING_M)
@@ -155,8 +159,10 @@ class Renderer:
             self._floor.shaded.program['model'].write(matrices.to_bytes(np.eye(4)))
             self._floor.shaded.render()
 
-    def _render(self, batches: Sequence[Batch], models: np.ndarray) -> None:
+    def _render(self, batches: Sequence[Batch], models: np.ndarray, is_seen: np.ndarray) -> None:
         for batch in batches:
+            if not is_seen[batch.boxes].any():
+                continue
             batch.shaded.program['model'].write(matrices.to_bytes(batch.model(models)))
             is_cutout = batch.texture is not None and batch.texture.components == 4
             if batch.texture is not None:
@@ -164,7 +170,7 @@ class Renderer:
             self._context.enable_only(batch.flags)
             for option in _CUTOUT if is_cutout else ():
                 self._context.enable_direct(option)
-            batch.shaded.render()
+            batch.render(batch.shaded, is_seen)
             for option in _CUTOUT if is_cutout else ():
                 self._context.disable_direct(option)
 

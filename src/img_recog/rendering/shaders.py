@@ -90,7 +90,7 @@ flat out vec4 tint;
 void main() {
     vec4 world = model * vec4(position, 1.0);
     vec3 outward = normalize(mat3(model) * normal);
-    // both sides of a face are seen: meshes may be wound either way
+    // a transparent face is seen from both sides, and a file may have normals of the back
     cosine = dot(faceforward(outward, world.xyz - eye, outward), sun);
     on_map = (to_map * world).xyz;
     // a face must not shadow itself where its depth changes within a texel
@@ -107,14 +107,15 @@ _SHADED_FRAGMENT = '''
 #version 330
 uniform sampler2D image;
 uniform sampler2DShadow shadows;
+uniform float grazing;
 in vec3 on_map;
 in float cosine;
 in vec2 on_image;
 flat in vec4 tint;
 out vec4 color;
 void main() {
-    float lit = texture(shadows, on_map) * step(0.0, cosine);
-    lit = all(equal(on_map, clamp(on_map, 0.0, 1.0))) ? lit : step(0.0, cosine);
+    float lit = texture(shadows, on_map) * step(grazing, cosine);
+    lit = all(equal(on_map, clamp(on_map, 0.0, 1.0))) ? lit : step(grazing, cosine);
     float shade = mix(0.675 + 0.175 * cosine, 0.75 + 0.25 * cosine, lit);
     color = vec4(shade, shade, shade, 1.0) * tint * TEXEL;
 }

@@ -9,6 +9,7 @@ from img_recog.rendering import matrices, shaders
 from img_recog.rendering.batches import Batch, Bounds
 
 _TEXEL_M, _MAX_TEXELS = 0.007, 2048
+_WIDE_TEXEL_M = 0.015
 _MIN_HALF_M, _MAX_HALF_M = 4.0, 30.0
 _GRID_M = 4.0               # of the centers that the map may have outside of the static scene
 # Of a transform: bodies that rest still move by micrometers. It is rounded, not compared with a
@@ -55,6 +56,15 @@ class ShadowMap:
     def texel_m(self) -> float:
         """The longer side of a texel, in m."""
         return float(self._texels_m.max())
+
+    @property
+    def grazing(self) -> float:
+        """The cosine between a face's normal and the sun below which it is not lit.
+
+        The bias against its own shadow ends at 0.1, and is too small from half of that on: in a
+        large world, whose texels are wide, such faces had stripes.
+        """
+        return 0.0 if self.texel_m < _WIDE_TEXEL_M else 0.05
 
     @property
     def to_map(self) -> np.ndarray:

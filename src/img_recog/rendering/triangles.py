@@ -26,7 +26,10 @@ def of_shape(shape: Shape, read_file: Callable[[str], List[Triangles]] = mesh_fi
 def _scaled(part: Triangles, scale: np.ndarray) -> Triangles:
     normals = part.normals / np.where(scale == 0, 1e-12, scale)
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
-    return part._replace(positions=part.positions * scale, normals=normals)
+    # a mirrored triangle would face the other way
+    order = slice(None, None, -1 if scale.prod() < 0 else 1)
+    return part._replace(positions=(part.positions * scale)[:, order], normals=normals[:, order],
+                         uvs=part.uvs[:, order])
 
 
 def _flat(corners: np.ndarray, uvs: np.ndarray) -> Triangles:

@@ -78,7 +78,7 @@ def test_whose_material_counts(tmp_path, prefers_file, has_material, color):
     (tmp_path / 'a.mtl').write_text('newmtl m\nKd 0 1 0\n')
     (tmp_path / 'a.obj').write_text((
         'mtllib a.mtl\nusemtl m\n' if has_material else '') + 'v 1 -1 -1\nv 1 1 -1\nv 1 0 2\n'
-        'f 1 2 3\n')
+        'f 3 2 1\n')
     mesh = Visual(0, Shape(MESH, (1.0, 1.0, 1.0), str(tmp_path / 'a.obj')), np.eye(4),
                   Material(RED), prefers_file)
     image = draw(mesh, sun=(-1.0, 0.0, 0.0))
@@ -115,14 +115,44 @@ def test_through_a_transparent_shape_its_far_side_is_seen():
     assert image[120, 160, 0] > 128 + 20 and image[120, 160, 2] < 191 - 50
 
 
-def test_both_sides_of_an_open_mesh_are_drawn(tmp_path):
+def test_a_face_is_drawn_from_its_front_alone(tmp_path):
     path = tmp_path / 'half.obj'
     path.write_text('v 0 -1 -1\nv 0 1 -1\nv 0 1 1\nv 0 -1 1\nf 1 2 3\nf 1 3 4\n')
-    content = scene(visual(Shape(MESH, (1, 1, 1), str(path)), np.eye(4), RED))
-    turned = matrices.from_poses(np.array([[4.0, 0, 0, 0, 0, 1, 0]]))[0]
-    for pose in (at(-4, 0, 0), turned):
-        image = loaded(content, HERE).draw(CAMERA, pose, HERE)
-        assert image[120, 160, 0] > 100 and image[120, 160, 2] == 0
+    behind = matrices.from_poses(np.array([[4.0, 0, 0, 0, 0, 1, 0]]))[0]
+    # a mirrored face stays a front
+    for scale, (front, back) in ((1, (behind, at(-4, 0, 0))), (-1, (at(-4, 0, 0), behind))):
+        renderer = loaded(scene(visual(Shape(MESH, (scale, 1, 1), str(path)), np.eye(4), RED)),
+                          HERE)
+        red, _, blue = renderer.draw(CAMERA, front, HERE)[120, 160].tolist()
+        assert red > 100 and blue == 0
+        assert renderer.draw(CAMERA, back, HERE)[120, 160].tolist() == [128, 64, 191]
+
+
+def test_of_a_face_and_its_back_at_the_same_place_the_front_is_seen(tmp_path):
+    (tmp_path / 'a.mtl').write_text('newmtl front\nKd 0 1 0\nnewmtl back\nKd 1 0 0\n')
+    (tmp_path / 'a.obj').write_text(
+        'mtllib a.mtl\nv 0 -1 -1\nv 0 1 -1\nv 0.7 1.1 1\nv 0.7 -0.9 1\nusemtl front\n'
+        'f 4 3 2 1\nusemtl back\nf 1 2 3 4\n')
+    mesh = Visual(0, Shape(MESH, (1, 1, 1), str(tmp_path / 'a.obj')), np.eye(4))
+    image = draw(mesh, pose=at(-4, 0, 0))
+    assert image[120, 160, 1] > 100 and not ((image[:, :, 0] > 150) & (image[:, :, 1] < 50)).any()
+
+
+def test_of_a_scene_of_many_shapes_each_image_is_that_of_all(tmp_path):
+    """What is not on the image is not drawn: no shape at its edge may be lost."""
+    boxes = [visual(Shape(BOX, (0.4, 0.4, 0.4)), at(3 * math.cos(angle), 3 * math.sin(angle), up),
+                    color) for angle in np.arange(0, 2 * math.pi, 1.0)
+             for up, color in ((-0.6, RED), (0.6, BLUE))]
+    renderer = loaded(scene(*boxes), HERE)
+    for angle in (0.2, 2.5, 4.4):
+        pose = matrices.from_poses(np.array([[
+            0.3, 0, 0, 0, 0, math.sin(angle / 2), math.cos(angle / 2)]]))[0]
+        image, depths = (draw_(CAMERA, pose, HERE) for draw_ in (renderer.draw, renderer.depth))
+        one_by_one = np.min([loaded(scene(box), HERE).depth(CAMERA, pose, HERE)
+                             for box in boxes], axis=0)
+        assert np.array_equal(depths, one_by_one)
+        seen = (image != draw(pose=pose)).any(axis=2)
+        assert seen[np.isfinite(depths)].mean() > 0.97 and np.isfinite(depths).any()
 
 
 def test_what_is_beyond_near_and_far_is_not_drawn():

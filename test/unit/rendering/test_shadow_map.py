@@ -74,6 +74,20 @@ def test_what_moves_through_the_shadow_of_another_part_leaves_it_there():
                               loaded(content, poses).draw(CAMERA, looking_down(8.0), poses))
 
 
+@pytest.mark.parametrize('cosine', [0.01, 0.03, 0.06, 0.1, 0.3])
+def test_in_a_large_world_a_wall_along_the_light_has_no_stripes(cosine):
+    sun = np.array([0.5, -0.1, 0.9]) / np.linalg.norm([0.5, -0.1, 0.9])
+    angle = math.atan2(sun[1], sun[0]) + math.acos(cosine / math.hypot(*sun[:2]))
+    # seen from 3 m in front of it
+    wall, camera = at(0, 0, 4), at(3 * math.cos(angle), 3 * math.sin(angle), 1.2)
+    for pose, heading in ((wall, angle), (camera, angle + math.pi + 0.4)):
+        pose[:2, :2] = [[math.cos(heading), -math.sin(heading)],
+                        [math.sin(heading), math.cos(heading)]]
+    image = draw(visual(Shape(BOX, (60, 60, 0.1)), at(0, 0, -0.05), GREEN),
+                 visual(Shape(BOX, (0.2, 20, 8)), wall, RED), sun=tuple(sun), pose=camera)
+    assert np.ptp(image[:120, :, 0]) <= 1
+
+
 @pytest.mark.parametrize('size', [(1, 90, 0.1), (90, 1, 0.1)])
 def test_in_a_long_world_what_has_moved_leaves_no_shadow_behind(size):
     content = scene(visual(Shape(BOX, size), at(0, 0, -0.05), BLUE),
