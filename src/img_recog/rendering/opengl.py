@@ -88,7 +88,9 @@ class Renderer:
             # the colors of the samples are multiplied with their opacity already
             self._context.blend_func = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA,
                                         moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA)
+            target.samples.depth_mask = False       # what is behind is seen in any order
             self._render(self._transparent, models, is_seen)
+            target.samples.depth_mask = True
             self._context.disable_direct(_CLIP_DISTANCE1)
             target.resolve(self._context, coverage.runs(rectangles[is_seen], camera.width,
                                                         camera.height))

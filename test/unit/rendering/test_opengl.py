@@ -109,6 +109,16 @@ def test_the_inside_of_a_closed_shape_is_not_drawn(shape):
     assert renderer.depth(CAMERA, at(-4, 0, 0), HERE)[120, 160] == pytest.approx(3.0, abs=0.01)
 
 
+@pytest.mark.parametrize('heights', [(0, 1), (1, 0)])
+def test_transparent_faces_are_seen_through_in_any_order(tmp_path, heights):
+    path = tmp_path / 'two.obj'
+    path.write_text(''.join('v -1 -1 {0}\nv 1 -1 {0}\nv 0 1 {0}\n'.format(height)
+                            for height in heights) + 'f 1 2 3\nf 4 5 6\n')
+    image = draw(visual(Shape(MESH, (1, 1, 1), str(path)), np.eye(4), (1.0, 0, 0, 0.5)),
+                 pose=looking_down(4.0))
+    assert image[120, 160].tolist() == pytest.approx([255 * 0.75 + 128 * 0.25, 16, 48], abs=3)
+
+
 def test_through_a_transparent_shape_its_far_side_is_seen():
     half = 1.0, 0.0, 0.0, 0.5
     image = draw(visual(Shape(BOX, (2, 2, 2)), np.eye(4), half), pose=np.eye(4))
