@@ -65,7 +65,8 @@ class SimulatedRobot(Body):
         self._link_indices = link_indices(self.body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
         self._joint_names = tuple(self.joints)
-        self._wheels = tuple(self._wheel_index(*joint) for joint in motors.joints)
+        self._wheels = tuple(self._wheel_index(*joint, left_out=description.left_out)
+                             for joint in motors.joints)
         self._torques = (motors.torque,) * len(self._wheels)
         self._set_dynamics(description, motors.slides)
         self.start = self.pose()
@@ -158,7 +159,10 @@ class SimulatedRobot(Body):
         return JointStates(self._joint_names, [state[0] for state in states],
                            [state[1] for state in states], [state[3] for state in states])
 
-    def _wheel_index(self, setting: str, name: str) -> int:
+    def _wheel_index(self, setting: str, name: str, left_out: Sequence[str]) -> int:
+        if name in left_out:
+            raise SimulationError('{}: joint {} is left out, because what it moves has no mass'
+                                  .format(setting, name), 'add an <inertial> to that link')
         if name not in self.joints:
             raise SimulationError(
                 'the robot has no movable joint {} (movable joints: {})'.format(

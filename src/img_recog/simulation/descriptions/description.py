@@ -45,7 +45,8 @@ class Description:
     links of the original description, but for those that are left out; friction: lateral friction
     coefficients of the lumped links with shapes, at most that of the floor; missing_meshes: URIs
     of meshes that were not found; missing_materials: what is not known or not found of the
-    materials in <gazebo> tags; warnings: what is simulated in another way than given, a line each.
+    materials in <gazebo> tags; warnings: what is simulated in another way than given, a line each;
+    left_out: joints that are left out.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Description:
     missing_meshes: Sequence[str] = ()
     missing_materials: Sequence[str] = ()
     warnings: Sequence[str] = ()
+    left_out: Sequence[str] = ()
 
 
 def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
@@ -73,7 +75,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     urdf_visuals.check_shapes(robot)
     frames = {name: _frame(name, tree) for name in tree.links}
     sums = _inertias(tree, frames)
-    warnings = _leave_out(robot, tree, frames, sums)
+    left_out, warnings = _leave_out(robot, tree, frames, sums)
     if xacro:
         warnings.append('it contains xacro ({}), which is not expanded'.format(xacro))
     coefficients = frictions(robot)
@@ -93,7 +95,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
         warnings += [possible.warning] if possible.warning else []
     return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'),
                        tree.root, frames, friction, tuple(missing), tuple(missing_materials),
-                       tuple(warnings))
+                       tuple(warnings), tuple(left_out))
 
 
 def root_of(urdf: str) -> ElementTree.Element:
@@ -142,10 +144,11 @@ def _inertias(tree: UrdfTree, frames: Dict[str, Frame]) -> Dict[str, Inertia]:
 
 
 def _leave_out(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
-               sums: Dict[str, Inertia]) -> List[str]:
-    """Remove the lumped links without mass, and what is joined to them; return warnings.
+               sums: Dict[str, Inertia]) -> Tuple[List[str], List[str]]:
+    """Remove the lumped links without mass, and what is joined to them, as Gazebo's SDFormat does.
 
-    Gazebo's SDFormat does so too. Raises SimulationError when that is the whole robot.
+    Returns the names of the joints, and warnings. Raises SimulationError when that is the whole
+    robot.
     """
     if sums[tree.root].mass == 0:
         raise SimulationError('link {} can move but has no mass'.format(tree.root),
@@ -161,13 +164,15 @@ def _leave_out(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Fra
             warnings.append(
                 'link {} can move (joint {}) but has no mass: it is left out with all that is '
                 'joined to it, like in Gazebo'.format(name, tree.parents[name].name))
+    joints = []
     for name in [name for name, frame in frames.items() if frame.link in gone]:
         del frames[name]
         robot.remove(tree.links.pop(name))
-        robot.remove(tree.parents.pop(name).element)
+        joints.append(tree.parents.pop(name))
+        robot.remove(joints[-1].element)
     for name in gone:
         del sums[name]
-    return warnings
+    return [joint.name for joint in joints], warnings
 
 
 def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],

@@ -5,6 +5,7 @@ import pytest
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import read
 
 INERTIAL = ('<inertial><mass value="{}"/><inertia ixx="{}" ixy="{}" ixz="0" iyy="{}" iyz="0" '
@@ -98,3 +99,9 @@ def test_a_warning_names_the_link_and_its_inertia(parts, words):
     assert len(warnings) == 2
     assert warnings[0].startswith('robot.urdf: link wheel_1 and what is fixed to it: got')
     assert all(warning.endswith(words) for warning in warnings)
+
+
+def test_a_wheel_without_mass_is_refused_with_the_reason():
+    assert refusal(build, wheel='').startswith(
+        'cannot use the robot in robot.urdf: left_joint: joint joint_1 is left out, because what '
+        'it moves has no mass')

@@ -201,6 +201,7 @@ def test_what_moves_without_mass_is_left_out_with_a_warning():
     robot = ElementTree.fromstring(urdf.urdf)
     assert [each.get('name') for each in robot.findall('link')] == ['a'] == list(urdf.frames)
     assert robot.findall('joint') == []
+    assert sorted(urdf.left_out) == ['ab', 'ae', 'bc', 'cd']
     first, second = urdf.warnings
     assert first.startswith('link b can move (joint ab) but has no mass: it is left out')
     assert second.startswith('link e can move (joint ae)')
