@@ -31,8 +31,8 @@ def accepts(settings_class, name, value):
     # the highest value of a color must not be below its lowest
     others = {name[:-3] + 'min': 0} if re.search('(saturation|value|column)_max$', name) else {}
     # nor the farthest distance below the nearest
-    others.update({'camera_near': {'camera_far': 1e4}, 'camera_far': {'camera_near': 1e-3}}.get(
-        name, {}))
+    others.update({'camera_near': {'camera_far': 1e4}, 'camera_far': {'camera_near': 1e-3},
+                   'camera_horizontal_fov': {'camera_lens': 'equidistant'}}.get(name, {}))
     try:
         return getattr(settings_class(**{name: value}, **others), name) == value
     except SettingError as refused:

@@ -1,6 +1,19 @@
-"""A pinhole camera."""
+"""Cameras: what an image shows."""
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Optional, Union
+
+from img_recog.lenses import AnyLens
+
+
+class Window(NamedTuple):
+    """The edges of the image of a pinhole camera, as slopes to its optical axis: x is to the
+    right, y upward.
+    """
+
+    left: float
+    right: float
+    bottom: float
+    top: float
 
 
 class Intrinsics(NamedTuple):
@@ -12,11 +25,26 @@ class Intrinsics(NamedTuple):
     cy: float
 
 
-class Camera(NamedTuple):
-    """A camera with square pixels and without distortion.
+class View(NamedTuple):
+    """The image of a pinhole camera, whose optical axis need not be in its middle.
 
-    width, height: pixels. horizontal_fov: rad, from the left edge to the right edge of the image.
-    near, far: m along the optical axis; what is nearer or farther is not drawn.
+    width, height: pixels. near, far: m along the optical axis; what is nearer or farther is not
+    drawn.
+    """
+
+    width: int
+    height: int
+    window: Window
+    near: float
+    far: float
+
+
+class Camera(NamedTuple):
+    """A camera with square pixels and the optical axis in the middle of the image.
+
+    width, height, near, far: as of a View. horizontal_fov: rad, from the left edge to the right
+    edge of the image; lens: None for a pinhole camera without distortion. The field of view of a
+    lens is that of the lens; that of a distortion is that of the camera without it.
     """
 
     width: int
@@ -24,23 +52,31 @@ class Camera(NamedTuple):
     horizontal_fov: float
     near: float = 0.05
     far: float = 100.0
+    lens: Optional[AnyLens] = None
 
     @property
-    def slopes(self) -> 'tuple[float, float]':
-        """The tangents of half the horizontal and half the vertical field of view.
+    def window(self) -> Window:
+        """The edges of the image without the lens.
 
-        >>> tuple(round(slope, 6) for slope in Camera(640, 480, 2 * math.atan(2)).slopes)
-        (2.0, 1.5)
+        >>> [round(slope, 6) for slope in Camera(640, 480, 2 * math.atan(2)).window]
+        [-2.0, 2.0, -1.5, 1.5]
         """
-        slope = math.tan(self.horizontal_fov / 2)
-        return slope, slope * self.height / self.width
+        x = math.tan(self.horizontal_fov / 2)
+        y = x * self.height / self.width
+        return Window(-x, x, -y, y)
 
     @property
     def intrinsics(self) -> Intrinsics:
-        """The intrinsic parameters, those of K in sensor_msgs/CameraInfo.
+        """The intrinsic parameters without the lens, those of K in sensor_msgs/CameraInfo.
 
         >>> [round(value, 6) for value in Camera(640, 480, 2 * math.atan(2)).intrinsics]
         [160.0, 160.0, 319.5, 239.5]
         """
-        focal_px = self.width / 2 / math.tan(self.horizontal_fov / 2)
+        return self.with_focal_length(self.width / 2 / math.tan(self.horizontal_fov / 2))
+
+    def with_focal_length(self, focal_px: float) -> Intrinsics:
+        """Return the intrinsic parameters for a focal length."""
         return Intrinsics(focal_px, focal_px, (self.width - 1) / 2, (self.height - 1) / 2)
+
+
+Pinhole = Union[Camera, View]       # what a renderer draws: without a lens

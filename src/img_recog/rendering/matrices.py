@@ -5,6 +5,7 @@ from typing import Sequence, Union
 import numpy as np
 
 from img_recog import rotations
+from img_recog.rendering.camera import Window
 from img_recog.visuals import BODY_TO_OPENGL
 
 Vector = Union[Sequence[float], np.ndarray]
@@ -55,12 +56,16 @@ def view(camera_pose: np.ndarray) -> np.ndarray:
     return BODY_TO_OPENGL @ inverse(camera_pose)
 
 
-def perspective(slope_x: float, slope_y: float, near: float, far: float) -> np.ndarray:
+def perspective(window: Window, near: float, far: float) -> np.ndarray:
     """Return the projection of a pinhole camera.
 
-    slope_x, slope_y: tangents of half the horizontal and the vertical field of view.
+    >>> seen = perspective(Window(-2.0, 4.0, -1.0, 1.0), 1.0, 9.0) @ (16, 0, -4, 1)
+    >>> (seen / seen[3]).tolist()[0]        # at the right edge, 4 m ahead
+    1.0
     """
-    return np.array([[1 / slope_x, 0, 0, 0], [0, 1 / slope_y, 0, 0],
+    left, right, bottom, top = window
+    return np.array([[2 / (right - left), 0, (right + left) / (right - left), 0],
+                     [0, 2 / (top - bottom), (top + bottom) / (top - bottom), 0],
                      [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],
                      [0, 0, -1, 0]])
 

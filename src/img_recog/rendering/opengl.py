@@ -8,7 +8,7 @@ import numpy as np
 from img_recog.errors import UserError, one_line
 from img_recog.rendering import coverage, matrices, shaders
 from img_recog.rendering.batches import Batch, Loader
-from img_recog.rendering.camera import Camera
+from img_recog.rendering.camera import Pinhole
 from img_recog.rendering.shadow_map import ShadowMap
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
@@ -51,7 +51,7 @@ class Renderer:
         self._floor, self._boxes = loaded.floor, coverage.Boxes(loaded.bounds)
         return loaded.missing
 
-    def draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray,
+    def draw(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray,
              ceiling: float = math.inf) -> np.ndarray:
         """Return an image, uint8 RGB of shape (height, width, 3).
 
@@ -62,7 +62,7 @@ class Renderer:
         with self._context:
             return self._draw(camera, camera_pose, poses, ceiling)
 
-    def _draw(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray,
+    def _draw(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray,
               ceiling: float) -> np.ndarray:
         models = matrices.from_poses(poses)
         if self._shadow_poses != poses.tobytes():       # else of another camera
@@ -96,7 +96,7 @@ class Renderer:
                                                         camera.height))
         return target.read()
 
-    def depth(self, camera: Camera, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    def depth(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
         """Return the depths of that image, float32 of shape (height, width).
 
         A depth is the distance in m along the optical axis, +inf where there is nothing (REP 118).
@@ -110,7 +110,7 @@ class Renderer:
         distances[remaining <= 0] = np.inf
         return distances
 
-    def _encoded_depths(self, camera: Camera, camera_pose: np.ndarray,
+    def _encoded_depths(self, camera: Pinhole, camera_pose: np.ndarray,
                         models: np.ndarray) -> np.ndarray:
         """Return what OpenGL's depth buffer holds, from 0 at `near` to 1 at `far`."""
         target = self._target(camera.width, camera.height)
@@ -151,7 +151,7 @@ class Renderer:
             program['sun'].value = tuple(self._sun)
             program['shadows'].value = 1
 
-    def _draw_background(self, target: Target, camera: Camera, view: np.ndarray) -> None:
+    def _draw_background(self, target: Target, camera: Pinhole, view: np.ndarray) -> None:
         """Draw sky and floor, with one sample a pixel: all of their edges are horizontal."""
         self._context.enable_only(moderngl.NOTHING)
         if self._light.zenith is not None:
@@ -177,10 +177,10 @@ class Renderer:
                 self._context.disable_direct(option)
 
 
-def _projection(camera: Camera) -> np.ndarray:
+def _projection(camera: Pinhole) -> np.ndarray:
     """Return the projection (4, 4), upside down: the first row that is read is the lowest."""
     return np.diag([1.0, -1.0, 1.0, 1.0]) @ matrices.perspective(
-        *camera.slopes, camera.near, camera.far)
+        camera.window, camera.near, camera.far)
 
 
 def _create_context() -> moderngl.Context:

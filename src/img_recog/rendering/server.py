@@ -6,6 +6,7 @@ from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
 import numpy as np
 
 from img_recog.errors import UserError, one_line
+from img_recog.rendering import lens_views
 from img_recog.rendering.camera import Camera
 from img_recog.visuals import VisualScene
 
@@ -93,9 +94,10 @@ def serve(connection: Connection, memory: Any, make: Make) -> None:
                        else renderer.load(request.scene, request.poses))
             for shot, (image, depth) in zip(request.shots,
                                             pictures(slots[request.slot], request.shots)):
-                image[:] = renderer.draw(shot.camera, shot.pose, request.poses, shot.ceiling)
+                image[:] = lens_views.draw(renderer, shot.camera, shot.pose, request.poses,
+                                           shot.ceiling)
                 if depth is not None:
-                    depth[:] = renderer.depth(shot.camera, shot.pose, request.poses)
+                    depth[:] = lens_views.depth(renderer, shot.camera, shot.pose, request.poses)
             connection.send(Answer(missing, reason))
     except (EOFError, OSError):
         pass

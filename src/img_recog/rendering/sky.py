@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from img_recog.rendering import matrices, shaders
-from img_recog.rendering.camera import Camera
+from img_recog.rendering.camera import Pinhole
 from img_recog.rendering.shadow_map import whole_image
 
 Rgb = Tuple[float, float, float]        # from 0 to 1
@@ -21,16 +21,19 @@ class Sky:
                                         fragment_shader=shaders.SKY_FRAGMENT)
         self._array = context.vertex_array(self._program, [(whole_image(context), '2f', 'corner')])
 
-    def draw(self, target: moderngl.Framebuffer, camera: Camera, view: np.ndarray,
+    def draw(self, target: moderngl.Framebuffer, camera: Pinhole, view: np.ndarray,
              horizon: Rgb, zenith: Rgb) -> None:
         """Draw it before all else; below the horizon, the pixels must have its color already.
 
         target: the framebuffer in use, whose first row is the highest; view (4, 4): from the world
         to OpenGL's camera frame.
         """
-        slope_x, slope_y = camera.slopes
+        left, right, bottom, top = camera.window
         to_ray = np.eye(4)
-        to_ray[:3, :3] = view[:3, :3].T @ np.diag([slope_x, -slope_y, 1.0])
+        # of the corners of the image, x and y from -1 to 1, with z -1
+        to_ray[:3, :3] = view[:3, :3].T @ [[(right - left) / 2, 0, -(right + left) / 2],
+                                           [0, (bottom - top) / 2, -(bottom + top) / 2],
+                                           [0, 0, 1]]
         rectangle = _above_horizon(to_ray, target.size)
         if not all(rectangle[2:]):
             return

@@ -5,8 +5,8 @@ from typing import Callable, Iterator, List
 import genpy
 from std_msgs.msg import Header
 
-from img_recog.rendering import renderer
-from img_recog.rendering.camera import Camera
+from img_recog.conversions import robot_cameras
+from img_recog.rendering import lens_views, renderer
 from img_recog.rendering.noise import PixelNoise
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.simulation.assembly import Assembly
@@ -29,9 +29,7 @@ class RobotFrames:
     def __init__(self, built: Assembly, settings: CameraSettings, seconds: float):
         """Load the scene; UserError when it cannot be drawn or the robot has no such link."""
         self._parts = Parts(built.simulator)
-        self._camera = Camera(settings.camera_width, settings.camera_height,
-                              settings.camera_horizontal_fov, settings.camera_near,
-                              settings.camera_far)
+        self._camera = robot_cameras.camera_of(settings)
         vehicle = built.simulator.vehicles[0]
         self._sensor = RobotCamera(vehicle.robot, settings, self._parts.poses)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
@@ -58,7 +56,8 @@ class RobotFrames:
             stamp_ns = number * self.period_ns
             self._simulate_until(stamp_ns)
             exposure = self._sensor.read()
-            image = self._renderer.draw(self._camera, exposure.camera_pose, exposure.poses)
+            image = lens_views.draw(self._renderer, self._camera, exposure.camera_pose,
+                                    exposure.poses)
             if self._noise is not None:
                 self._noise.add(image, number)
             header = Header(seq=number, stamp=genpy.Time(nsecs=stamp_ns), frame_id=self._frame_id)

@@ -83,7 +83,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
         urdf, unused = description.without_unused_tags(urdf, robot)
         found = gazebo_tags.read(urdf, step_s, (*([drive.tags] if drive else ()),
                                                 *(kind.tags for kind in kinds)))
-        cameras = tuple(camera_tags.cameras(urdf))
+        cameras, of_cameras = camera_tags.read(urdf)
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
     warnings = ['{}: {}'.format(source, warning) for warning in robot.warnings]
@@ -98,9 +98,9 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
                         .format(source, ', '.join(unused)))
     not_simulated = (*found.not_simulated, *(drive.problems if drive else
                                              drive_controllers.not_simulated(controllers)))
-    if not_simulated:
+    if not_simulated or of_cameras:
         warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
-            source, ', '.join(not_simulated)))
+            source, ', '.join((*not_simulated, *of_cameras))))
     values = drive.settings(found.values) if drive else found.values
     return RobotSource(source, robot, kinds, values, cameras, tuple(warnings),
                        () if drive else not_simulated)

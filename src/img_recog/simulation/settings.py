@@ -1,8 +1,9 @@
 """The settings of the simulator; defaults are those of turtlebot3_gazebo for the burger."""
 import math
 from dataclasses import dataclass, field
-from typing import Mapping, Tuple
+from typing import Mapping, Optional, Tuple
 
+from img_recog import lenses
 from img_recog.errors import UserError
 from img_recog.settings import (Allowed, SettingError, Settings, above, any_value, at_least,
                                 between, not_empty, one_of, setting)
@@ -12,6 +13,9 @@ REAL_TIME_FACTORS = Allowed('from 0.001 to 1000, or 0',
                             lambda value: value == 0 or 0.001 <= value <= 1000)
 VIEWS = ('above', 'follow')
 DIFFERENTIAL, PLANAR = 'differential', 'planar'       # drives
+DEPTH_ENCODINGS = ('32FC1', '16UC1')
+_PINHOLE = 'pinhole'
+_MAX_PINHOLE_FOV = 3.0      # rad
 
 
 class SimulationError(UserError):
@@ -124,7 +128,15 @@ class CameraSettings(Settings):
     camera_height: pixels. camera_horizontal_fov: rad, from edge to edge; that of the Raspberry Pi
     camera v2 is 62.2 degrees. camera_near, camera_far: m, what else is not seen. camera_rate: Hz.
     camera_noise: standard deviation of each color, of 0 to 1. The topics of depth images may be
-    empty: there are none then.
+    empty: there are none then, and no point clouds. camera_points_min, camera_points_max: m, of
+    what has a point.
+
+    camera_lens: one of SDF's <lens><type>, or a pinhole, whose distortion is camera_k1 to
+    camera_p2. camera_c1 to camera_fun: the function of a custom lens, radius = c1 f
+    fun(angle / c2 + c3), in halves of the width. camera_scale_to_hfov: whether f is that of the
+    field of view instead. camera_cutoff_angle: rad; what is at a larger angle is black.
+    camera_env_texture_size: limits the sharpness, px in 90 degrees.
+    camera_baseline: m, of the right one of a stereo pair, which P in the camera info says.
     """
 
     camera_frame: str = setting('', any_value())
@@ -137,7 +149,7 @@ class CameraSettings(Settings):
     camera_optical_frame: str = setting('camera_rgb_optical_frame', not_empty())
     camera_width: int = setting(640, between(16, 4096))
     camera_height: int = setting(480, between(16, 4096))
-    camera_horizontal_fov: float = setting(1.085595, between(0.01, 3.0))
+    camera_horizontal_fov: float = setting(1.085595, between(0.01, 6.2832))
     camera_near: float = setting(0.03, between(0.001, 100))
     camera_far: float = setting(100.0, between(0.01, 10000))
     camera_rate: float = setting(30.0, between(0.01, 1000))
@@ -146,15 +158,58 @@ class CameraSettings(Settings):
     camera_info_topic: str = setting('camera/rgb/camera_info', not_empty())
     camera_depth_topic: str = setting('', any_value())
     camera_depth_info_topic: str = setting('', any_value())
+    camera_depth_encoding: str = setting('32FC1', one_of(*DEPTH_ENCODINGS))
+    camera_points_topic: str = setting('', any_value())
+    camera_points_min: float = setting(0.0, at_least(0))
+    camera_points_max: float = setting(10000.0, above(0))
+    camera_baseline: float = setting(0.0, between(-100, 100))
+    camera_lens: str = setting(_PINHOLE, one_of(_PINHOLE, *lenses.TYPES))
+    camera_c1: float = setting(1.0, between(0.001, 1000))
+    camera_c2: float = setting(1.0, between(0.001, 1000))
+    camera_c3: float = setting(0.0, between(-10, 10))
+    camera_f: float = setting(1.0, between(0.001, 1000))
+    camera_fun: str = setting(lenses.TAN, one_of(*lenses.FUNCTIONS))
+    camera_scale_to_hfov: bool = setting(True)
+    camera_cutoff_angle: float = setting(math.pi / 2, above(0))
+    camera_env_texture_size: int = setting(256, between(16, 4096))
+    camera_k1: float = setting(0.0, between(-100, 100))
+    camera_k2: float = setting(0.0, between(-100, 100))
+    camera_k3: float = setting(0.0, between(-100, 100))
+    camera_p1: float = setting(0.0, between(-100, 100))
+    camera_p2: float = setting(0.0, between(-100, 100))
 
     def __post_init__(self):
         super().__post_init__()
         if self.camera_near >= self.camera_far:
             raise SettingError('camera_near', self.camera_near,
                                'less than camera_far, which is {}'.format(self.camera_far))
-        if self.camera_depth_topic and not self.camera_depth_info_topic:
-            raise SettingError('camera_depth_info_topic', '', 'a topic, as camera_depth_topic is '
-                               'given')
+        for name in ('camera_depth_topic', 'camera_points_topic'):
+            if getattr(self, name) and not self.camera_depth_info_topic:
+                raise SettingError('camera_depth_info_topic', '', 'a topic, as {} is given'.format(
+                    name))
+        if self.camera_horizontal_fov > _MAX_PINHOLE_FOV and self.camera_lens == _PINHOLE:
+            raise SettingError('camera_horizontal_fov', self.camera_horizontal_fov,
+                               'at most {:g} without a lens'.format(_MAX_PINHOLE_FOV))
+        try:
+            self.lens
+        except ValueError:
+            raise SettingError('camera_horizontal_fov', self.camera_horizontal_fov,
+                               'less, for the function of the lens')
+
+    @property
+    def lens(self) -> Optional[lenses.AnyLens]:
+        """The lens, None for none."""
+        if self.camera_lens == _PINHOLE:
+            distortion = lenses.Distortion(self.camera_k1, self.camera_k2, self.camera_p1,
+                                           self.camera_p2, self.camera_k3)
+            return distortion if any(distortion) else None
+        lens = (lenses.Lens(self.camera_c1 * self.camera_f, self.camera_c2, self.camera_c3,
+                            self.camera_fun) if self.camera_lens == lenses.CUSTOM
+                else lenses.of_type(self.camera_lens))
+        if self.camera_scale_to_hfov:
+            lens = lenses.scaled_to(lens, self.camera_horizontal_fov)
+        return lens._replace(cutoff_angle=self.camera_cutoff_angle,
+                             texture_size=self.camera_env_texture_size)
 
 
 @dataclass(frozen=True)

@@ -14,5 +14,5 @@ def test_intrinsics():
 
 
 def test_slopes_are_those_of_half_the_field_of_view():
-    slope_x, slope_y = Camera(640, 480, math.radians(90)).slopes
-    assert (slope_x, slope_y) == pytest.approx((1.0, 0.75))
+    window = Camera(640, 480, math.radians(90)).window
+    assert window == pytest.approx((-1.0, 1.0, -0.75, 0.75))

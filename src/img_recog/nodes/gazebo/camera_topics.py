@@ -6,15 +6,15 @@ import numpy as np
 import rosgraph
 import rospy
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
-from sensor_msgs.msg import CameraInfo
+from sensor_msgs.msg import CameraInfo, PointCloud2
 from std_msgs.msg import Header
 
 from img_recog import rotations
-from img_recog.conversions import robot_msgs
+from img_recog.conversions import camera_info_msgs, depth_msgs, robot_cameras, robot_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.gazebo.names import topic_fields
-from img_recog.rendering.camera import Camera
+from img_recog.rendering import rays
 from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
@@ -45,28 +45,33 @@ class CameraTopics:
     """Publishes the images of one camera, and what is true about them.
 
     Topics, all with the same header: images (sensor_msgs/Image, rgb8), the same compressed, as a
-    Gazebo with compressed_image_transport publishes them, depths (sensor_msgs/Image, 32FC1, m;
-    only of a depth camera), and for images and depths a sensor_msgs/CameraInfo each.
+    Gazebo with compressed_image_transport publishes them, and a sensor_msgs/CameraInfo. Of a depth
+    camera also depths (sensor_msgs/Image, 32FC1 in m or 16UC1 in mm), with a
+    sensor_msgs/CameraInfo, and their points with colors (sensor_msgs/PointCloud2).
     """
 
     def __init__(self, settings: CameraSettings):
         """Advertise the topics; settings: with the names that others see."""
         self.settings = settings
         self._lock, self._is_closed = threading.Lock(), False
-        self.camera = Camera(settings.camera_width, settings.camera_height,
-                             settings.camera_horizontal_fov, settings.camera_near,
-                             settings.camera_far)
+        self.camera = robot_cameras.camera_of(settings)
+        self._calibration = robot_cameras.calibration_of(settings)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
         # first: it fails if its parameters are wrong
         self._compressed = CompressedImages(settings.camera_image_topic)
         self._images = ImagePublisher(settings.camera_image_topic)
         self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo,
                                        queue_size=_INFO_QUEUE_SIZE)]
-        self._depths = None
+        self._depths = self._points = None
         if settings.camera_depth_topic:
             self._depths = ImagePublisher(settings.camera_depth_topic)
             self._infos.append(rospy.Publisher(settings.camera_depth_info_topic, CameraInfo,
                                                queue_size=_INFO_QUEUE_SIZE))
+        if settings.camera_points_topic:
+            self._points = rospy.Publisher(settings.camera_points_topic, PointCloud2, queue_size=1)
+        if self._calibration is None:
+            rospy.logwarn('the camera info on %s has no calibration: no distortion model can say '
+                          'what its lens does', settings.camera_info_topic)
 
     def is_wanted(self) -> bool:
         """Return whether any of the topics has a subscriber."""
@@ -75,7 +80,8 @@ class CameraTopics:
                 or any(publisher.get_num_connections() > 0 for publisher in self._infos))
 
     def _wants_depth(self) -> bool:
-        return self._depths is not None and self._depths.get_num_connections() > 0
+        return any(publisher is not None and publisher.get_num_connections() > 0
+                   for publisher in (self._depths, self._points))
 
     def shot(self, exposure: Exposure) -> Shot:
         """Return what is to be drawn of an exposure."""
@@ -96,22 +102,26 @@ class CameraTopics:
         if self._compressed.is_wanted():
             # it is compressed later, when what is drawn may not be valid any more
             self._compressed.publish(image.copy(), 'rgb8', header)
-        if self._depths is not None and depth is not None:
-            as_bytes = depth.view(np.uint8).reshape(*depth.shape, 4)
-            self._depths.publish(as_bytes, '32FC1', header)
+        if depth is not None:
+            self._publish_depths(depth, image, header)
         info = self.info(header)
         for publisher in self._infos:
             publisher.publish(info)
 
+    def _publish_depths(self, depth: np.ndarray, image: np.ndarray, header: Header) -> None:
+        settings = self.settings
+        if self._depths is not None:
+            encoding = settings.camera_depth_encoding
+            self._depths.publish(depth_msgs.to_bytes(depth, encoding), encoding, header)
+        if self._points is not None and self._points.get_num_connections() > 0:
+            self._points.publish(depth_msgs.to_msg(
+                depth, image, rays.directions(self.camera),
+                (settings.camera_points_min, settings.camera_points_max), header))
+
     def info(self, header: Header) -> CameraInfo:
-        """Return the intrinsic parameters: a camera without distortion."""
-        fx, fy, cx, cy = self.camera.intrinsics
-        return CameraInfo(
-            header=header, width=self.camera.width, height=self.camera.height,
-            distortion_model='plumb_bob', D=[0.0] * 5,
-            K=[fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0],
-            R=[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-            P=[fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
+        """Return the intrinsic parameters; all are zero if no model can say what the lens does."""
+        return camera_info_msgs.to_msg(self._calibration, self.camera.width, self.camera.height,
+                                       header)
 
     def close(self) -> None:
         """End the topics."""
@@ -119,10 +129,9 @@ class CameraTopics:
             self._is_closed = True
         self._images.unregister()
         self._compressed.close()
-        if self._depths is not None:
-            self._depths.unregister()
-        for publisher in self._infos:
-            publisher.unregister()
+        for publisher in (self._depths, self._points, *self._infos):
+            if publisher is not None:
+                publisher.unregister()
 
 
 def optical_transform(settings: CameraSettings) -> TransformStamped:

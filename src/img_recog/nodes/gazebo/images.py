@@ -78,9 +78,13 @@ class Images:
             warning = robot_camera.warning_about_frame(vehicle.robot, each)
             if warning:
                 rospy.logwarn('%s', warning)
-        self._statics.set('cameras of ' + vehicle.robot.name, [
-            optical_transform(named) for each, named in zip(cameras, seen)
-            if not vehicle.robot.has_frame(each.camera_optical_frame)])
+        frames: Dict[str, CameraSettings] = {}
+        for each, named in zip(cameras, seen):
+            if not vehicle.robot.has_frame(each.camera_optical_frame):
+                # of a stereo pair, both images have the frame of the left one
+                frames.setdefault(named.camera_optical_frame, named)
+        self._statics.set('cameras of ' + vehicle.robot.name,
+                          [optical_transform(named) for named in frames.values()])
 
     def remove_cameras(self, vehicle: Vehicle) -> None:
         """End the images of a robot's cameras."""

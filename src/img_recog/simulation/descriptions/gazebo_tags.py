@@ -59,8 +59,8 @@ class Found(NamedTuple):
 
     values: the settings that they give, by name: SI units, and periods that are whole steps.
     not_simulated: the plugins and sensors that are not simulated, in their order. Each is 'plugin
-    FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate, or a part of a
-    camera.
+    FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate. Those of cameras
+    are not among them.
     """
 
     values: Values
@@ -109,13 +109,15 @@ def _parts(robot: ElementTree.Element, readers: Sequence[Tags]) -> Iterator[_Par
 
 def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
                   readers: Sequence[Tags]) -> Iterator[_Part]:
-    if camera_tags.is_camera(sensor):
-        for label in camera_tags.not_simulated(sensor):
-            yield _Part((), label, link, sensor, None)
+    plugins = sensor.findall('plugin')
+    camera = camera_tags.plugin_of(sensor)
+    if camera is not None:
+        for plugin in plugins:
+            if plugin is not camera:
+                yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)
         return
     of_type = [(number, tags) for number, tags in enumerate(readers)
                if sensor.get('type') in tags.sensors]
-    plugins = sensor.findall('plugin')
     number, ours = next(((number, plugin) for number, tags in of_type for plugin in plugins
                          if is_of(plugin, tags)), (None, None))
     # an imu sensor without a plugin publishes nothing: the official burger has one in addition to

@@ -51,7 +51,7 @@ class TinyRenderer:
              ceiling: float = math.inf) -> np.ndarray:
         """Return an image, uint8 RGB of shape (height, width, 3).
 
-        camera: like rendering.camera.Camera; camera_pose (4, 4): of its body in the world, which
+        camera: like rendering.camera.Pinhole; camera_pose (4, 4): of its body in the world, which
         looks along its x axis; poses (n, 7): of all parts; ceiling: the height in m from which on
         nothing is drawn by a camera that looks down.
         """
@@ -78,11 +78,12 @@ class TinyRenderer:
                                                      physicsClientId=self._client)
         pose = Transform(camera_pose[:3, :3], camera_pose[:3, 3])
         view = BODY_TO_OPENGL @ pose.inverse.matrix()
-        slope_x, slope_y = camera.slopes
+        left, right, bottom, top = camera.window
         near, far = camera.near, camera.far
         # TinyRenderer's pixel is at its lower left corner instead of its middle
         projection = np.array([
-            [1 / slope_x, 0, 1 / camera.width, 0], [0, 1 / slope_y, 1 / camera.height, 0],
+            [2 / (right - left), 0, (right + left) / (right - left) + 1 / camera.width, 0],
+            [0, 2 / (top - bottom), (top + bottom) / (top - bottom) + 1 / camera.height, 0],
             [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)], [0, 0, -1, 0]])
         drawn = pybullet.getCameraImage(
             camera.width, camera.height, view.T.ravel().tolist(), projection.T.ravel().tolist(),

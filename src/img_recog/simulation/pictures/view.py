@@ -92,7 +92,7 @@ def near_and_far(pose: np.ndarray, slopes: Tuple[float, float]) -> Tuple[float, 
     """Return the distances in m along the optical axis between which there is something to see.
 
     They reach to the floor in all of the image, but not farther than 1 km. pose (4, 4): of the
-    camera, which looks along its x axis; slopes: like rendering.camera.Camera.slopes.
+    camera, which looks along its x axis; slopes: of the right and the upper edge.
     """
     corners = np.array([(1.0, x * slopes[0], z * slopes[1]) for x in (-1, 1) for z in (-1, 1)])
     descents = -corners @ pose[2, :3]

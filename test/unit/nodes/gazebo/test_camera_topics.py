@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import CameraInfo
 
+from img_recog.conversions import depth_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
@@ -91,6 +92,30 @@ def test_depths_are_published_as_floats(publishers):
     assert encoding == '32FC1' and image.shape == (24, 32, 4) and image.dtype == np.uint8
     assert np.all(image.copy().view(np.float32) == 1.5)
     assert publishers['eye/depth_info'].sent[0][0].header is header
+
+
+def test_points_and_millimeters_of_a_depth_camera(publishers):
+    topics = CameraTopics(settings(camera_points_topic='eye/points',
+                                   camera_depth_encoding='16UC1', **DEPTH))
+    assert not topics.shot(exposure()).depth
+    topics.publish(picture(depth=True), 1.0)
+    assert publishers['eye/points'].sent == []      # nobody has subscribed
+    publishers['eye/points'].subscribers = 1
+    assert topics.is_wanted() and topics.shot(exposure()).depth
+    topics.publish(picture(depth=True), 2.0)
+    (cloud,), = publishers['eye/points'].sent
+    points, colors = depth_msgs.from_msg(cloud)
+    assert np.isnan(points[..., 2]).sum() == 0 and np.all(points[..., 2] == 1.5)
+    assert np.all(colors == 7)
+    (image, encoding, header) = publishers['eye/depth'].sent[-1]
+    assert encoding == '16UC1' and np.all(image.copy().view(np.uint16) == 1500)
+    assert cloud.header is header
+
+
+def test_a_lens_without_a_model_is_a_warning(publishers, caplog):
+    topics = CameraTopics(settings(camera_lens='custom', camera_c3=0.3))
+    assert 'the camera info on eye/camera_info has no calibration' in caplog.text
+    assert topics.info(None).K == [0.0] * 9
 
 
 def test_noise_is_that_of_the_time(publishers):

@@ -37,7 +37,7 @@ def robot(*tags):
 
 
 def read(*tags):
-    return camera_tags.cameras(robot(*tags))
+    return list(camera_tags.read(robot(*tags)).cameras)
 
 
 def test_the_camera_of_the_waffle_pi():
@@ -87,12 +87,18 @@ def test_the_rate_is_the_lower_one(plugin_rate, sensor_rate, rate):
 
 
 @pytest.mark.parametrize('sensor, plugin, label', [
-    ('', '<distortionK1>0.0</distortionK1><distortionT2>-0.10</distortionT2>', 'distortion'),
-    ('<camera><distortion><k1>0</k1><p2>1e-3</p2></distortion></camera>', '', 'distortion'),
-    ('', '<pointCloudTopicName>depth/points</pointCloudTopicName>', 'point cloud')])
+    ('', '<distortionK1>0.00000001</distortionK1><distortionT2>-0.10</distortionT2>',
+     'distortion by the plugin'),
+    ('<camera><lens><intrinsics><fx>9</fx></intrinsics></lens></camera>', '', 'lens intrinsics'),
+    ('', '<reflectanceTopicName>shine</reflectanceTopicName>', 'reflectance')])
 def test_what_is_not_simulated_of_a_camera_is_named(sensor, plugin, label):
-    text = robot(PLAIN.format(sensor, plugin))
-    assert gazebo_tags.read(text, 0.001, ()) == ({}, [label + ' of sensor c'])
+    found = camera_tags.read(robot(PLAIN.format(sensor, plugin)))
+    assert found.not_simulated == (label + ' of sensor c',) and len(found.cameras) == 1
+
+
+def test_another_plugin_in_a_camera_is_named():
+    text = robot(PLAIN.format('<plugin name="o" filename="libother.so"/>', ''))
+    assert gazebo_tags.read(text, 0.001, ()).not_simulated == ['plugin libother.so']
 
 
 def test_pose_noise_rate_and_names():
@@ -107,14 +113,23 @@ def test_pose_noise_rate_and_names():
 
 
 def test_several_cameras_in_their_order():
-    names = [camera.camera_frame for camera in read(PI, PLAIN.format('', ''), DEPTH)]
+    names = [camera.camera_frame for camera in read(PI, PLAIN.format('', ''), DEPTH.replace(
+        '>camera<', '>eye<'))]
     assert names == ['camera_rgb_frame', 'front', 'camera_rgb_frame']
+
+
+def test_of_two_cameras_with_one_topic_the_first_counts():
+    found = camera_tags.read(robot(PI, DEPTH))
+    assert [camera.camera_width for camera in found.cameras] == [640]
+    assert found.not_simulated == (
+        'sensor realsense_R200, because its topic camera/rgb/image_raw is one of sensor Pi '
+        'Camera',)
 
 
 @pytest.mark.parametrize('tag, label', [
     ('<gazebo reference="front"><sensor type="camera" name="c"/></gazebo>', 'sensor camera'),
     (PLAIN.format('', '').replace('libgazebo_ros_camera', 'libother'), 'sensor camera'),
-    (PLAIN.format('', '').replace('type="camera"', 'type="multicamera"'), 'sensor multicamera')])
+    (PLAIN.format('', '').replace('type="camera"', 'type="thermal"'), 'sensor thermal')])
 def test_other_sensors_are_no_cameras(tag, label):
     assert read(tag) == [] and label in gazebo_tags.read(robot(tag), 0.001, ()).not_simulated
 
@@ -123,7 +138,7 @@ def test_other_sensors_are_no_cameras(tag, label):
     ('<camera><horizontal_fov>0</horizontal_fov></camera>', '',
      'sensor c: camera_horizontal_fov: got 0.0, allowed is'),
     ('<camera><horizontal_fov>{}</horizontal_fov></camera>'.format(math.pi), '',
-     'sensor c: camera_horizontal_fov: got 3.14'),
+     'sensor c: camera_horizontal_fov: got 3.141592653589793, allowed is at most'),
     ('<camera><image><width>10000</width></image></camera>', '',
      'sensor c: camera_width: got 10000, allowed is'),
     ('<camera><image><width>640.5</width></image></camera>', '',

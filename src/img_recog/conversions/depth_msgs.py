@@ -1,0 +1,54 @@
+"""Conversion of depths to sensor_msgs/Image, and to and from sensor_msgs/PointCloud2."""
+import sys
+from typing import Tuple
+
+import numpy as np
+from sensor_msgs.msg import PointCloud2, PointField
+from std_msgs.msg import Header
+
+MILLIMETERS = '16UC1'       # REP 118; the other encoding is 32FC1, in m
+# as of libgazebo_ros_depth_camera: 4 bytes after z and 12 after the color are not used
+_POINT = np.dtype({'names': ['xyz', 'bgr'], 'formats': ['3f4', '3u1'], 'offsets': [0, 16],
+                   'itemsize': 32})
+_FIELDS = tuple(PointField(name, offset, PointField.FLOAT32, 1)
+                for name, offset in (('x', 0), ('y', 4), ('z', 8), ('rgb', 16)))
+
+
+def to_bytes(depths: np.ndarray, encoding: str) -> np.ndarray:
+    """Return the bytes (height, width, n) of an image of depths.
+
+    depths: float32, in m, +inf for nothing. In 16UC1, that and what is 65.5 m away are 0.
+
+    >>> to_bytes(np.array([[1.5, np.inf]], np.float32), '16UC1').view(np.uint16).tolist()
+    [[[1500], [0]]]
+    """
+    if encoding == MILLIMETERS:
+        depths = np.round(depths * 1000)
+        depths = np.where(depths < 1 << 16, depths, 0).astype(np.uint16)
+    return depths.view(np.uint8).reshape(*depths.shape, -1)
+
+
+def to_msg(depths: np.ndarray, image: np.ndarray, rays: np.ndarray, limits: Tuple[float, float],
+           header: Header) -> PointCloud2:
+    """Return the point of each pixel with its color; NaN is nothing, or beyond the limits.
+
+    depths: float32 (height, width), m along the optical axis; image: uint8 RGB; rays (height,
+    width, 3): along which pixels look, x to the right and z forward, as rendering.rays has them;
+    limits: the smallest and the largest depth that has a point (pointCloudCutoff and
+    pointCloudCutoffMax of gazebo_plugins).
+    """
+    points = np.zeros(depths.shape, _POINT)
+    kept = np.where((depths > limits[0]) & (depths < limits[1]), depths, np.nan)
+    points['xyz'] = (kept / rays[..., 2])[..., np.newaxis] * rays
+    points['bgr'] = image[..., ::-1]
+    height, width = depths.shape
+    return PointCloud2(header=header, height=height, width=width, fields=list(_FIELDS),
+                       is_bigendian=sys.byteorder == 'big', point_step=_POINT.itemsize,
+                       row_step=_POINT.itemsize * width, data=points.tobytes(),
+                       is_dense=not np.isnan(kept).any())
+
+
+def from_msg(msg: PointCloud2) -> Tuple[np.ndarray, np.ndarray]:
+    """Return the points (height, width, 3) in m of such a message, and their colors, uint8 RGB."""
+    points = np.frombuffer(msg.data, _POINT).reshape(msg.height, msg.width)
+    return points['xyz'], points['bgr'][..., ::-1]

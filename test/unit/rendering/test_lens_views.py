@@ -1,0 +1,102 @@
+"""Images through lenses: where things are, by OpenGL and by what draws in its place."""
+import math
+
+import numpy as np
+import pytest
+
+from img_recog import lenses
+from img_recog.lenses import Distortion, Lens
+from img_recog.rendering import lens_views
+from img_recog.rendering.camera import Camera
+from img_recog.rendering.opengl import Renderer
+from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
+from img_recog.visuals import BOX, SPHERE, Shape
+from img_recog_testing.drawn import BACKGROUND, HERE, RED, at, scene, visual
+
+SIZE = 320, 240
+TYPES = {kind: lenses.scaled_to(lenses.of_type(kind), 2.4) for kind in lenses.TYPES[:-1]}
+LENSES = {**TYPES, 'round': lenses.scaled_to(Lens(1.0), 1.9 * math.pi), 'custom':
+          lenses.scaled_to(Lens(1.05, 4.0, 0.0, 'tan', texture_size=512), 3.183)}
+
+
+def seen(make, lens, *visuals, pose=np.eye(4), fov=1.0):
+    renderer = make()
+    renderer.load(scene(*visuals), HERE)
+    camera = Camera(*SIZE, fov, 0.05, 50.0, lens)
+    return (lens_views.draw(renderer, camera, pose, HERE),
+            lens_views.depth(renderer, camera, pose, HERE))
+
+
+def centroid(image):
+    """Return the column and row of what is red, to less than a pixel."""
+    share = 1 - image[:, :, 2] / round(BACKGROUND[2] * 255)
+    share[(image == 0).all(axis=2)] = 0         # black, beside the image
+    rows, columns = np.mgrid[:image.shape[0], :image.shape[1]]
+    return (share * columns).sum() / share.sum(), (share * rows).sum() / share.sum()
+
+
+@pytest.mark.parametrize('make', [Renderer, TinyRenderer])
+@pytest.mark.parametrize('name, degrees, around', [
+    *((kind, degrees, around) for kind in TYPES for degrees, around in ((0, 0), (30, 20),
+                                                                        (60, -170))),
+    ('custom', 88, 5), ('custom', 65, 95), ('custom', 105, 37), ('custom', 44, 180),
+    ('round', 120, 10), ('round', 165, 0)])
+def test_a_ball_is_drawn_at_the_radius_of_its_angle(make, name, degrees, around):
+    angle, side = math.radians(degrees), math.radians(around)
+    right, down = math.sin(angle) * math.cos(side), math.sin(angle) * math.sin(side)
+    ball = visual(Shape(SPHERE, (0.1,)), at(4 * math.cos(angle), -4 * right, -4 * down), RED)
+    image, depth = seen(make, LENSES[name], ball)
+    radius = SIZE[0] / 2 * float(LENSES[name].radius(angle))
+    place = 159.5 + radius * math.cos(side), 119.5 + radius * math.sin(side)
+    assert centroid(image) == pytest.approx(place, abs=0.5)
+    along = depth[round(place[1]), round(place[0])]
+    assert along == pytest.approx(4 * math.cos(angle), abs=0.11)
+
+
+def test_the_faces_of_the_cube_join():
+    # walls all around; a seam would show the background
+    walls = [visual(Shape(BOX, tuple(7.0 - 6.9 * np.abs(middle))), at(*np.multiply(3.5, middle)),
+                    (1.0, 1.0, 1.0, 1.0)) for middle in (*np.eye(3), *-np.eye(3))]
+    image, depth = seen(Renderer, LENSES['round'], *walls)
+    shown = ~(image == 0).all(axis=2)
+    assert shown.mean() > 0.7 and np.ptp(image[shown], axis=1).max() <= 1
+    assert np.isfinite(depth[shown]).all()
+
+
+def test_what_is_beyond_the_cutoff_angle_is_black():
+    lens = LENSES['round']._replace(cutoff_angle=1.0)
+    image, depth = seen(Renderer, lens)
+    radius = SIZE[0] / 2 * float(lens.radius(1.0))
+    rows, columns = np.mgrid[:SIZE[1], :SIZE[0]]
+    distance = np.hypot(columns - 159.5, rows - 119.5)
+    assert (image[distance > radius + 1] == 0).all()
+    assert (image[distance < radius - 1] == [128, 64, 191]).all()
+    assert np.isinf(depth).all()
+
+
+def test_only_the_faces_that_are_seen_are_drawn():
+    def faces(lens):
+        return [face.view for face in lens_views.lookup_of(Camera(*SIZE, 1.0, lens=lens)).faces]
+    assert len(faces(TYPES['equidistant']._replace(cutoff_angle=1.0))) == 1
+    assert len(faces(LENSES['custom'])) == 5 and len(faces(LENSES['round'])) == 6
+    pixels = sum(view.width * view.height for view in faces(LENSES['custom']))
+    assert pixels < 640 * 480
+    # not sharper than <env_texture_size>
+    coarse = faces(LENSES['custom']._replace(texture_size=64))
+    assert max(view.width for view in coarse) <= 64 + 6
+
+
+@pytest.mark.parametrize('make', [Renderer, TinyRenderer])
+def test_distortion_moves_pixels_as_its_model_says(make):
+    lens, (x, y) = Distortion(-0.2, 0.03, 0.01, -0.02, 0.0), (0.4, -0.3)
+    image, depth = seen(make, lens, visual(Shape(SPHERE, (0.1,)), at(4, -4 * x, -4 * y), RED),
+                        fov=1.2)
+    square = x * x + y * y
+    factor = 1 + lens.k1 * square + lens.k2 * square ** 2
+    moved = (x * factor + 2 * lens.p1 * x * y + lens.p2 * (square + 2 * x * x),
+             y * factor + lens.p1 * (square + 2 * y * y) + 2 * lens.p2 * x * y)
+    focal = SIZE[0] / 2 / math.tan(0.6)
+    place = 159.5 + focal * moved[0], 119.5 + focal * moved[1]
+    assert centroid(image) == pytest.approx(place, abs=0.3)
+    # along the optical axis
+    assert depth[round(place[1]), round(place[0])] == pytest.approx(3.91, abs=0.03)

@@ -1,0 +1,116 @@
+"""What <sensor> and the plugins of cameras give."""
+import math
+
+import pytest
+
+from img_recog import lenses
+from img_recog.simulation.descriptions import camera_tags
+from img_recog_testing.refusals import refusal
+
+SENSOR = '''<robot name="r"><link name="front"/><gazebo reference="front">
+<sensor type="{}" name="c">{}<plugin name="p" filename="lib{}.so">{}</plugin></sensor></gazebo>
+</robot>'''
+CAMERA, MULTI = 'gazebo_ros_camera', 'gazebo_ros_multicamera'
+KINECT, DEPTH = 'gazebo_ros_openni_kinect', 'gazebo_ros_depth_camera'
+# like the lens of the robot for AutoRace of turtlebot3_description
+WIDE = '''<camera><horizontal_fov>3.183</horizontal_fov><image><width>320</width>
+<height>240</height></image><lens><type>custom</type><custom_function><c1>1.05</c1><c2>4</c2>
+<f>1.0</f><fun>tan</fun></custom_function><scale_to_hfov>{}</scale_to_hfov>
+<cutoff_angle>3.1415</cutoff_angle><env_texture_size>512</env_texture_size></lens></camera>'''
+
+
+def read(kind, sensor='', plugin='', library=CAMERA):
+    return camera_tags.read(SENSOR.format(kind, sensor, library, plugin))
+
+
+def test_a_custom_lens():
+    camera, = read('wideanglecamera', WIDE.format('true')).cameras
+    assert camera.camera_horizontal_fov == 3.183
+    lens = camera.lens
+    assert (lens.divisor, lens.offset, lens.function) == (4.0, 0.0, 'tan')
+    assert (lens.cutoff_angle, lens.texture_size) == (3.1415, 512)
+    # the edge of the image is at half the field of view
+    assert lens.radius(3.183 / 2) == pytest.approx(1)
+    unscaled, = read('wideanglecamera', WIDE.format('0')).cameras
+    assert unscaled.lens.scale == 1.05
+
+
+@pytest.mark.parametrize('kind', ['gnomonical', 'stereographic', 'equidistant', 'equisolid_angle',
+                                  'orthographic'])
+def test_a_lens_of_a_named_type(kind):
+    camera, = read('wideanglecamera', '<camera><horizontal_fov>2</horizontal_fov><lens><type>{}'
+                   '</type></lens></camera>'.format(kind)).cameras
+    plain = lenses.of_type(kind)
+    assert camera.lens.radius(1.0) == pytest.approx(1)
+    assert camera.lens.radius(0.5) == pytest.approx(plain.radius(0.5) / plain.radius(1.0))
+    assert camera.lens.cutoff_angle == math.pi / 2      # the default of SDF
+
+
+@pytest.mark.parametrize('lens', ['', '<lens><type>custom</type></lens>'])
+def test_a_lens_without_a_function_is_stereographic(lens):
+    camera, = read('wideanglecamera', '<camera>{}</camera>'.format(lens)).cameras
+    assert camera.camera_lens == 'stereographic'
+
+
+@pytest.mark.parametrize('change, words', [
+    (('custom<', 'fisheye<'), "sensor c: camera_lens: got 'fisheye', allowed is one of pinhole,"),
+    (('>tan<', '>cot<'), "sensor c: camera_fun: got 'cot', allowed is one of tan, sin, id"),
+    (('<c2>4', '<c2>1'), 'sensor c: camera_horizontal_fov: got 3.183, allowed is less, for the'),
+    (('<c1>1.05', '<c1>0'), 'sensor c: camera_c1: got 0.0, allowed is'),
+    (('>true<', '>yes<'), "<lens/scale_to_hfov> of sensor c: got 'yes', expected true")])
+def test_wrong_lenses_are_refused(change, words):
+    assert words in refusal(read, 'wideanglecamera', WIDE.format('true').replace(*change))
+
+
+def test_distortion_of_the_camera():
+    given = '<camera><distortion><k1>-0.2</k1><p2>1e-3</p2></distortion></camera>'
+    camera, = read('camera', given).cameras
+    assert camera.lens == lenses.Distortion(-0.2, 0.0, 0.0, 0.001, 0.0)
+    assert read('camera', given).not_simulated == ()
+    assert read('camera').cameras[0].lens is None
+    wide = read('wideanglecamera', given)
+    assert wide.not_simulated == ('distortion of sensor c',)
+    assert isinstance(wide.cameras[0].lens, lenses.Lens)
+
+
+def test_the_pose_of_the_camera_is_in_the_frame_of_the_sensor():
+    camera, = read('camera', '<pose>1 0 0.5 0 0 {}</pose><camera><pose>0.1 0 0 0 0.2 0</pose>'
+                   '</camera>'.format(math.pi / 2)).cameras
+    assert (camera.camera_x, camera.camera_y, camera.camera_z) == pytest.approx((1, 0.1, 0.5))
+    assert (camera.camera_roll, camera.camera_pitch, camera.camera_yaw) == pytest.approx(
+        (0, 0.2, math.pi / 2))
+
+
+@pytest.mark.parametrize('given, topic', [('tb3', 'tb3/eye/raw'), ('/', 'eye/raw'),
+                                          ('/a/b/', 'a/b/eye/raw')])
+def test_the_namespace_of_the_plugin(given, topic):
+    camera, = read('camera', '', '<robotNamespace>{}</robotNamespace><cameraName>eye</cameraName>'
+                   '<imageTopicName>raw</imageTopicName>'.format(given)).cameras
+    assert camera.camera_image_topic == topic
+
+
+def test_a_stereo_pair():
+    found = read('multicamera', '<camera name="left"><pose>0 0.03 0 0 0 0</pose></camera>'
+                 '<camera name="stereo_right"><pose>0 -0.04 0 0 0 0</pose></camera>'
+                 '<camera name="top"/>',
+                 '<cameraName>eyes</cameraName><hackBaseline>0.07</hackBaseline>', MULTI)
+    left, right = found.cameras
+    assert (left.camera_y, left.camera_baseline) == (0.03, 0.0)
+    assert (right.camera_y, right.camera_baseline) == (-0.04, 0.07)
+    assert (left.camera_image_topic, right.camera_info_topic) == (
+        'eyes/left/image_raw', 'eyes/right/camera_info')
+    assert found.not_simulated == ('camera top, neither left nor right, of sensor c',)
+
+
+@pytest.mark.parametrize('library', [KINECT, DEPTH])
+@pytest.mark.parametrize('plugin, points, limits, encoding', [
+    ('', 'eye/points', (0.4, 5.0), '32FC1'),
+    ('<pointCloudTopicName>cloud</pointCloudTopicName><pointCloudCutoff>0.1</pointCloudCutoff>'
+     '<pointCloudCutoffMax>9</pointCloudCutoffMax><useDepth16UC1Format>true</useDepth16UC1Format>',
+     'eye/cloud', (0.1, 9.0), '16UC1')])
+def test_depths_and_points(library, plugin, points, limits, encoding):
+    camera, = read('depth', '', '<cameraName>eye</cameraName>' + plugin, library).cameras
+    assert camera.camera_depth_topic == 'eye/depth/image_raw'
+    assert camera.camera_points_topic == points
+    assert (camera.camera_points_min, camera.camera_points_max) == limits
+    assert camera.camera_depth_encoding == encoding
