@@ -43,8 +43,8 @@ NODES = {
     'web': ('web.node', (WebSettings, VelocityLimits), ())}
 # topics that are in no docstring, with their types
 TOPICS = {'gazebo': {kind.topic(kind.settings()): kind.msg_type._type for kind in SENSORS}}
-# of dynamic_reconfigure alone: parameters that are among those above
-PARTS = {RuntimeSettings}
+# of dynamic_reconfigure alone: parameters that are among those above; and no parameters
+PARTS = {RuntimeSettings, *(kind.settings for kind in SENSORS if kind.only_in_tags)}
 NAME = r'[~/]?[a-z][a-z0-9_]*(?:/[a-z0-9_]+)*'
 TYPE = r'(?:[a-z0-9_]+_msgs|std_srvs|dynamic_reconfigure)(?:/\w+)?'
 

@@ -1,4 +1,4 @@
-"""Converts nav_msgs/Odometry and sensor_msgs/JointState, LaserScan and Imu.
+"""Converts nav_msgs/Odometry and sensor_msgs/JointState, LaserScan, Range and Imu.
 
 The values are those of the simulation, and the frames in settings are those that others see.
 With the message of an earlier call with the same settings as `out`, a `to_msg` changes that one:
@@ -11,7 +11,7 @@ import genpy
 import numpy as np
 from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import Imu, JointState, LaserScan
+from sensor_msgs.msg import Imu, JointState, LaserScan, Range
 
 from img_recog.simulation.bodies.body import Motion, Vector
 from img_recog.simulation.bodies.robot import JointStates
@@ -19,6 +19,7 @@ from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
+from img_recog.simulation.sensors.range_sensor import ULTRASOUND, RangeSettings
 
 # of x, y, z, roll, pitch, yaw (libgazebo_ros_diff_drive): z, roll and pitch are not estimated
 _POSE_COVARIANCE = np.diag((1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)).ravel().tolist()
@@ -88,12 +89,12 @@ def joint_states_from_msg(msg: JointState) -> JointStates:
 
 def scan_to_msg(ranges: np.ndarray, settings: ScanSettings, stamp: genpy.Time,
                 out: Optional[LaserScan] = None) -> LaserScan:
-    """Return the message for ranges in m, one per ray; all rays are cast at `stamp`."""
+    """Return the message for ranges in m, all measured at `stamp`."""
     if out is None:
         first, last = settings.scan_angle_min, settings.scan_angle_max
         out = LaserScan(angle_min=first, angle_max=last, range_min=settings.scan_range_min,
                         range_max=settings.scan_range_max, intensities=[0.0] * len(ranges),
-                        angle_increment=(last - first) / (len(ranges) - 1))
+                        angle_increment=(last - first) / max(1, len(ranges) - 1))
         out.header.frame_id = settings.scan_frame
     out.header.stamp, out.ranges = stamp, ranges.tolist()
     return out
@@ -102,6 +103,24 @@ def scan_to_msg(ranges: np.ndarray, settings: ScanSettings, stamp: genpy.Time,
 def scan_from_msg(msg: LaserScan) -> np.ndarray:
     """Return the ranges of a message in m, float64 of shape (rays,)."""
     return np.array(msg.ranges)
+
+
+def range_to_msg(distance: float, settings: RangeSettings, stamp: genpy.Time,
+                 out: Optional[Range] = None) -> Range:
+    """Return the message for a distance in m."""
+    if out is None:
+        is_sonar = settings.range_radiation == ULTRASOUND
+        out = Range(radiation_type=Range.ULTRASOUND if is_sonar else Range.INFRARED,
+                    field_of_view=settings.range_field_of_view, min_range=settings.range_min,
+                    max_range=settings.range_max)
+        out.header.frame_id = settings.range_frame
+    out.header.stamp, out.range = stamp, distance
+    return out
+
+
+def range_from_msg(msg: Range) -> float:
+    """Return the distance in a message in m."""
+    return msg.range
 
 
 def imu_to_msg(reading: ImuReading, settings: ImuSettings, stamp: genpy.Time,

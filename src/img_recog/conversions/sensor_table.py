@@ -5,10 +5,11 @@ of the documentation go by this table. Cameras are not in it: their images are d
 process.
 """
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import Imu, JointState, LaserScan
+from sensor_msgs.msg import Imu, JointState, LaserScan, Range
 
 from img_recog.conversions import robot_msgs
-from img_recog.simulation.sensors import imu, joint_states, laser_scanner, odometry
+from img_recog.simulation.sensors import (imu, joint_states, laser_scanner, odometry,
+                                          range_sensor)
 from img_recog.simulation.sensors.sensor import SensorKind
 
 # sensors are read, and their readings published, in this order
@@ -21,4 +22,6 @@ SENSORS = (
                noise_number=1),
     SensorKind('scan', laser_scanner.ScanSettings, laser_scanner.LaserScanner,
                laser_scanner.TAGS, LaserScan, robot_msgs.scan_to_msg, noise_number=0),
+    SensorKind('range', range_sensor.RangeSettings, range_sensor.RangeSensor, range_sensor.TAGS,
+               Range, robot_msgs.range_to_msg, noise_number=5, only_in_tags=True),
 )

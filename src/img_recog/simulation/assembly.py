@@ -21,7 +21,7 @@ from img_recog.simulation.descriptions.drive_controllers import Controllers
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.pictures.scene import Scene, scene_of
-from img_recog.simulation.sensors.sensor import SensorKind
+from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, sensors_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
                                            PhysicsSettings, RobotSettings, SimulationError,
                                            SpawnSettings)
@@ -41,15 +41,16 @@ ReadSettings = Callable[[type, Mapping[str, Any]], Any]
 class RobotSource(NamedTuple):
     """What the text of a URDF gives.
 
-    source: what messages call the text, like robot_description or the path of a file; kinds: of
-    the sensors that it can have; tag_values: the settings in its <gazebo> tags, by name; cameras:
+    source: what messages call the text, like robot_description or the path of a file; sensors:
+    all but cameras; tag_values: the settings in its <gazebo> tags of what is there once and of the
+    first sensor of each kind, by name; cameras:
     those in its <gazebo> tags; warnings: a line each; other_drives: where nothing says how it is
     driven, what is there instead.
     """
 
     source: str
     description: Description
-    kinds: Sequence[SensorKind]
+    sensors: Sequence[RobotSensor]
     tag_values: gazebo_tags.Values
     cameras: Tuple[CameraSettings, ...]
     warnings: Tuple[str, ...]
@@ -72,8 +73,8 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
                kinds: Sequence[SensorKind] = (), controllers: Controllers = {}) -> RobotSource:
     """Read the text of a URDF.
 
-    step_s: of the physics. find_mesh: returns the path of a mesh's URI. source, kinds: see
-    RobotSource. controllers: those of ros_control that it can have.
+    step_s: of the physics. find_mesh: returns the path of a mesh's URI. source: see RobotSource.
+    kinds: of the sensors that it can have. controllers: those of ros_control that it can have.
     Raises SimulationError naming the source when the text is not a URDF that can be simulated.
     """
     try:
@@ -102,7 +103,8 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
         warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
             source, ', '.join((*not_simulated, *of_cameras))))
     values = drive.settings(found.values) if drive else found.values
-    return RobotSource(source, robot, kinds, values, cameras, tuple(warnings),
+    sensors = tuple(sensors_of(kinds, found.sensors))
+    return RobotSource(source, robot, sensors, values, cameras, tuple(warnings),
                        () if drive else not_simulated)
 
 
@@ -125,7 +127,16 @@ def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
                                     right_joint=drive.left_joint)
     return RobotSettings(
         read(SpawnSettings, values), drive, read(NoiseSettings, values),
-        {kind.name: read(kind.settings, values) for kind in robot.kinds})
+        {each.name: read(each.kind.settings, values) if each.reads_parameters
+         else _settings_in_tag(robot.source, each) for each in robot.sensors})
+
+
+def _settings_in_tag(source: str, sensor: RobotSensor) -> Any:
+    try:
+        return from_mapping(sensor.kind.settings, sensor.values)
+    except SettingError as error:
+        raise _refused(source, 'its sensor {}: {}'.format(sensor.name, error.problem),
+                       error.advice)
 
 
 def default_settings(robot: RobotSource) -> RobotSettings:
@@ -145,7 +156,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
           option_name: Callable[[str], str] = str) -> Assembly:
     """Build a simulator of robots in a world.
 
-    unused_sensors: names of sensors that are disabled. option_name: what the user types to give
+    unused_sensors: kinds of sensors that are disabled. option_name: what the user types to give
     the setting of that name, for warnings.
     Raises SimulationError when PyBullet cannot load something or the settings do not fit.
     """
@@ -178,15 +189,16 @@ def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,
     Arguments and errors as for `build`; after an error, nothing has changed.
     """
     with _refusal(robot), loading.all_or_nothing(simulator.world.physics_client_id):
-        vehicle = Vehicle(robot.description, settings, simulator.world, robot.kinds)
+        vehicle = Vehicle(robot.description, settings, simulator.world, robot.sensors)
     simulator.add(vehicle)
-    for sensor in unused_sensors:
+    unused = [each.name for each in vehicle.sensors if each.kind.name in unused_sensors]
+    for sensor in unused:
         vehicle.set_sensor_enabled(sensor, False)
     lines = wheels.measure(robot.description, settings.drive).warnings(
         settings.drive, robot.tag_values)
     return ['{}: {}'.format(robot.source, line) for line in lines] + [
         '{} runs without the sensor {}: no link {}'.format(robot.description.name, sensor, link)
-        for sensor, link in vehicle.missing_sensors.items() if sensor not in unused_sensors]
+        for sensor, link in vehicle.missing_sensors.items() if sensor not in unused]
 
 
 def add_robot_apart(simulator: Simulator, robot: RobotSource, settings: RobotSettings,

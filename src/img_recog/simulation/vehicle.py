@@ -13,7 +13,7 @@ from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions.description import Description
 from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.sensors.sensor import Mount, ScheduledSensor, SensorKind
+from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
 from img_recog.simulation.settings import (CameraSettings, RobotSettings, SpawnSettings,
                                            nearest_period, whole_steps)
 
@@ -35,22 +35,22 @@ class Vehicle:
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
     robot: the body; drive: what moves it; description: what it was made with; settings:
-    those of all sensors, in which an empty frame is the root link; kinds: of the sensors;
+    those of all sensors, in which an empty frame is the root link; sensors: all but cameras;
     missing_sensors: those that were left out, and the links for them that the robot does not have;
     lift: how far it was moved upward, onto what it was in, when it was last put somewhere.
     """
 
     def __init__(self, description: Description, settings: RobotSettings, world: World,
-                 kinds: Sequence[SensorKind] = ()):
+                 sensors: Sequence[RobotSensor] = ()):
         """Load the robot into a world.
 
         Raises SimulationError when a setting does not fit the robot or the physics; nothing is
         left in the world then.
         """
-        self.description, self.kinds, self._world = description, kinds, world
+        self.description, self.sensors, self._world = description, sensors, world
         self.settings = dataclasses.replace(settings, sensors={
-            kind.name: _with_root(settings.sensors.get(kind.name, kind.settings()),
-                                  description.root) for kind in kinds})
+            each.name: _with_root(settings.sensors.get(each.name) or each.kind.settings(),
+                                  description.root) for each in sensors})
         self.drive = make_drive(settings.drive)
         self.robot = SimulatedRobot(description, self.drive.motors, settings.spawn,
                                     world.physics_client_id)
@@ -59,25 +59,32 @@ class Vehicle:
                                         world.step_s)
         self._sensors: Dict[str, ScheduledSensor] = {}
         self.missing_sensors: Dict[str, str] = {}
-        for kind in kinds:
-            self._mount(kind, self.settings.sensors[kind.name], world)
+        for each in sensors:
+            self._mount(each, self.settings.sensors[each.name])
         self._enabled = list(self._sensors.values())
 
     def _lift(self) -> None:
         self.lift = standing.lift(self.robot, self._world.floor, self._world.bodies)
 
-    def _mount(self, kind: SensorKind, settings: Any, world: World) -> None:
-        """Add a sensor, but not when only the default names a link that is missing."""
-        frame = kind.frame(settings)
-        if frame == kind.frame(kind.settings()) and frame and not self.robot.has_frame(frame):
-            self.missing_sensors[kind.name] = frame
+    def _mount(self, sensor: RobotSensor, settings: Any) -> None:
+        """Add a sensor, but not when only its tag or the default names a link that is missing."""
+        kind, place = sensor.kind, sensor.place
+        link = place.link if place else kind.frame(settings)
+        if link and not self.robot.has_frame(link) and (
+                place or link == kind.frame(kind.settings())):
+            self.missing_sensors[sensor.name] = link
             return
-        name = kind.name + '_period_s'
+        mount = ''
+        if place:
+            mount = 'sensor ' + sensor.name
+            self.robot.add_mount(mount, *place)
+        period = kind.name + '_period_s'
         # a generator each: the noise of one sensor does not depend on whether another is read
-        noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number))
-        self._sensors[kind.name] = ScheduledSensor(
-            kind.name, whole_steps(name, getattr(settings, name), self._world.step_s),
-            kind.make(Mount(self.robot, world, noise, self.drive), settings))
+        noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
+                                      + (sensor.number,) * bool(sensor.number))
+        self._sensors[sensor.name] = ScheduledSensor(
+            sensor.name, whole_steps(period, getattr(settings, period), self._world.step_s),
+            kind.make(Mount(self.robot, self._world, noise, self.drive, mount), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
         """Add a camera, which is disabled; return the name of the sensor.

@@ -14,6 +14,7 @@ from img_recog.simulation.bodies.robot import JointStates
 from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
+from img_recog.simulation.sensors.range_sensor import RangeSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
 
 STAMP = rospy.Time(12, 34)
@@ -80,6 +81,23 @@ def test_scan():
     assert (msg.angle_min, msg.angle_max, msg.angle_increment) == (0.0, 6.28319, 6.28319 / 3)
     assert (msg.range_min, msg.range_max) == (0.12, 3.5)
     assert msg.intensities == [0.0] * 4
+
+
+def test_scan_of_one_ray():
+    msg = robot_msgs.scan_to_msg(np.array([0.5]), ScanSettings(scan_samples=1), STAMP)
+    assert (msg.angle_increment, msg.ranges) == (6.28319, [0.5])
+
+
+@pytest.mark.parametrize('radiation, kind', [('ultrasound', 0), ('infrared', 1)])
+def test_range(radiation, kind):
+    settings = RangeSettings(range_frame='ear', range_min=0.1, range_max=2.0,
+                             range_field_of_view=0.3, range_radiation=radiation)
+    msg = robot_msgs.range_to_msg(0.7, settings, STAMP)
+    assert (msg.header.frame_id, msg.header.stamp, msg.radiation_type) == ('ear', STAMP, kind)
+    assert (msg.field_of_view, msg.min_range, msg.max_range, msg.range) == (0.3, 0.1, 2.0, 0.7)
+    assert robot_msgs.range_from_msg(msg) == 0.7
+    again = robot_msgs.range_to_msg(0.2, settings, rospy.Time(1, 2), msg)
+    assert again is msg and (msg.range, msg.header.stamp) == (0.2, rospy.Time(1, 2))
 
 
 def test_imu():

@@ -19,12 +19,14 @@ class Names(NamedTuple):
         return 'robot ' + self.namespace if self.namespace else 'the robot'
 
     def topic(self, name: str) -> str:
-        """Return the topic in the namespace, unless its name is global.
+        """Return the topic in the namespace, unless its name is global or there already.
 
         >>> Names('tb3_0').topic('scan'), Names('tb3_0').topic('/scan'), Names().topic('scan')
         ('tb3_0/scan', '/scan', 'scan')
+        >>> Names('tb3_0').topic('tb3_0/scan')      # of a plugin with this <robotNamespace>
+        'tb3_0/scan'
         """
-        is_relative = self.namespace and not name.startswith('/')
+        is_relative = self.namespace and not name.startswith(('/', self.namespace + '/'))
         return '/'.join((self.namespace, name)) if is_relative else name
 
     def frame(self, name: str) -> str:

@@ -58,10 +58,15 @@ class RobotPlan(NamedTuple):
         return self.source.description.name
 
     def published(self) -> List[str]:
-        """Return the resolved names of the topics of the sensors."""
+        """Return the resolved names of the topics of the sensors.
+
+        Sensors of a kind can share one, like in Gazebo.
+        """
         cameras = [getattr(camera, field) for camera in self.cameras
                    for field in topic_fields(camera)]
-        sensors = [kind.topic(self.settings.sensors[kind.name]) for kind in self.source.kinds]
+        sensors = [topic for topic, _ in dict.fromkeys(
+            (each.kind.topic(self.settings.sensors[each.name]), each.kind.msg_type)
+            for each in self.source.sensors)]
         return [rospy.resolve_name(self.names.topic(topic)) for topic in cameras + sensors]
 
 
@@ -179,7 +184,7 @@ def names_of(namespace: str, default_prefix: str) -> Names:
 def robot_settings_classes() -> Sequence[type]:
     """Return the classes of all parameters that a robot reads."""
     return [SpawnSettings, DriveSettings, NoiseSettings, CameraSettings,
-            *(kind.settings for kind in SENSORS)]
+            *(kind.settings for kind in SENSORS if not kind.only_in_tags)]
 
 
 def _with_seed(settings: RobotSettings, name: str) -> RobotSettings:

@@ -1,5 +1,5 @@
 """The topics of one simulated robot."""
-from typing import Any, List, Sequence, Union
+from typing import Any, Dict, List, Sequence, Union
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -24,11 +24,13 @@ _WORLD_FRAMES = ('', 'world')
 
 
 class _Output:
-    """Publishes the readings of a sensor; publisher: of its topic."""
+    """Publishes the readings of a sensor.
 
-    def __init__(self, topic: str, kind: SensorKind, settings: Any):
-        """Advertise the topic; settings: of the sensor, with the names that others see."""
-        self.publisher = DirectPublisher(topic, kind.msg_type)
+    publisher: of its topic, which sensors can share; settings: with the names that others see.
+    """
+
+    def __init__(self, publisher: DirectPublisher, kind: SensorKind, settings: Any):
+        self.publisher = publisher
         self._to_msg, self._settings, self._msg = kind.to_msg, settings, None
 
     def add(self, reading: Reading) -> Any:
@@ -88,9 +90,14 @@ class RobotTopics:
         self._transforms = transforms
         self._transform = TransformStamped(child_frame_id=names.frame(vehicle.odometry.base_frame))
         settings = vehicle.settings.sensors
-        self._outputs = {
-            kind.name: _Output(names.topic(kind.topic(settings[kind.name])), kind,
-                               names.seen(settings[kind.name])) for kind in vehicle.kinds}
+        self._publishers: Dict[str, DirectPublisher] = {}
+        self._outputs: Dict[str, _Output] = {}
+        for each in vehicle.sensors:
+            topic = names.topic(each.kind.topic(settings[each.name]))
+            if topic not in self._publishers:
+                self._publishers[topic] = DirectPublisher(topic, each.kind.msg_type)
+            self._outputs[each.name] = _Output(self._publishers[topic], each.kind,
+                                               names.seen(settings[each.name]))
         self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))
         self._odom_frame = names.frame(vehicle.odometry.odom_frame)
         self._warn_of_pose = ThrottledWarning()
@@ -153,8 +160,8 @@ class RobotTopics:
                     self._transforms.add(robot_msgs.transform_of(msg, self._transform))
         self._counts.readings.add(len(readings))
         # several messages of a topic together
-        for output in self._outputs.values():
-            output.publisher.flush()
+        for publisher in self._publishers.values():
+            publisher.flush()
 
     def report(self, status: DiagnosticStatusWrapper) -> None:
         """Add the counters to a status; to be called once in each period."""
@@ -185,5 +192,5 @@ class RobotTopics:
         self._is_closed = True
         for subscriber in self._subscribers:
             subscriber.unregister()
-        for output in self._outputs.values():
-            output.publisher.unregister()
+        for publisher in self._publishers.values():
+            publisher.unregister()

@@ -9,7 +9,8 @@ from img_recog.simulation.bodies import tyres
 from img_recog.simulation.bodies.body import (Body, FrameState, Motion, Pose, Vector,
                                               motion_of_frame)
 from img_recog.simulation.bodies.loading import link_indices, load_urdf
-from img_recog.simulation.descriptions.description import FLOOR_FRICTION, Description
+from img_recog.simulation.descriptions.description import FLOOR_FRICTION, Description, Frame
+from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.simulation.settings import SimulationError, SpawnSettings
 
 # rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
@@ -62,6 +63,7 @@ class SimulatedRobot(Body):
         self.name = description.name
         self.spawn = spawn
         self.root, self._frames = description.root, description.frames
+        self._mounts: Dict[str, Frame] = {}
         self._link_indices = link_indices(self.body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
         self._joint_names = tuple(self.joints)
@@ -125,6 +127,14 @@ class SimulatedRobot(Body):
                                       physicsClientId=self.physics_client_id)
         return FrameState(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
 
+    def add_mount(self, frame: str, link: str, pose: Transform) -> None:
+        """Add a frame with a constant pose in a link of the description.
+
+        frame: a name that no link has. Its motion can be read like that of a link.
+        """
+        carrier = self._frames[link]
+        self._mounts[frame] = Frame(carrier.link, carrier.pose @ pose)
+
     def has_frame(self, frame: str) -> bool:
         """Return whether the description has this link."""
         return frame in self._frames
@@ -141,11 +151,12 @@ class SimulatedRobot(Body):
 
         The pose is in the link's frame, or, for the base, in the frame of its center of mass.
         """
-        if frame not in self._frames:
-            raise SimulationError('the robot has no link {} (links: {})'.format(
-                frame, ', '.join(sorted(self._frames))))
         if frame not in self._carriers:
-            name, pose = self._frames[frame].link, self._frames[frame].pose
+            found = self._frames.get(frame) or self._mounts.get(frame)
+            if found is None:
+                raise SimulationError('the robot has no link {} (links: {})'.format(
+                    frame, ', '.join(sorted(self._frames))))
+            name, pose = found
             link = self._link_indices[name]
             in_link = pose.translation.tolist(), rotations.quaternion_of(pose.rotation)
             self._carriers[frame] = link, in_link if link != -1 else (

@@ -7,14 +7,14 @@ from typing import NamedTuple, Optional, Tuple
 from img_recog.simulation.descriptions import drive_controllers
 from img_recog.simulation.descriptions.description import root_of
 from img_recog.simulation.descriptions.drive_controllers import Controllers
-from img_recog.simulation.descriptions.gazebo_tags import (FLAG, NAME, NUMBER, POSITIVE, RATE, Row,
-                                                           Tags, Values, choice, is_of)
+from img_recog.simulation.descriptions.gazebo_tags import (FLAG, NAME, NUMBER, POSITIVE, RATE,
+                                                           TOPIC, Row, Tags, Values, choice, is_of)
 from img_recog.simulation.settings import PLANAR
 
 _WORLD, _ENCODER = 'world', 'encoder'
 _TOPICS = (
-    Row('command_topic', NAME, 'plugin', 'commandTopic'),
-    Row('odometry_topic', NAME, 'plugin', 'odometryTopic'),
+    Row('command_topic', TOPIC, 'plugin', 'commandTopic'),
+    Row('odometry_topic', TOPIC, 'plugin', 'odometryTopic'),
     Row('odom_frame', NAME, 'plugin', 'odometryFrame'),
     Row('base_frame', NAME, 'plugin', 'robotBaseFrame'))
 # in Gazebo one plugin publishes odometry and joint states

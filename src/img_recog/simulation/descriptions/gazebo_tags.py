@@ -5,10 +5,12 @@ friction. The rows of each kind of sensors are beside its class, as `Tags`.
 """
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Union
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Union
 
 from img_recog.simulation.descriptions import camera_tags
 from img_recog.simulation.descriptions.description import root_of
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
+from img_recog.simulation.descriptions.numbers import read_numbers
 from img_recog.simulation.settings import SimulationError, nearest_period
 
 Values = Dict[str, Union[str, float, int, bool]]
@@ -42,9 +44,10 @@ class Tags(NamedTuple):
     """Where the settings of the drive or of a kind of sensors are.
 
     plugins: parts of the file names of its plugins. rows: of two for a setting, the later one
-    counts. sensors: the types of <sensor> that such a plugin can be in; frame: the setting that
-    is the link of that, unless a row has it. needs_sensor: whether the plugin must be in one,
-    which then measures without a plugin too; else one without the plugin publishes nothing.
+    counts. sensors: the types of <sensor> that such a plugin can be in; needs_sensor: whether it
+    must be in one. frame: the setting that is the link of the tag, unless a row has it; a robot
+    can have several sensors of a kind that has one. defaults: settings that hold where a plugin
+    has none. not_simulated: returns what of a <sensor> is not simulated.
     """
 
     plugins: Sequence[str]
@@ -52,12 +55,33 @@ class Tags(NamedTuple):
     sensors: Sequence[str] = ()
     frame: str = ''
     needs_sensor: bool = False
+    defaults: Values = {}
+    not_simulated: Callable[[ElementTree.Element], Sequence[str]] = lambda sensor: ()
+
+
+class Place(NamedTuple):
+    """Where a sensor is: its constant `pose` in a link of the description."""
+
+    link: str
+    pose: Transform
+
+
+class SensorTag(NamedTuple):
+    """A sensor in <gazebo> tags.
+
+    tags: of its kind; values: its settings, by name; place: None if nothing says it.
+    """
+
+    tags: Tags
+    values: Values
+    place: Optional[Place]
 
 
 class Found(NamedTuple):
     """What is in <gazebo> tags.
 
-    values: the settings that they give, by name: SI units, and periods that are whole steps.
+    values: the settings that they give for what is there once, and for the first sensor of each
+    kind, by name: SI units, and periods that are whole steps. sensors: all that are simulated.
     not_simulated: the plugins and sensors that are not simulated, in their order. Each is 'plugin
     FILENAME' or 'sensor TYPE', after the word 'second' where it is a duplicate. Those of cameras
     are not among them.
@@ -65,31 +89,41 @@ class Found(NamedTuple):
 
     values: Values
     not_simulated: List[str]
+    sensors: List[SensorTag]
 
 
 def read(urdf: str, step_s: float, readers: Sequence[Tags]) -> Found:
     """Return what the <gazebo> tags of a URDF's text give.
 
     step_s: of the physics. Settings without a tag are absent. Leading slashes of names are
-    removed. Of two drives or two sensors of a kind, the first counts.
+    removed. Of two drives, the first counts.
     Raises SimulationError when `urdf` is not a URDF or a value cannot be read.
     """
-    found = Found({}, [])
-    known: Set[int] = set()         # numbers of readers that have read a part
+    found = Found({}, [], [])
+    known: List[Tags] = []          # those that have read a part
     for part in _parts(root_of(urdf), readers):
-        first = [number for number in part.readers if number not in known]
-        for number in first:
-            found.values.update(_values_in(part, readers[number], step_s))
-        if not first:
-            found.not_simulated.append('second ' * bool(part.readers) + part.label)
-        known.update(first)
+        new = [tags for tags in part.readers if tags not in known]
+        for tags in part.readers:
+            if tags in new or tags.frame:
+                values = _values_in(part, tags, step_s)
+                if tags in new:
+                    found.values.update(values)
+                if tags.frame:
+                    found.sensors.append(SensorTag(tags, values, _place_of(part)))
+                if part.sensor is not None:
+                    found.not_simulated.extend(tags.not_simulated(part.sensor))
+            else:
+                found.not_simulated.append('second ' + part.label)
+        if not part.readers:
+            found.not_simulated.append(part.label)
+        known += new
     return found
 
 
 class _Part(NamedTuple):
-    """A plugin or a sensor with its plugin; readers: the numbers of those that read it."""
+    """A plugin or a sensor with its plugin; readers: those that read it."""
 
-    readers: Sequence[int]
+    readers: Sequence[Tags]
     label: str
     link: Optional[str]
     sensor: Optional[ElementTree.Element]
@@ -100,7 +134,7 @@ def _parts(robot: ElementTree.Element, readers: Sequence[Tags]) -> Iterator[_Par
     for tag in robot.findall('gazebo'):
         link = tag.get('reference')
         for plugin in tag.findall('plugin'):
-            of_plugin = [number for number, tags in enumerate(readers)
+            of_plugin = [tags for tags in readers
                          if not tags.needs_sensor and is_of(plugin, tags)]
             yield _Part(of_plugin, _label(plugin, 'filename'), link, None, plugin)
         for sensor in tag.findall('sensor'):
@@ -116,21 +150,25 @@ def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
             if plugin is not camera:
                 yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)
         return
-    of_type = [(number, tags) for number, tags in enumerate(readers)
-               if sensor.get('type') in tags.sensors]
-    number, ours = next(((number, plugin) for number, tags in of_type for plugin in plugins
-                         if is_of(plugin, tags)), (None, None))
-    # an imu sensor without a plugin publishes nothing: the official burger has one in addition to
-    # the plugin that publishes; a ray sensor with a plugin of another kind is a sonar or similar
-    if number is None and not plugins:
-        number = next((number for number, tags in of_type if tags.needs_sensor), None)
-    if number is not None:
-        yield _Part((number,), _label(sensor, 'type'), link, sensor, ours)
-    elif not of_type or any(tags.needs_sensor for _, tags in of_type):
-        yield _Part((), _label(sensor, 'type'), link, sensor, None)
+    of_type = [tags for tags in readers if sensor.get('type') in tags.sensors]
     for plugin in plugins:
-        if plugin is not ours:
-            yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)
+        yield _Part([tags for tags in of_type if is_of(plugin, tags)],
+                    _label(plugin, 'filename'), link, sensor, plugin)
+    # one without a plugin publishes nothing: the official burger has such an imu sensor in
+    # addition to the plugin that publishes
+    if not plugins and not of_type:
+        yield _Part((), _label(sensor, 'type'), link, sensor, None)
+
+
+def _place_of(part: _Part) -> Optional[Place]:
+    """Return where a sensor is; the plugins outside of sensors name the link."""
+    if part.sensor is None:
+        link = part.plugin is not None and part.plugin.findtext('bodyName', '').strip()
+        return Place(link, IDENTITY) if link else None
+    text, numbers = part.sensor.findtext('pose', '').strip(), [0.0] * 6
+    if text:
+        numbers = read_numbers('<pose> of ' + _label(part.sensor, 'name'), text, 6).tolist()
+    return Place(part.link, from_rpy(numbers[:3], numbers[3:])) if part.link else None
 
 
 def is_of(plugin: ElementTree.Element, tags: Tags) -> bool:
@@ -143,7 +181,7 @@ def _label(element: ElementTree.Element, attribute: str) -> str:
 
 
 def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
-    values: Values = {}
+    values: Values = dict(tags.defaults)
     if tags.frame and part.link:
         values[tags.frame] = part.link
     for row in tags.rows:
@@ -153,9 +191,19 @@ def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
         if owner is not None and path is not None:
             value = _value(owner, path, row.reader)
             if value is not None:
-                values[row.setting] = (
-                    nearest_period(value, step_s) if row.reader is RATE else value)
+                if row.reader is RATE:      # of a sensor's and a plugin's, the lower one counts
+                    value = max(nearest_period(value, step_s), values.get(row.setting, 0))
+                elif row.reader is TOPIC:
+                    value = _in_namespace(value, part.plugin)
+                values[row.setting] = value
     return values
+
+
+def _in_namespace(topic: str, plugin: Optional[ElementTree.Element]) -> str:
+    """Return a topic, without a leading slash, as the plugin makes it."""
+    namespace = '' if plugin is None else plugin.findtext('robotNamespace', '').strip().strip('/')
+    return topic.lstrip('/') if topic.startswith('/') or not namespace else '/'.join(
+        (namespace, topic))
 
 
 def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
@@ -174,10 +222,18 @@ def _number(text: str) -> float:
     return value
 
 
-def _name(text: str) -> str:
+def _topic(text: str) -> str:
     if not text.strip('/'):
         raise ValueError(text)
-    return text.lstrip('/')
+    return text
+
+
+def _deviation(text: str) -> Optional[float]:
+    """Return a standard deviation, of several their root mean square, None for 0."""
+    values = [_number(each) for each in text.split()]
+    if not values:
+        raise ValueError(text)
+    return math.sqrt(sum(value ** 2 for value in values) / len(values)) or None
 
 
 def choice(expected: str, values: Dict[str, Any]) -> Reader:
@@ -185,10 +241,15 @@ def choice(expected: str, values: Dict[str, Any]) -> Reader:
     return Reader(expected, lambda text: values[text.lower()])
 
 
-NAME, NUMBER = Reader('a name', _name), Reader('a finite number', _number)
+NAME = Reader('a name', lambda text: _topic(text).lstrip('/'))
+# in the <robotNamespace> of the plugin, unless it has a leading slash
+TOPIC = Reader('a name', _topic)
+NUMBER = Reader('a finite number', _number)
 INTEGER = Reader('a whole number', int)
 FLAG = choice('true, false, 1 or 0', {'true': True, '1': True, 'false': False, '0': False})
 POSITIVE = Reader('a finite number', lambda text: max(_number(text), 0.0) or None)
+# for one or each axis
+DEVIATION = Reader('finite numbers', _deviation)
 # in Hz, for the setting of a period; 0 means "each physics step" in Gazebo; here it leaves the
 # default
 RATE = Reader(*POSITIVE)

@@ -7,13 +7,14 @@ import numpy as np
 from img_recog.rotations import Quaternion, into_frame
 from img_recog.settings import Settings, above, at_least, not_empty, setting
 from img_recog.simulation.bodies.body import Vector, velocity_at
-from img_recog.simulation.descriptions.gazebo_tags import (NAME, NUMBER, POSITIVE, RATE, Row,
-                                                           Tags)
+from img_recog.simulation.descriptions.gazebo_tags import (DEVIATION, NAME, NUMBER, POSITIVE,
+                                                           RATE, TOPIC, Row, Tags)
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _NOISE_ROWS = 1000          # drawn at a time
 
-# of libgazebo_ros_imu and _imu_sensor of gazebo_plugins, and of Gazebo's own imu sensors
+# of libgazebo_ros_imu and _imu_sensor of gazebo_plugins, of libhector_gazebo_ros_imu, and of
+# Gazebo's own imu sensors
 TAGS = Tags(('gazebo_ros_imu',), (
     # The plugins add gaussianNoise to angular velocities and accelerations alike. Most files have
     # its default, 0 (the official ones together with <imu><noise>): 0 is ignored.
@@ -23,7 +24,10 @@ TAGS = Tags(('gazebo_ros_imu',), (
     Row('gyro_noise', NUMBER, 'sensor', 'imu/noise/rate/stddev'),
     Row('accel_noise', NUMBER, 'sensor', 'imu/noise/accel/stddev'),
     Row('imu_frame', NAME, 'plugin', 'frameName', 'bodyName'),
-    Row('imu_topic', NAME, 'plugin', 'topicName'),
+    Row('imu_frame', NAME, 'plugin', 'frameId'),
+    Row('gyro_noise', DEVIATION, 'plugin', 'rateGaussianNoise'),
+    Row('accel_noise', DEVIATION, 'plugin', 'accelGaussianNoise'),
+    Row('imu_topic', TOPIC, 'plugin', 'topicName'),
     Row('imu_period_s', RATE, 'plugin', 'updateRate', 'updateRateHZ'),
     Row('gyro_noise', NUMBER, 'plugin', 'imu/noise/rate/stddev'),
     Row('accel_noise', NUMBER, 'plugin', 'imu/noise/accel/stddev')),
@@ -61,8 +65,7 @@ class Imu(Sensor):
 
     def __init__(self, mount: Mount, settings: ImuSettings):
         """Mount the unit on a link of the robot; SimulationError when there is no such link."""
-        mount.robot.check_frame('imu_frame', settings.imu_frame)
-        self._robot, self._settings = mount.robot, settings
+        self._robot, self._frame = mount.robot, mount.frame('imu_frame', settings.imu_frame)
         self._period_s = settings.imu_period_s
         self._noise = _rows(mount.noise,
                             np.repeat((settings.gyro_noise, settings.accel_noise), 3))
@@ -81,7 +84,7 @@ class Imu(Sensor):
     def read(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""
         # written out: this is called 200 times a second, and loops take several times as long
-        state = self._robot.frame_state(self._settings.imu_frame)
+        state = self._robot.frame_state(self._frame)
         position, orientation = state.frame
         velocity = velocity_at(position, *state[1:])
         before = self._velocity or velocity

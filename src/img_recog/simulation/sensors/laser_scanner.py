@@ -1,14 +1,24 @@
 """A laser scanner, by default an LDS-01 like that of turtlebot3_gazebo."""
+import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
+from typing import Optional, Sequence
 
 import numpy as np
 
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
-from img_recog.simulation.descriptions.gazebo_tags import (INTEGER, NAME, NUMBER, RATE, Row,
-                                                           Tags)
+from img_recog.simulation.descriptions.gazebo_tags import (INTEGER, NAME, NUMBER, RATE, TOPIC,
+                                                           Row, Tags)
+from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog.simulation.settings import SimulationError
+
+
+def _other_rows(sensor: ElementTree.Element) -> Sequence[str]:
+    rows = sensor.findtext('ray/scan/vertical/samples', '').strip()
+    return [] if rows in ('', '1') else [
+        'rows of rays of sensor {} above and below the middle one'.format(sensor.get('name', ''))]
+
 
 # of libgazebo_ros_laser and _gpu_laser of gazebo_plugins, and of Gazebo's own ray sensors
 TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
@@ -16,26 +26,37 @@ TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
     Row('scan_samples', INTEGER, 'sensor', 'ray/scan/horizontal/samples'),
     Row('scan_angle_min', NUMBER, 'sensor', 'ray/scan/horizontal/min_angle'),
     Row('scan_angle_max', NUMBER, 'sensor', 'ray/scan/horizontal/max_angle'),
+    Row('scan_resolution', NUMBER, 'sensor', 'ray/scan/horizontal/resolution'),
+    Row('scan_rows', INTEGER, 'sensor', 'ray/scan/vertical/samples'),
+    Row('scan_pitch_min', NUMBER, 'sensor', 'ray/scan/vertical/min_angle'),
+    Row('scan_pitch_max', NUMBER, 'sensor', 'ray/scan/vertical/max_angle'),
     Row('scan_range_min', NUMBER, 'sensor', 'ray/range/min'),
     Row('scan_range_max', NUMBER, 'sensor', 'ray/range/max'),
     Row('scan_noise', NUMBER, 'sensor', 'ray/noise/stddev'),
     Row('scan_frame', NAME, 'plugin', 'frameName'),
-    Row('scan_topic', NAME, 'plugin', 'topicName')),
-    sensors=('ray', 'gpu_ray'), frame='scan_frame', needs_sensor=True)
+    Row('scan_topic', TOPIC, 'plugin', 'topicName')),
+    sensors=('ray', 'gpu_ray'), frame='scan_frame', needs_sensor=True,
+    defaults={'scan_noise': 0.0}, not_simulated=_other_rows)
 
 
 @dataclass(frozen=True)
 class ScanSettings(Settings):
     """The laser scanner.
 
-    Angles in rad about z of `scan_frame`, from its x axis; there is a ray at both ends. Ranges
-    and the standard deviation of their noise in m. scan_period_s: a multiple of the physics step,
-    in simulated s.
+    Angles in rad about z of `scan_frame`, or of the place that a <gazebo> tag gives, from its x
+    axis; there is a ray at both ends. scan_resolution: ranges for each ray, interpolated between
+    them. scan_rows: of rays, from the angle scan_pitch_min upward to scan_pitch_max; the middle
+    one is cast. Ranges and the standard deviation of their noise in m. scan_period_s: a multiple
+    of the physics step, in simulated s.
     """
 
     scan_frame: str = setting('base_scan', not_empty())
     scan_period_s: float = setting(0.2, above(0))
-    scan_samples: int = setting(360, between(2, 16383))
+    scan_samples: int = setting(360, between(1, 16383))
+    scan_resolution: float = setting(1.0, between(0.001, 100))
+    scan_rows: int = setting(1, between(1, 16383))
+    scan_pitch_min: float = setting(0.0, any_value())
+    scan_pitch_max: float = setting(0.0, any_value())
     scan_angle_min: float = setting(0.0, any_value())
     scan_angle_max: float = setting(6.28319, any_value())
     scan_range_min: float = setting(0.120, at_least(0))
@@ -49,13 +70,19 @@ class ScanSettings(Settings):
         >>> ScanSettings(scan_samples=3, scan_angle_max=1.0).angles().tolist()
         [0.0, 0.5, 1.0]
         """
-        return np.linspace(self.scan_angle_min, self.scan_angle_max, self.scan_samples)
+        return rays.angles(self.scan_samples, self.scan_angle_min, self.scan_angle_max)
+
+    def pitch(self) -> float:
+        """Return the angle of the middle row in rad, upward from the plane of the scanner."""
+        rows = rays.angles(self.scan_rows, self.scan_pitch_min, self.scan_pitch_max)
+        return float(rows[self.scan_rows // 2])
 
 
 class LaserScanner(RaySensor):
-    """Measures ranges, float64 of shape (scan_samples,), in m, +inf where nothing is hit.
+    """Measures ranges, float64 of shape (ranges,), in m, +inf where nothing is hit.
 
-    rays.py finds the distances; here, noise and limits are added.
+    There are scan_samples times scan_resolution of them, cut to a whole number. rays.py finds
+    the distances; here, noise and limits are added.
     """
 
     def __init__(self, mount: Mount, settings: ScanSettings):
@@ -68,18 +95,35 @@ class LaserScanner(RaySensor):
             raise SimulationError('scan_range_min: got {:g} m, expected less than scan_range_max, '
                                   '{:g} m'.format(settings.scan_range_min,
                                                   settings.scan_range_max))
-        mount.robot.check_frame('scan_frame', settings.scan_frame)
-        angles = settings.angles()
-        super().__init__(mount, settings.scan_frame,
-                         np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)]),
+        super().__init__(mount, mount.frame('scan_frame', settings.scan_frame),
+                         rays.directions(settings.angles(), np.array([settings.pitch()])),
                          settings.scan_range_max)
+        self._at = _positions(settings)
         self._settings, self._noise = settings, mount.noise
 
     def measure(self, distances: np.ndarray) -> np.ndarray:
         """Return the ranges; noise is added to hits, which stay within the allowed ranges."""
         settings = self._settings
+        if self._at is not None:
+            distances = _interpolated(distances, self._at, settings.scan_range_max)
         missed = distances > settings.scan_range_max
         # drawn for every ray, so that the noise does not depend on what is hit
         measured = distances + self._noise.normal(0.0, settings.scan_noise, len(distances))
         measured = np.clip(measured, settings.scan_range_min, settings.scan_range_max)
         return np.where(missed, np.inf, measured)
+
+
+def _positions(settings: ScanSettings) -> Optional[np.ndarray]:
+    """Return where each range is among the rays, which have the numbers from 0; None if it is one.
+
+    As in gazebo::sensors::RaySensor::UpdateImpl.
+    """
+    count = max(1, int(settings.scan_samples * settings.scan_resolution))
+    return None if count == settings.scan_samples else np.linspace(
+        0.0, (settings.scan_samples - 1.0) * (count > 1), count)
+
+
+def _interpolated(distances: np.ndarray, at: np.ndarray, longest: float) -> np.ndarray:
+    """Return distances between rays; a ray that hits nothing counts as the longest, like there."""
+    found = np.interp(at, np.arange(len(distances)), np.minimum(distances, longest))
+    return np.where(found < longest, found, np.inf)

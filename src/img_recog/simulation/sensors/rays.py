@@ -17,12 +17,12 @@ class RaySensor(Sensor):
     """Casts all rays at one time from the origin of its frame; does not see its own robot."""
 
     def __init__(self, mount: Mount, frame: str, directions: np.ndarray, longest: float):
-        """Mount the sensor on the link `frame`.
+        """Mount the sensor where its tag puts it, else on the link `frame`.
 
         directions (3, rays): unit vectors in that frame; longest: of what is measured, in m.
         """
         self.solids = mount.world.solids
-        self._robot, self._frame = mount.robot, frame
+        self._robot, self._frame = mount.robot, mount.place or frame
         self._directions, self._longest = directions, longest
 
     @abc.abstractmethod
@@ -70,6 +70,24 @@ class RaySensor(Sensor):
             if not len(rays):
                 break
         return distances
+
+
+def angles(samples: int, first: float, last: float) -> np.ndarray:
+    """Return the angles of rays; a single one is at 0 (gazebo::physics::MultiRayShape::Init).
+
+    >>> angles(3, 0.0, 1.0).tolist(), angles(1, -1.0, 0.5).tolist()
+    ([0.0, 0.5, 1.0], [0.0])
+    """
+    return np.zeros(1) if samples == 1 else np.linspace(first, last, samples)
+
+
+def directions(yaw: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+    """Return unit vectors (3, rays), one row of rays after the other.
+
+    yaw: angles in rad about z, from x on; pitch: of the rows, upward from the plane of x and y.
+    """
+    up, across = (each.ravel() for each in np.meshgrid(pitch, yaw, indexing='ij'))
+    return np.stack([np.cos(across) * np.cos(up), np.sin(across) * np.cos(up), np.sin(up)])
 
 
 def read_together(sensors: Sequence[RaySensor]) -> List[Any]:

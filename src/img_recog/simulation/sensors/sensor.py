@@ -1,13 +1,13 @@
 """What all sensors of a robot have in common."""
 import abc
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 from img_recog.simulation.bodies.drive import Drive
 from img_recog.simulation.bodies.robot import SimulatedRobot
 from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions.gazebo_tags import Tags
+from img_recog.simulation.descriptions.gazebo_tags import Place, SensorTag, Tags, Values
 
 
 class Sensor(abc.ABC):
@@ -28,13 +28,24 @@ class Mount(NamedTuple):
     """What a sensor is made for.
 
     robot: its links carry the sensor; noise: the random generator of this sensor alone; drive:
-    of the robot.
+    of the robot. place: a frame of the robot, where the <gazebo> tag of the sensor puts it; ''
+    if it has none: then it is on the link that its settings name.
     """
 
     robot: SimulatedRobot
     world: World
     noise: np.random.RandomState
     drive: Drive
+    place: str = ''
+
+    def frame(self, setting: str, link: str) -> str:
+        """Return the frame of the robot in which a sensor measures.
+
+        setting, link: that names the link. SimulationError if it counts and is not a link.
+        """
+        if not self.place:
+            self.robot.check_frame(setting, link)
+        return self.place or link
 
 
 class SensorKind(NamedTuple):
@@ -46,7 +57,9 @@ class SensorKind(NamedTuple):
     _topic or _frame are names of topics and frames too; an empty frame is the root link.
     make: make(mount, settings) returns a Sensor. tags: where <gazebo> tags have its settings.
     msg_type: what is published. to_msg: to_msg(reading, settings, stamp, out) returns the message.
-    noise_number: of its random generator, a number that no other row has.
+    noise_number: of its random generator, a number that no other row has. only_in_tags: whether
+    a robot has such sensors only where its <gazebo> tags have them; the settings are no
+    parameters then.
     """
 
     name: str
@@ -56,6 +69,7 @@ class SensorKind(NamedTuple):
     msg_type: type
     to_msg: Callable[..., Any]
     noise_number: int
+    only_in_tags: bool = False
 
     def topic(self, settings: Any) -> str:
         """Return the name of the topic."""
@@ -64,6 +78,39 @@ class SensorKind(NamedTuple):
     def frame(self, settings: Any) -> str:
         """Return the link that the robot may not have, '' if there is none."""
         return getattr(settings, self.name + '_frame', '')
+
+
+class RobotSensor(NamedTuple):
+    """A sensor of a robot.
+
+    name: of its readings: for the first of a kind, that of the kind. number: among those of its
+    kind, from 0. values: the settings in its tag, by name. place: where its tag puts it; None if
+    it has none.
+    """
+
+    name: str
+    kind: SensorKind
+    number: int = 0
+    values: Values = {}
+    place: Optional[Place] = None
+
+    @property
+    def reads_parameters(self) -> bool:
+        """Whether parameters of the user count more than its tag."""
+        return self.number == 0 and not self.kind.only_in_tags
+
+
+def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> List[RobotSensor]:
+    """Return the sensors of a robot, in the order of their kinds; tags: in its <gazebo> tags."""
+    found = []
+    for kind in kinds:
+        own = [tag for tag in tags if tag.tags is kind.tags]
+        if not own and not kind.only_in_tags:
+            found.append(RobotSensor(kind.name, kind))
+        for number, tag in enumerate(own):
+            name = '{}_{}'.format(kind.name, number + 1) if number else kind.name
+            found.append(RobotSensor(name, kind, number, tag.values, tag.place))
+    return found
 
 
 class ScheduledSensor:

@@ -25,7 +25,7 @@ DRIVE_SETTINGS = {
 SCAN_SETTINGS = {
     'scan_period_s': 0.2, 'scan_samples': 360, 'scan_angle_min': 0.0, 'scan_angle_max': 6.28319,
     'scan_range_min': 0.12, 'scan_range_max': 3.5, 'scan_noise': 0.01,
-    'scan_frame': 'base_scan', 'scan_topic': 'scan'}
+    'scan_resolution': 1.0, 'scan_frame': 'base_scan', 'scan_topic': 'scan'}
 IMU_SETTINGS = {'imu_frame': 'imu_link', 'imu_topic': 'imu', 'imu_period_s': 0.005,
                 'gyro_noise': 2e-4, 'accel_noise': 1.7e-2}
 NOISE = ('<imu><noise><type>gaussian</type><rate><mean>0.0</mean><stddev>2e-4</stddev></rate>'
@@ -149,7 +149,16 @@ def test_rates_of_zero_or_less_are_left_to_the_simulator(rate):
      {'odom_frame': 'odom', 'command_topic': 'r1/cmd_vel'}),
     # the frame of a sensor is its link where the plugin names none
     (ray(laser='', link='laser'), {'scan_frame': 'laser'}),
-    (ray(library=None, link='laser'), {'scan_frame': 'laser'}),
+    # one without a plugin is none
+    (ray(library=None, link='laser') + ray(), {'scan_frame': 'base_scan'}),
+    (ray(library=None, link='laser'), {'scan_frame': None}),
+    # topics are in the namespace of the plugin, unless they have a leading slash
+    (ray(laser='<robotNamespace>/r1/</robotNamespace><topicName>scan</topicName>'),
+     {'scan_topic': 'r1/scan'}),
+    (ray(laser='<robotNamespace>r1</robotNamespace><topicName>/scan</topicName>'),
+     {'scan_topic': 'scan'}),
+    (drive(robotNamespace='r1', odometryTopic='odom'),
+     {'odometry_topic': 'r1/odom', 'command_topic': 'r1/cmd_vel', 'odom_frame': 'odom'}),
     (ray(laser='', link=None), {'scan_frame': None}),
     (ray(link='laser'), {'scan_frame': 'base_scan'}),
     (imu_sensor(''), {'imu_frame': 'imu_link'}), (imu(frameName='imu'), {'imu_frame': 'imu'}),
@@ -174,12 +183,37 @@ def test_these_values_alone(elements, wanted):
     assert overrides(robot(elements)) == wanted
 
 
-def test_first_of_two_counts_and_the_second_is_listed():
+def test_of_two_drives_the_first_counts_and_all_sensors_are_simulated():
     urdf = robot(drive(), drive(wheelSeparation='9'), ray(), ray('gpu_ray', samples='9'),
-                 imu(), imu_sensor('<updateRateHZ>9</updateRateHZ>'))
-    assert overrides(urdf) == {**DRIVE_SETTINGS, **SCAN_SETTINGS, **IMU_SETTINGS}
-    assert not_simulated(urdf) == ['second plugin libgazebo_ros_diff_drive.so',
-                                   'second sensor gpu_ray', 'second sensor imu']
+                 imu(), imu_sensor('<updateRateHZ>9</updateRateHZ><topicName>b</topicName>'),
+                 ray(library='gazebo_ros_range', laser='<topicName>sonar</topicName>'))
+    values = overrides(urdf)
+    assert {name: value for name, value in values.items() if not name.startswith('range_')} == {
+        **DRIVE_SETTINGS, **SCAN_SETTINGS, **IMU_SETTINGS}
+    assert values['range_topic'] == 'sonar'
+    assert [(each.values.get('scan_samples'), each.values.get('imu_topic'),
+             each.values.get('range_topic')) for each in found(urdf).sensors] == [
+        (360, None, None), (9, None, None), (None, 'imu', None), (None, 'b', None),
+        (None, None, 'sonar')]
+    assert not_simulated(urdf) == ['second plugin libgazebo_ros_diff_drive.so']
+
+
+def test_place_of_a_sensor_is_its_link_and_pose_and_of_a_plugin_its_body():
+    posed = ray(laser='<frameName>nowhere</frameName>').replace(
+        '<update_rate>', '<pose>1 2 3 0 0 0</pose><update_rate>')
+    scanner, unit = found(robot(posed, imu(bodyName='b', frameName='f'))).sensors
+    assert (scanner.place.link, scanner.values['scan_frame']) == ('base_scan', 'nowhere')
+    assert scanner.place.pose.translation.tolist() == [1, 2, 3]
+    assert (unit.place.link, unit.values['imu_frame']) == ('b', 'f')
+
+
+def test_imu_of_hector():
+    unit = plugin('<bodyName>b</bodyName><frameId>f</frameId><topicName>t</topicName>'
+                  '<accelGaussianNoise>3 4 0</accelGaussianNoise><updateRate>50</updateRate>'
+                  '<rateGaussianNoise>0.1</rateGaussianNoise>', 'hector_gazebo_ros_imu')
+    assert overrides(robot(gazebo(unit))) == {
+        'imu_frame': 'f', 'imu_topic': 't', 'imu_period_s': 0.02, 'gyro_noise': 0.1,
+        'accel_noise': pytest.approx((25 / 3) ** 0.5)}
 
 
 def test_what_is_not_simulated_is_listed_in_order():
@@ -193,12 +227,13 @@ def test_what_is_not_simulated_is_listed_in_order():
     assert overrides(urdf) == SCAN_SETTINGS
 
 
-def test_a_sonar_is_not_a_scanner_and_a_laser_plugin_must_be_in_a_sensor():
-    sonar = ray(library='gazebo_ros_range', far='1')
+def test_a_laser_plugin_must_be_in_a_sensor_and_other_plugins_and_rows_are_listed():
     stray = gazebo(plugin(LASER, 'gazebo_ros_laser'))
-    assert overrides(robot(sonar, stray, ray())) == SCAN_SETTINGS
-    assert not_simulated(robot(sonar, stray, ray())) == [
-        'sensor ray', 'plugin libgazebo_ros_range.so', 'plugin libgazebo_ros_laser.so']
+    cloud = ray(library='gazebo_ros_block_laser')
+    rows = ray().replace('</horizontal>', '</horizontal><vertical><samples>3</samples></vertical>')
+    assert not_simulated(robot(stray, cloud, rows)) == [
+        'plugin libgazebo_ros_laser.so', 'plugin libgazebo_ros_block_laser.so',
+        'rows of rays of sensor lds above and below the middle one']
 
 
 @pytest.mark.parametrize('text', ['x', '', 'nan', 'inf', '1e999', '0.1 0.2', '${separation}'])

@@ -1,0 +1,91 @@
+"""A sonar or an infrared range finder: the nearest of what its rays hit."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from img_recog.settings import (Settings, above, any_value, at_least, between, not_empty, one_of,
+                                setting)
+from img_recog.simulation.descriptions.gazebo_tags import (INTEGER, NAME, NUMBER, RATE, TOPIC, Row,
+                                                           Tags, choice)
+from img_recog.simulation.sensors import rays
+from img_recog.simulation.sensors.rays import RaySensor
+from img_recog.simulation.sensors.sensor import Mount
+from img_recog.simulation.settings import SimulationError
+
+INFRARED, ULTRASOUND = 'infrared', 'ultrasound'
+
+# of libgazebo_ros_range of gazebo_plugins, with its defaults
+TAGS = Tags(('gazebo_ros_range',), (
+    Row('range_period_s', RATE, 'sensor', 'update_rate'),
+    Row('range_samples', INTEGER, 'sensor', 'ray/scan/horizontal/samples'),
+    Row('range_angle_min', NUMBER, 'sensor', 'ray/scan/horizontal/min_angle'),
+    Row('range_angle_max', NUMBER, 'sensor', 'ray/scan/horizontal/max_angle'),
+    Row('range_rows', INTEGER, 'sensor', 'ray/scan/vertical/samples'),
+    Row('range_pitch_min', NUMBER, 'sensor', 'ray/scan/vertical/min_angle'),
+    Row('range_pitch_max', NUMBER, 'sensor', 'ray/scan/vertical/max_angle'),
+    Row('range_min', NUMBER, 'sensor', 'ray/range/min'),
+    Row('range_max', NUMBER, 'sensor', 'ray/range/max'),
+    Row('range_period_s', RATE, 'plugin', 'updateRate'),
+    Row('range_noise', NUMBER, 'plugin', 'gaussianNoise'),
+    Row('range_field_of_view', NUMBER, 'plugin', 'fov'),
+    Row('range_radiation', choice('ultrasound or infrared', {
+        INFRARED: INFRARED, ULTRASOUND: ULTRASOUND}), 'plugin', 'radiation'),
+    Row('range_frame', NAME, 'plugin', 'frameName'),
+    Row('range_topic', TOPIC, 'plugin', 'topicName')),
+    sensors=('ray',), frame='range_frame', needs_sensor=True)
+
+
+@dataclass(frozen=True)
+class RangeSettings(Settings):
+    """A range finder with rows of rays.
+
+    Angles in rad about z from the x axis of its place, and upward from the plane of x and y.
+    range_min, range_max, and the standard deviation of the noise: m. range_field_of_view: rad;
+    only told in the messages, like range_radiation. range_period_s: a multiple of the physics
+    step, in simulated s.
+    """
+
+    range_frame: str = setting('', any_value())
+    range_period_s: float = setting(0.1, above(0))
+    range_samples: int = setting(1, between(1, 16383))
+    range_angle_min: float = setting(0.0, any_value())
+    range_angle_max: float = setting(0.0, any_value())
+    range_rows: int = setting(1, between(1, 16383))
+    range_pitch_min: float = setting(0.0, any_value())
+    range_pitch_max: float = setting(0.0, any_value())
+    range_min: float = setting(0.0, at_least(0))
+    range_max: float = setting(1.0, above(0))
+    range_noise: float = setting(0.0, at_least(0))
+    range_field_of_view: float = setting(0.05, at_least(0))
+    range_radiation: str = setting(INFRARED, one_of(INFRARED, ULTRASOUND))
+    range_topic: str = setting('range', not_empty())
+
+
+class RangeSensor(RaySensor):
+    """Measures one distance in m; range_max where nothing is hit (GazeboRosRange)."""
+
+    def __init__(self, mount: Mount, settings: RangeSettings):
+        """Mount the sensor.
+
+        Raises SimulationError when the shortest range is not less than the longest, or the robot
+        has no link for it.
+        """
+        if not settings.range_min < settings.range_max:
+            raise SimulationError('range_min: got {:g} m, expected less than range_max, {:g} m'
+                                  .format(settings.range_min, settings.range_max))
+        super().__init__(
+            mount, mount.frame('range_frame', settings.range_frame),
+            rays.directions(rays.angles(settings.range_samples, settings.range_angle_min,
+                                        settings.range_angle_max),
+                            rays.angles(settings.range_rows, settings.range_pitch_min,
+                                        settings.range_pitch_max)), settings.range_max)
+        self._settings, self._noise = settings, mount.noise
+
+    def measure(self, distances: np.ndarray) -> float:
+        """Return the range of the nearest hit, with noise, within the allowed ranges."""
+        settings = self._settings
+        noise = self._noise.normal(0.0, settings.range_noise)
+        nearest = float(distances.min())
+        if nearest >= settings.range_max:
+            return settings.range_max
+        return min(max(nearest + noise, settings.range_min), settings.range_max)

@@ -1,0 +1,125 @@
+"""Sensors that <gazebo> tags describe: places, ranges and names, in front of a wall."""
+import math
+
+import numpy as np
+import pytest
+
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing import robots
+from img_recog_testing.refusals import refusal
+
+WALL = ('<sdf version="1.6"><model name="wall"><static>true</static><pose>2.05 0 0.5 0 0 0</pose>'
+        '<link name="l"><collision name="c"><geometry><box><size>0.1 8 {}</size></box></geometry>'
+        '</collision></link></model></sdf>')
+# the robot's root is at x 0.5; the link of the tag is at x 0.1 of that and turned to the left
+LINK = ('<link name="nose"/><joint name="nose_joint" type="fixed"><parent link="base_link"/>'
+        '<child link="nose"/><origin xyz="0.1 0 0" rpy="0 0 1.5707963"/></joint>')
+AHEAD = '<pose>0 0 0 0 0 -1.5707963</pose>'
+
+
+def sensor(plugin, samples=1, angle=0.0, far=5.0, scan='', vertical='', pose=AHEAD,
+           library='gazebo_ros_laser', rate=10, kind='ray', name='s'):
+    return (
+        '<gazebo reference="nose"><sensor type="{}" name="{}">{}<update_rate>{}</update_rate><ray>'
+        '<scan><horizontal><samples>{}</samples><min_angle>{}</min_angle><max_angle>{}</max_angle>'
+        '{}</horizontal>{}</scan><range><min>0.05</min><max>{}</max></range></ray>'
+        '<plugin name="p" filename="lib{}.so">{}</plugin></sensor></gazebo>').format(
+            kind, name, pose, rate, samples, -angle, angle, scan, vertical, far, library, plugin)
+
+
+def built(tmp_path, *tags, height=1):
+    wall = tmp_path / 'wall.sdf'
+    wall.write_text(WALL.format(height))
+    urdf = robots.burger().replace('</robot>', LINK + ''.join(tags) + '</robot>')
+    robot = robots.read(urdf)
+    settings = assembly.default_settings(robot)
+    settings = settings.__class__(robots.settings_of(x=0.5).spawn, settings.drive, settings.noise,
+                                  settings.sensors)
+    return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}),
+                          [(robot, settings)]).simulator
+
+
+def readings(sim, steps=100):
+    return {each.sensor: each.value for each in sim.advance(steps)}
+
+
+def test_each_sensor_measures_from_its_link_and_pose_whatever_the_frame_is_called(tmp_path):
+    sim = built(
+        tmp_path, sensor('<frameName>nowhere</frameName><topicName>a</topicName>'),
+        sensor('<frameName>imu_link</frameName><topicName>b</topicName>',
+               pose='<pose>0 -0.3 0 0 0 -1.5707963</pose>'),
+        sensor('', library='gazebo_ros_range', pose='<pose>0 0 0 0 0 -2.0943951</pose>'))
+    found = readings(sim)
+    # a wall at x 2, seen from x 0.6, from 0.3 m nearer, and 30 degrees to the right
+    assert found['scan'] == pytest.approx([1.4], abs=0.002)
+    assert found['scan_2'] == pytest.approx([1.1], abs=0.002)
+    assert found['range'] == pytest.approx(1.4 / math.cos(math.pi / 6), abs=0.004)
+    vehicle = sim.vehicles[0]
+    assert [each.name for each in vehicle.sensors] == [
+        'odometry', 'joint_states', 'imu', 'scan', 'scan_2', 'range']
+    assert [vehicle.settings.sensors[name].scan_frame for name in ('scan', 'scan_2')] == [
+        'nowhere', 'imu_link']
+
+
+def test_a_range_is_the_nearest_of_all_rows_and_the_longest_if_nothing_is_hit(tmp_path):
+    rows = '<vertical><samples>2</samples><min_angle>0</min_angle><max_angle>1.2</max_angle>'
+    found = readings(built(
+        tmp_path, sensor('', 5, 0.5, library='gazebo_ros_range', vertical=rows + '</vertical>'),
+        sensor('', 1, library='gazebo_ros_range', far=1.0)))
+    assert found['range'] == pytest.approx(1.4, abs=0.002)
+    assert found['range_2'] == 1.0
+
+
+@pytest.mark.parametrize('resolution, count', [(0.5, 4), (2, 16), (1, 8)])
+def test_resolution_interpolates_between_the_rays(tmp_path, resolution, count):
+    ranges = readings(built(tmp_path, sensor('', 8, 0.7, scan='<resolution>{}</resolution>'.format(
+        resolution))))['scan']
+    rays = 1.4 / np.cos(np.linspace(-0.7, 0.7, 8))
+    assert ranges == pytest.approx(np.interp(np.linspace(0, 7, count), np.arange(8), rays),
+                                   abs=0.003)
+
+
+def test_a_ray_that_misses_counts_as_the_longest_between_rays(tmp_path):
+    ranges = readings(built(tmp_path, sensor('', 2, 1.5, scan='<resolution>1.5</resolution>',
+                                             pose='<pose>0 0 0 0 0 0</pose>', far=2.0)))['scan']
+    # at -1.5 rad from the left the wall is 1.4 / cos(0.07) away, at 1.5 rad there is nothing
+    assert ranges[1] == pytest.approx((1.4 / math.cos(math.pi / 2 - 1.5) + 2.0) / 2, abs=0.003)
+    assert ranges[2] == math.inf
+
+
+def test_the_middle_row_is_cast(tmp_path):
+    rows = '<vertical><samples>3</samples><min_angle>0.1</min_angle><max_angle>0.5</max_angle>'
+    ranges = readings(built(tmp_path, sensor('', 1, vertical=rows + '</vertical>'),
+                            height=3))['scan']
+    assert ranges == pytest.approx([1.4 / math.cos(0.3)], abs=0.003)
+
+
+def test_noise_of_sensors_of_a_kind_differs(tmp_path):
+    tag = sensor('<gaussianNoise>0.01</gaussianNoise>', library='gazebo_ros_range')
+    found = readings(built(tmp_path, tag, tag))
+    assert 0 < abs(found['range'] - found['range_2']) < 0.1
+
+
+def test_a_value_that_is_not_allowed_names_the_sensor(tmp_path):
+    assert 'its sensor scan_2: scan_samples: got 0' in refusal(
+        built, tmp_path, sensor(''), sensor('', samples=0))
+
+
+def test_two_imus(tmp_path):
+    unit = ('<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>{}</bodyName>'
+            '<topicName>{}</topicName><updateRate>100</updateRate></plugin></gazebo>')
+    found = readings(built(tmp_path, unit.format('base_link', 'a'), unit.format('nose', 'b')))
+    yaws = [2 * math.atan2(found[name].orientation[2], found[name].orientation[3])
+            for name in ('imu', 'imu_2')]
+    assert yaws == pytest.approx([0.0, math.pi / 2], abs=0.01)
+    assert found['imu_2'].linear_acceleration[2] == pytest.approx(9.8, abs=0.1)
+
+
+def test_a_plugin_on_a_link_that_is_missing_is_a_warning():
+    urdf = robots.burger().replace('</robot>', (
+        '<gazebo><plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>torso</bodyName>'
+        '</plugin></gazebo></robot>'))
+    warnings = robots.assemble(urdf=urdf).warnings
+    assert ['runs without the sensor imu: no link torso' in line for line in warnings] == [True]
