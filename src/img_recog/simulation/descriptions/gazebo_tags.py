@@ -151,13 +151,13 @@ def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
                 yield _Part((), _label(plugin, 'filename'), link, sensor, plugin)
         return
     of_type = [tags for tags in readers if sensor.get('type') in tags.sensors]
-    for plugin in plugins:
-        yield _Part([tags for tags in of_type if is_of(plugin, tags)],
-                    _label(plugin, 'filename'), link, sensor, plugin)
+    parts = [_Part([tags for tags in of_type if is_of(plugin, tags)],
+                   _label(plugin, 'filename'), link, sensor, plugin) for plugin in plugins]
     # one without a plugin publishes nothing: the official burger has such an imu sensor in
     # addition to the plugin that publishes
-    if not plugins and not of_type:
+    if not any(part.readers for part in parts) and (plugins or not of_type):
         yield _Part((), _label(sensor, 'type'), link, sensor, None)
+    yield from parts
 
 
 def _place_of(part: _Part) -> Optional[Place]:

@@ -46,7 +46,7 @@ def test_the_camera_of_the_waffle_pi():
         camera_width=640, camera_height=480, camera_horizontal_fov=1.085595, camera_near=0.03,
         camera_far=100.0, camera_rate=30.0, camera_image_topic='camera/rgb/image_raw',
         camera_info_topic='camera/rgb/camera_info')]
-    assert gazebo_tags.read(robot(PI), 0.001, ()) == ({}, [])
+    assert gazebo_tags.read(robot(PI), 0.001, ()) == ({}, [], [])
 
 
 def test_the_depth_camera_of_the_waffle():

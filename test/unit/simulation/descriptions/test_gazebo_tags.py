@@ -232,7 +232,7 @@ def test_a_laser_plugin_must_be_in_a_sensor_and_other_plugins_and_rows_are_liste
     cloud = ray(library='gazebo_ros_block_laser')
     rows = ray().replace('</horizontal>', '</horizontal><vertical><samples>3</samples></vertical>')
     assert not_simulated(robot(stray, cloud, rows)) == [
-        'plugin libgazebo_ros_laser.so', 'plugin libgazebo_ros_block_laser.so',
+        'plugin libgazebo_ros_laser.so', 'sensor ray', 'plugin libgazebo_ros_block_laser.so',
         'rows of rays of sensor lds above and below the middle one']
 
 
