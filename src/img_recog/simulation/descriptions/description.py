@@ -189,24 +189,38 @@ def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
             robot.remove(link)
             robot.remove(tree.parents[name].element)
             _move(link.findall('visual'), tree.links[carrier], pose)
-        shapes = link.findall('collision')
-        surface = carrier, min(coefficients.get(name, FLOOR_FRICTION), FLOOR_FRICTION)
-        if shapes and surface not in surfaces:
-            surfaces[surface] = tree.links[carrier] if carrier not in friction else _add_surface(
-                robot, carrier, name, tree.parents[name].name)
-            set_friction(surfaces[surface], surface[1])
-            friction[surfaces[surface].get('name', '')] = surface[1]
-        if shapes and surfaces[surface] is not link:
-            _move(shapes, surfaces[surface], pose)
+        for shape in link.findall('collision'):
+            value = min(coefficients[name] if name in coefficients else _of_surface(shape, name),
+                        FLOOR_FRICTION)
+            if (carrier, value) not in surfaces:
+                surface = tree.links[carrier] if carrier not in friction else _add_surface(
+                    robot, carrier, '{}/{:g}'.format(name, value)
+                    if name in friction or name == carrier else name)
+                set_friction(surface, value)
+                friction[surface.get('name', '')] = value
+                surfaces[carrier, value] = surface
+            if surfaces[carrier, value] is not link:
+                link.remove(shape)
+                _move([shape], surfaces[carrier, value], pose)
     return friction
 
 
-def _add_surface(robot: ElementTree.Element, carrier: str, name: str,
-                 joint_name: str) -> ElementTree.Element:
+def _of_surface(shape: ElementTree.Element, link: str) -> float:
+    """Return the friction in the <surface> of a collision, which Gazebo reads only in an SDF.
+
+    Robots whose casters need it have it there: they drive in Gazebo, whose solver loads the wheels
+    more than PyBullet does.
+    """
+    text = shape.findtext('surface/friction/ode/mu')
+    return FLOOR_FRICTION if text is None else read_coefficient(
+        '<mu> of a collision of link ' + link, text)
+
+
+def _add_surface(robot: ElementTree.Element, carrier: str, name: str) -> ElementTree.Element:
     """Add a link without mass, fixed to another one in the same place."""
     link = ElementTree.SubElement(robot, 'link', name=name)
     add_massless(link)
-    joint = ElementTree.SubElement(robot, 'joint', name=joint_name, type='fixed')
+    joint = ElementTree.SubElement(robot, 'joint', name=name + '/joint', type='fixed')
     ElementTree.SubElement(joint, 'parent', link=carrier)
     ElementTree.SubElement(joint, 'child', link=name)
     return link

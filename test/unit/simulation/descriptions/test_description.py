@@ -186,11 +186,29 @@ def test_fixed_shapes_keep_their_friction_and_their_link_gives_its_mass_away():
     assert {name: float(each.find('contact/lateral_friction').get('value'))
             for name, each in found.items()} == urdf.friction
     assert [(each.get('name'), each.get('type'), each.find('parent').get('link'))
-            for each in robot.findall('joint')] == [('bc', 'fixed', 'a'), ('bd', 'fixed', 'a')]
+            for each in robot.findall('joint')] == [
+                ('c/joint', 'fixed', 'a'), ('d/joint', 'fixed', 'a')]
     assert {frame.link for frame in urdf.frames.values()} == {'a'}
     assert list(urdf.frames['e'].pose.translation) == [0, 0, 2]
     assert urdf.missing_meshes == () and urdf.warnings == () and urdf.name == 'r'
     assert parse('<robot>' + link('a') + '</robot>').name == 'robot'
+
+
+SLIPPERY = SHAPE.replace(
+    '</c', '<surface><friction><ode><mu>0</mu></ode></friction></surface></c')
+
+
+@pytest.mark.parametrize('tag, friction', [
+    ('', {'a': 1.0, 'a/0': 0.0, 'a/0.2': 0.2}),
+    ('<gazebo reference="a"><mu1>0.7</mu1></gazebo>', {'a': 0.7, 'b': 0.2, 'b/0': 0.0})])
+def test_shapes_of_a_link_keep_the_friction_of_their_surface(tag, friction):
+    slow = SLIPPERY.replace('<mu>0<', '<mu>0.2<')
+    urdf = parse(ROBOT.format(link('a', inside=SHAPE + 2 * SLIPPERY + slow) + link(
+        'b', inside=slow + SLIPPERY) + joint('ab', 'a', 'b') + tag))
+    assert urdf.friction == friction
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert sum(len(each.findall('collision')) for each in robot.findall('link')) == 6
+    assert len(robot.findall('link')) == len(friction)
 
 
 def test_what_moves_without_mass_is_left_out_with_a_warning():
