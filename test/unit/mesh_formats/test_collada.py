@@ -56,8 +56,9 @@ def read(folder, text):
 
 
 def area(part):
+    """Return the area of triangles that face upward."""
     sides = part.positions[:, 1:] - part.positions[:, :1]
-    return np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2
+    return np.maximum(np.cross(sides[:, 0], sides[:, 1])[:, 2], 0).sum() / 2
 
 
 INSTANCE = '<instance_geometry url="#g">{}</instance_geometry>'.format(BIND)
