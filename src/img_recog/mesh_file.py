@@ -182,9 +182,11 @@ def _loaded(file: Simplified, suffix: str) -> Tuple[List[_Part], str]:
     logging.getLogger('trimesh').setLevel(logging.CRITICAL)     # what is left out is counted
     scene = trimesh.load_scene(io.BytesIO(file.content), file_type=suffix[1:], process=False,
                                resolver=_Library(file.mtl))
-    parts = [part for part in scene.dump() if isinstance(part, trimesh.Trimesh)
-             and len(part.faces)]
-    count = sum(len(part.faces) for part in parts)
+    parts = [(mesh, file.parts[_number(mesh)]) for mesh in scene.dump()
+             if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    parts = [(mesh if part.poses is None else _placed(mesh, part.poses), part)
+             for mesh, part in parts]
+    count = _count(parts)
     if not 0 < count <= MAX_TRIANGLES:
         raise ValueError('it has {} triangles, allowed are 1 to {}'.format(count, MAX_TRIANGLES))
     words = str(scene.units or '').split(' * ')     # as load_collada writes it
@@ -192,16 +194,39 @@ def _loaded(file: Simplified, suffix: str) -> Tuple[List[_Part], str]:
     if not unit > 0:
         raise ValueError('its unit has the length {:g}'.format(unit))
     # what is not a number is not less either
-    usable = [part for part in parts if np.abs(part.vertices).max() * unit < _MAX_POSITION]
+    usable = [(mesh, part) for mesh, part in parts
+              if np.abs(mesh.vertices).max() * unit < _MAX_POSITION]
     if not usable:
         raise ValueError('it has a coordinate of more than {:g}'.format(_MAX_POSITION))
-    for part in usable:
-        if unit != 1:
-            part.apply_scale(unit)
-    left = sum(len(part.faces) for part in usable)
+    for mesh, _ in usable if unit != 1 else ():
+        mesh.apply_scale(unit)
     total = count if file.triangles is None else file.triangles
-    return ([(mesh, file.parts[_number(mesh)]) for mesh in usable],
-            '' if left >= total else 'only {} of its {} triangles'.format(left, total))
+    return usable, '' if _count(usable) >= total else 'only {} of its {} triangles'.format(
+        _count(usable), total)
+
+
+def _count(parts: Sequence[_Part]) -> int:
+    return sum(len(mesh.faces) for mesh, _ in parts)
+
+
+def _placed(mesh: Any, poses: np.ndarray) -> Any:
+    """Return a copy of a mesh at each pose (k, 4, 4), as one mesh."""
+    import trimesh
+    turns, count = poses[:, :3, :3], len(poses)
+    vertices = mesh.vertices @ turns.transpose(0, 2, 1) + poses[:, None, :3, 3]
+    faces = mesh.faces + len(mesh.vertices) * np.arange(count)[:, None, None]
+    is_mirrored = np.linalg.det(turns) < 0
+    faces[is_mirrored] = faces[is_mirrored, :, ::-1]
+    normals = None
+    if 'vertex_normals' in mesh._cache:         # not a getter, which would compute them
+        normals = mesh.vertex_normals @ turns.transpose(0, 2, 1)
+        normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
+        normals = normals.reshape(-1, 3)
+    uv = mesh.visual.uv
+    visual = trimesh.visual.TextureVisuals(
+        None if uv is None else np.tile(uv, (count, 1)), material=mesh.visual.material)
+    return trimesh.Trimesh(vertices.reshape(-1, 3), faces.reshape(-1, 3), visual=visual,
+                           vertex_normals=normals, process=False)
 
 
 def _number(mesh: Any) -> int:

@@ -116,7 +116,7 @@ def test_parts_have_the_names_of_their_nodes(tmp_path):
     (tmp_path / 'a.dae').write_text(collada(nodes='<node name="one">{}<node>{}</node><node '
                                             'name="two">{}</node></node>'.format(*[INSTANCE] * 3)))
     parts = mesh_file.read(str(tmp_path / 'a.dae'))
-    assert [part.name for part in parts] == ['one', 'two', 'one']
+    assert [(part.name, len(part.positions)) for part in parts] == [('one', 4), ('two', 2)]
 
 
 def test_transforms_apply_in_their_order(tmp_path):
@@ -124,6 +124,14 @@ def test_transforms_apply_in_their_order(tmp_path):
         '<translate>1 2 3</translate><rotate>0 0 2 90</rotate><scale>2 1 1</scale>', BIND)))
     points = np.unique(part.positions.reshape(-1, 3).round(6), axis=0)
     assert points == pytest.approx(np.array([[0, 2, 3], [0, 6, 3], [1, 2, 3], [1, 6, 3]]))
+
+
+def test_a_mirrored_geometry_faces_outward(tmp_path):
+    part = read(tmp_path, collada(nodes=NODE.format('', BIND) + NODE.format(
+        '<translate>0 0 1</translate><scale>-1 1 1</scale>', BIND)))
+    assert area(part) == pytest.approx(4) and part.normals[..., 2] == pytest.approx(1)
+    assert part.uvs[:2] == pytest.approx(part.positions[:2, :, :2] / (2, 1))
+    assert part.uvs[2:] == pytest.approx(part.positions[2:, :, :2] / (-2, 1))
 
 
 def test_a_skin_has_the_pose_that_it_was_bound_in(tmp_path):

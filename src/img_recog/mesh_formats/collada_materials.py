@@ -1,0 +1,86 @@
+"""The materials of a COLLADA file, read as by ColladaLoader of Gazebo 11."""
+import xml.etree.ElementTree as ElementTree
+from typing import Callable, Dict, Optional, Sequence
+
+import numpy as np
+
+from img_recog.mesh_formats.file_material import FileMaterial
+from img_recog.visuals import GREY
+
+_SHADERS = 'lambert', 'phong', 'blinn', 'constant'
+_LUMINANCE = 0.212671, 0.71516, 0.072169        # of ITU-R BT.709, as in the specification
+
+# of a tag and the URL of an element
+Get = Callable[[str, Optional[str]], Optional[ElementTree.Element]]
+
+
+def read_floats(text: Optional[str]) -> np.ndarray:
+    """Return the numbers in the text of an element."""
+    return np.array((text or '').split(), float)
+
+
+class Materials:
+    """The materials that are in use, each read once."""
+
+    def __init__(self, get: Get, find_texture: Callable[[str], str]):
+        """get: returns an element of the file; find_texture: the path of a texture by name."""
+        self._get, self._find_texture = get, find_texture
+        self._found: Dict[str, Optional[FileMaterial]] = {}
+
+    def get(self, url: str) -> Optional[FileMaterial]:
+        """Return the material at a URL, None if there is none."""
+        if url not in self._found:
+            element = self._get('material', url)
+            self._found[url] = None if element is None else self._read(element)
+        return self._found[url]
+
+    def _read(self, material: ElementTree.Element) -> FileMaterial:
+        instance = material.find('instance_effect')
+        effect = None if instance is None else self._get('effect', instance.get('url'))
+        shaders = [] if effect is None else [
+            shader for name in _SHADERS
+            for shader in effect.findall('profile_COMMON/technique/' + name)]
+        if effect is None or not shaders:
+            return FileMaterial()
+        shader = shaders[0]
+        opacity = _opacity(shader)
+        texture = shader.find('diffuse/texture')
+        if texture is not None:
+            return FileMaterial((*GREY[:3], opacity), self._find_texture(
+                self._image(effect, texture.get('texture', ''))))
+        glow = _color(shader, 'emission', (0.0, 0.0, 0.0, 1.0))
+        color = _color(shader, 'diffuse', glow if shader.tag == 'constant' else GREY)
+        red, green, blue = (min(max(one + other, 0.0), 1.0)
+                            for one, other in zip(color[:3], glow[:3]))
+        return FileMaterial((red, green, blue, opacity))
+
+    def _image(self, effect: ElementTree.Element, name: str) -> str:
+        """Return the file name of an image that an effect refers to, '' without one."""
+        parameters = {each.get('sid', ''): each for each in effect.iter('newparam')}
+        image = self._get('image', name)
+        if name in parameters:
+            source = parameters[name].findtext('sampler2D/source', '').strip()
+            surface = parameters.get(source)
+            url = None if surface is None else surface.findtext('surface/init_from')
+            instance = parameters[name].find('sampler2D/instance_image')      # COLLADA 1.5
+            image = self._get('image', url if instance is None else instance.get('url'))
+        if image is None:
+            return ''
+        return image.findtext('init_from', '').strip() or image.findtext('init_from/ref', '')
+
+
+def _color(shader: ElementTree.Element, tag: str, default: Sequence[float]) -> Sequence[float]:
+    values = read_floats(shader.findtext(tag + '/color')).tolist()
+    return default if len(values) < 3 else [*values, 1.0][:4]
+
+
+def _opacity(shader: ElementTree.Element) -> float:
+    """Return the opacity of a material; like in Gazebo, it is 1 where no mode is stated."""
+    transparent = shader.find('transparent')
+    color = _color(shader, 'transparent', ())
+    mode = '' if transparent is None else transparent.get('opaque', '')
+    if not mode or not color:
+        return 1.0
+    amount = float(shader.findtext('transparency/float') or 1)
+    amount *= color[3] if mode.startswith('A_') else float(np.dot(_LUMINANCE, color[:3]))
+    return float(np.clip(amount if mode.endswith('_ONE') else 1 - amount, 0, 1))
