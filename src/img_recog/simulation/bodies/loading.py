@@ -5,6 +5,7 @@ import tempfile
 import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterator, Optional, Tuple
 
+import numpy as np
 import pybullet
 
 from img_recog import mesh_file, rotations
@@ -12,9 +13,12 @@ from img_recog.mesh_file import MeshError
 from img_recog.simulation.bodies import mesh_cache
 from img_recog.simulation.descriptions import names, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
+from img_recog.simulation.descriptions.numbers import read_lengths, words
 from img_recog.simulation.descriptions.problems import Problems
+from img_recog.simulation.descriptions.urdf_elements import origin_of, set_origin
 from img_recog.simulation.settings import SimulationError
 
+_MARGIN_M = 0.001       # of the convex hulls of meshes in PyBullet
 _NOTHING = '<visual><geometry><box size="0 0 0"/></geometry></visual>'
 # exact cylinders: the default, a convex hull, is 1 mm larger and rolls on facets
 _URDF_FLAGS = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_USE_IMPLICIT_CYLINDER
@@ -52,13 +56,14 @@ def body_ids(physics_client_id: int) -> Tuple[int, ...]:
 
 def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
               pose: Transform = IDENTITY, visuals: bool = False,
-              problems: Optional[Problems] = None) -> int:
+              problems: Optional[Problems] = None, exact_hulls: bool = False) -> int:
     """Load the text of a URDF, in which all meshes have absolute paths; return its body's id.
 
     fixed: whether the root link never moves; pose: of the root link in the world; visuals: whether
     to load those as well, which only a window needs; those with a mesh that cannot be read are
     left out. problems: to which is added what is left out because a mesh of a collision shape
-    cannot be read, which is an error without.
+    cannot be read, which is an error without. exact_hulls: whether the convex hulls of meshes are
+    as large as the meshes, and not 1 mm larger on each side.
     Raises SimulationError when PyBullet cannot load it, or would crash.
     """
     robot = ElementTree.fromstring(urdf)
@@ -66,6 +71,8 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
     for link in robot.findall('link'):
         for collision in link.findall('collision'):
             _cache_meshes(link, collision, problems)
+            if exact_hulls:
+                _shrink(collision)
     if not visuals:
         for link in robot.findall('link'):
             for visual in link.findall('visual'):
@@ -88,6 +95,21 @@ def _cache_meshes(link: ElementTree.Element, collision: ElementTree.Element,
             raise
         problems.add(error.problem, error.advice)
         link.remove(collision)
+
+
+def _shrink(collision: ElementTree.Element) -> None:
+    """Take from a mesh on each side what PyBullet's margin adds to its convex hull."""
+    mesh = collision.find('geometry/mesh')
+    if mesh is None or collision.get('concave') == 'yes':
+        return
+    low, high = mesh_cache.bounds(mesh.get('filename', ''))
+    scale = read_lengths('scale of a mesh', mesh.get('scale', '1 1 1'), 3)
+    sizes = np.maximum((high - low) * np.abs(scale), 1e-9)
+    factors = np.where(sizes > 4 * _MARGIN_M, 1 - 2 * _MARGIN_M / sizes, 1.0)
+    mesh.set('scale', words(scale * factors))
+    pose = origin_of(collision)
+    middle = (low + high) / 2 * scale
+    set_origin(collision, Transform(pose.rotation, pose.apply((1 - factors) * middle)))
 
 
 def _write_meshes(robot: ElementTree.Element, folder: str) -> None:

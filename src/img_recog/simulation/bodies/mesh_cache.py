@@ -6,6 +6,9 @@ loaded for a mesh that is new. They can be deleted at any time.
 import hashlib
 import os
 import tempfile
+from typing import Tuple
+
+import numpy as np
 
 from img_recog import mesh_file
 from img_recog.errors import one_line
@@ -13,6 +16,8 @@ from img_recog.mesh_file import MeshError
 from img_recog.simulation.settings import SimulationError
 from img_recog.visuals import WHOLE, Submesh
 
+_STL_HEADER_BYTES = 84
+_TRIANGLE = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('attributes', '<u2')])
 _FOLDER = os.path.join('img_recog', 'meshes_2')     # another number when the files change
 
 
@@ -42,3 +47,15 @@ def cached(path: str, submesh: Submesh = WHOLE) -> str:
         raise SimulationError('cannot write to {}: {}'.format(folder, one_line(error)),
                               'set XDG_CACHE_HOME to a folder where files can be written')
     return kept
+
+
+def bounds(path: str) -> Tuple[np.ndarray, np.ndarray]:
+    """Return the lowest and the highest coordinates (3,) in a file that `cached` has returned."""
+    if path.endswith('.stl'):
+        triangles = np.fromfile(path, _TRIANGLE, offset=_STL_HEADER_BYTES)
+        corners = triangles['corners'].reshape(-1, 3).astype(float)
+    else:
+        with open(path) as file:
+            corners = np.array([line.split()[1:4] for line in file if line.startswith('v ')],
+                               float)
+    return corners.min(axis=0), corners.max(axis=0)

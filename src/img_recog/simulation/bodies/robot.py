@@ -57,7 +57,7 @@ class SimulatedRobot(Body):
         """
         urdf = tyres.added(description.urdf, [name for _, name in motors.joints],
                            motors.slip_radius)
-        super().__init__(load_urdf(urdf, physics_client_id), physics_client_id)
+        super().__init__(load_urdf(urdf, physics_client_id, exact_hulls=True), physics_client_id)
         self._tyres = [self.joints.pop(name) for name in tuple(self.joints)
                        if name.endswith(tyres.SUFFIX)]
         self.name = description.name

@@ -1,6 +1,7 @@
 """The drives that the plugins of a URDF stand for: a row each.
 
-drive_controllers.py has those of controllers of ros_control.
+drive_controllers.py has those of controllers of ros_control. Other paths are the names that the
+plugins of gazebo_plugins have in ROS 2.
 """
 from typing import NamedTuple, Optional, Tuple
 
@@ -15,12 +16,12 @@ _WORLD, _ENCODER = 'world', 'encoder'
 _TOPICS = (
     Row('command_topic', TOPIC, 'plugin', 'commandTopic'),
     Row('odometry_topic', TOPIC, 'plugin', 'odometryTopic'),
-    Row('odom_frame', NAME, 'plugin', 'odometryFrame'),
-    Row('base_frame', NAME, 'plugin', 'robotBaseFrame'))
+    Row('odom_frame', NAME, 'plugin', 'odometryFrame', 'odometry_frame'),
+    Row('base_frame', NAME, 'plugin', 'robotBaseFrame', 'robot_base_frame'))
 # in Gazebo one plugin publishes odometry and joint states
 _UPDATE_RATE = (
-    Row('odometry_period_s', RATE, 'plugin', 'updateRate'),
-    Row('joint_states_period_s', RATE, 'plugin', 'updateRate'))
+    Row('odometry_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
+    Row('joint_states_period_s', RATE, 'plugin', 'updateRate', 'update_rate'))
 _CORNERS = {'left_joint': ('leftFrontJoint', 'leftRearJoint'),
             'right_joint': ('rightFrontJoint', 'rightRearJoint')}
 
@@ -49,18 +50,20 @@ class DriveSource(NamedTuple):
 
 
 DIFF_DRIVE = DrivePlugin(Tags(('gazebo_ros_diff_drive',), (
-    Row('left_joint', NAME, 'plugin', 'leftJoint'),
-    Row('right_joint', NAME, 'plugin', 'rightJoint'),
-    Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation'),
-    Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter'),
+    Row('left_joint', NAME, 'plugin', 'leftJoint', 'left_joint'),
+    Row('right_joint', NAME, 'plugin', 'rightJoint', 'right_joint'),
+    Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation', 'wheel_separation'),
+    Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter', 'wheel_diameter'),
+    Row('wheel_torque', NUMBER, 'plugin', 'max_wheel_torque'),
     # <torque> is the name in the plugin's first versions
     Row('wheel_torque', NUMBER, 'plugin', 'wheelTorque', 'torque'),
-    Row('wheel_acceleration', NUMBER, 'plugin', 'wheelAcceleration'),
+    Row('wheel_acceleration', NUMBER, 'plugin', 'wheelAcceleration', 'max_wheel_acceleration'),
     # the numbers are those of OdomSource in the plugin
     Row('odometry_source', choice('world or encoder', {
         _WORLD: _WORLD, '1': _WORLD, _ENCODER: _ENCODER, '0': _ENCODER}), 'plugin',
-        'odometrySource'),
-    Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF'), *_TOPICS, *_UPDATE_RATE)))
+        'odometrySource', 'odometry_source'),
+    Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF', 'publish_odom_tf'),
+    *_TOPICS, *_UPDATE_RATE)))
 
 PLUGINS = (
     DIFF_DRIVE,
@@ -75,8 +78,8 @@ PLUGINS = (
          'rightFrontJoint': 'right_front_joint', 'rightRearJoint': 'right_rear_joint',
          'wheel_torque': 5.0, 'wheel_acceleration': 0.0, 'publish_odom_tf': False}),
     DrivePlugin(Tags(('gazebo_ros_planar_move',), (
-        Row('odometry_period_s', RATE, 'plugin', 'odometryRate'),
-        Row('publish_odom_tf', FLAG, 'plugin', 'publishTF'),
+        Row('odometry_period_s', RATE, 'plugin', 'odometryRate', 'publish_rate'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publishTF', 'publish_odom_tf'),
         Row('cmd_vel_timeout', POSITIVE, 'plugin', 'cmdTimeout'), *_TOPICS)),
         {'drive': PLANAR, 'odometry_period_s': 0.05}),
     # of hector_gazebo_plugins, and those that others derived from it

@@ -1,5 +1,6 @@
 """The speed that each kind of drive has against the speed that is asked of it."""
 import pytest
+import trimesh
 
 from img_recog.simulation.bodies.drives import make_drive
 from img_recog.simulation.settings import DriveSettings
@@ -138,6 +139,25 @@ def test_wheels_that_are_meshes_drive_as_asked(radius, tmp_path):
     assert velocity(built.simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
     assert velocity(built.simulator, 0.0, 0.5)[2] == pytest.approx(0.5, rel=0.02)
     assert built.simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=0.002)
+
+
+@pytest.mark.parametrize('suffix', ['.obj', '.stl'])
+def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path):
+    # with the margin of PyBullet's convex hulls, they would hold the wheels 1 mm above it
+    path = str(tmp_path / 'caster.obj')
+    with open(path, 'w') as file:
+        file.write(wheel_mesh(20.0, (100.0, 50.0), width=40.0))
+    if suffix == '.stl':
+        path = str(tmp_path / 'caster.stl')
+        trimesh.load(str(tmp_path / 'caster.obj')).export(path)
+    mesh = ('<origin xyz="-0.1 -0.05 0"/><geometry><mesh filename="caster" '
+            'scale="0.001 0.001 0.001"/></geometry>')
+    urdf = robot(DIFFERENTIAL).replace('<geometry><sphere radius="0.02"/></geometry>', mesh)
+    assert urdf.count('scale') == 2
+    simulator = assembled(urdf, find_mesh=lambda uri: path).simulator
+    assert velocity(simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
+    assert velocity(simulator, 0.0, 0.5)[2] == pytest.approx(0.5, rel=0.02)
+    assert simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=2e-4)
 
 
 @pytest.mark.parametrize('left, right, wanted', [

@@ -56,6 +56,17 @@ def test_bases_that_move_themselves(library, more, wanted):
     assert not differing(found, drive='planar', command_topic='go', odom_frame='map', **wanted)
 
 
+def test_the_names_of_tags_in_ros_2():
+    found = values(plugin('gazebo_ros_diff_drive', left_joint='l', right_joint='r',
+                          wheel_separation='0.3', wheel_diameter='0.2', max_wheel_torque='20',
+                          max_wheel_acceleration='2', odometry_frame='map', update_rate='50',
+                          robot_base_frame='base', odometry_source='0', publish_odom_tf='false'))
+    assert not differing(
+        found, left_joint='l', right_joint='r', wheel_separation=0.3, wheel_diameter=0.2,
+        wheel_torque=20.0, wheel_acceleration=2.0, odom_frame='map', odometry_period_s=0.02,
+        base_frame='base', odometry_source='encoder', publish_odom_tf=False)
+
+
 def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():
     planar, skid = plugin('gazebo_ros_planar_move'), plugin('gazebo_ros_skid_steer_drive')
     assert values(planar, skid)['drive'] == 'planar' and 'drive' not in values(skid, planar)
