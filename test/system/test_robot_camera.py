@@ -19,7 +19,7 @@ DEPTH = '''<gazebo reference="{link}"><sensor type="depth" name="realsense_R200"
 <depthImageTopicName>depth/image_raw</depthImageTopicName>
 <cameraInfoTopicName>rgb/camera_info</cameraInfoTopicName>
 <depthImageCameraInfoTopicName>depth/camera_info</depthImageCameraInfoTopicName>
-</plugin></sensor></gazebo>'''
+<pointCloudTopicName>depth/points</pointCloudTopicName></plugin></sensor></gazebo>'''
 # a red wall whose near side is 2 m in front of the origin
 WALL = ('<model name="wall"><static>1</static><pose>2.05 0 0.5 0 0 0</pose><link name="l">'
         + BOX.format('collision', '', '0.1 4 1') + BOX.format('visual', '', '0.1 4 1').replace(
@@ -28,7 +28,7 @@ WALL = ('<model name="wall"><static>1</static><pose>2.05 0 0.5 0 0 0</pose><link
 WATCH = r'''
 import json, sys
 import cv2, numpy, rospy, tf2_ros
-from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, PointCloud2
 
 def show(topic, msg):
     row = {'topic': topic, 'stamp': msg.header.stamp.to_sec(), 'frame': msg.header.frame_id}
@@ -44,6 +44,9 @@ def show(topic, msg):
         row['middle'] = pixels[msg.height // 2, msg.width // 2].tolist()
     elif isinstance(msg, CameraInfo):
         row['K'] = list(msg.K)
+    elif isinstance(msg, PointCloud2):
+        points = numpy.frombuffer(msg.data, '<f4').reshape(msg.height, msg.width, -1)
+        row['middle'] = points[msg.height // 2, msg.width // 2, :3].tolist()
     sys.stdout.write(json.dumps(row) + '\n')     # at once: each topic has a thread
     sys.stdout.flush()
 
@@ -52,7 +55,8 @@ buffer = tf2_ros.Buffer()
 listener = tf2_ros.TransformListener(buffer)
 for name, kind in (('rgb/image_raw', Image), ('rgb/camera_info', CameraInfo),
                    ('rgb/image_raw/compressed', CompressedImage),
-                   ('depth/image_raw', Image), ('depth/camera_info', CameraInfo)):
+                   ('depth/image_raw', Image), ('depth/camera_info', CameraInfo),
+                   ('depth/points', PointCloud2)):
     rospy.Subscriber('/camera/' + name, kind, lambda msg, name=name: show(name, msg))
 '''
 TRANSFORM = r'''
@@ -80,7 +84,7 @@ def world(tmp_path):
 def watch(ros, also=''):
     """Return a function that returns the newest message of each topic when there are all."""
     process = ros.start(sys.executable, '-c', WATCH + also + 'rospy.spin()')
-    count = 6 if also else 5
+    count = 7 if also else 6
 
     def newest():
         rows = [json.loads(line) for line in process.output.split('\n')[:-1]
@@ -107,28 +111,66 @@ def test_a_depth_camera_sees_color_and_distance_of_a_wall(ros, simulate, world):
     camera_x = float(burger().split('<child link="camera_link"/>')[1].split('xyz="')[1].split()[0])
     assert depth['middle'] == pytest.approx([2.0 - camera_x], abs=2e-3)
     focal = 32 / math.tan(1.3439 / 2)
+    # half a pixel to the right of the axis and below it
+    aside = 0.5 / focal * depth['middle'][0]
+    assert seen['depth/points']['middle'] == pytest.approx([aside, aside, *depth['middle']],
+                                                           abs=2e-3)
     for topic in ('rgb/camera_info', 'depth/camera_info'):
         assert seen[topic]['K'] == pytest.approx([focal, 0, 31.5, 0, focal, 23.5, 0, 0, 1])
     assert seen['tf']['turn'] == pytest.approx([-0.5, 0.5, -0.5, 0.5], abs=1e-3)
     assert complaints(node) == []
 
 
-@pytest.mark.parametrize('link, frame, words', [
-    ('nose', 'lens', 'its <gazebo> tag has the reference nose, which is not a link'),
-    ('camera_link', 'camera_link', None)])
-def test_a_camera_whose_frames_do_not_fit(ros, simulate, world, link, frame, words):
+def test_a_link_that_is_the_frame_of_the_images_but_not_turned_like_them(ros, simulate, world):
     node = simulate(world, '_x_pos:=0', '_y_pos:=0', urdf=burger(
-        DEPTH.format(link=link, frame=frame)))
-    if words is None:
-        assert watch(ros)()['rgb/image_raw']['frame'] == 'camera_link'
-        warning, = complaints(node)
-        assert 'have the frame camera_link, a link that is not turned like an image' in warning
-    else:
-        assert words in node.fatal_line()
+        DEPTH.format(link='camera_link', frame='camera_link')))
+    assert watch(ros)()['rgb/image_raw']['frame'] == 'camera_link'
+    warning, = complaints(node)
+    assert 'have the frame camera_link, a link that is not turned like an image' in warning
 
 
-def test_two_cameras_with_the_same_topics(ros, simulate, world):
-    node = simulate(world, urdf=burger(DEPTH.format(link='camera_link', frame='a')
+def test_of_two_cameras_with_the_same_topics_the_first_is_simulated(ros, simulate, world):
+    node = simulate(world, urdf=burger(DEPTH.format(link='camera_link', frame='lens')
                                        + DEPTH.format(link='base_scan', frame='b')))
-    assert ('the topic camera/rgb/image_raw is camera_image_topic of the camera on camera_link '
-            'and camera_image_topic of the camera on base_scan') in node.fatal_line()
+    assert watch(ros)()['rgb/image_raw']['frame'] == 'lens'
+    warning, = complaints(node)
+    assert ('not simulated, of its <gazebo> tags: sensor realsense_R200, because its topic '
+            'camera/rgb/image_raw is one of sensor realsense_R200') in warning
+
+
+# several sensors in one link: like the lens of the robot for AutoRace, and a stereo pair
+WIDE = '''<sensor type="wideanglecamera" name="wide"><camera><horizontal_fov>3.183</horizontal_fov>
+<image><width>320</width><height>240</height></image><lens><type>equidistant</type>
+<cutoff_angle>3.1415</cutoff_angle></lens></camera><plugin name="w"
+filename="libgazebo_ros_camera.so"><cameraName>wide</cameraName></plugin></sensor>'''
+STEREO = '''<sensor type="multicamera" name="eyes"><camera name="left"><pose>0 0.2 0 0 0 0</pose>
+</camera><camera name="right"><pose>0 -0.2 0 0 0 0</pose></camera><plugin name="m"
+filename="libgazebo_ros_multicamera.so"><cameraName>eyes</cameraName><frameName>eyes</frameName>
+<hackBaseline>0.4</hackBaseline></plugin></sensor>'''
+WATCH_INFOS = r'''
+import json, sys
+import rospy
+from sensor_msgs.msg import CameraInfo, Image
+rospy.init_node('watch', anonymous=True)
+for name in ('wide', 'eyes/left', 'eyes/right'):
+    info = rospy.wait_for_message('/{}/camera_info'.format(name), CameraInfo)
+    image = rospy.wait_for_message('/{}/image_raw'.format(name), Image)
+    sys.stdout.write(json.dumps([name, info.distortion_model, info.D, info.K, info.P[3],
+                                 image.width]) + chr(10))
+sys.stdout.flush()
+'''
+
+
+def test_several_sensors_in_one_link(ros, simulate, world):
+    node = simulate(world, '_x_pos:=0', '_y_pos:=0', urdf=burger(
+        '<gazebo reference="camera_link">' + WIDE + STEREO + '</gazebo>'))
+    process = ros.start(sys.executable, '-c', WATCH_INFOS)
+    wide, left, right = wait_for(
+        lambda: [json.loads(line) for line in process.output.split('\n') if line[:1] == '[']
+        if process.output.count('\n[') >= 2 else None, lambda: process.output + node.output)
+    focal = 320 / 3.183
+    assert wide[1:3] == ['equidistant', [0.0] * 4] and wide[5] == 320
+    assert wide[3] == pytest.approx([focal, 0, 159.5, 0, focal, 119.5, 0, 0, 1])
+    assert left[1] == right[1] == 'plumb_bob' and left[5] == 640
+    assert (left[4], right[4]) == pytest.approx((0.0, -0.4 * right[3][0]))
+    assert complaints(node) == []
