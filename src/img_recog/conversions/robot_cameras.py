@@ -26,4 +26,4 @@ def calibration_of(settings: CameraSettings) -> Optional[Calibration]:
     return Calibration(
         '', settings.camera_width, settings.camera_height, model.model, model.coefficients,
         (fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
-        (fx, 0.0, cx, -fx * settings.camera_baseline, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0))
+        (fx, 0.0, cx, 0.0 - fx * settings.camera_baseline, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0))

@@ -1,5 +1,6 @@
 """The topics of the cameras on a simulated robot."""
 import threading
+import zlib
 from typing import Dict, Iterable, Optional
 
 import numpy as np
@@ -57,6 +58,8 @@ class CameraTopics:
         self.camera = robot_cameras.camera_of(settings)
         self._calibration = robot_cameras.calibration_of(settings)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
+        # so that the noise of two cameras is not the same
+        self._own_number = zlib.crc32(settings.camera_image_topic.encode())
         # first: it fails if its parameters are wrong
         self._compressed = CompressedImages(settings.camera_image_topic)
         self._images = ImagePublisher(settings.camera_image_topic)
@@ -97,7 +100,7 @@ class CameraTopics:
         header = Header(stamp=robot_msgs.stamp_of(time_s),
                         frame_id=self.settings.camera_optical_frame)
         if self._noise is not None:
-            self._noise.add(image, round(time_s * 1e6))
+            self._noise.add(image, round(time_s * 1e6) + self._own_number)
         self._images.publish(image, 'rgb8', header)
         if self._compressed.is_wanted():
             # it is compressed later, when what is drawn may not be valid any more

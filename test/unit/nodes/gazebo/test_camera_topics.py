@@ -126,6 +126,13 @@ def test_noise_is_that_of_the_time(publishers):
     assert first.std() > 5 and np.array_equal(first, again) and not np.array_equal(first, second)
 
 
+def test_the_noise_of_two_cameras_differs(publishers):
+    for topic in ('left/image_raw', 'right/image_raw'):
+        CameraTopics(settings(camera_noise=0.1, camera_image_topic=topic)).publish(picture(), 1.0)
+    left, right = (publishers[side + '/image_raw'].sent[0][0] for side in ('left', 'right'))
+    assert not np.array_equal(left, right)
+
+
 def test_the_optical_frame_of_a_camera_that_looks_ahead():
     transform = optical_transform(settings(camera_x=0.1, camera_z=0.2))
     assert (transform.header.frame_id, transform.child_frame_id) == ('camera_link', 'lens')
