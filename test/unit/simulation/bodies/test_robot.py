@@ -26,7 +26,7 @@ ROBOT = '''<robot name="cart">
   <leftJoint>joint_1</leftJoint><rightJoint>joint_-1</rightJoint>
   <wheelSeparation>0.2</wheelSeparation><wheelDiameter>0.08</wheelDiameter>
 </plugin></gazebo></robot>'''
-SIDE = '''<link name="wheel_{side}">{wheel}<collision><origin rpy="1.5707963 0 0"/><geometry>
+SIDE = '''<link name="wheel_{side}">{wheel}<collision><origin rpy="{roll} 0 0"/><geometry>
   <cylinder radius="0.04" length="0.02"/></geometry></collision></link>
 <joint name="joint_{side}" type="continuous"><origin xyz="0 {side}e-1 0.04"/><axis xyz="0 1 0"/>
   <parent link="base_link"/><child link="wheel_{side}"/></joint>'''
@@ -36,10 +36,14 @@ CASTER = '''<link name="caster_{side}">{caster}<collision>
   <axis xyz="0 0 0"/><parent link="base_link"/><child link="caster_{side}"/></joint>'''
 
 
-def build(base=BASE, wheel=WHEEL, caster=''):
-    """Return the simulator of a cart with these inertials, and the warnings about its URDF."""
+def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963'):
+    """Return the simulator of a cart with these inertials, and the warnings about its URDF.
+
+    roll: of the cylinders of the wheels.
+    """
     urdf = ROBOT.format(
-        base=base, wheels=''.join(SIDE.format(side=side, wheel=wheel) for side in (1, -1)),
+        base=base, wheels=''.join(SIDE.format(
+            side=side, wheel=wheel, roll=roll.format(side=side)) for side in (1, -1)),
         casters=''.join(CASTER.format(side=side, caster=caster) for side in (1, -1)))
     robot = read(urdf)
     built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
@@ -63,6 +67,7 @@ def moved(simulator, linear_x, angular_z):
 
 ROBOTS = {
     'fixed casters without inertial': {},
+    'wheels that lean to different sides': {'roll': '{side}.57'},
     'fixed casters with mass 0': {'caster': INERTIAL.format(0, 0, 0, 0, 0)},
     'casters with a mass': {'caster': INERTIAL.format(0.05, 1e-5, 0, 1e-5, 1e-5)},
     'no body has the inertia of the wheels': {'wheel': INERTIAL.format(0.1, 1e-5, 0, 1e-4, 1e-5)},
@@ -72,8 +77,9 @@ ROBOTS = {
 
 @pytest.mark.parametrize('parts', list(ROBOTS.values()), ids=list(ROBOTS))
 def test_robots_drive_as_fast_as_asked(parts):
-    assert moved(build(**parts)[0], 0.2, 0.0)[0] == pytest.approx(0.4, rel=0.02)
-    way, turned = moved(build(**parts)[0], 0.0, 0.5)
+    simulator, _ = build(**parts)
+    assert moved(simulator, 0.2, 0.0)[0] == pytest.approx(0.4, rel=0.02)
+    way, turned = moved(simulator, 0.0, 0.5)
     assert turned == pytest.approx(0.5, rel=0.02) and way < 0.01
 
 
