@@ -38,10 +38,11 @@ ALLOWED = {
     'ros': ('errors', 'settings', 'timed_xmlrpc'),
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
+    'checks': PURE + GROUND_FLOOR + ('conversions',),
     'graph': ('errors', 'files', 'signals', 'timed_xmlrpc'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
 }
-WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('conversions', 'graph', 'replay')
+WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('checks', 'conversions', 'graph', 'replay')
 
 
 def violations(package):

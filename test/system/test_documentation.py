@@ -184,7 +184,8 @@ def test_launch_arguments_agree_with_the_launch_file(file):
     assert not lines, '\n'.join(lines)
 
 
-@pytest.mark.parametrize('script', ('film.py', 'graph.py', 'replay.py', 'tune_colors.py'))
+@pytest.mark.parametrize('script', (
+    'check_robot.py', 'check_world.py', 'film.py', 'graph.py', 'replay.py', 'tune_colors.py'))
 def test_options_agree_with_the_script(script):
     text = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', script), '--help'],
                           stdout=subprocess.PIPE, check=True).stdout.decode()

@@ -43,9 +43,9 @@ class RobotSource(NamedTuple):
 
     source: what messages call the text, like robot_description or the path of a file; sensors:
     all but cameras; tag_values: the settings in its <gazebo> tags of what is there once and of the
-    first sensor of each kind, by name; cameras:
-    those in its <gazebo> tags; warnings: a line each; other_drives: where nothing says how it is
-    driven, what is there instead.
+    first sensor of each kind, by name; cameras: those in its <gazebo> tags; warnings: a line each;
+    not_simulated: what is in its tags; other_drives: the part of that which may drive the robot,
+    where nothing else says how it is driven.
     """
 
     source: str
@@ -54,19 +54,22 @@ class RobotSource(NamedTuple):
     tag_values: gazebo_tags.Values
     cameras: Tuple[CameraSettings, ...]
     warnings: Tuple[str, ...]
+    not_simulated: Tuple[str, ...] = ()
     other_drives: Tuple[str, ...] = ()
 
 
 class Assembly(NamedTuple):
     """A simulator, the scene of which copies can be drawn, and warnings, a line each.
 
-    cameras: those of each robot that its URDF describes.
+    cameras: those of each robot that its URDF describes; left_out: what PyBullet could not load of
+    the world.
     """
 
     simulator: Simulator
     scene: Scene
     cameras: Tuple[Tuple[CameraSettings, ...], ...]
     warnings: Tuple[str, ...]
+    left_out: Tuple[str, ...] = ()
 
 
 def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
@@ -105,7 +108,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
     values = drive.settings(found.values) if drive else found.values
     sensors = tuple(sensors_of(kinds, found.sensors))
     return RobotSource(source, robot, sensors, values, cameras, tuple(warnings),
-                       () if drive else not_simulated)
+                       (*not_simulated, *of_cameras), () if drive else not_simulated)
 
 
 def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
@@ -179,7 +182,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
                         'set {}'.format(overlap, ', '.join(
                             map(option_name, ('x_pos', 'y_pos', 'z_pos')))))
     return Assembly(simulator, scene_of(simulator), tuple(robot.cameras for robot, _ in robots),
-                    tuple(warnings))
+                    tuple(warnings), problems.names)
 
 
 def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,

@@ -5,7 +5,7 @@ import rospy
 
 from img_recog.nodes.gazebo.names import Names
 from img_recog.ros import parameters
-from img_recog.simulation.descriptions import drive_tags
+from img_recog.simulation.descriptions import drive_controllers, drive_tags
 from img_recog.simulation.descriptions.drive_controllers import Controllers
 
 
@@ -22,14 +22,10 @@ def read(urdf: str, names: Names) -> Controllers:
         return {}
     if inner == names.namespace:
         inner = ''
+    of_robot = '/'.join(filter(None, (names.namespace, inner)))
     found: Dict[str, Mapping[str, Any]] = {}
-    for namespace in (_joined(names.namespace, inner), inner):
+    for namespace in (of_robot, inner):
         values = parameters.value(rospy.get_namespace() + namespace)
-        for name, value in sorted(values.items() if isinstance(values, dict) else ()):
-            if isinstance(value, dict) and '/' in str(value.get('type', '')):
-                found.setdefault(_joined(inner, name), value)
+        for name, value in drive_controllers.among(values, inner).items():
+            found.setdefault(name, value)
     return found
-
-
-def _joined(*names: str) -> str:
-    return '/'.join(filter(None, names))

@@ -46,7 +46,8 @@ class Description:
     coefficients of the lumped links with shapes, at most that of the floor; missing_meshes: URIs
     of meshes that were not found; missing_materials: what is not known or not found of the
     materials in <gazebo> tags; warnings: what is simulated in another way than given, a line each;
-    left_out: joints that are left out.
+    left_out: joints that are left out; changed_inertias: the lumped links with another inertia
+    than that.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Description:
     missing_materials: Sequence[str] = ()
     warnings: Sequence[str] = ()
     left_out: Sequence[str] = ()
+    changed_inertias: Sequence[str] = ()
 
 
 def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
@@ -87,15 +89,18 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
             carrier = frames[joint.parent_link]
             joint.parent.set('link', carrier.link)
             set_origin(joint.element, carrier.pose @ origin_of(joint.element))
+    changed: List[str] = []
     for name, total in sums.items():
         possible = inertias.possible('link {} and what is fixed to it'.format(name), total.mass,
                                      total.matrix)
         set_inertial(tree.links[name], total.mass, Transform(np.eye(3), total.center),
                      possible.matrix)
-        warnings += [possible.warning] if possible.warning else []
+        if possible.warning:
+            warnings.append(possible.warning)
+            changed.append(name)
     return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'),
                        tree.root, frames, friction, tuple(missing), tuple(missing_materials),
-                       tuple(warnings), tuple(left_out))
+                       tuple(warnings), tuple(left_out), tuple(changed))
 
 
 def root_of(urdf: str) -> ElementTree.Element:

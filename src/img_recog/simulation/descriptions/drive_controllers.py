@@ -89,6 +89,13 @@ def find(robot: ElementTree.Element, controllers: Controllers,
     return None
 
 
+def among(parameters: Any, namespace: str) -> Controllers:
+    """Return the controllers among parameters; their names get the namespace before them."""
+    return {'/'.join(filter(None, (namespace, name))): value
+            for name, value in sorted(parameters.items() if isinstance(parameters, dict) else ())
+            if isinstance(value, dict) and '/' in str(value.get('type', ''))}
+
+
 def not_simulated(controllers: Controllers, drive: str = '') -> Tuple[str, ...]:
     """Return the controllers that are not simulated; drive: the name of the one that is."""
     return tuple('controller {} ({}{})'.format(

@@ -46,6 +46,11 @@ class Problems:
         """What was left out, each once."""
         return tuple(self._advices)
 
+    @property
+    def looks(self) -> Tuple[str, ...]:
+        """The materials and textures that are not found, each once."""
+        return tuple(self._looks)
+
     def refuse(self, name: str, otherwise: str) -> None:
         """Raise SimulationError if anything was left out.
 

@@ -24,7 +24,9 @@ class WorldFile(NamedTuple):
     name: of its model or file; trees: what stands in it, besides the floor; gravity (3,): m/s2;
     has_physics: whether the file has a <physics>, which is not used; warnings: a line for each
     thing that was left out; has_floor: whether the floor is seen, which carries in every world;
-    camera: the pose of Gazebo's user camera in the world, if the file gives it.
+    camera: the pose of Gazebo's user camera in the world, if the file gives it. left_out: what
+    cannot be used; missing_looks: materials and textures that are not found; ignored: plugins and
+    sensors; lights: the names of those of the file, which are not used.
     """
 
     name: str
@@ -34,6 +36,10 @@ class WorldFile(NamedTuple):
     warnings: Tuple[str, ...] = ()
     has_floor: bool = True
     camera: Optional[Transform] = None
+    left_out: Tuple[str, ...] = ()
+    missing_looks: Tuple[str, ...] = ()
+    ignored: Tuple[str, ...] = ()
+    lights: Tuple[str, ...] = ()
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
@@ -63,7 +69,8 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
     name = 'world {}'.format(world)
     if not allow_partial:
         problems.refuse(name, 'add {} to load the rest'.format(option))
-    return file._replace(warnings=(*problems.warnings(name), *file.warnings))
+    return file._replace(warnings=(*problems.warnings(name), *file.warnings),
+                         left_out=problems.names, missing_looks=problems.looks)
 
 
 def _read_urdf(world: str, root: ElementTree.Element, path: str,
@@ -105,7 +112,8 @@ def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,
     warnings += tuple('world {}: model {}: {}'.format(name, tree.name, warning)
                       for tree in contents.trees for warning in tree.warnings)
     return WorldFile(name, contents.trees, gravity, contents.has_physics, warnings,
-                     contents.has_floor, contents.camera)
+                     contents.has_floor, contents.camera, ignored=contents.ignored, lights=tuple(
+                         light.get('name', '') for light in root.iter('light')))
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str],

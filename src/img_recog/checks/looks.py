@@ -1,0 +1,84 @@
+"""What of a simulation can be drawn, and how large it is."""
+import functools
+from typing import Dict, List, NamedTuple, Optional, Set
+
+import numpy as np
+
+from img_recog import mesh_file, rotations, textures
+from img_recog.checks.report import NOT_DRAWN, SIMULATED, Row
+from img_recog.errors import UserError, one_line
+from img_recog.rendering import triangles
+from img_recog.simulation.pictures import visual_scene
+from img_recog.simulation.pictures.scene import scene_of
+from img_recog.simulation.simulator import Simulator
+from img_recog.visuals import Visual
+
+
+class Looks(NamedTuple):
+    """rows: what there is to draw, and a row for each file that cannot be read; boxes: the lowest
+    and the highest corner, (2, 3), of each body, robots first; None for one that is not drawn."""
+
+    rows: List[Row]
+    boxes: List[Optional[np.ndarray]]
+
+
+def read(simulator: Simulator) -> Looks:
+    """Read all that there is to draw."""
+    parts = visual_scene.Parts(simulator)
+    visuals = visual_scene.read(scene_of(simulator), parts).visuals
+    poses, reader = parts.poses(), _Reader()
+    corners: Dict[int, List[np.ndarray]] = {}
+    for visual in visuals:
+        corners.setdefault(visual.part, []).append(_placed(reader.positions(visual),
+                                                           visual.pose, poses[visual.part]))
+    boxes = [_box([each for number in numbers.values() for each in corners.get(number, ())])
+             for numbers in parts.numbers()]
+    row = Row(SIMULATED, 'drawn', '{} shapes, {} triangles, {} mesh files, {} textures'.format(
+        len(visuals), reader.triangles, len(reader.meshes), len(reader.textures)))
+    return Looks([row, *(Row(NOT_DRAWN, problem) for problem in reader.problems)], boxes)
+
+
+class _Reader:
+    """Reads meshes and textures, each once."""
+
+    def __init__(self) -> None:
+        self.triangles = 0
+        self.meshes: Set[str] = set()
+        self.textures: Set[str] = set()
+        self.problems: Dict[str, None] = {}
+        self._read = functools.lru_cache(maxsize=None)(mesh_file.read)
+
+    def positions(self, visual: Visual) -> np.ndarray:
+        """Return the corners (n, 3) of a visual in its own frame."""
+        try:
+            parts = triangles.of_shape(visual.shape, self._read)
+        except UserError as error:
+            self.problems[one_line(error)] = None
+            return np.empty((0, 3))
+        self.meshes |= {visual.shape.path} - {''}
+        for part in parts:
+            self.problems.update({part.problem: None} if part.problem else {})
+            self._check_texture(part.texture)
+        self._check_texture('' if visual.material is None else visual.material.texture)
+        self.triangles += sum(len(part.positions) for part in parts)
+        return np.concatenate([part.positions.reshape(-1, 3) for part in parts])
+
+    def _check_texture(self, path: str) -> None:
+        if not path or path in self.textures:
+            return
+        try:
+            textures.read(path)
+            self.textures.add(path)
+        except UserError as error:
+            self.problems[one_line(error)] = None
+
+
+def _placed(corners: np.ndarray, pose: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Return corners (n, 3) in the world; pose (4, 4): in the part, whose pose (7,) is given."""
+    in_part = corners @ pose[:3, :3].T + pose[:3, 3]
+    return in_part @ rotations.matrix(part[3:]).T + part[:3]
+
+
+def _box(corners: List[np.ndarray]) -> Optional[np.ndarray]:
+    found = np.concatenate(corners) if corners else np.empty((0, 3))
+    return np.array([found.min(axis=0), found.max(axis=0)]) if len(found) else None

@@ -1,0 +1,158 @@
+"""How the robot in a file is simulated: built as in the node, and driven."""
+import dataclasses
+import math
+from typing import Any, Dict, Iterator, Mapping, Sequence, Tuple
+
+from img_recog import resources, robot_file
+from img_recog.checks import looks
+from img_recog.checks.looks import Looks
+from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED, SIMULATED,
+                                     Report, Row, size)
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.errors import UserError, one_line
+from img_recog.markup import MarkupError, load_yaml, read_bytes
+from img_recog.simulation import assembly
+from img_recog.simulation.assembly import RobotSource
+from img_recog.simulation.descriptions import (description, drive_controllers, drive_tags,
+                                               wheels)
+from img_recog.simulation.descriptions.drive_controllers import Controllers
+from img_recog.simulation.descriptions.world_file import EMPTY, WorldFile
+from img_recog.simulation.settings import CameraSettings, DriveSettings, PhysicsSettings
+from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.vehicle import Vehicle
+
+_LINEAR, _ANGULAR = 0.2, 0.5            # commands in m/s and rad/s
+_SECONDS, _COMMAND_PERIOD_S = 2.0, 0.1
+# units of what is always shown
+_OF_WHEELS = {'left_joint': '', 'right_joint': '', 'wheel_separation': ' m',
+              'wheel_diameter': ' m', 'wheel_torque': ' N m'}
+_UNITS = {'drive': '', 'command_topic': '', **_OF_WHEELS}
+
+
+def check(path: str, parameters: Sequence[str] = ()) -> Report:
+    """Return what is simulated of a robot.
+
+    path: of a URDF or xacro file; parameters: paths of YAML files, those of its controllers.
+    Raises a UserError when it cannot be used.
+    """
+    physics, urdf = PhysicsSettings(world=EMPTY), robot_file.read(path, 'FILE')
+    robot = assembly.read_robot(urdf, physics.step_s, resources.find, path, SENSORS,
+                                _controllers(urdf, parameters))
+    settings = assembly.default_settings(robot)
+    built = assembly.build(physics, WorldFile(EMPTY), [(robot, settings)])
+    simulator, vehicle = built.simulator, built.simulator.vehicles[0]
+    seen = looks.read(simulator)
+    rows = [*_body(vehicle, seen), *_friction(robot, urdf), *_drive(robot, settings.drive),
+            *_sensors(robot, vehicle), *map(_camera, robot.cameras),
+            *(Row(NOT_SIMULATED, 'joint ' + each) for each in robot.description.left_out),
+            *(Row(NOT_SIMULATED, each) for each in robot.not_simulated),
+            *(Row(NOT_DRAWN, 'mesh ' + uri) for uri in robot.description.missing_meshes),
+            *(Row(NOT_DRAWN, each) for each in robot.description.missing_materials),
+            *seen.rows, *_driven(robot, simulator)]
+    return Report('robot {} in {}'.format(vehicle.robot.name, path), rows,
+                  (*robot.warnings, *built.warnings))
+
+
+def _controllers(urdf: str, paths: Sequence[str]) -> Controllers:
+    """Return the controllers in YAML files, as rosparam loads them into the robot's namespace."""
+    found: Dict[str, Mapping[str, Any]] = {}
+    namespace = (drive_tags.control_namespace(urdf) or '') if paths else ''
+    for path in paths:
+        try:
+            values = load_yaml(read_bytes(path))
+        except (OSError, MarkupError) as error:
+            raise UserError('cannot read the parameters in {}: {}'.format(path, one_line(error)),
+                            'give the YAML file of its controllers')
+        inner = values.get(namespace) if isinstance(values, dict) else None
+        for each in (values, inner):
+            found.update(drive_controllers.among(each, namespace))
+    return found
+
+
+def _body(vehicle: Vehicle, seen: Looks) -> Iterator[Row]:
+    robot = vehicle.robot
+    yield Row(SIMULATED, 'mass', '{:.4g} kg'.format(robot.mass()))
+    yield Row(SIMULATED, 'size', size(seen.boxes[0]))
+    yield Row(SIMULATED, 'root link', robot.root)
+    yield Row(SIMULATED, 'movable joints', ', '.join(robot.joints) or 'none')
+    for name in vehicle.description.changed_inertias:
+        yield Row(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
+
+
+def _friction(robot: RobotSource, urdf: str) -> Iterator[Row]:
+    """Return a row for the links of each coefficient."""
+    given = description.frictions(description.root_of(urdf))
+    for state, source in ((SIMULATED, '<mu1>, or <lateral_friction>'), (ASSUMED, 'default')):
+        links = {name: value for name, value in robot.description.friction.items()
+                 if (name in given) == (state == SIMULATED)}
+        for value in sorted(set(links.values())):
+            yield Row(state, 'friction', '{:g} of {}'.format(value, ', '.join(
+                name for name in links if links[name] == value)), source)
+
+
+def _drive(robot: RobotSource, drive: DriveSettings) -> Iterator[Row]:
+    measured = wheels.measure(robot.description, drive).values()
+    is_given = any(field.name in robot.tag_values for field in dataclasses.fields(drive))
+    for field in dataclasses.fields(drive):
+        if field.name in _OF_WHEELS and not drive.left_joints:
+            continue
+        value = getattr(drive, field.name)
+        text = ('{:g}' if isinstance(value, float) else '{}').format(value) + _UNITS.get(
+            field.name, '')
+        if field.name in robot.tag_values or (field.name == 'drive' and is_given):
+            yield Row(SIMULATED, field.name, text, 'plugin or controller')
+        elif measured.get(field.name) == value:
+            yield Row(SIMULATED, field.name, text, 'shapes of the wheels')
+        elif field.name in _UNITS:
+            yield Row(ASSUMED, field.name, text, 'default')
+
+
+def _sensors(robot: RobotSource, vehicle: Vehicle) -> Iterator[Row]:
+    for name, kind, _, _, place in robot.sensors:
+        settings = vehicle.settings.sensors[name]
+        if name in vehicle.missing_sensors:
+            yield Row(NOT_SIMULATED, name, 'no link ' + vehicle.missing_sensors[name])
+            continue
+        is_given = place is not None or any(field.name in robot.tag_values
+                                            for field in dataclasses.fields(settings))
+        yield Row(SIMULATED if is_given else ASSUMED, name, '{} on {}, {:.4g} Hz'.format(
+            getattr(kind.msg_type, '_type'), kind.topic(settings),
+            1 / getattr(settings, kind.name + '_period_s')),
+            '<gazebo> tag' if is_given else 'default')
+
+
+def _camera(camera: CameraSettings) -> Row:
+    topics = ', '.join(filter(None, (
+        camera.camera_image_topic, camera.camera_depth_topic, camera.camera_points_topic)))
+    return Row(SIMULATED, 'camera on ' + camera.camera_frame, '{}: {}x{}, {:g} Hz, {}'.format(
+        topics, camera.camera_width, camera.camera_height, camera.camera_rate,
+        camera.camera_lens), '<gazebo> tag')
+
+
+def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[Row]:
+    """Return how fast the robot moves when it is told to, on the floor alone."""
+    vehicle = simulator.vehicles[0]
+    for sensor in robot.sensors:
+        vehicle.set_sensor_enabled(sensor.name, False)
+    drive = vehicle.settings.drive
+    linear = min(_LINEAR, drive.max_linear_velocity or _LINEAR)
+    angular = min(_ANGULAR, drive.max_angular_velocity or _ANGULAR)
+    for what, command, unit in (('straight', (linear, 0.0), 'm/s'),
+                                ('turning', (0.0, angular), 'rad/s')):
+        simulator.reset_world()
+        _drive_on(simulator, command)
+        start = vehicle.robot.motion()
+        _drive_on(simulator, command)
+        end = vehicle.robot.motion()
+        way = math.remainder(end.yaw - start.yaw, 2 * math.pi) if command[1] else float(
+            (end.position - start.position) @ (math.cos(start.yaw), math.sin(start.yaw), 0.0))
+        yield Row(MEASURED, what, '{:.3f} {}'.format(way / _SECONDS, unit),
+                  'asked {:g} {}'.format(sum(command), unit))
+
+
+def _drive_on(simulator: Simulator, command: Tuple[float, float]) -> None:
+    """Drive for _SECONDS; the command is repeated, since a robot may stop without one."""
+    periods = round(_SECONDS / _COMMAND_PERIOD_S)
+    for _ in range(periods):
+        simulator.vehicles[0].command(*command)
+        simulator.advance(round(_COMMAND_PERIOD_S / simulator.world.step_s))

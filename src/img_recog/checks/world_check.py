@@ -1,0 +1,58 @@
+"""How the world in a file is simulated: built as in the node."""
+from typing import Iterator
+
+import numpy as np
+
+from img_recog import resources, robot_file
+from img_recog.checks import looks
+from img_recog.checks.looks import Looks
+from img_recog.checks.report import (LEFT_OUT, NOT_DRAWN, NOT_SIMULATED, SIMULATED, Report, Row,
+                                     size)
+from img_recog.simulation import assembly
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.settings import PhysicsSettings
+
+_OPTION = 'allow_partial_world:=true'
+
+
+def check(path: str, allow_partial: bool = False) -> Report:
+    """Return what is simulated of a world; path: of an SDF, URDF or xacro file.
+
+    allow_partial: whether one of which something is left out can be used.
+    Raises a UserError when the file cannot be used at all.
+    """
+    file = world_file.read(path, resources.worlds(), resources.find, True,
+                           read_file=robot_file.read_any)
+    built = assembly.build(PhysicsSettings(world=path, allow_partial_world=True), file, [])
+    left_out = (*file.left_out, *built.left_out)
+    seen = looks.read(built.simulator)
+    rows = [*_models(built.simulator.world, seen), *_rest(file), *seen.rows,
+            *(Row(NOT_DRAWN, each, 'its surface') for each in file.missing_looks),
+            *(Row(LEFT_OUT, each, 'needs ' + _OPTION) for each in left_out)]
+    problem = '' if allow_partial or not left_out else (
+        'something is left out of it; start it with {}'.format(_OPTION))
+    return Report('world {} in {}'.format(file.name, path), rows, built.warnings, problem)
+
+
+def _models(world: World, seen: Looks) -> Iterator[Row]:
+    for tree, body, box in zip(world.file.trees, world.bodies, seen.boxes):
+        yield Row(SIMULATED, 'model ' + tree.name, '{}, {}'.format(
+            'static' if tree.fixed else '{:.4g} kg'.format(body.mass()), size(box)))
+    boxes = [box for box in seen.boxes if box is not None]
+    if boxes:
+        yield Row(SIMULATED, 'models', '{}, {}'.format(
+            sum(tree.first for tree in world.file.trees),
+            size(np.array([np.min(boxes, axis=0)[0], np.max(boxes, axis=0)[1]]))))
+
+
+def _rest(file: WorldFile) -> Iterator[Row]:
+    yield Row(SIMULATED, 'floor', 'at z 0, ' + ('drawn' if file.has_floor else 'not drawn'))
+    yield Row(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity))
+    if file.has_physics:
+        yield Row(NOT_SIMULATED, '<physics>', 'steps are those of the node')
+    for light in file.lights:
+        yield Row(NOT_SIMULATED, 'light ' + light, 'there is one sun')
+    for each in file.ignored:
+        yield Row(NOT_SIMULATED, each)
