@@ -80,4 +80,4 @@ _PATTERNS: Dict[str, Callable[[np.ndarray], np.ndarray]] = {
     'lane': _lanes(1), 'lanes 2': _lanes(2), 'lanes 4': _lanes(4), 'lanes 6': _lanes(6),
     'steps': _steps, 'quarters': _quarters, 'gradient': lambda right: 1.5 - _UP + 0 * right,
     'grass': lambda _: _spots(64, 0.3), 'plaster': lambda _: _spots(64, 0.03),
-    'clouds': lambda _: _spots(8, 0.1)}
+    'clouds': lambda right: 1 + 0.1 * np.sin(9 * right + 3 * np.sin(7 * _UP)) * np.cos(8 * _UP)}

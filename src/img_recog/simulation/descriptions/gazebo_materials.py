@@ -5,7 +5,7 @@ from img_recog.visuals import Color, Material
 
 _PREFIX = 'Gazebo/'
 _SIGN = 'drc/san_fauxcity_sign'         # the only one of that file with another prefix
-# diffuse colors
+# diffuse colors; SkyBlue, whose ambient color is another one, has what both give together
 _COLORS: Dict[str, Sequence[float]] = {
     'Black': (0, 0, 0), 'BlackTransparent': (0, 0, 0, 0.5), 'Blue': (0, 0, 1),
     'BlueGlow': (0, 0, 1), 'BlueLaser': (0, 0, 1, 0.4), 'BlueTransparent': (0, 0, 1, 0.5),
@@ -23,7 +23,7 @@ _COLORS: Dict[str, Sequence[float]] = {
     'PioneerBody': (1, 0, 0), 'PointCloud': (1, 1, 1), 'PointHandle': (1, 1, 1),
     'Purple': (1, 0, 1), 'PurpleGlow': (1, 0, 1), 'Red': (1, 0, 0),
     'RedBright': (0.87, 0.26, 0.07), 'RedGlow': (1, 0, 0), 'RedTransparent': (1, 0, 0, 0.5),
-    'RedTransparentOverlay': (1, 0, 0, 0.5), 'SkyBlue': (0.13, 0.44, 0.7),
+    'RedTransparentOverlay': (1, 0, 0, 0.5), 'SkyBlue': (0.05, 0.18, 0.88),
     'Turquoise': (0, 1, 1), 'TurquoiseGlow': (0, 1, 1), 'TurquoiseGlowOutline': (0, 1, 1),
     'White': (1, 1, 1), 'WhiteGlow': (1, 1, 1), 'Yellow': (1, 1, 0), 'YellowGlow': (1, 1, 0),
     'YellowTransparent': (1, 1, 0, 0.5), 'ZincYellow': (0.9725, 0.9529, 0.2078),
