@@ -127,9 +127,9 @@ class CameraSettings(Settings):
     camera_optical_frame: frame of the images (x to the right, z forward: REP 103). camera_width,
     camera_height: pixels. camera_horizontal_fov: rad, from edge to edge; that of the Raspberry Pi
     camera v2 is 62.2 degrees. camera_near, camera_far: m, what else is not seen. camera_rate: Hz.
-    camera_noise: standard deviation of each color, of 0 to 1. The topics of depth images may be
-    empty: there are none then, and no point clouds. camera_points_min, camera_points_max: m, of
-    what has a point.
+    camera_noise: standard deviation of each color, of 0 to 1. camera_encoding: of the images.
+    The topics of depth images may be empty: there are none then, and no point clouds.
+    camera_points_min, camera_points_max: m, of what has a point.
 
     camera_lens: one of SDF's <lens><type>, or a pinhole, whose distortion is camera_k1 to
     camera_p2. camera_c1 to camera_fun: the function of a custom lens, radius = c1 f
@@ -154,6 +154,7 @@ class CameraSettings(Settings):
     camera_far: float = setting(100.0, between(0.01, 10000))
     camera_rate: float = setting(30.0, between(0.01, 1000))
     camera_noise: float = setting(0.0, between(0, 1))
+    camera_encoding: str = setting('rgb8', one_of('rgb8', 'bgr8', 'mono8'))
     camera_image_topic: str = setting('camera/rgb/image_raw', not_empty())
     camera_info_topic: str = setting('camera/rgb/camera_info', not_empty())
     camera_depth_topic: str = setting('', any_value())

@@ -3,6 +3,7 @@ import threading
 import zlib
 from typing import Dict, Iterable, Optional
 
+import cv2
 import numpy as np
 import rosgraph
 import rospy
@@ -23,6 +24,7 @@ from img_recog.settings import SettingError
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
 from img_recog.simulation.settings import CameraSettings
 
+_FROM_RGB = {'bgr8': cv2.COLOR_RGB2BGR, 'mono8': cv2.COLOR_RGB2GRAY}
 _INFO_QUEUE_SIZE = 10       # so that each image has its camera info, also if a sender has to wait
 
 
@@ -45,7 +47,7 @@ def check(cameras: Iterable[CameraSettings]) -> None:
 class CameraTopics:
     """Publishes the images of one camera, and what is true about them.
 
-    Topics, all with the same header: images (sensor_msgs/Image, rgb8), the same compressed, as a
+    Topics, all with the same header: images (sensor_msgs/Image), the same compressed, as a
     Gazebo with compressed_image_transport publishes them, and a sensor_msgs/CameraInfo. Of a depth
     camera also depths (sensor_msgs/Image, 32FC1 in m or 16UC1 in mm), with a
     sensor_msgs/CameraInfo, and their points with colors (sensor_msgs/PointCloud2).
@@ -101,10 +103,12 @@ class CameraTopics:
                         frame_id=self.settings.camera_optical_frame)
         if self._noise is not None:
             self._noise.add(image, round(time_s * 1e6) + self._own_number)
-        self._images.publish(image, 'rgb8', header)
+        encoding = self.settings.camera_encoding
+        shown = cv2.cvtColor(image, _FROM_RGB[encoding]) if encoding in _FROM_RGB else image
+        self._images.publish(shown, encoding, header)
         if self._compressed.is_wanted():
             # it is compressed later, when what is drawn may not be valid any more
-            self._compressed.publish(image.copy(), 'rgb8', header)
+            self._compressed.publish(shown.copy(), encoding, header)
         if depth is not None:
             self._publish_depths(depth, image, header)
         info = self.info(header)

@@ -18,6 +18,9 @@ _MAX_IGNORED = 1e-6         # of a coefficient: examples have 0.00000001
 _NUMBERS = {'horizontal_fov': 'camera_horizontal_fov', 'clip/near': 'camera_near',
             'clip/far': 'camera_far', 'noise/stddev': 'camera_noise'}
 _WHOLE_NUMBERS = {'image/width': 'camera_width', 'image/height': 'camera_height'}
+# of <image><format>, as libgazebo_ros_camera names them
+_ENCODINGS = {'R8G8B8': 'rgb8', 'RGB_INT8': 'rgb8', 'B8G8R8': 'bgr8', 'BGR_INT8': 'bgr8',
+              'L8': 'mono8', 'L_INT8': 'mono8'}
 _DISTORTION = {'distortion/' + name: 'camera_' + name for name in ('k1', 'k2', 'k3', 'p1', 'p2')}
 _LENS = {'lens/cutoff_angle': 'camera_cutoff_angle'}
 _CUSTOM = {'lens/custom_function/' + name: 'camera_' + name for name in ('c1', 'c2', 'c3', 'f')}
@@ -40,11 +43,17 @@ def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> L
     for camera in sensor.findall('camera'):
         if sensor.get('type') == _WIDE and any(_is_given(camera, tag) for tag in _DISTORTION):
             found.append('distortion')
+        if _format(camera) not in _ENCODINGS:
+            found.append('format {}'.format(_format(camera)))
         if camera.find('lens/intrinsics') is not None:
             found.append('lens intrinsics')
         if sensor.get('type') == 'multicamera' and not side_of(camera):
             found.append('camera {}, neither left nor right,'.format(camera.get('name', '')))
     return found
+
+
+def _format(camera: ElementTree.Element) -> str:
+    return camera.findtext('image/format', '').strip() or 'R8G8B8'
 
 
 def _is_given(owner: ElementTree.Element, path: str) -> bool:
@@ -60,6 +69,8 @@ def of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Value
     of = ' of sensor ' + sensor.get('name', '')
     is_wide = sensor.get('type') == _WIDE
     values = _pose(sensor, camera, of)
+    if _format(camera) in _ENCODINGS:
+        values['camera_encoding'] = _ENCODINGS[_format(camera)]
     if is_wide:
         values.update(_lens(camera, of))
     for path, setting in {**_NUMBERS, **(_LENS if is_wide else _DISTORTION)}.items():

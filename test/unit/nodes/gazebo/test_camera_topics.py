@@ -94,6 +94,17 @@ def test_depths_are_published_as_floats(publishers):
     assert publishers['eye/depth_info'].sent[0][0].header is header
 
 
+@pytest.mark.parametrize('encoding, pixel', [('rgb8', [10, 200, 40]), ('bgr8', [40, 200, 10]),
+                                             ('mono8', 125)])
+def test_images_have_the_encoding_of_the_settings(publishers, encoding, pixel):
+    topics = CameraTopics(settings(camera_encoding=encoding))
+    publishers['eye/image_raw/compressed'].subscribers = 1
+    topics.publish((np.full((24, 32, 3), (10, 200, 40), np.uint8), None), 1.0)
+    for topic in ('eye/image_raw', 'eye/image_raw/compressed'):
+        (image, name, _), = publishers[topic].sent
+        assert name == encoding and image[3, 4].tolist() == pixel
+
+
 def test_points_and_millimeters_of_a_depth_camera(publishers):
     topics = CameraTopics(settings(camera_points_topic='eye/points',
                                    camera_depth_encoding='16UC1', **DEPTH))

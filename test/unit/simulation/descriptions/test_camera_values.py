@@ -73,6 +73,16 @@ def test_distortion_of_the_camera():
     assert isinstance(wide.cameras[0].lens, lenses.Lens)
 
 
+@pytest.mark.parametrize('given, encoding, problems', [
+    ('', 'rgb8', ()), ('<format>R8G8B8</format>', 'rgb8', ()),
+    ('<format>L8</format>', 'mono8', ()),
+    ('<format>B8G8R8</format>', 'bgr8', ()), ('<format>L_INT8</format>', 'mono8', ()),
+    ('<format>BAYER_RGGB8</format>', 'rgb8', ('format BAYER_RGGB8 of sensor c',))])
+def test_the_format_of_images(given, encoding, problems):
+    found = read('camera', '<camera><image>{}</image></camera>'.format(given))
+    assert found.cameras[0].camera_encoding == encoding and found.not_simulated == problems
+
+
 def test_the_pose_of_the_camera_is_in_the_frame_of_the_sensor():
     camera, = read('camera', '<pose>1 0 0.5 0 0 {}</pose><camera><pose>0.1 0 0 0 0.2 0</pose>'
                    '</camera>'.format(math.pi / 2)).cameras
