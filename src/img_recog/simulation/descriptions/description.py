@@ -28,6 +28,7 @@ from img_recog.simulation.settings import SimulationError
 # Of the floor, and of links without a coefficient (Gazebo's default). PyBullet multiplies the
 # coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
 FLOOR_FRICTION = 1.0
+_MU = 'surface/friction/ode/mu'
 
 
 class Frame(NamedTuple):
@@ -216,7 +217,7 @@ def _of_surface(shape: ElementTree.Element, link: str) -> float:
     Robots whose casters need it have it there: they drive in Gazebo, whose solver loads the wheels
     more than PyBullet does.
     """
-    text = shape.findtext('surface/friction/ode/mu')
+    text = shape.findtext(_MU)
     return FLOOR_FRICTION if text is None else read_coefficient(
         '<mu> of a collision of link ' + link, text)
 
@@ -241,17 +242,18 @@ def _move(shapes: List[ElementTree.Element], target: ElementTree.Element,
 def frictions(robot: ElementTree.Element) -> Dict[str, float]:
     """Return the friction of the links that have one, by their names.
 
-    It is mu1 of Gazebo's tag for the link, else PyBullet's lateral_friction.
+    It is mu1 of Gazebo's tag for the link, or mu of a collision there, else PyBullet's
+    lateral_friction.
     """
     found = {}
-    of_tags = [(tag.get('reference'), tag.find('mu1')) for tag in robot.findall('gazebo')]
+    of_tags = [(tag.get('reference'), element) for path in ('mu1', 'collision/' + _MU)
+               for tag in robot.findall('gazebo') for element in tag.findall(path)]
     for link in robot.findall('link'):
         name = link.get('name', '')
-        of_tag = next((each for reference, each in of_tags
-                       if reference == name and each is not None), None)
+        of_tag = next((each for reference, each in of_tags if reference == name), None)
         of_link = link.find('contact/lateral_friction')
         if of_tag is not None:
-            found[name] = read_coefficient('mu1 of link ' + name,
+            found[name] = read_coefficient('{} of link {}'.format(of_tag.tag, name),
                                            of_tag.get('value') or of_tag.text)
         elif of_link is not None:
             found[name] = read_coefficient('lateral_friction of link ' + name,

@@ -53,7 +53,11 @@ def test_friction_is_that_of_gazebos_tag_or_pybullets():
     tag = '<gazebo reference="a"><mu1>0.7</mu1></gazebo>'
     assert parse(ROBOT.format(link('a', inside=contact))).friction == {'a': 0.3}
     assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.7}
-    tag = '<gazebo reference="a"><mu1 value="0.6"/></gazebo>'
+    nested = ('<collision><surface><friction><ode><mu>0.5</mu></ode></friction></surface>'
+              '</collision>')
+    tag = '<gazebo reference="a">{}</gazebo>'.format(nested)
+    assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.5}
+    tag = '<gazebo reference="a">{}<mu1 value="0.6"/></gazebo>'.format(nested)
     assert parse(ROBOT.format(link('a', inside=contact) + tag)).friction == {'a': 0.6}
 
 
