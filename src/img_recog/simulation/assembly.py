@@ -7,7 +7,7 @@ import contextlib
 import dataclasses
 from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, shortened
 from img_recog.files import FindFile
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import places
@@ -28,13 +28,6 @@ from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseS
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
-# Ackermann steering, tricycles and legs are not
-_DRIVES = (
-    'simulated are differential, skid-steered and planar drives: {}, and of controllers whose '
-    'parameters are loaded before the node starts, {}; else set left_joint and right_joint to the '
-    'joints of its wheels'.format(
-        ', '.join('lib' + row.tags.plugins[0] for row in drive_tags.PLUGINS[:3]),
-        ', '.join(drive_controllers.TYPES)))
 ReadSettings = Callable[[type, Mapping[str, Any]], Any]
 
 
@@ -100,15 +93,19 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
     if unused:
         warnings.append('{}: not used, because it has no such links: its <gazebo> tags of {}'
                         .format(source, ', '.join(unused)))
-    not_simulated = (*found.not_simulated, *(drive.problems if drive else
-                                             drive_controllers.not_simulated(controllers)))
-    if not_simulated or of_cameras:
-        warnings.append('{}: not simulated, of its <gazebo> tags: {}'.format(
-            source, ', '.join((*not_simulated, *of_cameras))))
+    of_tags = (*found.not_simulated, *of_cameras)
+    of_controllers = drive.problems if drive else drive_controllers.not_simulated(controllers)
+    for name, parts in (('<gazebo> tags', of_tags), ('controllers', of_controllers)):
+        if parts:
+            warnings.append('{}: not simulated, of its {}: {}'.format(source, name,
+                                                                      ', '.join(parts)))
     values = drive.settings(found.values) if drive else found.values
     sensors = tuple(sensors_of(kinds, found.sensors))
+    other_drives = () if drive else tuple(
+        part for part in (*found.not_simulated, *of_controllers)
+        if part.startswith(('plugin', 'controller')))
     return RobotSource(source, robot, sensors, values, cameras, tuple(warnings),
-                       (*not_simulated, *of_cameras), () if drive else not_simulated)
+                       (*of_tags, *of_controllers), other_drives)
 
 
 def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
@@ -123,7 +120,7 @@ def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
     drive = read(DriveSettings, values)
     if robot.other_drives and measured.wheel_separation is None and drive.left_joints:
         raise _refused(robot.source, 'no drive that is simulated; it has: {}'.format(
-            ', '.join(robot.other_drives)), _DRIVES)
+            shortened(', '.join(robot.other_drives))), drive_tags.ADVICE)
     if measured.swapped:
         # libgazebo_ros_diff_drive has <legacyMode>, in which they are
         drive = dataclasses.replace(drive, left_joint=drive.right_joint,

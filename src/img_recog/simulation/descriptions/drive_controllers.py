@@ -99,7 +99,7 @@ def among(parameters: Any, namespace: str) -> Controllers:
 def not_simulated(controllers: Controllers, drive: str = '') -> Tuple[str, ...]:
     """Return the controllers that are not simulated; drive: the name of the one that is."""
     return tuple('controller {} ({}{})'.format(
-        name, values['type'], ' of joints that the robot does not have'
+        shortened(name), shortened(values['type']), ' of joints that the robot does not have'
         if not drive and values['type'] in TYPES else '')
         for name, values in controllers.items()
         if name != drive and values['type'] != _JOINT_STATES)

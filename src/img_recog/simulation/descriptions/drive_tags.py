@@ -100,6 +100,13 @@ PLUGINS = (
         {'wheel_acceleration': 0.0, 'odometry_source': _ENCODER, 'publish_odom_tf': False,
          'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}))
 
+# Ackermann steering, tricycles and legs are not
+ADVICE = (
+    'simulated are differential, skid-steered and planar drives: {}, and of controllers whose '
+    'parameters are loaded before the node starts, {}; else set left_joint and right_joint to the '
+    'joints of its wheels'.format(
+        ', '.join('lib' + row.tags.plugins[0] for row in PLUGINS[:3]),
+        ', '.join(drive_controllers.TYPES)))
 _CONTROL = Tags(('gazebo_ros_control', 'fetch_gazebo_plugin'), ())     # run controllers
 
 

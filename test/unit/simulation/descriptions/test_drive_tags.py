@@ -143,9 +143,9 @@ def test_refuses_parameters_by_their_names(parameters, wanted):
 def test_what_else_is_controlled_is_a_warning():
     jerky = controllers(linear={'x': {'has_jerk_limits': True}})
     read = source(robot(CONTROL), {**jerky, 'joints': JOINT_STATES, 'arm': ARM})
-    assert read.warnings[-1].endswith(
-        'not simulated, of its <gazebo> tags: jerk limits of controller base, controller arm '
-        '(position_controllers/JointPositionController)')
+    assert read.warnings[-1] == (
+        'robot.urdf: not simulated, of its controllers: jerk limits of controller base, '
+        'controller arm (position_controllers/JointPositionController)')
 
 
 @pytest.mark.parametrize('elements, given, wanted', [
