@@ -147,6 +147,11 @@ def read_content(path: str) -> bytes:
         raise _unreadable(path, error)
 
 
+def material_files(path: str) -> List[str]:
+    """Return the paths of the files of materials that an OBJ names; MeshError like `read`."""
+    return wavefront.libraries(read_content(path), path) if _suffix(path) == '.obj' else []
+
+
 def _parts(path: str) -> Tuple[List[_Part], str]:
     """Return the parts of a mesh file in m with their materials, and what is left out, or ''."""
     content, suffix = read_content(path), _suffix(path)

@@ -34,7 +34,7 @@ def _read(path: str, mode: str) -> np.ndarray:
                 raise ValueError('{}x{} pixels are more than {}'.format(
                     image.width, image.height, _MAX_PIXELS))
             image.thumbnail((_MAX_SIZE_PX, _MAX_SIZE_PX))
-            return np.array(image.convert(mode))
+            return np.asarray(image.convert(mode))      # which does not copy it once more
     except Exception as error:      # Pillow raises errors of many types
         raise TextureError('cannot read the texture {}: {}'.format(path, one_line(error)),
                            'give a PNG or JPEG file')

@@ -21,9 +21,8 @@ def simplified(content: bytes, mesh: str) -> Simplified:
     The name of a part is that of the object or group before it, like in Gazebo.
     """
     materials: Dict[str, FileMaterial] = {}
-    for line in _LIBRARY.findall(content):
-        for name in _library_names(line.decode('utf-8', 'replace'), mesh):
-            materials.update(read_mtl(_text(name), mesh))
+    for name in libraries(content, mesh):
+        materials.update(read_mtl(_text(name), mesh))
     numbers = {FilePart(): 0}
     part = FilePart()
 
@@ -39,6 +38,12 @@ def simplified(content: bytes, mesh: str) -> Simplified:
     mtl = '\n'.join('newmtl {0}\nKd {1} {2} {3}'.format(number, *number_color(number))
                     for number in range(len(numbers)))
     return Simplified(content, list(numbers), mtl=mtl)
+
+
+def libraries(content: bytes, mesh: str) -> List[str]:
+    """Return the paths of the files of materials that an OBJ names; mesh: its path."""
+    return [name for line in _LIBRARY.findall(content)
+            for name in _library_names(line.decode('utf-8', 'replace'), mesh)]
 
 
 def _library_names(line: str, mesh: str) -> List[str]:

@@ -4,10 +4,10 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 import moderngl
 import numpy as np
 
-from img_recog import mesh_file, textures
+from img_recog import textures
 from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError, Triangles
-from img_recog.rendering import patterns, shaders, triangles
+from img_recog.rendering import patterns, prepared, shaders, triangles
 from img_recog.rendering.file_cache import FileCache
 from img_recog.visuals import PLANE, Shape, Visual, VisualScene
 
@@ -92,8 +92,9 @@ class Loader:
             for fragment in (shaders.PLAIN_FRAGMENT, shaders.TEXTURED_FRAGMENT))
         self.depth = context.program(vertex_shader=shaders.SHADOW_VERTEX,
                                      fragment_shader=shaders.SHADOW_FRAGMENT)
-        self._meshes, self._images = FileCache(mesh_file.read), FileCache(textures.read)
-        self._cutouts = FileCache(textures.read_with_alpha)
+        self._meshes = FileCache(prepared.read_mesh)
+        self._images = FileCache(prepared.read_texture)
+        self._cutouts = FileCache(prepared.read_texture_with_alpha)
         # by the id of their image, which therefore is kept
         self._textures: Dict[int, Tuple[np.ndarray, moderngl.Texture]] = {}
         self._missing: List[str] = []
@@ -116,7 +117,10 @@ class Loader:
         self._meshes.forget_unused()
         self._images.forget_unused()
         self._cutouts.forget_unused()
-        batches = [self._batch(key, *zip(*grouped[key])) for key in sorted(grouped)]
+        # in this order, whatever the textures are in the memory: of what is at the same place, the
+        # first is seen
+        keys = sorted(grouped, key=lambda key: (key[:2], key[2] != _NO_TEXTURE))
+        batches = [self._batch(key, *zip(*grouped[key])) for key in keys]
         return Loaded(batches, bounds, self._floor() if scene.light.floor else None, self._missing)
 
     def _vertices(self, visual: Visual, pose: np.ndarray
@@ -200,8 +204,8 @@ class Loader:
         if key not in self._textures:
             height, width, channels = image.shape
             # OpenGL's first row is the lowest
-            texture = self._context.texture((width, height), channels, image[::-1].tobytes(),
-                                            alignment=1)
+            texture = self._context.texture((width, height), channels,
+                                            np.ascontiguousarray(image[::-1]), alignment=1)
             texture.build_mipmaps()
             texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
             self._textures[key] = image, texture

@@ -1,0 +1,76 @@
+"""Meshes and textures as they are drawn: read once, and kept for the next start."""
+import os
+from typing import Any, List, Optional, Tuple
+
+import numpy as np
+
+from img_recog import mesh_file, textures
+from img_recog.mesh_file import Triangles
+from img_recog.rendering import disk_cache
+
+_TRIANGLES = np.dtype([('positions', 'f8', (3, 3)), ('normals', 'f8', (3, 3)),
+                       ('uvs', 'f8', (3, 2))])
+
+
+def read_mesh(path: str) -> List[Triangles]:
+    """Return the triangles of a mesh file like `mesh_file.read`, whose errors it raises."""
+    key = ('mesh', *map(_version, [path, *mesh_file.material_files(path)]))
+    kept = disk_cache.load(*key)
+    parts = None if kept is None else _unpacked(*kept)
+    if parts is None:
+        parts = mesh_file.read(path)
+        # where a texture is found may be another place the next time
+        if _are_found(parts):
+            disk_cache.store(*_packed(parts), *key)
+    return parts
+
+
+def read_texture(path: str) -> np.ndarray:
+    """Return an image like `textures.read`, whose errors it raises."""
+    return _read_image(path, 'RGB')
+
+
+def read_texture_with_alpha(path: str) -> np.ndarray:
+    """Return an image like `textures.read_with_alpha`, whose errors it raises."""
+    return _read_image(path, 'RGBA')
+
+
+def _read_image(path: str, mode: str) -> np.ndarray:
+    key = 'texture', mode, *_version(path)
+    kept = disk_cache.load(*key)
+    if kept is not None:
+        return kept[0][::-1]
+    image = textures.read(path) if mode == 'RGB' else textures.read_with_alpha(path)
+    disk_cache.store(image[::-1], None, *key)       # as OpenGL wants it: the lowest row first
+    return image
+
+
+def _version(path: str) -> Tuple[str, int, int]:
+    """Return what tells whether a file has changed."""
+    try:
+        status = os.stat(path)
+    except (OSError, ValueError):
+        return path, 0, 0
+    return os.path.abspath(path), status.st_mtime_ns, status.st_size
+
+
+def _are_found(parts: List[Triangles]) -> bool:
+    return all(os.path.isfile(part.texture) for part in parts if part.texture)
+
+
+def _packed(parts: List[Triangles]) -> Tuple[np.ndarray, Any]:
+    array = np.empty(sum(len(part.positions) for part in parts), _TRIANGLES)
+    for name in _TRIANGLES.names or ():
+        array[name] = np.concatenate([getattr(part, name) for part in parts])
+    return array, [[len(part.positions), list(map(float, part.color)), *part[4:]]
+                   for part in parts]
+
+
+def _unpacked(array: np.ndarray, about: Any) -> Optional[List[Triangles]]:
+    """Return what was packed; None if a texture is not where it was."""
+    ends = np.cumsum([count for count, *_ in about])
+    parts = [Triangles(rows['positions'], rows['normals'], rows['uvs'],
+                       (red, green, blue, opacity), *others)
+             for rows, (_, (red, green, blue, opacity), *others) in zip(
+                 np.split(array, ends[:-1]), about)]
+    return parts if _are_found(parts) else None
