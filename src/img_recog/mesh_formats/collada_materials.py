@@ -1,4 +1,5 @@
 """The materials of a COLLADA file, read as by ColladaLoader of Gazebo 11."""
+import contextlib
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, Optional, Sequence
 
@@ -31,7 +32,10 @@ class Materials:
         """Return the material at a URL, None if there is none."""
         if url not in self._found:
             element = self._get('material', url)
-            self._found[url] = None if element is None else self._read(element)
+            self._found[url] = None if element is None else FileMaterial()
+            if element is not None:
+                with contextlib.suppress(ValueError):       # of a number: it is grey
+                    self._found[url] = self._read(element)
         return self._found[url]
 
     def _read(self, material: ElementTree.Element) -> FileMaterial:

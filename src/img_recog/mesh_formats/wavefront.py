@@ -1,4 +1,5 @@
 """OBJ files of Wavefront, and their files of materials, in the form that trimesh reads whole."""
+import contextlib
 import os
 import re
 from typing import Dict, List, Optional
@@ -10,6 +11,7 @@ from img_recog.mesh_formats.simplified import FilePart, Simplified
 _UNUSUAL = re.compile(rb'^[ \t]|^[vf][nt]?\t|^f.*[ \t/](-|0([/\s]|$))', re.MULTILINE)
 _LIBRARY = re.compile(rb'^[ \t]*mtllib[ \t]+(.*?)[ \t]*\r?$', re.MULTILINE)
 _PART = re.compile(rb'^[ \t]*(o|g|usemtl)(?=\s)([^\r\n]*)', re.MULTILINE)
+_CONTINUED = re.compile(rb'\\\r?\n')        # a line that goes on in the next one
 _KINDS = ('v', 'vt', 'vn')      # what the indices of a corner of a face count
 _MAX_BYTES = 1 << 24
 _OPTIONS = re.compile(r'(?:-[a-z]+(?:\s+(?:on|off|[-+.\d]+(?=\s)))*\s+)*', re.IGNORECASE)
@@ -32,7 +34,7 @@ def simplified(content: bytes, mesh: str) -> Simplified:
         part = (part._replace(material=materials.get(name)) if line.group(1) == b'usemtl'
                 else part._replace(name=name))
         return b'usemtl %d' % numbers.setdefault(part, len(numbers))
-    content = b'mtllib m\nusemtl 0\n' + _PART.sub(use, content)
+    content = b'mtllib m\nusemtl 0\n' + _PART.sub(use, _CONTINUED.sub(b' ', content))
     if _UNUSUAL.search(content):
         content = _as_usual(content.decode('utf-8', 'replace')).encode()
     mtl = '\n'.join('newmtl {0}\nKd {1} {2} {3}'.format(number, *number_color(number))
@@ -76,7 +78,8 @@ def read_mtl(text: str, mesh: str) -> Dict[str, FileMaterial]:
             name = ' '.join(value.split())
             found[name] = FileMaterial()
         elif name is not None:
-            found[name] = _with_property(found[name], key, value, mesh)
+            with contextlib.suppress(ValueError, IndexError):       # like Gazebo
+                found[name] = _with_property(found[name], key, value, mesh)
     return found
 
 

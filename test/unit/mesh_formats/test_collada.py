@@ -182,7 +182,8 @@ def test_a_material_whose_image_is_incomplete_is_grey(tmp_path, changes):
 
 
 @pytest.mark.parametrize('shader, color', [
-    ('', GREY), ('<emission><color>0.5 0 0.9 1</color></emission>' + DIFFUSE, (0.7, 0.4, 1, 1))])
+    ('', GREY), ('<diffuse><color>0,5 0 0 1</color></diffuse>', GREY),
+    ('<emission><color>0.5 0 0.9 1</color></emission>' + DIFFUSE, (0.7, 0.4, 1, 1))])
 def test_colors(tmp_path, shader, color):
     assert read(tmp_path, collada(shader=shader)).color == pytest.approx(color)
 

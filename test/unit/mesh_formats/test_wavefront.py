@@ -28,10 +28,21 @@ def test_texture_coordinates_need_no_material(tmp_path, obj):
 @pytest.mark.parametrize('mtl, color', [
     ('', GREY), ('Kd 0.1 0.2 0.3', (0.1, 0.2, 0.3, 1)), ('\tKd\t0.5', (0.5, 0.5, 0.5, 1)),
     ('Kd 0 0 1\nd 0.5', (0, 0, 1, 0.5)), ('Kd 0 0 1\nTr 0.25', (0, 0, 1, 0.75)),
-    ('d -halo 0.5', (0.7, 0.7, 0.7, 0.5))])
+    ('d -halo 0.5', (0.7, 0.7, 0.7, 0.5)), ('Kd 0,5 0 0\nd 0.5', (0.7, 0.7, 0.7, 0.5)),
+    ('Kd spectral a.rfl 1', GREY)])
 def test_colors(tmp_path, mtl, color):
     part = read(tmp_path, 'newmtl other\nKd 1 1 1\nnewmtl m\n{}\nnewmtl last\nd 0'.format(mtl))
     assert part.color == pytest.approx(color) and part.has_material
+
+
+@pytest.mark.parametrize('end', ['\n', '\r\n'])
+@pytest.mark.parametrize('first', ['1', '-3'])
+def test_a_line_may_go_on_in_the_next_one(tmp_path, first, end):
+    obj = OBJ.replace('f 1/1', 'f {}/1 \\'.format(first)).replace('\n', end)
+    obj = obj.replace('\\ 2/2', '\\' + end + '2/2 ')
+    assert '\\' + end in obj
+    assert read(tmp_path, 'newmtl m\nKd 1 0 0', obj).positions.tolist() == [
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0]]]
 
 
 @pytest.mark.parametrize('mtl, name', [
