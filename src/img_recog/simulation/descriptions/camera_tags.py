@@ -47,10 +47,13 @@ def read(urdf: str) -> Cameras:
             plugin = plugin_of(sensor)
             if plugin is None:
                 continue
-            name = sensor.get('name', '')
+            name, link = sensor.get('name', ''), tag.get('reference', '')
+            if link not in links:
+                problems.append('sensor {}, because the reference of its <gazebo> tag is no link'
+                                .format(name))
+                continue
             problems += ['{} of sensor {}'.format(each, name)
                          for each in camera_values.not_simulated(sensor, plugin)]
-            link = _link(name, tag.get('reference', ''), links)
             for settings in _settings_of(sensor, plugin, link):
                 topics: List[str] = [getattr(settings, each) for each in _TOPICS
                                      if getattr(settings, each)]
@@ -62,17 +65,6 @@ def read(urdf: str) -> Cameras:
                     problems.append('sensor {}, because its topic {} is one of sensor {}'.format(
                         name, taken, owners[taken]))
     return Cameras(tuple(found), tuple(problems))
-
-
-def _link(sensor: str, link: str, links: List[str]) -> str:
-    if not link:
-        raise SimulationError('sensor {}: its <gazebo> tag has no reference to a link'.format(
-            sensor), 'write <gazebo reference="LINK">')
-    if link not in links:
-        raise SimulationError(
-            'sensor {}: its <gazebo> tag has the reference {}, which is not a link'.format(
-                sensor, link), 'the links are ' + ', '.join(links))
-    return link
 
 
 def _settings_of(sensor: ElementTree.Element, plugin: ElementTree.Element,
