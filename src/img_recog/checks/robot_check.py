@@ -82,9 +82,13 @@ def _body(vehicle: Vehicle, seen: Looks) -> Iterator[Row]:
 def _friction(robot: RobotSource, urdf: str) -> Iterator[Row]:
     """Return a row for the links of each coefficient."""
     given = description.frictions(description.root_of(urdf))
+    friction = robot.description.friction
+    # that of a link is the one of a link fixed to it, where it has no shape of its own
+    assumed = {name for name, value in friction.items()
+               if name not in given and value == description.FLOOR_FRICTION}
     for state, source in ((SIMULATED, '<mu1>, or <lateral_friction>'), (ASSUMED, 'default')):
-        links = {name: value for name, value in robot.description.friction.items()
-                 if (name in given) == (state == SIMULATED)}
+        links = {name: value for name, value in friction.items()
+                 if (name in assumed) == (state == ASSUMED)}
         for value in sorted(set(links.values())):
             yield Row(state, 'friction', '{:g} of {}'.format(value, ', '.join(
                 name for name in links if links[name] == value)), source)

@@ -71,6 +71,12 @@ def test_friction_is_given_or_assumed(check):
     assert rows[1:] == [('assumed', '1 of base_footprint', 'default')]
 
 
+def test_friction_of_a_link_that_is_fixed_to_one_without_a_shape_is_given(check):
+    rows = found(check('<gazebo reference="base_link"><mu1>0.3</mu1></gazebo>'), 'friction')
+    assert [row[:2] for row in rows if 'base_footprint' in row[1]] == [
+        ('simulated', '0.3 of base_footprint')]
+
+
 def test_what_is_not_simulated_is_named_and_warned_of(check):
     report = check(LAMP + MESH, ('imu_link', 'a_link'))
     assert Row('not simulated', 'plugin liblamp.so') in report.rows

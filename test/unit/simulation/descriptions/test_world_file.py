@@ -10,6 +10,7 @@ from img_recog.simulation.bodies import loading
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import urdf_visuals, world_file
 from img_recog.simulation.descriptions.problems import Problems
+from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog.visuals import BOX, Shape
 from img_recog_testing.refusals import refusal
@@ -55,7 +56,7 @@ def test_world_by_name():
 
 def test_empty_world_is_the_floor():
     file = world_file.read('empty', WORLDS)
-    assert file == ('empty', (), (0.0, 0.0, -9.8), False, (), True, None)
+    assert file == WorldFile('empty', (), (0.0, 0.0, -9.8), False, (), True, None)
     world = build(file)
     assert world.bodies == [] and world.floor.name == 'ground_plane'
     assert pybullet.getNumBodies(physicsClientId=world.physics_client_id) == 1
