@@ -7,6 +7,7 @@ from img_recog.nodes.gazebo.names import Names
 from img_recog.ros import parameters
 from img_recog.simulation.descriptions import drive_controllers, drive_tags
 from img_recog.simulation.descriptions.drive_controllers import Controllers
+from img_recog.simulation.settings import SimulationError
 
 
 def read(urdf: str, names: Names) -> Controllers:
@@ -14,10 +15,12 @@ def read(urdf: str, names: Names) -> Controllers:
 
     They are on the parameter server in the namespace of the plugin in the text of the URDF, below
     that of the robot, or for all robots below that of this node. Which of them a controller
-    manager would start is not known.
-    Raises SimulationError when `urdf` is not a URDF.
+    manager would start is not known. There are none if `urdf` is not a URDF.
     """
-    inner = drive_tags.control_namespace(urdf)
+    try:
+        inner = drive_tags.control_namespace(urdf)
+    except SimulationError:
+        inner = None        # who reads the robot says what is wrong
     if inner is None:
         return {}
     if inner == names.namespace:

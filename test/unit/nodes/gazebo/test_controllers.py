@@ -47,3 +47,8 @@ def test_a_robot_that_runs_no_controllers_has_none(read):
 
 def test_there_may_be_none(read):
     assert read({'/': None}) == read({}) == {}
+
+
+@pytest.mark.parametrize('text', ['<robot', '<sdf/>'])
+def test_what_is_no_urdf_has_none(text):
+    assert controllers.read(text, Names()) == {}
