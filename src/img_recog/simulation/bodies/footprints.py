@@ -17,10 +17,11 @@ _UNIT_BOX = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z 
 def footprints(world: World) -> List[np.ndarray]:
     """Return the outline (corners, 2) in m of each collision shape of the bodies in the world.
 
-    An outline is the convex hull of the shape seen along z. Meshes and planes are skipped; robots
-    are not part of the world.
+    An outline is the convex hull of the shape seen along z. Meshes, terrain and planes are
+    skipped; robots are not part of the world.
     """
-    return [outline for body in world.bodies for outline in _outlines(body)]
+    return [outline for body in world.bodies if not body.is_terrain
+            for outline in _outlines(body)]
 
 
 def _outlines(body: Body) -> Iterator[np.ndarray]:

@@ -11,7 +11,7 @@ import pybullet
 from img_recog import mesh_file, rotations
 from img_recog.mesh_file import MeshError
 from img_recog.simulation.bodies import mesh_cache
-from img_recog.simulation.descriptions import names, urdf_visuals
+from img_recog.simulation.descriptions import heightmaps, names, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import read_lengths, words
 from img_recog.simulation.descriptions.problems import Problems
@@ -68,6 +68,9 @@ def load_urdf(urdf: str, physics_client_id: int, fixed: bool = False,
     """
     robot = ElementTree.fromstring(urdf)
     names.check_robot(robot)
+    terrain = robot.find('link/collision/geometry/' + heightmaps.TAG)
+    if terrain is not None:
+        return _load_terrain(terrain, physics_client_id, pose)
     for link in robot.findall('link'):
         for collision in link.findall('collision'):
             _cache_meshes(link, collision, problems)
@@ -110,6 +113,23 @@ def _shrink(collision: ElementTree.Element) -> None:
     pose = origin_of(collision)
     middle = (low + high) / 2 * scale
     set_origin(collision, Transform(pose.rotation, pose.apply((1 - factors) * middle)))
+
+
+def _load_terrain(element: ElementTree.Element, physics_client_id: int, pose: Transform) -> int:
+    """Load a heightmap, the middle of whose heights is at `pose`."""
+    heights, size = heightmaps.read(element)
+    rows, columns = heights.shape
+    client = {'physicsClientId': physics_client_id}
+    # PyBullet means by rows the points along x
+    shape = pybullet.createCollisionShape(
+        pybullet.GEOM_HEIGHTFIELD, meshScale=(size[0] / (columns - 1), size[1] / (rows - 1), 1),
+        heightfieldData=heights.ravel().tolist(), numHeightfieldRows=columns,
+        numHeightfieldColumns=rows, **client)
+    # without a visual shape, PyBullet makes one of all triangles
+    visual = pybullet.createVisualShape(pybullet.GEOM_SPHERE, radius=1e-4, **client)
+    with _refusal('heightmap'):
+        return pybullet.createMultiBody(0, shape, visual, pose.translation.tolist(),
+                                        rotations.quaternion_of(pose.rotation), **client)
 
 
 def _write_meshes(robot: ElementTree.Element, folder: str) -> None:

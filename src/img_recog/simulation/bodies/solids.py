@@ -3,7 +3,7 @@
 PyBullet tests each ray against each shape that it may hit by an iteration, which ends within a
 millimetre and takes five times as long for a scan. Here the distances are those of the geometry.
 """
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 import pybullet
@@ -51,11 +51,13 @@ class _Shape(NamedTuple):
 class Solids:
     """The collision shapes of all bodies in a physics client.
 
-    A shape in which a ray begins is not hit, as in PyBullet.
+    A shape in which a ray begins is not hit, as in PyBullet. others: the ids of bodies of other
+    kinds, whose shapes PyBullet does not tell.
     """
 
     def __init__(self, physics_client_id: int):
         self._client = physics_client_id
+        self.others: Set[int] = set()
         self._bodies: Tuple[int, ...] = ()
         self._is_known = False
         self._shapes: Optional[List[_Shape]] = []
@@ -85,7 +87,7 @@ class Solids:
         bodies = body_ids(client)
         if bodies != self._bodies or not self._is_known:
             self._bodies, self._is_known = bodies, True
-            self._shapes = _shapes(bodies, client)
+            self._shapes = None if self.others & set(bodies) else _shapes(bodies, client)
             self._poses, self._groups = {}, {}
             for kind in sorted({shape.kind for shape in self._shapes or ()}):
                 self._groups[kind] = _GROUPS[kind](

@@ -5,9 +5,8 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import pybullet
 
 from img_recog.errors import shortened
-from img_recog.simulation.bodies import loops
-from img_recog.simulation.bodies import standing
-from img_recog.simulation.bodies.body import Body
+from img_recog.simulation.bodies import loops, standing
+from img_recog.simulation.bodies.body import Body, Pose
 from img_recog.simulation.bodies.loading import all_or_nothing, link_indices, load_urdf
 from img_recog.simulation.bodies.solids import Solids
 from img_recog.simulation.descriptions.description import FLOOR_FRICTION, frictions
@@ -63,6 +62,8 @@ class World:
         nothing is added.
         """
         loaded = load_bodies(trees, self.physics_client_id, problems=problems)
+        if not self.file.has_floor:
+            self._lower_floor([body for _, body in loaded if body.is_terrain])
         for tree, body in loaded:
             loops.close(tree, body)
             self._set_dynamics(body, frictions(ElementTree.fromstring(tree.urdf)))
@@ -74,6 +75,13 @@ class World:
         self.bodies += [body for _, body in loaded]
         self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
         self.notify_changed()
+
+    def _lower_floor(self, terrain: Sequence[Body]) -> None:
+        """Move a floor that is not seen below terrain, so that it does not fill the valleys."""
+        for body in terrain:
+            lowest = pybullet.getAABB(body.body_id, physicsClientId=self.physics_client_id)[0][2]
+            if lowest < self.floor.pose().position[2]:
+                self.floor.place(Pose((0.0, 0.0, lowest), (0.0, 0.0, 0.0, 1.0), ()))
 
     def unload(self, body: Body) -> None:
         """Remove a body that is not one of `bodies`, a robot."""
@@ -116,6 +124,7 @@ class World:
     def notify_changed(self) -> None:
         """Call after a body was added or removed."""
         self.revision += 1
+        self.solids.others = {body.body_id for body in self.bodies if body.is_terrain}
         self.solids.forget()
 
     def notify_rearranged(self) -> None:
@@ -158,7 +167,7 @@ def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = F
                     raise refused
                 problems.add(refused.problem, refused.advice)
                 continue
-            body.name = tree.name
+            body.name, body.is_terrain = tree.name, tree.is_terrain
             loaded.append((tree._replace(first=is_first), body))
             is_first = False
     return loaded

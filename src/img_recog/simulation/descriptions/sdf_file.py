@@ -10,7 +10,8 @@ import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.markup import MarkupError, parse_xml, read_bytes
-from img_recog.simulation.descriptions import sdf_frames, sdf_models
+from img_recog.simulation.descriptions import (sdf_frames, sdf_models, sdf_populations,
+                                               sdf_roads)
 from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.simulation.descriptions.numbers import read_numbers
 from img_recog.simulation.descriptions.problems import NOT_DOWNLOADED, Problems
@@ -95,9 +96,14 @@ class _Reader:
                     model = copy.deepcopy(element)
                     self._expand(model, path, stack)
                     self._add(model, version, path, state)
-                elif element.tag in ('actor', 'population', 'road'):
-                    raise SimulationError('{} {}'.format(
-                        element.tag, element.get('name', '')).strip())
+                elif element.tag == 'population':
+                    for model in sdf_populations.models(element):
+                        self._expand(model, path, stack)
+                        self._add(model, version, path, state)
+                elif element.tag == 'road':
+                    self.trees.append(sdf_roads.tree(element, self._finder(path), self._problems))
+                elif element.tag == 'actor':
+                    raise SimulationError('actor {}'.format(element.get('name', '')).strip())
 
     def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:

@@ -7,7 +7,8 @@ import numpy as np
 
 from img_recog.files import FindFile
 from img_recog.mesh_file import READABLE
-from img_recog.simulation.descriptions import inertias, materials
+from img_recog.simulation.descriptions import (generated_meshes, heightmaps, inertias,
+                                               materials)
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import (read_direction, read_lengths,
                                                        read_number, words)
@@ -75,11 +76,34 @@ def add_shape(link: ElementTree.Element, shape: ElementTree.Element, pose: Trans
         return ''
     material, missing = materials.of_sdf(shape, find)
     opacity = materials.opacity(shape)
+    heightmap = shape.find('geometry/' + heightmaps.TAG)
+    if material is None and heightmap is not None:
+        material = heightmaps.material(heightmap, find)
     if geometry.tag == 'mesh' and material is None:
         added.set(OPACITY, repr(opacity))       # the file has materials
         return missing
     added.append(material_element(material or Material((*GREY[:3], opacity))))
     return missing
+
+
+def is_terrain(shape: ElementTree.Element) -> bool:
+    """Return whether a shape is a heightmap that carries: that is a body of its own."""
+    return shape.tag == 'collision' and shape.find('geometry/' + heightmaps.TAG) is not None
+
+
+def add_terrain(link: ElementTree.Element, shape: ElementTree.Element, find: FindFile
+                ) -> Transform:
+    """Add a heightmap to the <link> of a URDF.
+
+    Returns the pose, in the frame of the shape, that PyBullet gives the middle of its heights.
+    Raises SimulationError when it cannot be had, or a number is wrong.
+    """
+    name = '{} {}'.format(shape.tag, shape.get('name', ''))
+    element, pose = heightmaps.urdf_element(name, shape.findall('geometry/*')[0], find)
+    added = ElementTree.SubElement(link, shape.tag, name=shape.get('name', ''))
+    ElementTree.SubElement(added, 'geometry').append(element)
+    return pose @ IDENTITY._replace(
+        translation=np.array((0.0, 0.0, heightmaps.read(element).middle)))
 
 
 def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
@@ -161,5 +185,23 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
     return mesh, IDENTITY
 
 
+def _polyline(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    corners = [read_lengths('<point> of ' + name, point.text, 2).tolist()
+               for point in element.findall('point')]
+    (height,) = _size(name, element, 'height', 1)
+    return _mesh_element(generated_meshes.extruded(corners, float(height))), IDENTITY
+
+
+def _heightmap(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
+    """Return the mesh that is drawn; see `add_terrain` for what carries."""
+    heightmap, pose = heightmaps.urdf_element(name, element, find)
+    return _mesh_element(heightmaps.write_mesh(heightmap)), pose
+
+
+def _mesh_element(path: str) -> ElementTree.Element:
+    return ElementTree.Element('mesh', filename=path, scale='1 1 1')
+
+
 _MAKERS: Dict[str, Callable[[str, ElementTree.Element, FindFile], _Geometry]] = {
-    'box': _box, 'cylinder': _cylinder, 'sphere': _sphere, 'plane': _plane, 'mesh': _mesh}
+    'box': _box, 'cylinder': _cylinder, 'sphere': _sphere, 'plane': _plane, 'mesh': _mesh,
+    'polyline': _polyline, heightmaps.TAG: _heightmap}

@@ -38,7 +38,7 @@ class Tree(NamedTuple):
     meshes have absolute paths; pose: of the root link in the world; fixed: whether that never
     moves; in_model: the pose of the root link in the frame of the model; first: whether it is the
     first tree of its model; warnings: what is simulated in another way than given, a line each;
-    loops: the joints that the URDF has not.
+    loops: the joints that the URDF has not; is_terrain: whether it is a heightmap that carries.
     """
 
     name: str
@@ -49,6 +49,7 @@ class Tree(NamedTuple):
     first: bool = True
     warnings: Tuple[str, ...] = ()
     loops: Tuple[Loop, ...] = ()
+    is_terrain: bool = False
 
 
 def trees(model: ElementTree.Element, version: Version, find: FindFile,
@@ -63,9 +64,8 @@ def trees(model: ElementTree.Element, version: Version, find: FindFile,
     parts = Joints(model, version, problems)
     found: List[Tree] = []
     for root in _roots(parts):
-        tree = _Builder(parts, root, find, problems).tree(name, pose)
-        found.append(tree._replace(name='{}::{}'.format(name, root.name), first=False)
-                     if found else tree)
+        for tree in _Builder(parts, root, find, problems).trees(name, pose):
+            found.append(tree._replace(first=False) if found else tree._replace(name=name))
     return found
 
 
@@ -101,9 +101,10 @@ class _Builder:
             if joint.parent != WORLD:
                 self._of_links[joint.parent].append(joint)
         self._warnings: List[str] = []
+        self._terrains: List[Tree] = []
 
-    def tree(self, name: str, model_pose: Transform) -> Tree:
-        """Return the tree; model_pose: of the outermost model in the world."""
+    def trees(self, name: str, model_pose: Transform) -> List[Tree]:
+        """Return the tree, and one for each terrain; model_pose: of the outermost model."""
         robot, root = ElementTree.Element('robot', name=name), self._root
         to_world = next((joint for joint in self._of_links[root.name] if joint.parent == WORLD),
                         None)
@@ -129,9 +130,11 @@ class _Builder:
                 frames[away.child] = joint.pose
                 names.append(away.child)
                 _add_joint(robot, away, _relative(frames[link], joint.pose))
-        return Tree(name, ElementTree.tostring(robot, 'unicode'), model_pose @ base,
-                    is_fixed or base is not root.pose, base, warnings=tuple(self._warnings),
-                    loops=tuple(self._loops(loops, base)))
+        tree = Tree('{}::{}'.format(name, root.name), ElementTree.tostring(robot, 'unicode'),
+                    model_pose @ base, is_fixed or base is not root.pose, base,
+                    warnings=tuple(self._warnings), loops=tuple(self._loops(loops, base)))
+        return [tree, *(each._replace(name='{}::{}'.format(name, each.name),
+                                      pose=model_pose @ each.in_model) for each in self._terrains)]
 
     def _loops(self, joints: Sequence[Joint], base: Transform) -> Iterator[Loop]:
         for joint in joints:
@@ -161,14 +164,29 @@ class _Builder:
         for tag in ('visual', 'collision'):
             for shape in link.element.findall(tag):
                 with self._problems.left_out():
+                    if sdf_links.is_terrain(shape):
+                        self._add_terrain(link, shape, scope)
+                        continue
                     look = sdf_links.add_shape(
                         added, shape, offset @ scope.pose(shape), self._find,
                         concave=is_fixed or link.is_static)
                     if look:
                         self._problems.add_look(look)
         for tag, other in (('visual', 'collision'), ('collision', 'visual')):
-            if link.element.find(tag) is not None and added.find(tag) is None:
+            given = [shape for shape in link.element.findall(tag)
+                     if not sdf_links.is_terrain(shape)]
+            if given and added.find(tag) is None:
                 meshes.add_replacements(added, tag, added.findall(other))
+
+    def _add_terrain(self, link: Link, shape: ElementTree.Element, scope: Scope) -> None:
+        robot = ElementTree.Element('robot', name=link.name)
+        # PyBullet's name for the link of such a body
+        added = ElementTree.SubElement(robot, 'link', name='link0')
+        sdf_links.add_friction(added, link.element)
+        pose = link.pose @ scope.pose(shape) @ sdf_links.add_terrain(added, shape, self._find)
+        self._terrains.append(Tree('{}::{}'.format(link.name, shape.get('name', '')),
+                                   ElementTree.tostring(robot, 'unicode'), pose, True, pose,
+                                   is_terrain=True))
 
     def _add_inertial(self, added: ElementTree.Element, link: ElementTree.Element,
                       offset: Transform) -> str:

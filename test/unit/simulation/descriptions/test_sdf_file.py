@@ -133,7 +133,7 @@ def test_what_is_not_found_is_named_once(folder):
     contents = read(folder, include('model://sofa'), include('model://sofa'), '<include/>',
                     '<population name="p"/>', include('https://host/table'),
                     include('http://host/table'), include('model://table'), problems=[
-        'model://sofa', 'an <include> without a <uri>', 'population p',
+        'model://sofa', 'an <include> without a <uri>', 'population p has no <model>',
         'https://host/table (a URL, which is not downloaded)',
         'http://host/table (a URL, which is not downloaded)'])
     assert list(places(contents)) == ['table']

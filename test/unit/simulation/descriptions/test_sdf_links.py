@@ -74,7 +74,8 @@ def test_a_part_of_a_mesh(tmp_path, tag, inside, submesh):
 
 @pytest.mark.parametrize('geometry, words', [
     ('', '<collision s> has no geometry'),
-    ('<heightmap><uri>a.png</uri></heightmap>', '<heightmap> of collision s'),
+    ('<heightmap><uri>a.png</uri></heightmap>', 'heightmap a.png'),
+    ('<image><uri>a.png</uri></image>', '<image> of collision s'),
     ('<mesh><uri>model://m/none.dae</uri></mesh>', 'mesh model://m/none.dae'),
     ('<mesh><uri>model://m/folder</uri></mesh>', 'mesh model://m/folder'),
     ('<mesh><uri>model://m/a.ply</uri></mesh>',

@@ -1,0 +1,60 @@
+"""The roads of an SDF world: strips that are only seen."""
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+
+from img_recog.files import FindFile
+from img_recog.simulation.descriptions import generated_meshes, materials
+from img_recog.simulation.descriptions.geometry import IDENTITY
+from img_recog.simulation.descriptions.numbers import read_lengths, words
+from img_recog.simulation.descriptions.problems import Problems
+from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.descriptions.urdf_elements import add_massless, set_origin
+from img_recog.simulation.descriptions.urdf_visuals import material_element
+from img_recog.simulation.settings import SimulationError
+from img_recog.visuals import Material
+
+_ABOVE_M = 0.005        # so that the floor is not seen in it
+_ASPHALT = Material((0.3, 0.3, 0.3, 1.0))
+
+
+def tree(road: ElementTree.Element, find: FindFile, problems: Problems) -> Tree:
+    """Return a <road> as a tree without a collision shape, like in Gazebo.
+
+    find: returns the path of the file at a URI; problems: to which is added a look that is not
+    found. Raises SimulationError when a number is wrong, or it has fewer than two points.
+    """
+    name = 'road {}'.format(road.get('name', '')).strip()
+    points = np.array([read_lengths('<point> of ' + name, point.text, 3)
+                       for point in road.findall('point')]).reshape(-1, 3)
+    width = float(read_lengths('<width> of ' + name, road.findtext('width', '1'), 1)[0])
+    if len(points) < 2:
+        raise SimulationError('{} has {} points, expected 2 or more'.format(name, len(points)))
+    material, look = materials.of_sdf(road, find)
+    if look:
+        problems.add_look(look)
+    robot = ElementTree.Element('robot', name=road.get('name', 'road'))
+    link = ElementTree.SubElement(robot, 'link', name='link')
+    add_massless(link)
+    visual = ElementTree.SubElement(link, 'visual')
+    set_origin(visual, IDENTITY._replace(translation=np.array((0.0, 0.0, _ABOVE_M))))
+    ElementTree.SubElement(ElementTree.SubElement(visual, 'geometry'), 'mesh',
+                           filename=_strip(points, width), scale=words((1, 1, 1)))
+    visual.append(material_element(material or _ASPHALT))
+    return Tree(road.get('name', 'road'), ElementTree.tostring(robot, 'unicode'), IDENTITY, True)
+
+
+def _strip(points: np.ndarray, width: float) -> str:
+    """Write the mesh of a strip along points (n, 3); return its path."""
+    steps = np.diff(points[:, :2], axis=0)
+    lengths = np.maximum(np.linalg.norm(steps, axis=1), 1e-9)
+    directions = steps / lengths[:, None]
+    # at a corner, across the mean of both directions
+    at_points = np.concatenate([directions[:1], directions[:-1] + directions[1:], directions[-1:]])
+    across = np.column_stack([at_points[:, 1], -at_points[:, 0], np.zeros(len(points))])
+    across /= np.maximum(np.linalg.norm(across, axis=1), 1e-9)[:, None]
+    vertices = np.stack([points - across * width / 2, points + across * width / 2], axis=1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)]) / (width or 1.0)
+    uvs = np.stack([np.column_stack([np.full(len(points), u), along]) for u in (0.0, 1.0)], axis=1)
+    return generated_meshes.write(vertices.reshape(-1, 3),
+                                  generated_meshes.grid_faces(len(points), 2), uvs.reshape(-1, 2))

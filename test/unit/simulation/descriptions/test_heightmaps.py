@@ -1,0 +1,147 @@
+"""Terrain: its heights, where they are, and how it is drawn and driven on."""
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pybullet
+import pytest
+from PIL import Image
+
+from img_recog import mesh_file
+from img_recog.simulation.bodies import footprints, loading
+from img_recog.simulation.bodies.solids import Bundles
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions import heightmaps, urdf_visuals, world_file
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.refusals import refusal
+from img_recog_testing.sdf import BUILT_IN, CRATE, sdf
+
+# the upper row is that of the largest y; the brightest pixel has the height of <size>
+PIXELS = np.array([[0, 50, 100, 50, 0], [50, 150, 200, 50, 0], [0, 50, 100, 20, 0]], np.uint8)
+TERRAIN = ('<model name="hills"><static>1</static><pose>10 20 1 0 0 0</pose><link name="l">'
+           '<{0} name="s"><geometry><heightmap><uri>{1}</uri><size>8 4 {2}</size>'
+           '<pos>1 2 0.5</pos>{3}</heightmap></geometry></{0}></link></model>')
+
+
+@pytest.fixture
+def hills(tmp_path):
+    """A function that reads a world with a heightmap."""
+    def read(size=2, tag='collision', inside='', pixels=PIXELS, more='', mode=None):
+        Image.fromarray(pixels, mode).save(str(tmp_path / 'hills.png'))
+        path = tmp_path / 'hall.world'
+        path.write_text(sdf(TERRAIN.format(tag, 'hills.png', size, inside), more))
+        return world_file.read(str(path), {})
+    return read
+
+
+def build(file):
+    return World(PhysicsSettings(), file, loading.connect())
+
+
+def heights(world, x, y):
+    """Return the height in the world below points."""
+    found = pybullet.rayTestBatch(
+        [(*point, 50) for point in zip(x, y)], [(*point, -50) for point in zip(x, y)],
+        physicsClientId=world.physics_client_id)
+    return np.array([hit[3][2] for hit in found])
+
+
+def grid(rows, columns):
+    """Return x and y of the points of a grid over the terrain, a little within its edge."""
+    x, y = np.meshgrid(np.linspace(-4, 4, columns), np.linspace(2, -2, rows))
+    return (0.99999 * x + 11).ravel(), (0.99999 * y + 22).ravel()
+
+
+@pytest.mark.parametrize('sampling', [1, 3])
+def test_the_heights_are_where_gazebo_has_them(hills, sampling):
+    world = build(hills(inside='<sampling>{}</sampling>'.format(sampling)))
+    assert [body.name for body in world.bodies] == ['hills', 'hills::l::s']
+    found = heights(world, *grid(3, 5)).reshape(3, 5)
+    assert found == pytest.approx(PIXELS / 200 * 2 + 1.5, abs=2e-3)
+    if sampling == 3:       # between pixels, bilinear
+        middle = heights(world, [11 - 4 + 2 * (1 + 1 / 3)], [22 + 2 - 2 / 3])
+        row = PIXELS[0] + (PIXELS[1].astype(float) - PIXELS[0]) / 3
+        assert middle == pytest.approx((row[1] + (row[2] - row[1]) / 3) / 100 + 1.5, abs=2e-3)
+
+
+@pytest.mark.parametrize('pixels, mode, size, expected', [
+    (PIXELS.astype(np.uint16) * 257, 'I;16', 2, PIXELS / 100),
+    (np.repeat(PIXELS[:, :, None], 3, axis=2), 'RGB', 2, PIXELS / 100),
+    (PIXELS * 0, None, 2, PIXELS * 0.0), (PIXELS, None, -2, 1 - PIXELS / 100)])
+def test_kinds_of_images(hills, pixels, mode, size, expected):
+    world = build(hills(size, pixels=pixels, mode=mode))
+    assert heights(world, *grid(3, 5)) == pytest.approx(expected.ravel() + 1.5, abs=2e-3)
+
+
+def test_a_crate_rests_on_it_and_the_floor_does_not_fill_the_valleys(hills):
+    flat = PIXELS * 0 + 100
+    flat[2, 0] = 200
+    world = build(hills(-2, pixels=flat, more=CRATE.format('12 22.5 2.2 0 0 0')))
+    crate = world.bodies[-1]
+    world.step(2000)
+    # -2: 1 - 1 m, above 1.5 m
+    assert crate.pose().position[2] == pytest.approx(1.5 + 0.1, abs=2e-3)
+    deep = TERRAIN.format('collision', 'hills.png', 2, '').replace('20 1', '20 -5')
+    world = build(hills(more=deep.replace('10 20', '30 20') + CRATE.format('31 21.9 -2.2 0 0 0')))
+    world.step(1000)
+    assert world.lifted == {} and world.bodies[-1].pose().position[2] < -2.2
+    world = build(hills(more=BUILT_IN + deep))
+    assert world.floor.pose().position[2] == 0
+
+
+def test_rays_of_sensors_meet_it(hills):
+    world = build(hills())
+    down = Bundles(np.array([[11.0, 22, 9]]), np.array([[[0, 0, -1.0]]]), np.array([20.0]),
+                   np.array([-1]))
+    assert world.solids.distances(down) is None     # so they are PyBullet's
+    assert footprints.footprints(world) == []
+    world.remove(world.bodies)
+    assert world.solids.distances(down)[0, 0] == pytest.approx(9)
+
+
+def test_it_is_drawn_as_a_mesh(hills, tmp_path):
+    file = hills(tag='visual')
+    visual, = urdf_visuals.read(file.trees[0].urdf, {'l': 0})
+    assert visual.pose[:3, 3] == pytest.approx([1, 2, 0.5])
+    assert visual.material.color == pytest.approx((0.42, 0.4, 0.32, 1)) and len(file.trees) == 1
+    part, = mesh_file.read(visual.shape.path)
+    corners = part.positions.reshape(-1, 3)
+    assert corners.min(axis=0) == pytest.approx([-4, -2, 0])
+    assert corners.max(axis=0) == pytest.approx([4, 2, 2])
+    top = corners[corners[:, 2].argmax()]
+    assert top == pytest.approx([0, 0, 2])
+    assert np.cross(part.positions[:, 1] - part.positions[:, 0],
+                    part.positions[:, 2] - part.positions[:, 0])[:, 2].min() > 0
+
+
+def test_its_first_texture_is_repeated(hills, tmp_path):
+    Image.new('RGB', (2, 2)).save(str(tmp_path / 'grass.png'))
+    texture = '<texture><size>2</size><diffuse>{}</diffuse><normal>n.png</normal></texture>'
+    file = hills(tag='visual', inside=texture.format('grass.png') + texture.format('none.png'))
+    visual, = urdf_visuals.read(file.trees[0].urdf, {'l': 0})
+    assert visual.material.texture == str(tmp_path / 'grass.png')
+    assert visual.material.scale == (0.25, 0.5)
+
+
+@pytest.mark.parametrize('pixels, sampling, points', [
+    (129, 4, 513), (257, 4, 257), (1025, 2, 1025), (2049, 1, 1025)])
+def test_large_images_have_fewer_points(tmp_path, pixels, sampling, points):
+    Image.new('L', (pixels, 2), 7).save(str(tmp_path / 'a.png'))
+    element = ElementTree.Element('heightmap', filename=str(tmp_path / 'a.png'), size='1 1 1',
+                                  sampling=str(sampling))
+    assert heightmaps.read(element).heights.shape[1] == points
+
+
+def test_what_cannot_be_read_is_named(hills, tmp_path):
+    assert 'not supported: heightmap none.png' in refusal(
+        world_file.read, write(tmp_path, TERRAIN.format('collision', 'none.png', 2, '')), {})
+    (tmp_path / 'a.tif').write_bytes(b'II')
+    assert 'heightmap {}: '.format(tmp_path / 'a.tif') in refusal(
+        world_file.read, write(tmp_path, TERRAIN.format('visual', 'a.tif', 2, '')), {})
+    assert "<size> of collision s: got '8 0 2', expected more than 0" in refusal(
+        world_file.read, write(tmp_path, TERRAIN.format('collision', 'none.png', 2, '').replace(
+            '8 4', '8 0').replace('none.png', 'a.tif')), {})
+
+
+def write(folder, model):
+    (folder / 'w.world').write_text(sdf(model))
+    return str(folder / 'w.world')

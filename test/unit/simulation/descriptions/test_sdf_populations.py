@@ -1,0 +1,118 @@
+"""Populations and roads of a world: how many models there are, and where."""
+import numpy as np
+import pytest
+
+from img_recog import mesh_file
+from img_recog.simulation.descriptions import urdf_visuals, world_file
+from img_recog_testing.refusals import refusal
+from img_recog_testing.sdf import sdf
+
+POPULATION = ('<population name="cans"><pose>10 0 1 0 0 0</pose><model name="can">'
+              '<pose>0 0 0.1 0 0 0</pose><link name="l"/></model>{}</population>')
+BOX = '<box><size>4 2 0.5</size></box>'
+COUNT = '<model_count>{}</model_count>'
+TYPE = '<distribution><type>{}</type>{}</distribution>'
+
+
+@pytest.fixture
+def read(tmp_path):
+    """A function that reads the trees of a world."""
+    def trees(*inside):
+        (tmp_path / 'hall.world').write_text(sdf(*inside))
+        return world_file.read(str(tmp_path / 'hall.world'), {}).trees
+    return trees
+
+
+def places(trees):
+    return np.array([tree.pose.translation for tree in trees]) - (10, 0, 1.1)
+
+
+def test_a_grid_has_rows_along_y(read):
+    trees = read(POPULATION.format(TYPE.format(
+        'grid', '<rows>2</rows><cols>3</cols><step>0.5 2 1</step>')))
+    assert [tree.name for tree in trees] == ['can_clone_{}'.format(each) for each in range(6)]
+    assert places(trees) == pytest.approx(np.array(
+        [(0, 0, 0), (0.5, 0, 0), (1, 0, 0), (0, 2, 0), (0.5, 2, 0), (1, 2, 0)]))
+
+
+@pytest.mark.parametrize('axis, ends', [('x', 2), ('y', 1), ('z', 0.25)])
+def test_a_line_goes_through_the_box(read, axis, ends):
+    trees = read(POPULATION.format(COUNT.format(5) + BOX + TYPE.format('linear-' + axis, '')))
+    expected = np.zeros((5, 3))
+    expected[:, 'xyz'.index(axis)] = np.linspace(-ends, ends, 5)
+    assert places(trees) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize('kind', ['random', 'uniform'])
+def test_random_places_are_within_the_box_and_the_same_each_time(read, kind):
+    world = POPULATION.format(COUNT.format(40) + BOX + TYPE.format(kind, ''))
+    found = places(read(world))
+    assert found.shape == (40, 3) and len(np.unique(found, axis=0)) == 40
+    assert (np.abs(found) <= (2, 1, 0.25)).all() and np.array_equal(found, places(read(world)))
+    assert (np.abs(found).max(axis=0) > (1.4, 0.7, 0.15)).all()
+
+
+def test_uniform_places_keep_their_distance(read):
+    def nearest(kind):
+        found = places(read(POPULATION.format(COUNT.format(30) + BOX + TYPE.format(kind, ''))))
+        distances = np.linalg.norm(found[:, None] - found, axis=2) + 100 * np.eye(30)
+        return distances.min()
+    assert nearest('uniform') > 2 * nearest('random')
+
+
+def test_places_in_a_cylinder(read):
+    found = places(read(POPULATION.format(
+        COUNT.format(60) + TYPE.format('random', '')
+        + '<cylinder><radius>2</radius><length>1</length></cylinder>')))
+    distances = np.linalg.norm(found[:, :2], axis=1)
+    assert 1.7 < distances.max() <= 2 and 0.35 < np.abs(found[:, 2]).max() <= 0.5
+    # as many in the inner half of the area as in the outer one
+    assert 18 <= (distances < np.sqrt(2)).sum() <= 42
+
+
+@pytest.mark.parametrize('inside, words', [
+    (COUNT.format(9999), '<model_count> of population cans: got 9999, expected 0 to 5000'),
+    (COUNT.format(2) + BOX + TYPE.format('gaussian', ''),
+     'population cans, whose distribution is gaussian')])
+def test_what_cannot_be_placed_is_named(read, inside, words):
+    assert words in refusal(read, POPULATION.format(inside))
+
+
+def test_a_population_without_a_model_and_an_actor_are_named(read):
+    assert 'population cans has no <model>' in refusal(read, '<population name="cans"/>')
+    assert 'actor walker' in refusal(read, '<actor name="walker"/>')
+
+
+def strip(tree):
+    """Return the lowest and highest corner and the area of what is drawn of a road."""
+    visual, = urdf_visuals.read(tree.urdf, {'link': 0})
+    part, = mesh_file.read(visual.shape.path)
+    corners = part.positions.reshape(-1, 3) + visual.pose[:3, 3]
+    turns = np.cross(part.positions[:, 1] - part.positions[:, 0],
+                     part.positions[:, 2] - part.positions[:, 0])
+    assert turns[:, 2].min() > 0        # seen from above
+    return corners.min(axis=0), corners.max(axis=0), turns[:, 2].sum() / 2, visual.material
+
+
+def test_a_road_is_drawn_just_above_the_floor_and_carries_nothing(read):
+    tree, = read('<road name="main"><width>2</width><point>0 0 0</point><point>10 0 0</point>'
+                 '</road>')
+    assert tree.name == 'main' and tree.fixed and '<collision' not in tree.urdf
+    low, high, area, material = strip(tree)
+    assert low == pytest.approx([0, -1, 0.005]) and high == pytest.approx([10, 1, 0.005])
+    assert area == pytest.approx(20) and material.color == pytest.approx((0.3, 0.3, 0.3, 1))
+
+
+def test_a_road_turns_at_its_points(read):
+    tree, = read('<road name="bend"><width>2</width><point>0 0 1</point><point>5 0 1</point>'
+                 '<point>5 5 1</point><material><script><name>Gazebo/Blue</name></script>'
+                 '</material></road>')
+    low, high, _, material = strip(tree)
+    assert low[:2] == pytest.approx([0, -1], abs=0.3)
+    assert high[:2] == pytest.approx([6, 5], abs=0.3)
+    assert material.color == pytest.approx((0, 0, 1, 1))
+
+
+def test_a_road_of_one_point_is_named(read):
+    assert 'road lane has 1 points, expected 2 or more' in refusal(
+        read, '<road name="lane"><point>0 0 0</point></road>')
