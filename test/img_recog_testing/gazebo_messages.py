@@ -13,6 +13,15 @@ DEFINITIONS = {
     'geometry_msgs/msg/Quaternion.msg': 'float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n',
     'geometry_msgs/msg/Pose.msg': 'Point position\nQuaternion orientation\n',
     'geometry_msgs/msg/Twist.msg': 'Vector3 linear\nVector3 angular\n',
+    'geometry_msgs/msg/Wrench.msg': 'Vector3 force\nVector3 torque\n',
+    'gazebo_msgs/msg/ContactState.msg': 'string info\nstring collision1_name\n'
+                                        'string collision2_name\n'
+                                        'geometry_msgs/Wrench[] wrenches\n'
+                                        'geometry_msgs/Wrench total_wrench\n'
+                                        'geometry_msgs/Vector3[] contact_positions\n'
+                                        'geometry_msgs/Vector3[] contact_normals\n'
+                                        'float64[] depths\n',
+    'gazebo_msgs/msg/ContactsState.msg': 'Header header\ngazebo_msgs/ContactState[] states\n',
     'gazebo_msgs/msg/ModelState.msg': 'string model_name\ngeometry_msgs/Pose pose\n'
                                       'geometry_msgs/Twist twist\nstring reference_frame\n',
     'gazebo_msgs/msg/ModelStates.msg': 'string[] name\ngeometry_msgs/Pose[] pose\n'

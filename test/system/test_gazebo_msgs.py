@@ -9,13 +9,14 @@ import yaml
 
 from img_recog_testing.gazebo_messages import INSTALLED, write_package
 from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.simulator_tools import Images, burger
+from img_recog_testing.simulator_tools import Images, burger, drive
 from img_recog_testing.waiting import wait_for
 
 MODEL = 'turtlebot3_burger'
 NAMES = ['ground_plane', 'turtlebot3_world', MODEL]
 # of the real package, from code that was generated for it
 SUMS = {'msg.ModelStates': '48c080191eb15c41858319b4d8a609c2',
+        'msg.ContactsState': 'acbcb1601a8e525bf72509f18e6f668d',
         'msg.ModelState': '9330fd35f2fcd82d457e54bd54e10593',
         'srv.GetModelStateResponse': 'ccd51739bb00f0141629e87b792e92b9',
         'srv.SetModelStateRequest': 'cb042b0e91880f4661b29ea5b6234350',
@@ -39,8 +40,18 @@ def gazebo(roscore, tmp_path_factory):
     assert node.interrupt() == 0
 
 
+# a bar in front of the burger
+BUMPER = '''<link name="bar"><collision><origin xyz="0.08 0 0.05"/><geometry>
+  <box size="0.02 0.1 0.02"/></geometry></collision></link>
+<joint name="bar_joint" type="fixed"><parent link="base_link"/><child link="bar"/></joint>
+<gazebo reference="bar"><sensor type="contact" name="b"><update_rate>20</update_rate>
+  <contact><collision>bar_collision</collision></contact>
+  <plugin name="b" filename="libgazebo_ros_bumper.so"><bumperTopicName>bumper</bumperTopicName>
+  <frameName>bar_frame</frameName></plugin></sensor></gazebo>'''
+
+
 def simulate(ros):
-    ros.set_parameters('/robot_description', burger())
+    ros.set_parameters('/robot_description', burger(BUMPER))
     node = ros.start_node('pybullet_sim.py')
     node.wait_output('simulating 1.0017 kg')
     return node
@@ -301,3 +312,15 @@ def test_physics_properties(gazebo):
     assert call(gazebo, 'get_physics_properties', {})['pause'] is True
     gazebo.run('rosservice', 'call', '/gazebo/unpause_physics')
     assert call(gazebo, 'get_physics_properties', {})['pause'] is False
+
+
+def test_a_bumper_reports_what_it_touches(gazebo):
+    contacts = gazebo.start('rostopic', 'echo', '/bumper')
+    set_state(gazebo, -2.0, -0.5)
+    contacts.wait_output(r'frame_id: "bar_frame"\nstates: \[\]')
+    # against the post of turtlebot3_world at x -1.1, y 0, of the radius 0.15 m
+    set_state(gazebo, -1.4, 0.0)
+    drive(gazebo, 0.2)
+    contacts.wait_output('collision1_name: "turtlebot3_burger::bar::collision"\n'
+                         ' +collision2_name: "turtlebot3_world::.*::collision"')
+    drive(gazebo, 0.0)

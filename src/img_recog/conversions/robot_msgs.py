@@ -111,7 +111,7 @@ def range_to_msg(distance: float, settings: RangeSettings, stamp: genpy.Time,
     if out is None:
         is_sonar = settings.range_radiation == ULTRASOUND
         out = Range(radiation_type=Range.ULTRASOUND if is_sonar else Range.INFRARED,
-                    field_of_view=settings.range_field_of_view, min_range=settings.range_min,
+                    field_of_view=settings.field_of_view(), min_range=settings.range_min,
                     max_range=settings.range_max)
         out.header.frame_id = settings.range_frame
     out.header.stamp, out.range = stamp, distance

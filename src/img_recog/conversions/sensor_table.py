@@ -7,9 +7,9 @@ process.
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan, Range
 
-from img_recog.conversions import robot_msgs
-from img_recog.simulation.sensors import (imu, joint_states, laser_scanner, odometry,
-                                          range_sensor)
+from img_recog.conversions import contact_msgs, robot_msgs
+from img_recog.simulation.sensors import (contact_sensor, imu, joint_states, laser_scanner,
+                                          odometry, range_sensor)
 from img_recog.simulation.sensors.sensor import SensorKind
 
 # sensors are read, and their readings published, in this order
@@ -24,4 +24,7 @@ SENSORS = (
                laser_scanner.TAGS, LaserScan, robot_msgs.scan_to_msg, noise_number=0),
     SensorKind('range', range_sensor.RangeSettings, range_sensor.RangeSensor, range_sensor.TAGS,
                Range, robot_msgs.range_to_msg, noise_number=5, only_in_tags=True),
+    *([SensorKind('contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor,
+                  contact_sensor.TAGS, contact_msgs.ContactsState, contact_msgs.to_msg,
+                  noise_number=6, only_in_tags=True)] if contact_msgs.AVAILABLE else ()),
 )

@@ -93,7 +93,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
     if unused:
         warnings.append('{}: not used, because it has no such links: its <gazebo> tags of {}'
                         .format(source, ', '.join(unused)))
-    of_tags = (*found.not_simulated, *of_cameras)
+    of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras)))
     of_controllers = drive.problems if drive else drive_controllers.not_simulated(controllers)
     for name, parts in (('<gazebo> tags', of_tags), ('controllers', of_controllers)):
         if parts:

@@ -84,7 +84,7 @@ class Vehicle:
                                       + (sensor.number,) * bool(sensor.number))
         self._sensors[sensor.name] = ScheduledSensor(
             sensor.name, whole_steps(period, getattr(settings, period), self._world.step_s),
-            kind.make(Mount(self.robot, self._world, noise, self.drive, mount), settings))
+            kind.make(Mount(self.robot, self._world, noise, self.drive, mount, link), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
         """Add a camera, which is disabled; return the name of the sensor.

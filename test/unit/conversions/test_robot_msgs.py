@@ -100,6 +100,12 @@ def test_range(radiation, kind):
     assert again is msg and (msg.range, msg.header.stamp) == (0.2, rospy.Time(1, 2))
 
 
+def test_field_of_view_of_the_rays():
+    settings = RangeSettings(range_field_of_view=0.0, range_angle_min=-0.2, range_angle_max=0.3,
+                             range_pitch_max=0.4)
+    assert robot_msgs.range_to_msg(0.7, settings, STAMP).field_of_view == pytest.approx(0.4)
+
+
 def test_imu():
     msg = robot_msgs.imu_to_msg(READING, ImuSettings(gyro_noise=0.5, accel_noise=0.25), STAMP)
     assert (msg.header.frame_id, msg.header.stamp) == ('imu_link', STAMP)

@@ -9,7 +9,8 @@ Publishes: what the sensors measure, each on its topic (conversions/sensor_table
 (rosgraph_msgs/Clock, 100 Hz of simulated time), /tf odom -> base_footprint (30 Hz),
 ~real_time_factor (std_msgs/Float64, measured, 1 Hz of wall time), ~view/image_raw
 (sensor_msgs/Image, rgb8, at most 10 Hz of wall time),
-~model_states (gazebo_msgs/ModelStates, 100 Hz) if gazebo_msgs is installed, /diagnostics
+~model_states (gazebo_msgs/ModelStates, 100 Hz) and, of each bumper of a URDF, bumper_states
+(gazebo_msgs/ContactsState) if gazebo_msgs is installed, /diagnostics
 (diagnostic_msgs/DiagnosticArray, 1 Hz of wall time), /tf_static (tf2_msgs/TFMessage) for cameras.
 ~world_outlines (visualization_msgs/MarkerArray, latched: what stands in the world, from above).
 Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image),

@@ -64,6 +64,7 @@ class SimulatedRobot(Body):
         self.spawn = spawn
         self.root, self._frames = description.root, description.frames
         self._mounts: Dict[str, Frame] = {}
+        self._surfaces = description.surfaces
         self._link_indices = link_indices(self.body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
         self._joint_names = tuple(self.joints)
@@ -134,6 +135,13 @@ class SimulatedRobot(Body):
         """
         carrier = self._frames[link]
         self._mounts[frame] = Frame(carrier.link, carrier.pose @ pose)
+
+    def surfaces(self, link: str) -> Dict[int, str]:
+        """Return PyBullet's index and the name of each part with the shapes of a link.
+
+        link: one with a contact sensor.
+        """
+        return {self._link_indices[name]: name for name in self._surfaces.get(link, ())}
 
     def has_frame(self, frame: str) -> bool:
         """Return whether the description has this link."""

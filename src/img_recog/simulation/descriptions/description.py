@@ -44,8 +44,9 @@ class Description:
 
     name: of the robot; urdf: XML text for PyBullet; root: name of the root link; frames: of all
     links of the original description, but for those that are left out; friction: lateral friction
-    coefficients of the lumped links with shapes, at most that of the floor; missing_meshes: URIs
-    of meshes that were not found; missing_materials: what is not known or not found of the
+    coefficients of the lumped links with shapes, at most that of the floor; surfaces: of each link
+    with a contact sensor, the links in `urdf` that have its shapes and no others; missing_meshes:
+    URIs of meshes that were not found; missing_materials: what is not known or not found of the
     materials in <gazebo> tags; warnings: what is simulated in another way than given, a line each;
     left_out: joints that are left out; changed_inertias: the lumped links with another inertia
     than that.
@@ -56,6 +57,7 @@ class Description:
     root: str
     frames: Dict[str, Frame]
     friction: Dict[str, float]
+    surfaces: Dict[str, List[str]]
     missing_meshes: Sequence[str] = ()
     missing_materials: Sequence[str] = ()
     warnings: Sequence[str] = ()
@@ -82,9 +84,12 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
     if xacro:
         warnings.append('it contains xacro ({}), which is not expanded'.format(xacro))
     coefficients = frictions(robot)
+    watched: Dict[str, List[str]] = {
+        tag.get('reference', ''): [] for tag in robot.findall('gazebo')
+        if tag.find("sensor[@type='contact']/plugin") is not None}
     for tag in robot.findall('gazebo'):
         robot.remove(tag)
-    friction = _lump(robot, tree, frames, coefficients)
+    friction = _lump(robot, tree, frames, coefficients, watched)
     for joint in tree.parents.values():
         if not joint.is_fixed:
             carrier = frames[joint.parent_link]
@@ -100,8 +105,9 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
             warnings.append(possible.warning)
             changed.append(name)
     return Description(robot.get('name') or 'robot', ElementTree.tostring(robot, 'unicode'),
-                       tree.root, frames, friction, tuple(missing), tuple(missing_materials),
-                       tuple(warnings), tuple(left_out), tuple(changed))
+                       tree.root, frames, friction, watched, tuple(missing),
+                       tuple(missing_materials), tuple(warnings), tuple(left_out),
+                       tuple(changed))
 
 
 def root_of(urdf: str) -> ElementTree.Element:
@@ -182,13 +188,14 @@ def _leave_out(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Fra
 
 
 def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
-          coefficients: Dict[str, float]) -> Dict[str, float]:
+          coefficients: Dict[str, float], watched: Dict[str, List[str]]) -> Dict[str, float]:
     """Move all shapes to the lumped links, and remove the others; return the friction of those.
 
-    coefficients: of friction, by the names of the links.
+    coefficients: of friction, by the names of the links. watched: the links whose shapes are kept
+    apart from others; the names of those with their shapes are added to each.
     """
     friction: Dict[str, float] = {}
-    surfaces: Dict[Tuple[str, float], ElementTree.Element] = {}
+    surfaces: Dict[Tuple[str, float, str], ElementTree.Element] = {}
     for name, (carrier, pose) in frames.items():
         link = tree.links[name]
         if carrier != name:
@@ -198,16 +205,19 @@ def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
         for shape in link.findall('collision'):
             value = min(coefficients[name] if name in coefficients else _of_surface(shape, name),
                         FLOOR_FRICTION)
-            if (carrier, value) not in surfaces:
+            key = carrier, value, name if name in watched else ''
+            if key not in surfaces:
                 surface = tree.links[carrier] if carrier not in friction else _add_surface(
                     robot, carrier, '{}/{:g}'.format(name, value)
                     if name in friction or name == carrier else name)
                 set_friction(surface, value)
                 friction[surface.get('name', '')] = value
-                surfaces[carrier, value] = surface
-            if surfaces[carrier, value] is not link:
+                surfaces[key] = surface
+                if name in watched:
+                    watched[name].append(surface.get('name', ''))
+            if surfaces[key] is not link:
                 link.remove(shape)
-                _move([shape], surfaces[carrier, value], pose)
+                _move([shape], surfaces[key], pose)
     return friction
 
 

@@ -5,7 +5,8 @@ friction. The rows of each kind of sensors are beside its class, as `Tags`.
 """
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Union
+from typing import (Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence,
+                    Union)
 
 from img_recog.simulation.descriptions import camera_tags
 from img_recog.simulation.descriptions.description import root_of
@@ -47,7 +48,8 @@ class Tags(NamedTuple):
     counts. sensors: the types of <sensor> that such a plugin can be in; needs_sensor: whether it
     must be in one. frame: the setting that is the link of the tag, unless a row has it; a robot
     can have several sensors of a kind that has one. defaults: settings that hold where a plugin
-    has none. not_simulated: returns what of a <sensor> is not simulated.
+    has none, by a part of its file name. not_simulated: returns what of a <sensor> is not
+    simulated.
     """
 
     plugins: Sequence[str]
@@ -55,7 +57,7 @@ class Tags(NamedTuple):
     sensors: Sequence[str] = ()
     frame: str = ''
     needs_sensor: bool = False
-    defaults: Values = {}
+    defaults: Mapping[str, Values] = {}
     not_simulated: Callable[[ElementTree.Element], Sequence[str]] = lambda sensor: ()
 
 
@@ -181,7 +183,10 @@ def _label(element: ElementTree.Element, attribute: str) -> str:
 
 
 def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
-    values: Values = dict(tags.defaults)
+    values: Values = {}
+    for word, defaults in tags.defaults.items():
+        if part.plugin is not None and word in part.plugin.get('filename', ''):
+            values.update(defaults)
     if tags.frame and part.link:
         values[tags.frame] = part.link
     for row in tags.rows:

@@ -3,10 +3,12 @@ from dataclasses import dataclass
 
 from img_recog.settings import Settings, above, setting
 from img_recog.simulation.bodies.robot import JointStates
-from img_recog.simulation.descriptions.gazebo_tags import Tags
+from img_recog.simulation.descriptions.gazebo_tags import RATE, Row, Tags
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
-TAGS = Tags((), ())         # a drive has them
+# a drive can have them too
+TAGS = Tags(('gazebo_ros_joint_state_publisher',), (
+    Row('joint_states_period_s', RATE, 'plugin', 'updateRate'),))
 
 
 @dataclass(frozen=True)

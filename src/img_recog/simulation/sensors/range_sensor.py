@@ -14,8 +14,8 @@ from img_recog.simulation.settings import SimulationError
 
 INFRARED, ULTRASOUND = 'infrared', 'ultrasound'
 
-# of libgazebo_ros_range of gazebo_plugins, with its defaults
-TAGS = Tags(('gazebo_ros_range',), (
+# of libgazebo_ros_range of gazebo_plugins and libhector_gazebo_ros_sonar, with their defaults
+TAGS = Tags(('gazebo_ros_range', 'hector_gazebo_ros_sonar'), (
     Row('range_period_s', RATE, 'sensor', 'update_rate'),
     Row('range_samples', INTEGER, 'sensor', 'ray/scan/horizontal/samples'),
     Row('range_angle_min', NUMBER, 'sensor', 'ray/scan/horizontal/min_angle'),
@@ -30,9 +30,11 @@ TAGS = Tags(('gazebo_ros_range',), (
     Row('range_field_of_view', NUMBER, 'plugin', 'fov'),
     Row('range_radiation', choice('ultrasound or infrared', {
         INFRARED: INFRARED, ULTRASOUND: ULTRASOUND}), 'plugin', 'radiation'),
-    Row('range_frame', NAME, 'plugin', 'frameName'),
+    Row('range_frame', NAME, 'plugin', 'frameName', 'frameId'),
     Row('range_topic', TOPIC, 'plugin', 'topicName')),
-    sensors=('ray',), frame='range_frame', needs_sensor=True)
+    sensors=('ray',), frame='range_frame', needs_sensor=True, defaults={
+        'hector': {'range_radiation': ULTRASOUND, 'range_field_of_view': 0.0,
+                   'range_topic': 'sonar'}})
 
 
 @dataclass(frozen=True)
@@ -40,9 +42,9 @@ class RangeSettings(Settings):
     """A range finder with rows of rays.
 
     Angles in rad about z from the x axis of its place, and upward from the plane of x and y.
-    range_min, range_max, and the standard deviation of the noise: m. range_field_of_view: rad;
-    only told in the messages, like range_radiation. range_period_s: a multiple of the physics
-    step, in simulated s.
+    range_min, range_max, and the standard deviation of the noise: m. range_field_of_view: rad, 0
+    for that of the rays; only told in the messages, like range_radiation. range_period_s: a
+    multiple of the physics step, in simulated s.
     """
 
     range_frame: str = setting('', any_value())
@@ -59,6 +61,11 @@ class RangeSettings(Settings):
     range_field_of_view: float = setting(0.05, at_least(0))
     range_radiation: str = setting(INFRARED, one_of(INFRARED, ULTRASOUND))
     range_topic: str = setting('range', not_empty())
+
+    def field_of_view(self) -> float:
+        """Return the field of view in rad; that of rays is the smaller of their two spans."""
+        return self.range_field_of_view or min(abs(self.range_angle_max - self.range_angle_min),
+                                               abs(self.range_pitch_max - self.range_pitch_min))
 
 
 class RangeSensor(RaySensor):

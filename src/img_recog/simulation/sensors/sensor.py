@@ -28,8 +28,9 @@ class Mount(NamedTuple):
     """What a sensor is made for.
 
     robot: its links carry the sensor; noise: the random generator of this sensor alone; drive:
-    of the robot. place: a frame of the robot, where the <gazebo> tag of the sensor puts it; ''
-    if it has none: then it is on the link that its settings name.
+    of the robot. place: a frame of the robot, where the <gazebo> tag of the sensor puts it, and
+    link: the one of the description that it names; '' if it has none: then the sensor is on the
+    link that its settings name.
     """
 
     robot: SimulatedRobot
@@ -37,6 +38,7 @@ class Mount(NamedTuple):
     noise: np.random.RandomState
     drive: Drive
     place: str = ''
+    link: str = ''
 
     def frame(self, setting: str, link: str) -> str:
         """Return the frame of the robot in which a sensor measures.

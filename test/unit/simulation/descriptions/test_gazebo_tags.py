@@ -207,6 +207,21 @@ def test_place_of_a_sensor_is_its_link_and_pose_and_of_a_plugin_its_body():
     assert (unit.place.link, unit.values['imu_frame']) == ('b', 'f')
 
 
+def test_defaults_of_range_plugins():
+    sonar = ray(library='hector_gazebo_ros_sonar', laser='<frameId>f</frameId>')
+    values = overrides(robot(sonar))
+    assert (values['range_radiation'], values['range_frame'], values['range_topic'],
+            values['range_field_of_view']) == ('ultrasound', 'f', 'sonar', 0.0)
+    assert 'range_radiation' not in overrides(robot(ray(library='gazebo_ros_range', laser='')))
+
+
+def test_joint_state_publisher():
+    publisher = plugin('<jointName>a</jointName><updateRate>50</updateRate>',
+                       'gazebo_ros_joint_state_publisher')
+    assert overrides(robot(gazebo(publisher))) == {'joint_states_period_s': 0.02}
+    assert not_simulated(robot(gazebo(publisher))) == []
+
+
 def test_imu_of_hector():
     unit = plugin('<bodyName>b</bodyName><frameId>f</frameId><topicName>t</topicName>'
                   '<accelGaussianNoise>3 4 0</accelGaussianNoise><updateRate>50</updateRate>'

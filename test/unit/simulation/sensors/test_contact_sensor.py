@@ -1,0 +1,65 @@
+"""A bumper that is fixed to a robot against a wall, and what else touches that robot."""
+import numpy as np
+import pytest
+
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.sensors import contact_sensor
+from img_recog.simulation.sensors.sensor import SensorKind
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing import robots
+
+WALL = ('<sdf version="1.6"><model name="wall"><static>true</static><pose>1 0 0.5 0 0 0</pose>'
+        '<link name="l"><collision name="c"><geometry><box><size>0.2 4 1</size></box></geometry>'
+        '</collision></link></model></sdf>')
+# a bar from x 0.1 to 0.12 of the root, behind it a box that is fixed to the same link
+BAR = ('<link name="{0}"><collision><origin xyz="{1} 0 0.06"/><geometry>'
+       '<box size="0.02 0.1 0.02"/></geometry></collision></link>'
+       '<joint name="{0}_joint" type="fixed">'
+       '<parent link="base_footprint"/><child link="{0}"/></joint>')
+TAG = ('<gazebo reference="bar"><sensor type="contact" name="s"><update_rate>50</update_rate>'
+       '<plugin name="p" filename="libgazebo_ros_bumper.so"><bumperTopicName>b</bumperTopicName>'
+       '<frameName>nowhere</frameName></plugin></sensor></gazebo>')
+# the table has it only where gazebo_msgs is installed
+KINDS = (*(kind for kind in SENSORS if kind.name != 'contact'), SensorKind(
+    'contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor, contact_sensor.TAGS,
+    object, lambda *_: None, noise_number=6, only_in_tags=True))
+
+
+@pytest.fixture
+def simulator(tmp_path):
+    wall = tmp_path / 'wall.sdf'
+    wall.write_text(WALL)
+    urdf = robots.burger().replace(
+        '</robot>', BAR.format('bar', 0.11) + BAR.format('back', -0.2) + TAG + '</robot>')
+    robot = assembly.read_robot(urdf, 0.001, lambda uri: None, 'robot', KINDS)
+    settings = assembly.default_settings(robot)
+    return assembly.build(PhysicsSettings(world=str(wall)), world_file.read(str(wall), {}), [
+        (robot, settings.__class__(robots.settings_of(x=0.7).spawn, settings.drive,
+                                   settings.noise, settings.sensors))]).simulator
+
+
+def touches(sim, steps):
+    return [each.value for each in sim.advance(steps) if each.sensor == 'contact']
+
+
+def test_a_bumper_reports_the_wall_and_neither_the_floor_nor_other_parts(simulator):
+    vehicle = simulator.vehicles[0]
+    assert touches(simulator, 500) == [[]] * 25
+    vehicle.command(0.2, 0.0)
+    touch, = touches(simulator, 1500)[-1]
+    assert (touch.own, touch.other) == (vehicle.robot.name + '::bar', 'wall::l')
+    assert touch.positions[:, 0] == pytest.approx(0.9, abs=0.003)
+    assert np.all(np.abs(touch.positions[:, 1]) < 0.06)
+    assert touch.normals == pytest.approx(np.tile([-1, 0, 0], (len(touch.positions), 1)), abs=0.02)
+    assert touch.forces[:, 0].sum() < -0.5
+    vehicle.command(-0.2, 0.0)
+    assert touches(simulator, 1000)[-1] == []
+
+
+def test_its_shapes_move_with_the_link_that_it_is_fixed_to(simulator):
+    robot = simulator.vehicles[0].robot
+    index, = robot.surfaces('bar')
+    assert robot.surfaces('bar') == {index: 'bar'} and robot.surfaces('back') == {}
+    assert robot.mass() == pytest.approx(1.0017, abs=1e-3)
