@@ -14,12 +14,14 @@ import recognition
 import robot_camera
 import simulator
 import start
+import textured
 import transport
 from tqdm import tqdm
 
 BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
-              'robot_camera': robot_camera, 'camera': camera, 'recognition': recognition,
-              'growth': growth, 'transport': transport, 'page': page, 'fleet': fleet}
+              'robot_camera': robot_camera, 'textured': textured, 'camera': camera,
+              'recognition': recognition, 'growth': growth, 'transport': transport, 'page': page,
+              'fleet': fleet}
 
 
 def main() -> int:
