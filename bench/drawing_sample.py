@@ -84,7 +84,7 @@ def pybullet_by(renderer: int, shadow: bool, client: int) -> Callable[[Drive, Ca
     """Return a method like `ours` that draws by a renderer of PyBullet, with the same light."""
     def load(drive: Drive, camera: Camera) -> Draw:
         scene = SceneCopy(drive.scene, client, floor=True)
-        projection = matrices.perspective(*camera.slopes, camera.near, camera.far)
+        projection = matrices.perspective(camera.window, camera.near, camera.far)
 
         def draw(moment: Moment) -> np.ndarray:
             scene.place(moment.bodies)
