@@ -16,6 +16,7 @@ from img_recog.simulation.assembly import RobotSource
 from img_recog.simulation.descriptions import (description, drive_controllers, drive_tags,
                                                wheels)
 from img_recog.simulation.descriptions.drive_controllers import Controllers
+from img_recog.simulation.descriptions.friction import FLOOR_FRICTION, frictions
 from img_recog.simulation.descriptions.world_file import EMPTY, WorldFile
 from img_recog.simulation.settings import CameraSettings, DriveSettings, PhysicsSettings
 from img_recog.simulation.simulator import Simulator
@@ -81,12 +82,12 @@ def _body(vehicle: Vehicle, seen: Looks) -> Iterator[Row]:
 
 def _friction(robot: RobotSource, urdf: str) -> Iterator[Row]:
     """Return a row for the links of each coefficient."""
-    given = description.frictions(description.root_of(urdf))
+    given = frictions(description.root_of(urdf))
     friction = robot.description.friction
     # that of a link is the one of a link fixed to it, where it has no shape of its own
     assumed = {name for name, value in friction.items()
-               if name not in given and value == description.FLOOR_FRICTION}
-    for state, source in ((SIMULATED, '<mu1>, or <lateral_friction>'), (ASSUMED, 'default')):
+               if name not in given and value == FLOOR_FRICTION}
+    for state, source in ((SIMULATED, '<mu1>, <mu> or <lateral_friction>'), (ASSUMED, 'default')):
         links = {name: value for name, value in friction.items()
                  if (name in assumed) == (state == ASSUMED)}
         for value in sorted(set(links.values())):

@@ -9,7 +9,8 @@ from img_recog.simulation.bodies import tyres
 from img_recog.simulation.bodies.body import (Body, FrameState, Motion, Pose, Vector,
                                               motion_of_frame)
 from img_recog.simulation.bodies.loading import link_indices, load_urdf
-from img_recog.simulation.descriptions.description import FLOOR_FRICTION, Description, Frame
+from img_recog.simulation.descriptions.description import Description, Frame
+from img_recog.simulation.descriptions.friction import FLOOR_FRICTION
 from img_recog.simulation.descriptions.geometry import Transform
 from img_recog.simulation.settings import SimulationError, SpawnSettings
 

@@ -9,7 +9,7 @@ from img_recog.simulation.bodies import loops, standing
 from img_recog.simulation.bodies.body import Body, Pose
 from img_recog.simulation.bodies.loading import all_or_nothing, link_indices, load_urdf
 from img_recog.simulation.bodies.solids import Solids
-from img_recog.simulation.descriptions.description import FLOOR_FRICTION, frictions
+from img_recog.simulation.descriptions.friction import FLOOR_FRICTION, frictions
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
 from img_recog.simulation.descriptions.world_file import WorldFile

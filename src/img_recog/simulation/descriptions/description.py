@@ -16,19 +16,14 @@ import numpy as np
 from img_recog.files import FindFile, find_in
 from img_recog.markup import MarkupError, check_expanded, parse_xml
 from img_recog.simulation.descriptions import inertias, urdf_tree, urdf_visuals
+from img_recog.simulation.descriptions.friction import FLOOR_FRICTION, frictions, of_surface
 from img_recog.simulation.descriptions.geometry import IDENTITY, NO_INERTIA, Inertia, Transform
 from img_recog.simulation.descriptions.meshes import resolve
-from img_recog.simulation.descriptions.numbers import read_coefficient
 from img_recog.simulation.descriptions.urdf_elements import (add_massless, origin_of,
                                                              set_friction, set_inertial,
                                                              set_origin)
 from img_recog.simulation.descriptions.urdf_tree import UrdfTree
 from img_recog.simulation.settings import SimulationError
-
-# Of the floor, and of links without a coefficient (Gazebo's default). PyBullet multiplies the
-# coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
-FLOOR_FRICTION = 1.0
-_MU = 'surface/friction/ode/mu'
 
 
 class Frame(NamedTuple):
@@ -203,7 +198,7 @@ def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
             robot.remove(tree.parents[name].element)
             _move(link.findall('visual'), tree.links[carrier], pose)
         for shape in link.findall('collision'):
-            value = min(coefficients[name] if name in coefficients else _of_surface(shape, name),
+            value = min(coefficients[name] if name in coefficients else of_surface(shape, name),
                         FLOOR_FRICTION)
             key = carrier, value, name if name in watched else ''
             if key not in surfaces:
@@ -221,17 +216,6 @@ def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
     return friction
 
 
-def _of_surface(shape: ElementTree.Element, link: str) -> float:
-    """Return the friction in the <surface> of a collision, which Gazebo reads only in an SDF.
-
-    Robots whose casters need it have it there: they drive in Gazebo, whose solver loads the wheels
-    more than PyBullet does.
-    """
-    text = shape.findtext(_MU)
-    return FLOOR_FRICTION if text is None else read_coefficient(
-        '<mu> of a collision of link ' + link, text)
-
-
 def _add_surface(robot: ElementTree.Element, carrier: str, name: str) -> ElementTree.Element:
     """Add a link without mass, fixed to another one in the same place."""
     link = ElementTree.SubElement(robot, 'link', name=name)
@@ -247,25 +231,3 @@ def _move(shapes: List[ElementTree.Element], target: ElementTree.Element,
     for shape in shapes:
         set_origin(shape, pose @ origin_of(shape))
         target.append(shape)
-
-
-def frictions(robot: ElementTree.Element) -> Dict[str, float]:
-    """Return the friction of the links that have one, by their names.
-
-    It is mu1 of Gazebo's tag for the link, or mu of a collision there, else PyBullet's
-    lateral_friction.
-    """
-    found = {}
-    of_tags = [(tag.get('reference'), element) for path in ('mu1', 'collision/' + _MU)
-               for tag in robot.findall('gazebo') for element in tag.findall(path)]
-    for link in robot.findall('link'):
-        name = link.get('name', '')
-        of_tag = next((each for reference, each in of_tags if reference == name), None)
-        of_link = link.find('contact/lateral_friction')
-        if of_tag is not None:
-            found[name] = read_coefficient('{} of link {}'.format(of_tag.tag, name),
-                                           of_tag.get('value') or of_tag.text)
-        elif of_link is not None:
-            found[name] = read_coefficient('lateral_friction of link ' + name,
-                                           of_link.get('value'))
-    return found
