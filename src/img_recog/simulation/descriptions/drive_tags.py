@@ -96,7 +96,9 @@ PLUGINS = (
         Row('wheel_diameter', NUMBER, 'plugin', 'wheel_diameter'),
         Row('wheel_torque', NUMBER, 'plugin', 'torque'),
         Row('cmd_vel_timeout', POSITIVE, 'plugin', 'velocity_command_timeout'),
-        Row('publish_odom_tf', FLAG, 'plugin', 'publish_tf'))),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publish_tf')),
+        not_simulated=lambda _: ('bumpers, cliff sensors and inertial unit of plugin '
+                                 'libgazebo_ros_kobuki.so',)),
         {'wheel_acceleration': 0.0, 'odometry_source': _ENCODER, 'publish_odom_tf': False,
          'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}))
 

@@ -48,8 +48,8 @@ class Tags(NamedTuple):
     counts. sensors: the types of <sensor> that such a plugin can be in; needs_sensor: whether it
     must be in one. frame: the setting that is the link of the tag, unless a row has it; a robot
     can have several sensors of a kind that has one. defaults: settings that hold where a plugin
-    has none, by a part of its file name. not_simulated: returns what of a <sensor> is not
-    simulated.
+    has none, by a part of its file name. not_simulated: returns what of a <sensor>, or of
+    a plugin outside of one, is not simulated.
     """
 
     plugins: Sequence[str]
@@ -58,7 +58,7 @@ class Tags(NamedTuple):
     frame: str = ''
     needs_sensor: bool = False
     defaults: Mapping[str, Values] = {}
-    not_simulated: Callable[[ElementTree.Element], Sequence[str]] = lambda sensor: ()
+    not_simulated: Callable[[ElementTree.Element], Sequence[str]] = lambda owner: ()
 
 
 class Place(NamedTuple):
@@ -112,8 +112,9 @@ def read(urdf: str, step_s: float, readers: Sequence[Tags]) -> Found:
                     found.values.update(values)
                 if tags.frame:
                     found.sensors.append(SensorTag(tags, values, _place_of(part)))
-                if part.sensor is not None:
-                    found.not_simulated.extend(tags.not_simulated(part.sensor))
+                owner = part.plugin if part.sensor is None else part.sensor
+                if owner is not None:
+                    found.not_simulated.extend(tags.not_simulated(owner))
             else:
                 found.not_simulated.append('second ' + part.label)
         if not part.readers:

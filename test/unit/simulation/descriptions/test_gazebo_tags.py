@@ -4,7 +4,7 @@ import os
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.simulation.descriptions.drive_tags import DIFF_DRIVE
+from img_recog.simulation.descriptions.drive_tags import DIFF_DRIVE, PLUGINS
 from img_recog.simulation.descriptions.gazebo_tags import read
 from img_recog_testing.refusals import refusal
 
@@ -213,6 +213,12 @@ def test_defaults_of_range_plugins():
     assert (values['range_radiation'], values['range_frame'], values['range_topic'],
             values['range_field_of_view']) == ('ultrasound', 'f', 'sonar', 0.0)
     assert 'range_radiation' not in overrides(robot(ray(library='gazebo_ros_range', laser='')))
+
+
+def test_what_the_plugin_of_kobuki_measures_is_listed():
+    kobuki = next(row.tags for row in PLUGINS if 'gazebo_ros_kobuki' in row.tags.plugins)
+    assert read(robot(gazebo(plugin('', 'gazebo_ros_kobuki'))), 0.001, [kobuki]).not_simulated == [
+        'bumpers, cliff sensors and inertial unit of plugin libgazebo_ros_kobuki.so']
 
 
 def test_joint_state_publisher():
