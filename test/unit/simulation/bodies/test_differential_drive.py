@@ -1,7 +1,10 @@
 """The ramp of the wheel speeds, with ideal wheels in place of the physics."""
+import dataclasses
+
 import pytest
 
 from img_recog.simulation.bodies.differential_drive import DifferentialDrive
+from img_recog.simulation.bodies.robot import Motors
 from img_recog.simulation.settings import DriveSettings
 
 RADIUS = 0.033
@@ -15,6 +18,8 @@ class Wheels:
 
     def wheel_velocities(self):
         return self.velocities
+
+    wheel_positions = wheel_velocities
 
     def set_wheel_velocities(self, velocities):
         self.velocities = tuple(velocities)
@@ -155,3 +160,58 @@ def test_timeout_of_zero_means_no_timeout():
     drive.scale_timeout(100.0)
     drive.command(0.2, 0.0)
     assert follow(drive, 100000)[-1] == pytest.approx((0.2, 0.2))
+
+
+# left radius 0.11 m, right 0.09 m, and 0.6 m between them
+UNEVEN = DriveSettings(
+    left_joint='a, b', right_joint='c', wheel_separation=0.4, wheel_separation_multiplier=1.5,
+    wheel_diameter=0.2, left_wheel_radius_multiplier=1.1, right_wheel_radius_multiplier=0.9,
+    wheel_torque=7.0, wheel_acceleration=0.0)
+
+
+def test_sides_that_differ():
+    drive, robot = DifferentialDrive(UNEVEN), Wheels(1.0, 2.0, 4.0)
+    assert drive.encoders(robot) == pytest.approx((1.5 * 0.11, 4.0 * 0.09))
+    drive.command(0.5, 2.0)
+    drive.update(robot)
+    assert robot.velocities == pytest.approx((-0.1 / 0.11, -0.1 / 0.11, 1.1 / 0.09))
+    assert drive.travelled((1.0, 2.0), (1.5, 2.2)) == pytest.approx((0.35, 0.0, -0.5))
+
+
+@pytest.mark.parametrize('left, right, slip_radius', [
+    ('a', 'b', 0.0), ('a, b', 'c', 0.1), ('a', 'b, c', 0.1)])
+def test_what_drives_the_robot(left, right, slip_radius):
+    motors = DifferentialDrive(dataclasses.replace(
+        UNEVEN, left_joint=left, right_joint=right)).motors
+    assert motors == Motors((*(('left_joint', name) for name in left.split(', ')),
+                             *(('right_joint', name) for name in right.split(', '))),
+                            7.0, slip_radius)
+
+
+# the ramp of half the default has steps of 0.005 m/s
+@pytest.mark.parametrize('speed, first', [
+    (0.01, 0.005), (0.0099, 0.0099), (-0.0099, -0.0099), (-0.01, -0.005), (0.5, 0.005)])
+def test_the_ramp_ends_near_the_target(speed, first):
+    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.5))
+    drive.command(speed, 0.0)
+    assert follow(drive, 1)[-1] == pytest.approx((first, first))
+
+
+def test_a_ramp_after_a_reset_begins_at_zero():
+    drive = DifferentialDrive(DriveSettings())
+    drive.command(1.0, 0.0)
+    follow(drive, 20)
+    drive.reset()
+    drive.command(1.0, 0.0)
+    assert follow(drive, 1, start=(500.0, 500.0))[-1] == pytest.approx((0.01, 0.01))
+
+
+def test_motors_are_set_when_the_speed_changes_or_something_has_stopped_them():
+    drive, robot = DifferentialDrive(DriveSettings(wheel_acceleration=0.0)), Wheels(0.0, 0.0)
+    drive.command(0.2, 0.0)
+    follow(drive, 2, robot=robot)
+    robot.velocities = 9.0, 9.0
+    follow(drive, 2, robot=robot)
+    assert robot.velocities == (9.0, 9.0)
+    drive.notify_stopped()
+    assert follow(drive, 1, robot=robot)[-1] == pytest.approx((0.2, 0.2))

@@ -1,8 +1,11 @@
 """Robots that are put into the floor, or into what lies on it, stand on that."""
 import numpy as np
+import pybullet
 import pytest
 
 from img_recog.simulation import assembly
+from img_recog.simulation.bodies import standing
+from img_recog.simulation.bodies.body import Body, Pose
 from img_recog.simulation.models import Models, State
 from img_recog_testing.robots import assemble, burger, read, settings_of, simulator
 from img_recog_testing.sdf import sdf
@@ -114,3 +117,78 @@ def test_robots_are_added_on_a_floor_above_zero(world, has_place):
     assert np.hypot(*(second - first)[:2]) > 0.25
     sim.reset_world()
     assert sim.vehicles[1].robot.motion().position == pytest.approx(second, abs=1e-6)
+
+
+class Boxes:
+    """Boxes in a physics client of their own, beside the origin, and a floor at 0 m."""
+
+    X, Y = 5.0, -3.0
+
+    def __init__(self):
+        self.client = pybullet.connect(pybullet.DIRECT)
+        self.floor = self._body(pybullet.createCollisionShape(
+            pybullet.GEOM_PLANE, physicsClientId=self.client), (0, 0, 0), 'floor')
+        self.cube = self.box('cube', 0.0, 0.2, width=0.2, mass=1.0)
+
+    def box(self, name, bottom, top, width=2.0, mass=0.0):
+        shape = pybullet.createCollisionShape(
+            pybullet.GEOM_BOX, halfExtents=(width / 2, width / 2, (top - bottom) / 2),
+            physicsClientId=self.client)
+        return self._body(shape, (self.X, self.Y, (top + bottom) / 2), name, mass)
+
+    def _body(self, shape, place, name, mass=0.0):
+        body = Body(pybullet.createMultiBody(mass, shape, basePosition=place,
+                                             physicsClientId=self.client), self.client)
+        body.name = name
+        return body
+
+    def lift(self, bottom, *others):
+        """Lift the cube, whose lower side is at a height; return how far, and its height then."""
+        self.cube.place(Pose((self.X, self.Y, bottom + 0.1), UPRIGHT, ()))
+        lifted = standing.lift(self.cube, self.floor, others)
+        assert self.cube.pose().position[:2] == pytest.approx((self.X, self.Y))
+        assert self.cube.pose().position[2] - 0.1 == pytest.approx(
+            bottom + lifted.height_m, abs=1e-6)
+        return lifted
+
+
+@pytest.mark.parametrize('bottom, height, onto', [
+    (0.5, 0.0, ''), (0.0, 0.0, ''), (-0.004, 0.0, ''), (-0.006, 0.006, 'floor'),
+    (-3.0, 3.0, 'floor')])
+def test_onto_the_floor(bottom, height, onto):
+    lifted = Boxes().lift(bottom)
+    assert lifted == (pytest.approx(height, abs=1e-6), onto)
+
+
+@pytest.mark.parametrize('bottom, tops, height, onto', [
+    (0.0, (0.004,), 0.0, ''), (0.0, (0.006,), 0.006, 'box 0'), (0.0, (0.0873,), 0.0873, 'box 0'),
+    (0.0, (0.29,), 0.29, 'box 0'), (0.0, (0.32,), 0.0, ''),
+    # out of the floor first
+    (-0.03, (0.05,), 0.08, 'box 0'), (-0.03, (0.35,), 0.03, 'floor'), (-0.03, (), 0.03, 'floor'),
+    (0.0, (0.02, 0.05), 0.05, 'box 1'), (0.0, (0.05, 0.02), 0.05, 'box 0'),
+    (0.1, (0.02, 0.13), 0.03, 'box 1')])
+def test_onto_boxes(bottom, tops, height, onto):
+    boxes = Boxes()
+    lifted = boxes.lift(bottom, *(boxes.box('box {}'.format(number), -0.2, top)
+                                  for number, top in enumerate(tops)))
+    # it is above them, by less than what can be seen
+    assert height <= lifted.height_m + 1e-6 and lifted.height_m < height + 2e-4
+    assert lifted.onto == onto
+
+
+def test_onto_a_shelf_that_is_in_the_way_above_the_floor():
+    boxes = Boxes()
+    others = boxes.box('box', -0.2, 0.03), boxes.box('shelf', 0.215, 0.25)
+    assert boxes.lift(0.0, *others) == (pytest.approx(0.25, abs=2e-4), 'shelf')
+    # there is room for it between them
+    others = boxes.box('box', -0.2, 0.03), boxes.box('ceiling', 0.27, 0.9)
+    assert boxes.lift(0.0, *others) == (pytest.approx(0.03, abs=2e-4), 'box')
+
+
+@pytest.mark.parametrize('bottom, wanted', [
+    (0.1, 0.0), (0.002, 0.0), (-0.02, 0.02), (-0.06, 0.06)])
+def test_depth(bottom, wanted):
+    boxes = Boxes()
+    boxes.cube.place(Pose((boxes.X, boxes.Y, bottom + 0.1), UPRIGHT, ()))
+    assert standing.depth(boxes.cube, boxes.floor) == pytest.approx(wanted, abs=1e-6)
+    assert standing.is_in(boxes.cube, [boxes.floor]) is (wanted > 0)

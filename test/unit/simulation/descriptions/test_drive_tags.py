@@ -50,7 +50,14 @@ def test_skid_steering_by_what_the_plugin_assumes():
     ('gazebo_ros_planar_move', {'cmdTimeout': '0.5'},
      {'odometry_period_s': 0.05, 'cmd_vel_timeout': 0.5}),
     ('hector_gazebo_ros_force_based_move', {'publishOdometryTf': '0', 'cmdVelTimeOut': '0.25'},
-     {'odometry_source': 'encoder', 'publish_odom_tf': False, 'cmd_vel_timeout': 0.25})])
+     {'odometry_source': 'encoder', 'publish_odom_tf': False, 'cmd_vel_timeout': 0.25}),
+    ('gazebo_ros_planar_move', {'publishTF': '0', 'odometryRate': '20'},
+     {'publish_odom_tf': False, 'odometry_period_s': 0.05}),
+    ('gazebo_ros_planar_move', {'publish_odom_tf': '0', 'publish_rate': '50'},
+     {'publish_odom_tf': False, 'odometry_period_s': 0.02}),
+    ('gazebo_ros_force_based_move', {'commandWatchdog': '0.75', 'odometryRate': '50'},
+     {'cmd_vel_timeout': 0.75, 'odometry_period_s': 0.02, 'publish_odom_tf': None}),
+    ('gazebo_ros_force_based_move', {}, {'odometry_period_s': 0.05})])
 def test_bases_that_move_themselves(library, more, wanted):
     found = values(plugin(library, commandTopic='go', odometryFrame='map', **more))
     assert not differing(found, drive='planar', command_topic='go', odom_frame='map', **wanted)
@@ -65,6 +72,63 @@ def test_the_names_of_tags_in_ros_2():
         found, left_joint='l', right_joint='r', wheel_separation=0.3, wheel_diameter=0.2,
         wheel_torque=20.0, wheel_acceleration=2.0, odom_frame='map', odometry_period_s=0.02,
         base_frame='base', odometry_source='encoder', publish_odom_tf=False)
+
+
+@pytest.mark.parametrize('names', [
+    ('commandTopic', 'odometryTopic', 'odometryFrame', 'robotBaseFrame', 'odometrySource',
+     'publishOdomTF', 'leftJoint', 'rightJoint', 'wheelSeparation', 'wheelDiameter', 'wheelTorque',
+     'wheelAcceleration'),
+    ('commandTopic', 'odometryTopic', 'odometry_frame', 'robot_base_frame', 'odometry_source',
+     'publish_odom_tf', 'left_joint', 'right_joint', 'wheel_separation', 'wheel_diameter',
+     'torque', 'max_wheel_acceleration')])
+def test_every_name_of_a_tag(names):
+    given = dict(zip(names, ('go', 'at', 'map', 'base', 'encoder', '0', 'l', 'r', '2', '3', '4',
+                             '5')))
+    assert values(plugin('gazebo_ros_diff_drive', **given)) == {
+        'command_topic': 'go', 'odometry_topic': 'at', 'odom_frame': 'map', 'base_frame': 'base',
+        'odometry_source': 'encoder', 'publish_odom_tf': False, 'left_joint': 'l',
+        'right_joint': 'r', 'wheel_separation': 2.0, 'wheel_diameter': 3.0, 'wheel_torque': 4.0,
+        'wheel_acceleration': 5.0}
+
+
+def test_kobuki():
+    assumed = {'wheel_acceleration': 0.0, 'odometry_source': 'encoder', 'publish_odom_tf': False,
+               'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}
+    assert values(plugin('gazebo_ros_kobuki')) == assumed
+    assert values(plugin(
+        'gazebo_ros_kobuki', left_wheel_joint_name='l', right_wheel_joint_name='r',
+        wheel_separation='2', wheel_diameter='3', torque='4', velocity_command_timeout='5',
+        publish_tf='1')) == {
+            **assumed, 'left_joint': 'l', 'right_joint': 'r', 'wheel_separation': 2.0,
+            'wheel_diameter': 3.0, 'wheel_torque': 4.0, 'cmd_vel_timeout': 5.0,
+            'publish_odom_tf': True}
+
+
+def test_corners_of_which_one_is_given_and_that_are_one_joint():
+    found = values(plugin('gazebo_ros_skid_steer_drive', leftRearJoint='left_1_joint',
+                          rightFrontJoint='r', rightRearJoint='r'))
+    assert (found['left_joint'], found['right_joint']) == ('left_front_joint, left_1_joint', 'r')
+    assert not {'leftFrontJoint', 'leftRearJoint', 'rightFrontJoint'} & set(found)
+
+
+@pytest.mark.parametrize('library', ['gazebo_ros_control', 'fetch_gazebo_plugin'])
+def test_plugins_that_run_controllers(library):
+    found = drive_tags.find(robot(plugin(library)), 0.001, controllers())
+    assert found.settings({'wheel_torque': 3.0})['wheel_torque'] == 3.0
+    assert found.settings({})['left_joint'] == 'left_0_joint' and found.problems == ()
+    assert drive_tags.find(robot(plugin(library)), 0.001) is None
+    assert drive_tags.find(robot(plugin('gazebo_ros_p3d')), 0.001, controllers()) is None
+    assert drive_tags.control_namespace(robot(plugin(library))) == ''
+
+
+def test_the_advice_names_all_that_is_simulated():
+    assert drive_tags.ADVICE.split(': ', 1)[1] == (
+        'libgazebo_ros_diff_drive, libgazebo_ros_skid_steer_drive, libgazebo_ros_planar_move, '
+        'and of controllers whose parameters are loaded before the node starts, '
+        'diff_drive_controller/DiffDriveController, '
+        'mecanum_drive_controller/MecanumDriveController, '
+        'robot_controllers/DiffDriveBaseController; else set left_joint and right_joint to the '
+        'joints of its wheels')
 
 
 def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():

@@ -1,4 +1,6 @@
 """Inertias that no body can have: the nearest ones that a body can have, and a warning."""
+import xml.etree.ElementTree as ElementTree
+
 import numpy as np
 import pytest
 
@@ -46,3 +48,62 @@ def test_a_body_without_any_moment_gets_those_of_a_small_one(given):
 def test_moments_that_are_too_large_are_refused():
     assert refusal(inertias.possible, 'l', 1.0, np.diag((1, 1.1e15, 1))) == (
         'l: got the moment of inertia 1.1e+15 kg m2, expected at most 1e+15')
+
+
+@pytest.mark.parametrize('moments', [(1e15, 1e15, 1e15), (1, 2, 2.9999), (2, 2, 2)])
+def test_what_is_just_possible_stays_as_it_is(moments):
+    matrix = np.diag(np.array(moments, float))
+    assert inertias.possible('l', 1.0, matrix).matrix is matrix
+
+
+# nearer to the limit than PyBullet can tell: a margin of 1e-5 of the largest moment
+@pytest.mark.parametrize('given, nearest', [
+    ((1, 2, 2.99999), (1.00003, 2.00003, 3.00002)), ((1, 1, 5), (2.00005, 2.00005, 4.00005)),
+    ((-3, 1, 4), (4e-5, 2.50004, 2.50004)), ((0, 1, 1), (1e-5, 1.00001, 1.00001))])
+def test_the_margin(given, nearest):
+    found = inertias.possible('l', 1.0, np.diag(np.array(given, float)))
+    assert np.diag(found.matrix) == pytest.approx(nearest, abs=1e-6)
+
+
+@pytest.mark.parametrize('excess, is_said', [(0.006, False), (0.012, True)])
+def test_a_small_change_is_not_worth_a_warning(excess, is_said):
+    found = inertias.possible('l', 1.0, np.diag((1.0, 2.0, 3.0 + excess)))
+    assert (found.warning != '') is is_said
+
+
+def test_the_inertia_of_a_link_is_in_its_frame():
+    # a quarter turn about z: x of the inertia is y of the link
+    found = read('<inertial><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><mass value="4"/>'
+                 '<inertia ixx="1" ixy="0.1" ixz="0.2" iyy="2" iyz="0.3" izz="3"/></inertial>')
+    assert found.mass == 4.0 and found.center.tolist() == [1, 2, 3]
+    assert found.matrix == pytest.approx(
+        np.array([[2, -0.1, -0.3], [-0.1, 1, 0.2], [-0.3, 0.2, 3]]))
+
+
+def test_elements_that_are_missing_are_zero():
+    found = read('<inertial><mass value="0.5"/><inertia ixx="1" izz="3"/></inertial>')
+    assert found.mass == 0.5 and found.matrix.tolist() == np.diag((1, 0, 3)).tolist()
+    assert found.center.tolist() == [0, 0, 0]
+
+
+@pytest.mark.parametrize('inertial', [
+    '', '<inertial><mass value="0"/><inertia ixx="1"/></inertial>'])
+def test_a_link_without_a_mass_has_no_inertia(inertial):
+    found = read(inertial)
+    assert found.mass == 0.0 and not found.matrix.any()
+
+
+@pytest.mark.parametrize('inertial, wanted', [
+    ('<mass value="-1"/><inertia ixx="1"/>',
+     'mass of link l: got -1 kg, expected more than 0 (or no <inertial>)'),
+    ('<mass/><inertia ixx="1"/>', 'mass of link l: got None, expected 1 finite number'),
+    ('<mass value="1"/><inertia ixx="x"/>',
+     "inertia of link l: got 'x 0 0 0 0 0 0 0 0', expected 9 finite numbers"),
+    ('<mass value="1"/>', 'link l: <inertial> must have <mass> and <inertia>'),
+    ('<inertia ixx="1"/>', 'link l: <inertial> must have <mass> and <inertia>')])
+def test_refuses_an_inertia_that_is_not_complete(inertial, wanted):
+    assert refusal(read, '<inertial>{}</inertial>'.format(inertial)) == wanted
+
+
+def read(inertial):
+    return inertias.read('l', ElementTree.fromstring('<link>{}</link>'.format(inertial)))

@@ -1,6 +1,9 @@
 """The separation and diameter of the wheels of a URDF."""
+import os
 import xml.etree.ElementTree as ElementTree
+from math import acos, atan2
 
+import numpy as np
 import pytest
 
 from img_recog.simulation import assembly
@@ -170,3 +173,94 @@ def test_a_wide_robot_turns_as_commanded():
     built.simulator.vehicles[0].command(0.0, 0.5)
     built.simulator.advance(2000)
     assert built.simulator.vehicles[0].robot.motion().angular[2] == pytest.approx(0.5, rel=0.03)
+
+
+@pytest.mark.parametrize('measured, given, diameter, count', [
+    (Wheels(0.16), (), 0.066, 1), (Wheels(0.16), ('wheel_diameter',), 0.066, 0),
+    (Wheels(0.16), (), 0.07, 0), (Wheels(0.16), (), 0.06, 0), (Wheels(), (), 0.066, 0),
+    (Wheels(0.16, 0.066), (), 0.066, 0), (Wheels(0.16, 0.06), (), 0.066, 1),
+    (Wheels(0.2, 0.05), (), 0.066, 2), (Wheels(None, 0.0695), (), 0.066, 1),
+    (Wheels(None, 0.0694), (), 0.066, 0), (Wheels(None, 0.0628), (), 0.066, 1),
+    (Wheels(None, 0.0629), (), 0.066, 0)])
+def test_what_is_worth_a_warning(measured, given, diameter, count):
+    drive = DriveSettings(wheel_diameter=diameter)
+    assert len(measured.warnings(drive, given)) == count
+
+
+def test_values_are_those_that_are_known():
+    assert Wheels(0.3).values() == {'wheel_separation': 0.3}
+    assert Wheels(wheel_diameter=0.1).values() == {'wheel_diameter': 0.1}
+    assert not Wheels().swapped
+
+
+def test_lengths_are_to_the_micrometer():
+    urdf = changed(('xyz="0 0.08 0.023"', 'xyz="0 0.0834564 0.023"'),
+                   (COLLISION, COLLISION.replace('0.033', '0.03333337')))
+    assert measure(urdf) == Wheels(0.163456, 0.066667)
+
+
+def test_wheels_in_the_same_place_have_no_separation():
+    urdf = changed(('xyz="0 0.08 0.023"', 'xyz="0.1 -0.08 0.023"'))
+    assert measure(urdf) == Wheels(None, 0.066, False)
+
+
+def test_the_axis_of_the_first_left_wheel_says_which_side_is_left():
+    urdf = wheeled.robot(rows=(0.15, -0.15), separation=0.5)
+    head, tail = urdf.split('name="left_1_joint"')
+    urdf = head + 'name="left_1_joint"' + tail.replace('xyz="0 0 1"', 'xyz="0 0 -1"', 1)
+    drive = DriveSettings(left_joint='left_0_joint, left_1_joint',
+                          right_joint='right_0_joint, right_1_joint')
+    assert wheels.measure(description.parse(urdf), drive) == Wheels(0.5, 0.2, False)
+
+
+@pytest.mark.parametrize('axis, wanted', [
+    ('', (1, 0, 0)), ('<axis/>', (1, 0, 0)), ('<axis xyz="0 3 -4"/>', (0, 0.6, -0.8))])
+def test_the_axis_of_a_joint(axis, wanted):
+    joint = ElementTree.fromstring('<joint name="j">{}</joint>'.format(axis))
+    assert wheels.axis_of(joint) == pytest.approx(wanted)
+
+
+def outline(path, axis, inside='', origin=''):
+    return wheels.mesh_outline(ElementTree.fromstring(
+        '<collision>{}<geometry><mesh filename="{}" {}/></geometry></collision>'.format(
+            origin, path, inside)), np.array(axis, float))
+
+
+def test_the_outline_of_a_mesh_beside_the_origin(tmp_path):
+    path = tmp_path / 'wheel.obj'
+    path.write_text(wheeled.wheel_mesh(0.08, width=0.05))
+    for axis, origin in (((0, 0, 1), '0.0 0.0 0.07" rpy="0 0 0'),
+                         ((0, 0, -1), '0.0 0.0 0.07" rpy="0 0 0'),
+                         ((1, 0, 0), '0.07 0 0" rpy="0 1.5707963267948966 0'),
+                         ((0, 0.6, 0.8), '0 0.042 0.056" rpy="-0.6435011087932844 0 0'),
+                         ((0.48, 0.6, 0.64),
+                          '0.0336 0.042 0.0448" rpy="0 {} {}'.format(acos(0.64),
+                                                                     atan2(0.6, 0.48)))):
+        found = outline(path, axis, origin='<origin xyz="{}"/>'.format(origin))
+        assert found.middle == pytest.approx(0.07 * np.abs(axis))
+        assert found.width == pytest.approx(0.05) and found.diameter == pytest.approx(0.16)
+
+
+def test_the_outline_of_a_mesh_with_a_scale_for_each_axis(tmp_path):
+    path = tmp_path / 'wheel.obj'
+    path.write_text(wheeled.wheel_mesh(0.08))
+    assert outline(path, (0, 0, 1), 'scale="2 2 3"')[1:] == (pytest.approx(0.12), 0.32)
+    assert outline(path, (0, 0, 1), 'scale="1 2 1"')[1:] == (pytest.approx(0.04), None)
+    path.write_text(wheeled.wheel_mesh(0.1234564))          # the file has changed
+    os.utime(str(path), (1, 1))
+    assert outline(path, (0, 0, 1))[1:] == (pytest.approx(0.04), 0.246913)
+
+
+@pytest.mark.parametrize('middle, is_round', [(0.004, True), (0.005, False)])
+def test_how_far_from_the_axis_a_wheel_can_be(tmp_path, middle, is_round):
+    path = tmp_path / 'wheel.obj'
+    path.write_text(wheeled.wheel_mesh(0.08, (0.0, middle)))
+    found = outline(path, (0, 0, 1))
+    assert found.diameter == (2 * (0.08 + middle) if is_round else None)
+    assert found.middle.tolist() == [0, 0, 0]
+
+
+def test_a_shape_that_is_no_mesh_or_cannot_be_read_has_no_outline(tmp_path):
+    assert outline(tmp_path / 'missing.obj', (0, 0, 1)) is None
+    shape = ElementTree.fromstring('<collision><geometry><box/></geometry></collision>')
+    assert wheels.mesh_outline(shape, np.array((0.0, 0.0, 1.0))) is None

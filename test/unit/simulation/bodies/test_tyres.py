@@ -1,0 +1,145 @@
+"""What is added to the text of a URDF for its wheels, to the digit."""
+import math
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pytest
+
+from img_recog.simulation.bodies import tyres
+from img_recog.simulation.descriptions.urdf_elements import origin_of
+from img_recog_testing.wheeled import wheel_mesh
+
+JOINTS = 'left', 'right'
+UPRIGHT = -math.pi / 2
+CYLINDER = '<cylinder radius="{}" length="{}"/>'
+INERTIAL = ('<inertial><mass value="0.2"/><inertia ixx="0.01" ixy="0.001" ixz="0" iyy="0.02" '
+            'iyz="0" izz="0.03"/></inertial>')
+WHEEL = ('<link name="{0}_wheel">{1}<collision>{2}<geometry>{3}</geometry></collision></link>'
+         '<joint name="{0}" type="continuous"><parent link="base"/><child link="{0}_wheel"/>'
+         '<origin xyz="0.1 0.2 0.3" rpy="{4!r} 0 0"/><axis xyz="{5}"/></joint>')
+
+
+def robot(left=UPRIGHT, right=UPRIGHT, shape=CYLINDER.format(0.1, 0.04), origin='',
+          inertial=INERTIAL, axis='0 0 1'):
+    """Return a URDF; left and right: how the joints are turned about x."""
+    return '<robot name="r"><link name="base"/>{}</robot>'.format(''.join(
+        WHEEL.format(name, inertial, origin, shape, roll, axis)
+        for name, roll in (('left', left), ('right', right))))
+
+
+def cylinders(urdf, joints=JOINTS, name='left_wheel'):
+    """Return radius and length of the cylinders of a wheel that has its tyres."""
+    link = ElementTree.fromstring(tyres.added(urdf, joints, 0.0)).find(
+        './/link[@name="{}"]'.format(name))
+    return [(float(each.get('radius')), float(each.get('length')))
+            for each in link.findall('collision/geometry/cylinder')]
+
+
+@pytest.mark.parametrize('radius, inner', [(0.1, 0.0799), (0.05, 0.0299), (0.03, 0.015)])
+def test_a_wheel_has_a_narrow_tread_and_the_rest_is_above_the_floor(radius, inner):
+    found = cylinders(robot(shape=CYLINDER.format(radius, 0.04)))
+    assert found == [pytest.approx((inner, 0.04)), (radius, 0.002)]
+
+
+# the axles of the burger, by 1.57, and by the same angle to the other side
+LEAN, OTHER = 1.57, 1.5716
+
+
+@pytest.mark.parametrize('left, right, length, origin, has_tread', [
+    (UPRIGHT, UPRIGHT, 0.018, '', True), (UPRIGHT, UPRIGHT, 0.0021, '', True),
+    (UPRIGHT, UPRIGHT, 0.002, '', False),
+    (LEAN, LEAN, 0.018, '', False), (LEAN, LEAN, 0.02, '', False),
+    (LEAN, LEAN, 0.0201, '', True), (OTHER, OTHER, 0.018, '', False),
+    # axles that point to each other
+    (LEAN, -LEAN, 0.018, '', True), (LEAN, -OTHER, 0.018, '', False),
+    (-LEAN, OTHER, 0.018, '', False),
+    (LEAN, OTHER, 0.018, '', True), (OTHER, LEAN, 0.018, '', True),
+    (LEAN, UPRIGHT, 0.018, '', True), (UPRIGHT, OTHER, 0.018, '', True),
+    # cylinders that are not about the axle touch the floor elsewhere
+    (LEAN, LEAN, 0.018, '0.01 0 0', True), (LEAN, LEAN, 0.018, '0.00001 0 0', False),
+    (LEAN, LEAN, 0.018, '3.141592653589793 0 0', False),
+    (LEAN, LEAN, 0.04, '3.141592653589793 0 0', True),
+    (UPRIGHT, UPRIGHT, 0.04, '0.1 0 0', True), (UPRIGHT, UPRIGHT, 0.04, '0 0.2 0', False),
+    (UPRIGHT, UPRIGHT, 0.04, '0 1.5707963267948966 0', False)])
+def test_which_wheels_need_a_tread(left, right, length, origin, has_tread):
+    urdf = robot(left, right, CYLINDER.format(0.1, length),
+                 '<origin xyz="0 0 0" rpy="{}"/>'.format(origin or '0 0 0'))
+    assert [len(cylinders(urdf, name=name + '_wheel')) for name in JOINTS] == [1 + has_tread] * 2
+
+
+@pytest.mark.parametrize('urdf, joints', [
+    (robot(), ()), (robot(), ('other',)), (robot(shape='<sphere radius="0.1"/>'), JOINTS),
+    (robot(shape='<cylinder radius="0.1"/>'), JOINTS),
+    ('<robot name="r"><link name="base"/><joint name="left" type="fixed"/></robot>', JOINTS)])
+def test_what_is_no_wide_wheel_stays_as_it_is(urdf, joints):
+    assert tyres.added(urdf, joints, 0.0) == ElementTree.tostring(
+        ElementTree.fromstring(urdf), 'unicode')
+
+
+def test_only_the_wheels_of_the_joints_are_changed():
+    assert len(cylinders(robot(), ('right',))) == 1
+    assert len(cylinders(robot(), ('right',), 'right_wheel')) == 2
+
+
+def test_a_wheel_that_slips_can_move_along_its_axle():
+    found = ElementTree.fromstring(tyres.added(robot(axis='0 3 4'), ('left',), 0.3))
+    assert [joint.get('name') for joint in found.findall('joint')] == [
+        'left', 'right', 'left/tyre']
+    wheel, side = found.find('.//joint[@name="left"]'), found.findall('joint')[-1]
+    assert (wheel.find('parent').get('link'), wheel.find('child').get('link')) == (
+        'left/tyre', 'left_wheel')
+    assert (side.get('type'), side.find('parent').get('link'), side.find('child').get('link')) == (
+        'prismatic', 'base', 'left/tyre')
+    assert side.find('axis').get('xyz') == '0.0 0.6 0.8'
+    assert side.find('limit').attrib == {
+        'lower': '-1', 'upper': '1', 'effort': '1e6', 'velocity': '1e3'}
+    assert origin_of(side).translation.tolist() == [0.1, 0.2, 0.3]
+    assert origin_of(side).rotation[1] == pytest.approx((0, 0, 1))
+    assert origin_of(wheel).matrix().tolist() == np.eye(4).tolist()
+
+
+# ixx, which is the least, has to be mass times the square of the radius
+@pytest.mark.parametrize('radius, moments', [
+    (0.3, (0.018, 0.028, 0.038)), (0.2, (0.01, 0.02, 0.03))])
+def test_mass_and_inertia_of_a_wheel_that_slips(radius, moments):
+    found = ElementTree.fromstring(tyres.added(robot(), ('left',), radius))
+    masses = [each.get('value') for each in found.findall('link/inertial/mass')]
+    assert list(map(float, masses)) == pytest.approx([0.18, 0.2, 0.02])
+    wheel, other, tyre = [each.attrib for each in found.findall('link/inertial/inertia')]
+    assert [float(wheel[key]) for key in ('ixx', 'iyy', 'izz', 'ixy')] == pytest.approx(
+        [*moments, 0.001])
+    assert other['ixx'] == '0.01'
+    assert [float(tyre[key]) for key in ('ixx', 'iyy', 'izz')] == pytest.approx([2e-5] * 3)
+
+
+@pytest.mark.parametrize('inertial', [
+    '', '<inertial><mass value="1"/></inertial>',
+    '<inertial><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'])
+def test_a_wheel_without_a_mass_gets_no_joint_of_its_own(inertial):
+    found = ElementTree.fromstring(tyres.added(robot(inertial=inertial), JOINTS, 0.1))
+    assert [joint.get('name') for joint in found.findall('joint')] == ['left', 'right']
+
+
+@pytest.mark.parametrize('axis, rpy', [
+    ((0, 0, 1), (0, 0, 0)), ((1, 0, 0), (0, math.pi / 2, 0)), ((0, 1, 0), (-math.pi / 2, 0, 0)),
+    ((0.48, 0.6, 0.64), (0, math.acos(0.64), math.atan2(0.6, 0.48)))])
+def test_a_mesh_becomes_a_cylinder_about_the_axle(axis, rpy, tmp_path):
+    path = tmp_path / 'wheel.obj'
+    path.write_text(wheel_mesh(0.08, width=0.05))
+    # 0.03 m along the axle
+    origin = '<origin xyz="{} {} {}" rpy="{} {} {}"/>'.format(*(0.03 * each for each in axis),
+                                                              *rpy)
+    urdf = robot(shape='<mesh filename="{}"/>'.format(path), origin=origin,
+                 axis='{} {} {}'.format(*axis))
+    assert cylinders(urdf) == [pytest.approx((0.0599, 0.05)), (0.08, 0.002)]
+    shape = ElementTree.fromstring(tyres.added(urdf, JOINTS, 0.0)).find('.//link/collision')
+    assert shape.find('geometry/mesh') is None
+    assert origin_of(shape).translation == pytest.approx([0.03 * each for each in axis])
+    assert origin_of(shape).rotation[:, 2] == pytest.approx(axis)
+
+
+def test_a_mesh_that_is_not_round_stays_one(tmp_path):
+    path = tmp_path / 'wheel.obj'
+    path.write_text(wheel_mesh(0.08, (0.03, 0.0)))
+    urdf = robot(shape='<mesh filename="{}"/>'.format(path))
+    assert '<mesh' in tyres.added(urdf, JOINTS, 0.0) and cylinders(urdf) == []
