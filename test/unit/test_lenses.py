@@ -30,11 +30,22 @@ def test_beyond_the_function_and_the_cutoff_nothing_is_seen():
     assert np.isnan(lenses.of_type('orthographic').angle(1.01))
     angles = Lens(1.0, cutoff_angle=1.0).angle(np.array([0.99, 1.01]))
     assert angles[0] == 0.99 and np.isnan(angles[1])
+    assert Lens(1.0, cutoff_angle=1.0).angle([0.0, 1.0]).tolist() == [0.0, 1.0]
+    assert Lens(2.0) == (2.0, 1.0, 0.0, 'id', math.pi, 256)
     assert np.isnan(Lens(1.0, cutoff_angle=9.0).angle(math.pi + 0.01))      # behind the back
 
 
 @pytest.mark.parametrize('lens', [Lens(1.0, 1.0, 0.0, TAN), Lens(1.0, 1.0, -2.0, ID),
-                                  Lens(1.0, 0.5, 0.0, SIN)])
+                                  Lens(1.0, 0.5, 0.0, SIN), Lens(1.0, 0.5, 0.0, TAN)])
 def test_a_field_of_view_that_the_function_does_not_have(lens):
     with pytest.raises(ValueError):
         lenses.scaled_to(lens, 3.3)
+
+
+@pytest.mark.parametrize('lens, fov, scale', [
+    (Lens(7.0), 5.0, 0.4), (Lens(7.0, 2.0, 0.1), 3.2, 1 / 0.9), (Lens(7.0), 1e-2, 200.0),
+    (Lens(3.0, 2.0, 0.0, TAN, 1.0, 64), math.pi, 1.0)])
+def test_the_scale_of_a_field_of_view(lens, fov, scale):
+    found = lenses.scaled_to(lens, fov)
+    assert found.scale == pytest.approx(scale) and found[1:] == lens[1:]
+    assert found.radius(fov / 2) == pytest.approx(1)

@@ -4,6 +4,7 @@ import math
 import pytest
 
 from img_recog.conversions.robot_cameras import calibration_of, camera_of
+from img_recog.rendering.camera import Camera
 from img_recog.simulation.settings import CameraSettings
 
 SIZE = dict(camera_width=320, camera_height=240)
@@ -14,6 +15,9 @@ def test_a_stereo_pair_says_its_baseline():
     focal = 160 / math.tan(0.5)
     assert found.projection == pytest.approx(
         (focal, 0, 159.5, -0.07 * focal, 0, focal, 119.5, 0, 0, 0, 1, 0))
+    assert found.rectification == (1, 0, 0, 0, 1, 0, 0, 0, 1)
+    assert found.camera_matrix == pytest.approx((focal, 0, 159.5, 0, focal, 119.5, 0, 0, 1))
+    assert (found.camera_name, found.width, found.height) == ('', 320, 240)
 
 
 def test_a_fisheye():
@@ -22,7 +26,7 @@ def test_a_fisheye():
     assert (found.distortion_model, found.distortion) == ('equidistant', (0.0,) * 4)
     focal = 320 / math.pi
     assert found.camera_matrix == pytest.approx((focal, 0, 159.5, 0, focal, 119.5, 0, 0, 1))
-    assert camera_of(settings).lens == settings.lens
+    assert camera_of(settings) == Camera(320, 240, math.pi, 0.03, 100.0, settings.lens)
 
 
 def test_distortion():

@@ -7,7 +7,7 @@ import pytest
 from img_recog import lenses, rotations
 from img_recog.lenses import Distortion, Lens
 from img_recog.rendering import lens_views, matrices
-from img_recog.rendering.camera import Camera
+from img_recog.rendering.camera import Camera, View, Window
 from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
@@ -61,7 +61,7 @@ def test_the_faces_of_the_cube_join():
     image, depth = seen(Renderer, LENSES['round'], *walls)
     shown = ~(image == 0).all(axis=2)
     assert shown.mean() > 0.7 and np.ptp(image[shown], axis=1).max() <= 1
-    assert np.isfinite(depth[shown]).all()
+    assert np.isfinite(depth[shown]).all() and np.isinf(depth[~shown]).all()
 
 
 def test_what_is_beyond_the_cutoff_angle_is_black():
@@ -84,7 +84,62 @@ def test_only_the_faces_that_are_seen_are_drawn():
     assert pixels < 640 * 480
     # not sharper than <env_texture_size>
     coarse = faces(LENSES['custom']._replace(texture_size=64))
-    assert max(view.width for view in coarse) <= 64 + 6
+    assert max(view.width for view in coarse) == 64 + 4
+    # up to a slope of 2
+    assert len(faces(TYPES['equidistant']._replace(cutoff_angle=math.atan(1.95)))) == 1
+    assert len(faces(TYPES['equidistant']._replace(cutoff_angle=math.atan(2.1)))) == 5
+    assert len(faces(Lens(1.0, cutoff_angle=1e-6))) == 1
+
+
+def test_the_size_of_faces():
+    def faces(*size_and_fov, lens=Distortion(0.0, 0.0, 0.0, 0.0, 0.0)):
+        camera = Camera(*size_and_fov, 0.2, 30.0, lens)
+        assert lens_views.lookup_of(camera) is lens_views.lookup_of(camera)
+        return [face.view for face in lens_views.lookup_of(camera).faces]
+    side = 2 / 128
+    assert faces(1, 1, 1.0, lens=Lens(1.0)) == [
+        View(4, 4, Window(-side, side, -side, side), 0.2, 30.0)]
+    assert faces(4, 2, 1.0, lens=Lens(1.0, cutoff_angle=1e-6)) == [
+        View(1, 1, Window(-1, 1, -1, 1), 0.2, 30.0)]
+    # as sharp as the image, but for very large ones
+    view, = faces(320, 240, 1.0)
+    assert (view.width, view.height) == (pytest.approx(323, abs=1), pytest.approx(243, abs=1))
+    view, = faces(9000, 2, 1.2)
+    assert view.width == 4096 + 4
+    view, = faces(9000, 2, 0.5)
+    assert view.width == pytest.approx(2 * math.tan(0.25) * 4096 + 4, abs=1)
+
+
+class Plain:
+    """A renderer that draws one color and depth, and keeps what it is asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def draw(self, view, *where):
+        self.asked.append((view, where))
+        return np.full((view.height, view.width, 3), (10, 20, 30), np.uint8)
+
+    def depth(self, view, *where):
+        self.asked.append((view, where))
+        return np.full((view.height, view.width), 2.0, np.float32)
+
+
+def test_what_the_renderer_is_asked():
+    renderer, pose = Plain(), at(1, 2, 3)
+    camera = Camera(8, 6, 1.0, 0.2, 30.0)
+    assert lens_views.draw(renderer, camera, pose, HERE, 4.0).shape == (6, 8, 3)
+    assert lens_views.depth(renderer, camera, pose, HERE).shape == (6, 8)
+    assert renderer.asked == [(camera, (pose, HERE, 4.0)), (camera, (pose, HERE))]
+    camera, renderer.asked = camera._replace(lens=Lens(1.0, cutoff_angle=0.9)), []
+    image = lens_views.draw(renderer, camera, pose, HERE, 4.0)
+    depth = lens_views.depth(renderer, camera, pose, HERE)
+    assert [where[1:] for _, where in renderer.asked] == [(HERE, 4.0), (HERE,)]
+    assert all(np.allclose(where[0], pose) for _, where in renderer.asked)
+    shown = np.isfinite(depth)
+    assert 0 < np.count_nonzero(shown) < 48
+    assert (image[shown] == (10, 20, 30)).all() and (image[~shown] == 0).all()
+    assert depth[shown] == pytest.approx(2.0, abs=1e-6)     # of the face ahead
 
 
 @pytest.mark.parametrize('make', [Renderer, TinyRenderer])

@@ -168,6 +168,17 @@ def test_places_that_are_too_far_away_are_not_free():
     assert len(set(places)) == 4 and max(map(max, places)) == 1000.0
 
 
+def test_places_are_the_nearest_in_all_directions():
+    sim = several([], 'empty')
+    for number in range(9):
+        assembly.add_robot_apart(sim, source(str(number)), settings(3.0, -2.0), has_place=False)
+    places = [(each.settings.spawn.x_pos - 3, each.settings.spawn.y_pos + 2)
+              for each in sim.vehicles]
+    # 0.25 m is too near to another one
+    assert places == [(0, 0), (-0.5, 0), (0, -0.5), (0, 0.5), (0.5, 0), (-0.5, -0.5), (-0.5, 0.5),
+                      (0.5, -0.5), (0.5, 0.5)]
+
+
 @pytest.mark.parametrize('place, other', [((-2.0, -0.45), 'a'), ((0.0, 0.1), 'turtlebot3_world')])
 def test_a_given_place_inside_of_something_is_refused(place, other):
     sim = several([])

@@ -166,3 +166,30 @@ def test_wrong_values_are_refused(sensor, plugin, words):
 def test_a_camera_without_a_link_is_named(reference):
     found = camera_tags.read(robot(PLAIN.format('', '').replace(' reference="front"', reference)))
     assert found == ((), ('sensor c, because the reference of its <gazebo> tag is no link',))
+
+
+def test_the_first_camera_of_a_sensor_counts_and_others_in_the_tag_are_passed_over():
+    inside = ('<camera><image><width>{}</width></image></camera>'
+              '<camera><image><width>99</width></image></camera>')
+    one, other = (PLAIN.format(inside.format(width), '<cameraName>{}</cameraName>'.format(width))
+                  for width in (32, 64))
+    lost = PLAIN.replace('front', 'nose').format('', '')
+    joined = one.replace('</gazebo>', other.split('>', 1)[1]).replace('<sensor', (
+        '<sensor type="camera" name="d"/><sensor'), 1)
+    found = camera_tags.read(robot(lost, joined))
+    assert [camera.camera_width for camera in found.cameras] == [32, 64]
+    assert len(found.not_simulated) == 1
+
+
+@pytest.mark.parametrize('tag, default', [
+    ('imageTopicName', 'ir/image_raw'), ('cameraInfoTopicName', 'ir/camera_info'),
+    ('depthImageTopicName', 'depth/image_raw'),
+    ('depthImageCameraInfoTopicName', 'depth/camera_info'), ('pointCloudTopicName', 'points')])
+def test_each_topic_of_two_cameras_can_be_the_same(tag, default):
+    kinect = PLAIN.replace('type="camera"', 'type="depth"').replace(
+        'libgazebo_ros_camera', 'libgazebo_ros_openni_kinect')
+    second = kinect.replace('name="c"', 'name="d"').format('', (
+        '<cameraName>b</cameraName><{0}>/a/{1}</{0}>').format(tag, default))
+    found = camera_tags.read(robot(kinect.format('', '<cameraName>a</cameraName>'), second))
+    assert len(found.cameras) == 1 and found.not_simulated == (
+        'sensor d, because its topic a/{} is one of sensor c'.format(default),)

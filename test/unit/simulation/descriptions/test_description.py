@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from img_recog.simulation.descriptions.description import parse
+from img_recog.simulation.descriptions.description import parse, without_unused_tags
 from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import burger
 
@@ -249,3 +249,45 @@ def test_joints_that_move_keep_their_type_and_axis(kind, given, axis):
         link('a') + link('b') + joint('j', 'a', 'b', kind, given))).urdf)
     assert robot.find('joint').get('type') == kind
     assert [each.get('xyz') for each in robot.findall('joint/axis')] == [axis]
+
+
+def test_links_come_after_the_one_that_they_are_joined_to():
+    urdf = parse(ROBOT.format(link('c') + link('b') + link('d') + link('a') + joint('bc', 'b', 'c')
+                              + joint('ab', 'a', 'b') + joint('ad', 'a', 'd')))
+    assert list(urdf.frames) == ['a', 'b', 'd', 'c'] and urdf.root == 'a'
+
+
+def test_a_surface_is_named_by_its_link_and_friction():
+    urdf = parse(ROBOT.format(link('a', inside=surface(0.25)) + link('b', inside=SHAPE + SLIPPERY)
+                              + joint('ab', 'a', 'b', origin='<origin xyz="1 2 3"/>')))
+    assert urdf.friction == {'a': 0.25, 'b': 1.0, 'b/0': 0.0}
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert [(each.get('name'), each.find('parent').get('link'), each.find('child').get('link'))
+            for each in robot.findall('joint')] == [
+                ('b/joint', 'a', 'b'), ('b/0/joint', 'a', 'b/0')]
+    assert [each.find('origin').get('xyz') for each in robot.findall('link/collision')] == [
+        '0 0 0.5', '1.0 2.0 3.5', '1.0 2.0 3.5']
+
+
+def test_tags_of_links_that_are_not_there_are_left_out():
+    tag = '<gazebo reference="{}"/>'
+    text = ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b') + '<gazebo/>' + ''.join(
+        tag.format(name) for name in ('a', 'b', 'j', '')))
+    robot = parse(text)
+    assert without_unused_tags(text, robot) == (text, [])
+    more = text.replace('<gazebo/>', tag.format('y') + tag.format('x') + tag.format('y'))
+    left, names = without_unused_tags(more, robot)
+    assert names == ['y', 'x']
+    assert [each.get('reference') for each in ElementTree.fromstring(left).findall('gazebo')] == [
+        'a', 'b', 'j', '']
+
+
+def test_what_is_joined_to_what_moves_without_mass_goes_and_the_rest_stays():
+    urdf = parse(ROBOT.format(
+        link('a') + link('b', 0) + link('c') + link('d') + joint('ab', 'a', 'b', 'continuous')
+        + joint('bc', 'b', 'c', 'continuous') + joint('ad', 'a', 'd', 'continuous')))
+    assert list(urdf.frames) == ['a', 'd'] and sorted(urdf.left_out) == ['ab', 'bc']
+    assert len(urdf.warnings) == 1
+    changed = parse(ROBOT.format(link('a') + link('b').replace('ixy="0"', 'ixy="-2"')
+                                 + joint('ab', 'a', 'b', 'continuous')))
+    assert changed.changed_inertias == ('b',) and len(changed.warnings) == 1

@@ -33,3 +33,29 @@ def test_other_errors_are_not_left_out():
     with pytest.raises(KeyError), problems.left_out():
         raise KeyError('a')
     assert problems.names == ()
+
+
+@pytest.mark.parametrize('problem, advice', [
+    ('model://a', 'set GAZEBO_MODEL_PATH to the folders of the models'),
+    ('material Shop/Red', 'set GAZEBO_MODEL_PATH to the folders of the models'),
+    ('material Gazebo/Red', ''), ('the material Shop/Red', ''),
+    ('mesh file://a.stl', 'set GAZEBO_RESOURCE_PATH to the folders from which their paths start'),
+    ('mesh file:///a.stl', ''),
+    ('mesh package://a', 'build the packages and source their setup.bash'),
+    ('https://a (a URL, which is not downloaded)',
+     'download the models and include them by model://NAME')])
+def test_what_helps(problem, advice):
+    problems, looks = Problems(), Problems()
+    problems.add(problem)
+    looks.add_look(problem)
+    looks.add_look(problem)
+    ends = 'w: not found, or not supported: {}; {}'.format(problem, advice)
+    assert refusal(problems.refuse, 'w', 'o') == ends + (', or o' if advice else 'o')
+    assert (looks.names, looks.looks) == ((), (problem,))
+    looks.refuse('w', 'o')
+    assert looks.warnings('w') == ['w: not found, drawn in another color: ' + problem + (
+        '; ' + advice if advice else '')]
+    looks.add('door', 'open it')
+    looks.add('door', 'shut it')
+    assert looks.warnings('w')[0] == 'w: loaded without: door'
+    assert refusal(looks.refuse, 'w', 'o').endswith(': door; open it, or o')

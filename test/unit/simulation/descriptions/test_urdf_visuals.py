@@ -1,13 +1,15 @@
 """Shapes and materials of a URDF: what is read of them, and what is refused."""
 import xml.etree.ElementTree as ElementTree
 
+import numpy as np
 import pytest
 
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import urdf_visuals
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
-from img_recog.visuals import Material
+from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape, Submesh,
+                               Visual)
 from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import assemble, burger
 
@@ -104,6 +106,8 @@ def read(inside):
     ('<sphere radius="inf"/>', "radius of sphere: got 'inf', expected 1 finite number"),
     ('<cylinder radius="1"/>', 'length of cylinder: got None, expected 1 finite number'),
     ('<cylinder radius="1" length="-2"/>', 'size of cylinder: got 1 -2, expected no negative'),
+    ('<capsule length="1"/>', 'radius of capsule: got None, expected 1 finite number'),
+    ('<capsule radius="1"/>', 'length of capsule: got None, expected 1 finite number'),
     ('<mesh filename="a.stl" scale="1 1 1e7"/>', "scale of mesh: got '1 1 1e7', expected")])
 def test_a_size_that_cannot_be_used_is_refused(tag, shape, words):
     assert refusal(read, '<{0}><geometry>{1}</geometry></{0}>'.format(tag, shape)).startswith(
@@ -124,3 +128,81 @@ def test_sizes_of_zero_and_mirrored_meshes_are_allowed(tmp_path):
               '<mesh filename="{}" scale="-1 1 1"/>'.format(tmp_path / 'a.obj'))
     visuals = ''.join('<visual><geometry>{}</geometry></visual>'.format(each) for each in shapes)
     assert assemble(urdf=robot(visuals), find_mesh=lambda uri: uri).warnings == ()
+
+
+def only_visual(geometry, inside='', more='', attributes=''):
+    """Return the visual of a robot whose second link has one."""
+    visual, = urdf_visuals.read(
+        '<robot name="r"><link name="a"/><link name="b"><visual{}><origin xyz="1 2 3" '
+        'rpy="0 0 1.5707963267948966"/><geometry>{}</geometry>{}</visual></link>{}</robot>'.format(
+            attributes, geometry, inside, more), {'a': 4, 'b': 7})
+    return visual
+
+
+@pytest.mark.parametrize('geometry, shape', [
+    ('<box size="1 2 3"/>', Shape(BOX, (1, 2, 3))),
+    ('<cylinder radius="0.5" length="2"/>', Shape(CYLINDER, (0.5, 2))),
+    ('<sphere radius="0.5"/>', Shape(SPHERE, (0.5,))),
+    ('<mesh filename="a.stl" scale="1 2 3"/>', Shape(MESH, (1, 2, 3), 'a.stl')),
+    ('<mesh filename="a.stl" submesh="s" centered="true"/>',
+     Shape(MESH, (1, 1, 1), 'a.stl', Submesh('s', True)))])
+def test_shapes_are_read(geometry, shape):
+    visual = only_visual(geometry)
+    assert visual == Visual(7, shape, visual.pose)
+    assert visual.pose == pytest.approx(np.array(
+        [[0, -1, 0, 1], [1, 0, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]]))
+
+
+def test_a_plane_is_the_upper_side_of_its_box():
+    visual = only_visual('<box size="4 2 0.5" plane="true"/>')
+    assert visual.shape == Shape(PLANE, (4, 2))
+    assert visual.pose[:3, 3] == pytest.approx((1, 2, 3.25))
+
+
+MESH_OF_FILE = '<mesh filename="a.stl"/>'
+
+
+@pytest.mark.parametrize('geometry, prefers_file', [(MESH_OF_FILE, True),
+                                                    ('<sphere radius="1"/>', False)])
+def test_materials_are_read(geometry, prefers_file):
+    color = '<color rgba="0.1 0.2 0.3 0.4"/>'
+    plain = Material((0.1, 0.2, 0.3, 0.4))
+    visual = only_visual(geometry, '<material name="m">' + color + '</material>')
+    assert (visual.material, visual.prefers_file) == (plain, prefers_file)
+    named = only_visual(geometry, '<material name="m"/>', '<material name="n"/><material name="m">'
+                        + color + '</material>')
+    assert (named.material, named.prefers_file) == (plain, prefers_file)
+    texture = only_visual(geometry, '<material name="m"><texture filename="a.png"/></material>')
+    assert texture.material == Material((1, 1, 1, 1), 'a.png')
+    empty = only_visual(geometry, '<material name="m"><texture filename=""/></material>')
+    assert empty.material is None
+    full = Material((0.1, 0.2, 0.3, 0.4), '/a.png', (2.0, 3.0), 'tiles', True)
+    text = ElementTree.tostring(urdf_visuals.material_element(full), 'unicode')
+    visual = only_visual(geometry, text)
+    assert (visual.material, visual.prefers_file) == (full, False)
+    visual = only_visual(geometry, '<material/>', attributes=' opacity="0.25"')
+    assert (visual.material, visual.opacity) == (None, 0.25)
+
+
+def test_shapes_that_cannot_be_drawn_are_named():
+    words = 'got the geometry capsule, expected box, cylinder, sphere or mesh'
+    assert refusal(only_visual, '<capsule radius="1" length="2"/>') == words
+    assert refusal(only_visual, '', attributes=' name="v"') == '<visual v> has no geometry'
+    assert refusal(urdf_visuals.check, ROBOT.format('').replace('1 1 1', '1 -1 1')).startswith(
+        'size of box: got 1 -1 1')
+
+
+def test_each_missing_texture_is_named_once():
+    texture = '<texture filename="{}"/>'
+    robot = ElementTree.fromstring(ROBOT.format('<material>{0}</material><material>{0}</material>'
+                                                '<material>{1}</material>'.format(
+                                                    texture.format('a'), texture.format('b'))))
+    assert urdf_visuals.apply_materials(robot, lambda uri: None) == ['texture a', 'texture b']
+
+
+def test_the_last_material_of_a_tag_counts():
+    inside = ('<visual><material><diffuse>0.5 0.25 0 1</diffuse></material></visual>'
+              '<visual/><material>Gazebo/Blue</material>')
+    for between in ('', '<gazebo reference="c"/>', BLUE.replace('Blue', 'Plaid').format('b')):
+        found, _ = apply(between, '<gazebo reference="a">' + inside + '</gazebo>')
+        assert found == {'a': ['0.0 0.0 1.0 1.0'] * 2, 'b': [None]}

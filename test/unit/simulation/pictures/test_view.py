@@ -75,6 +75,8 @@ def test_a_user_camera_that_looks_upward_or_is_far_away(tmp_path):
     assert near.distance == pytest.approx(6)
     assert in_world(tmp_path, camera.format('0 0 5 0 1.5 0'), SHELF).distance < 5.1
     assert in_world(tmp_path, camera.format('0 0 -1 0 1.5708 0')).distance == 0.5
+    turned = in_world(tmp_path, camera.format('0 0 5 0 1.5708 1'), SHELF)
+    assert (turned.distance, turned.yaw) == pytest.approx((5, np.degrees(1) - 90), abs=0.01)
 
 
 def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
@@ -83,6 +85,12 @@ def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
             'shelf', 'shelf{}'.format(abs(x + y)))
     assert in_world(tmp_path, BUILT_IN) == ABOVE
     assert in_world(tmp_path, shelf(-3, 0), shelf(4, 5)) == ABOVE
+    # to 4.7 m from x 0.8, and to 6.3 m from y 0
+    for place in ((4.4, 0), (0, 5.7), (0, -5.7)):
+        assert in_world(tmp_path, shelf(*place)) == ABOVE
+    for place in ((-3.6, 0), (5.5, 0), (0, 6.3), (0, -6.3)):
+        assert in_world(tmp_path, shelf(*place)) == ABOVE._replace(target=(
+            pytest.approx(place[0], abs=0.01), pytest.approx(place[1], abs=0.01), 0.0))
     found = in_world(tmp_path, shelf(-3, 0), shelf(9, 6))
     assert found == ABOVE._replace(target=(pytest.approx(3.0, abs=0.1), pytest.approx(
         3.0, abs=0.1), 0.0), distance=16.0)
@@ -92,12 +100,12 @@ def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
 
 
 @pytest.mark.parametrize('pose, far', [
-    ((0.8, 0, 12, 0, 1.5708, 0), 60), ((57.5, -14.75, 58.9, 0, 0.8516, 2.54), 132.5),
+    ((0.8, 0, 12, 0, 1.5708, 0), 60), ((57.5, -14.75, 58.9, 0, 0.8516, 2.54), 132.41),
     ((0, 0, 100, 0, 1.5708, 0), 105), ((0, 0, 2, 0, 0, 0), 1000), ((0, 0, 2, 0, -1, 0), 1000)])
 def test_the_picture_reaches_to_the_floor_in_all_of_it(pose, far):
     slope = np.tan(np.radians(30))
     found = view.near_and_far(from_rpy(pose[:3], pose[3:]).matrix(), (slope, slope * 0.75))
-    assert found == pytest.approx((far / 1200, far), rel=0.01)
+    assert found == pytest.approx((far / 1200, far), rel=1e-4)
 
 
 def roof_above(tmp_path, *boxes):
@@ -113,7 +121,11 @@ def test_the_view_ends_under_the_lowest_roof_above_a_robot(tmp_path):
     roof, upper = ('9 9 0.2', '0 0 3'), ('9 9 0.2', '0 0 6')
     table, beam = ('9 9 0.1', '0 0 0.8'), ('0.5 9 0.2', '0 0 2')
     assert roof_above(tmp_path, upper, table, roof) == pytest.approx(2.9, abs=0.05)
-    for others in ((), (table,), (beam,), (('9 9 0.2', '20 0 3'),)):
+    assert roof_above(tmp_path, ('9 9 0.2', '0 0 1.9')) == pytest.approx(1.78, abs=0.01)
+    # to 1.2 m on each side
+    assert roof_above(tmp_path, ('2.4 2.4 0.2', '0 0 2')) == pytest.approx(1.88, abs=0.01)
+    lacks = [(('9 9 0.2', place),) for place in ('-3.6 0 2', '3.6 0 2', '0 -3.6 2', '0 3.6 2')]
+    for others in ((), (table,), (beam,), (('9 9 0.2', '20 0 3'),), *lacks):
         assert roof_above(tmp_path, *others) == np.inf
 
 
