@@ -59,7 +59,7 @@ class Scope:
     def frame(self, name: str, visited: Sequence[ElementTree.Element] = ()) -> Transform:
         """Return the pose of a frame in the model, by its name."""
         outer, _, inner = name.partition('::')
-        element = self._elements.get(outer)
+        element = self._elements.get(outer) if outer else None      # '' is the model
         if element is None and name in ('', _MODEL, WORLD, self._name):
             return IDENTITY
         if element is None and outer == self._name:

@@ -145,3 +145,18 @@ def test_what_cannot_be_read_is_named(hills, tmp_path):
 def write(folder, model):
     (folder / 'w.world').write_text(sdf(model))
     return str(folder / 'w.world')
+
+
+def test_the_shapes_after_a_heightmap_are_there_too(hills, tmp_path):
+    hills()
+    text = TERRAIN.format('collision', 'hills.png', 2, '').replace('</link>', (
+        '<collision name="b"><geometry><box><size>1 2 3</size></box></geometry></collision>'
+        '</link>'))
+    model, terrain = world_file.read(write(tmp_path, text), {}).trees
+    boxes = ElementTree.fromstring(model.urdf).findall('link/collision/geometry/box')
+    assert [box.get('size') for box in boxes] == ['1.0 2.0 3.0']
+    assert (terrain.is_terrain, terrain.fixed, terrain.first) == (True, True, False)
+    link, = ElementTree.fromstring(terrain.urdf).findall('link')
+    assert (link.get('name'), link.find('collision').get('name')) == ('link0', 's')
+    assert terrain.in_model.translation == pytest.approx((1, 2, 1.5))
+    assert terrain.pose.translation == pytest.approx((11, 22, 2.5))

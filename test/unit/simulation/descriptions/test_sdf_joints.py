@@ -85,7 +85,8 @@ def test_a_pendulum_on_a_joint_of_several_axes_swings_in_both_directions(kind, a
         'j', kind, 'world', 'a', '<pose>0 0 1 0 0 0</pose><axis><xyz>1 0 0</xyz></axis><axis2>'
         '<xyz>0 1 0</xyz></axis2>'))
     body, = world.bodies
-    assert len(body.joints) == axes
+    assert list(body.joints) == ['j::axis_1', 'j::axis_2', 'j'][-axes:] if axes == 3 else [
+        'j::axis_1', 'j']
     for x, y, joint in ((0, 1, 0), (-1, 0, 1)):
         body.reset()
         pybullet.resetJointState(body.body_id, list(body.joints.values())[joint], 0.1,
@@ -138,3 +139,71 @@ def test_a_chain_that_ends_at_the_world_twice():
     found = places(world)
     assert found['a'] == pytest.approx([0, 0, 3], abs=2e-3)
     assert found['c'] == pytest.approx([2, 0, 3], abs=2e-3)
+
+
+def converted(*inside, problems=()):
+    model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
+    found = Problems()
+    trees = sdf_models.trees(model, (1, 6), lambda uri: None, found)
+    assert found.names == tuple(problems)
+    return trees
+
+
+def joints_of(tree):
+    return [(joint.get('name'), joint.find('parent').get('link'), joint.find('child').get('link'),
+             [float(word) for word in joint.find('axis').get('xyz').split()])
+            for joint in ElementTree.fromstring(tree.urdf).findall('joint')]
+
+
+TWO = LINK.format('a', '0 0 0') + LINK.format('b', '1 2 3')
+AXES = '<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>'
+
+
+def test_axes_of_a_joint_that_points_to_the_root():
+    tied = JOINT.format('w', 'fixed', 'world', 'a', '')
+    tree, = converted(TWO, tied, JOINT.format('j', 'universal', 'a', 'b', AXES))
+    assert joints_of(tree) == [('j::axis_1', 'a', 'j::axis_1', [1, 0, 0]),
+                               ('j', 'j::axis_1', 'b', [0, 1, 0])]
+    tree, = converted(TWO, tied, JOINT.format('j', 'universal', 'b', 'a', AXES))
+    assert joints_of(tree) == [('j::axis_1', 'a', 'j::axis_1', [0, -1, 0]),
+                               ('j', 'j::axis_1', 'b', [-1, 0, 0])]
+
+
+@pytest.mark.parametrize('kind, axis', [('revolute', [1, 0, 0]), ('universal', None),
+                                        ('ball', None), ('fixed', None)])
+def test_what_a_loop_is(kind, axis):
+    tree, = converted('<pose>9 9 9 0 0 0</pose>', TWO,
+                      JOINT.format('one', 'revolute', 'a', 'b', ABOUT_Y),
+                      JOINT.format('two', kind, 'a', 'b', '<pose>0.1 0.2 0.3 0 0 0</pose>' + AXES))
+    loop, = tree.loops
+    assert (loop.kind, loop.parent, loop.child) == (kind, 'a', 'b')
+    assert loop.pose.translation == pytest.approx((1.1, 2.2, 3.3))
+    assert (None if loop.axis is None else loop.axis.tolist()) == axis
+
+
+def test_joints_of_a_model_in_a_model():
+    inner = '<model name="n">' + LINK.format('b', '1 2 3') + '{}</model>'
+    tree, = converted(LINK.format('a', '0 0 0'), '<frame name="g" attached_to="f"/>',
+                      '<frame name="f" attached_to="a"/>', inner.format(''),
+                      JOINT.format('j', 'revolute', 'g', 'n::b', ABOUT_Y),
+                      JOINT.format('k', 'revolute', 'a', 'a', ABOUT_Y))
+    assert joints_of(tree) == [('j', 'a', 'n::b', [0, 1, 0])]
+    trees = converted(inner.format(JOINT.format('j', 'fixed', 'b', 'c', '')), problems=[
+        'joint n::j has the link n::c, which does not exist'])
+    assert [tree.name for tree in trees] == ['m']
+    two = inner.format(LINK.format('c', '0 0 0') + JOINT.format('j', 'revolute', 'b', 'c', ''))
+    tree, = converted(two)
+    assert joints_of(tree) == [('n::j', 'n::b', 'n::c', [0, 0, 1])]
+    converted(TWO, '<joint name="j"><parent>a</parent><child>b</child></joint>',
+              problems=['joint j of type , which is held'])
+
+
+def test_a_loop_between_what_does_not_move_is_nothing():
+    tree, = converted(
+        '<model name="n"><static>1</static>' + LINK.format('s', '0 0 0') + '</model>', TWO,
+        JOINT.format('one', 'revolute', 'n::s', 'a', ABOUT_Y),
+        JOINT.format('two', 'revolute', 'world', 'n::s', ABOUT_Y),
+        JOINT.format('three', 'revolute', 'a', 'b', ABOUT_Y),
+        JOINT.format('four', 'ball', 'world', 'b', ''))
+    assert [(loop.kind, loop.parent, loop.child) for loop in tree.loops] == [
+        ('ball', 'world', 'b')]

@@ -6,6 +6,7 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog import rotations
 from img_recog.simulation.bodies.loading import connect
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import sdf_models
@@ -133,9 +134,17 @@ def turned_about(world, angle):
     ((1, 10), '1 0 3 1.5707963267948966 0 0',
      '<axis><xyz expressed_in="__model__">0 0 1</xyz></axis>', (1, 0.1, 3)),
     ((1, 10), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 5), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 10), '1 0 3 1.5707963267948966 0 0', '<axis><xyz expressed_in="">0 1 0</xyz></axis>',
+     (1, 0.1, 3)),
+    ((1, 10), '1 0 3 0 0 0', '<axis><xyz expressed_in="f">0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 4), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz>'
+     '<use_parent_model_frame> False </use_parent_model_frame></axis>', (1, 0.1, 3)),
+    ((1, 6), '1 0 3 0 0 0', '<axis/>', (1, 0.1, 3)),
     ((1, 4), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 0 1</xyz></axis>', (1, 0.1, 3))])
 def test_a_joint_turns_about_its_axis(version, link, joint, place):
-    world = load(LINK.format('a', '0 0 3 0 0 0'), LINK.format('b', link),
+    frame = '<frame name="f"><pose>0 0 0 1.5707963267948966 0 0</pose></frame>'
+    world = load(frame, LINK.format('a', '0 0 3 0 0 0'), LINK.format('b', link),
                  JOINT.format('a', 'b', 'revolute', joint), version=version)
     assert turned_about(world, math.pi / 2) == pytest.approx(place, abs=2e-3)
 
@@ -171,6 +180,13 @@ def test_a_pendulum_swings():
      ('revolute', ('-0.5', '1.5'))),
     ('prismatic', '<limit><lower>0</lower><upper>2</upper></limit>',
      ('prismatic', ('0.0', '2.0'))),
+    ('revolute', '<limit><lower>-0.5</lower></limit>', ('continuous', None)),
+    ('revolute', '<limit><upper>1.5</upper></limit>', ('continuous', None)),
+    ('revolute', '<limit><lower> -Inf </lower><upper>Infinity</upper></limit>',
+     ('continuous', None)),
+    ('prismatic', '<limit><lower>-1</lower><upper>+inf</upper></limit>',
+     ('prismatic', ('-1e+16', '1e+16'))),
+    ('prismatic', '', ('prismatic', ('-1e+16', '1e+16'))),
     ('continuous', '<limit><lower>0</lower><upper>2</upper></limit>', ('continuous', None))])
 def test_limits_of_joints(kind, axis, expected):
     tree, = convert(LINK.format('a', ''), LINK.format('b', ''),
@@ -179,6 +195,7 @@ def test_limits_of_joints(kind, axis, expected):
     limit = joint.find('limit')
     assert (joint.get('type'),
             None if limit is None else (limit.get('lower'), limit.get('upper'))) == expected
+    assert limit is None or (limit.get('effort'), limit.get('velocity')) == ('1e9', '1e9')
 
 
 def test_trees_have_their_own_links_and_joints_alone():
@@ -261,6 +278,86 @@ def test_only_what_cannot_be_used_is_left_out(inside, problem, links):
 
 def test_a_model_without_a_link_is_nothing():
     assert convert('<static>1</static>') == []
+
+
+def test_what_trees_say_of_themselves():
+    inner = ('<model name="n"><pose>1 2 3 0 0 1.5707963267948966</pose>'
+             + LINK.format('l', '0.1 0.2 0.3 0 0 0.5') + '</model>')
+    first, second = convert('<pose>10 0 0 0 0 3.141592653589793</pose>',
+                            '<link><inertial><inertia><ixx>9</ixx></inertia></inertial></link>',
+                            inner)
+    assert (first.name, first.first, first.fixed, first.is_terrain) == ('m', True, False, False)
+    assert (second.name, second.first, second.is_terrain) == ('m::n::l', False, False)
+    warning, = first.warnings
+    assert warning.startswith('link : got the principal moments of inertia 1, 1, 9 kg m2; ')
+    assert (second.warnings, second.loops) == ((), ())
+    assert ElementTree.fromstring(first.urdf).find('link').get('name') == 'link'
+    assert second.in_model.translation == pytest.approx((0.8, 2.1, 3.3))
+    assert rotations.to_rpy(second.in_model.rotation) == pytest.approx((0, 0, 0.5 + math.pi / 2))
+    assert second.pose.translation == pytest.approx((9.2, -2.1, 3.3))
+
+
+@pytest.mark.parametrize('inside, root', [
+    (LINK.format('a', '') + '<model name="n"><static>1</static>' + LINK.format('l', '')
+     + '</model>' + TIE.format('a', 'n::l'), 'n::l'),
+    (LINK.format('a', '') + LINK.format('b', '') + TIE.format('a', 'b')
+     + TIE.format('world', 'b'), 'b'),
+    (LINK.format('a', '') + LINK.format('b', '') + LINK.format('c', '') + TIE.format('b', 'a')
+     + TIE.format('c', 'b'), 'c'),
+    (LINK.format('a', '') + LINK.format('b', '') + LINK.format('c', '') + TIE.format('b', 'a')
+     + TIE.format('b', 'c'), 'b'),
+    (LINK.format('a', '') + LINK.format('b', '') + TIE.format('b', 'a') + TIE.format('a', 'b'),
+     'a'),
+    (LINK.format('b', '') + LINK.format('a', '') + TIE.format('b', 'a') + TIE.format('a', 'b'),
+     'b')])
+def test_the_root_of_joined_links(inside, root):
+    tree, = convert(inside)
+    robot = ElementTree.fromstring(tree.urdf)
+    assert robot.find('link').get('name') == root and robot.get('name') == 'm'
+
+
+def test_a_shape_that_is_lost_is_replaced_by_the_others():
+    box = LINK.format('a', '').replace('</link>', BOX.format(
+        'visual', '<pose>1 2 3 0 0 0</pose>', '4 5 6').replace('name="s"', 'name="v"') + '</link>')
+    for lost, kept in (('collision', 'visual'), ('visual', 'collision')):
+        broken = '<{0} name="x"><geometry><cone/></geometry></{0}>'.format(lost)
+        text = box.replace('<' + lost, '<other').replace('</' + lost, '</other').replace(
+            '</link>', broken + '</link>')
+        tree, = convert(text, problems=['<cone> of {} x'.format(lost)])
+        link, = ElementTree.fromstring(tree.urdf).findall('link')
+        size = {'visual': '4.0 5.0 6.0', 'collision': '0.2 0.2 0.2'}[kept]
+        assert [shape.get('size') for shape in link.iter('box')] == [size] * 2
+        assert {shape.tag for shape in link if shape.find('geometry') is not None} == {
+            'visual', 'collision'}
+
+
+@pytest.mark.parametrize('static, concave', [('0', None), ('1', 'yes')])
+def test_meshes_of_what_does_not_move_are_concave(tmp_path, static, concave):
+    (tmp_path / 'a.stl').write_text('')
+    model = ElementTree.fromstring(
+        '<model name="m"><static>{}</static><link name="a"><collision name="c"><geometry><mesh>'
+        '<uri>a</uri></mesh></geometry></collision></link></model>'.format(static))
+    tree, = sdf_models.trees(model, (1, 6), lambda uri: str(tmp_path / 'a.stl'), Problems())
+    shape = ElementTree.fromstring(tree.urdf).find('link/collision')
+    assert shape.get('concave') == concave
+
+
+def test_a_pose_of_a_joint_or_frame_that_is_relative_to_another():
+    tree, = convert(
+        LINK.format('a', '0 0 1 0 0 0'), LINK.format('b', '0 2 0 0 0 0'),
+        '<frame name="f" attached_to="b"><pose relative_to="a">3 0 0 0 0 0</pose></frame>',
+        JOINT.format('a', 'b', 'revolute', '<pose relative_to="f">0 0 5 0 0 0</pose>'))
+    origin = ElementTree.fromstring(tree.urdf).find('joint/origin')
+    assert [float(word) for word in origin.get('xyz').split()] == pytest.approx((3, 0, 5))
+
+
+def test_a_frame_that_is_attached_to_a_joint_without_a_child():
+    trees = convert('<joint name="j" type="fixed"><parent>world</parent>'
+                    '<pose>1 0 0 0 0 0</pose></joint><frame name="f" attached_to="j">'
+                    '<pose>0 1 0 0 0 0</pose></frame><link name="a"><pose relative_to="f">'
+                    '0 0 1 0 0 0</pose></link>',
+                    problems=['joint j has the link , which does not exist'])
+    assert trees[0].pose.translation == pytest.approx((1, 1, 1))
 
 
 @pytest.mark.parametrize('surface, friction', [
