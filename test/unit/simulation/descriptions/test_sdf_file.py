@@ -3,6 +3,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
+from img_recog import rotations
 from img_recog.simulation.descriptions import sdf_file
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog_testing.sdf import BUILT_IN, sdf
@@ -132,10 +133,12 @@ def test_a_model_file_is_a_world_with_the_floor(folder):
 def test_what_is_not_found_is_named_once(folder):
     contents = read(folder, include('model://sofa'), include('model://sofa'), '<include/>',
                     '<population name="p"/>', include('https://host/table'),
-                    include('http://host/table'), include('model://table'), problems=[
+                    include('http://host/table'), include('ftp://host/table'),
+                    '<actor/>', include('model://table'), problems=[
         'model://sofa', 'an <include> without a <uri>', 'population p has no <model>',
         'https://host/table (a URL, which is not downloaded)',
-        'http://host/table (a URL, which is not downloaded)'])
+        'http://host/table (a URL, which is not downloaded)',
+        'ftp://host/table (a URL, which is not downloaded)', 'actor'])
     assert list(places(contents)) == ['table']
 
 
@@ -202,8 +205,8 @@ def test_too_many_included_models(folder):
     assert problems.names[0].startswith('it includes more than 5000 models, at {}'.format(
         folder / 'models'))
     many = ''.join(include('model://table', '<name>{}</name>'.format(number))
-                   for number in range(40))
-    assert len(read(folder, many).trees) == 40
+                   for number in range(120))
+    assert len(read(folder, many).trees) == 120
 
 
 def test_plugins_and_sensors_are_named(folder):
@@ -213,6 +216,9 @@ def test_plugins_and_sensors_are_named(folder):
     assert read(folder, plugin.format('a'), include('model://table')).ignored == (
         'plugin liba.so of default', 'sensor eye of table', 'plugin libb.so of table')
     assert read(folder).ignored == ()
+    other = '<plugin name="p"/>'
+    found = read(folder, '<model name="b">{}</model>'.format(other), other + '<plugin/>').ignored
+    assert found == ('plugin p of default', 'plugin  of default', 'plugin p of b')
 
 
 @pytest.mark.parametrize('inside, has_floor', [
@@ -238,3 +244,52 @@ def test_the_pose_of_the_user_camera(folder):
 def test_wrong_numbers_are_left_out(folder, inside, words):
     contents = read(folder, inside, include('model://table'), problems=[words])
     assert (contents.gravity, contents.camera) == (None, None) and len(contents.trees) == 1
+
+
+def test_what_an_include_says_replaces_what_the_model_says(folder):
+    model(folder / 'models' / 'table' / 'model.sdf', 'table',
+          '<pose>7 8 9 0 0 0</pose><static>1</static>' + LINK)
+    contents = read(folder, include('model://table', '<name>a</name>'), include(
+        'model://table', '<name> b </name><pose>1 2 3 0 0 0</pose>'), include(
+            'model://table', '<name> </name><static>0</static>'))
+    assert places(contents) == {'a': [7, 8, 10], 'b': [1, 2, 4], 'table': [7, 8, 10]}
+    assert [tree.fixed for tree in contents.trees] == [True, True, False]
+
+
+def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
+    tree, = read(folder, '<model name="a"><pose>9 9 9 1 1 1</pose>{}</model>'.format(
+        LINK.replace('0 0 1', '0 0 0')), '<state><model name="a"><pose>1 2 3 0.1 0.2 0.3</pose>'
+        '</model></state>').trees
+    assert tree.pose.translation == pytest.approx((1, 2, 3))
+    assert rotations.to_rpy(tree.pose.rotation) == pytest.approx((0.1, 0.2, 0.3))
+
+
+@pytest.mark.parametrize('inside, gravity, has_physics', [
+    ('', None, False), ('<gravity>1 2 3</gravity>', [1, 2, 3], False),
+    ('<physics><gravity>1 2 3</gravity></physics>', [1, 2, 3], True),
+    ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', [4, 5, 6], True),
+    ('<physics/>', None, True)])
+def test_gravity_and_physics(folder, inside, gravity, has_physics):
+    contents = read(folder, inside)
+    assert (None if contents.gravity is None else contents.gravity.tolist()) == gravity
+    assert contents.has_physics is has_physics and contents.trees == ()
+
+
+def test_file_names_in_models_are_relative_to_their_file(folder):
+    (folder / 'worlds' / 'top.stl').write_text('')
+    link = ('<link name="l"><visual name="c"><geometry><mesh><filename> top.stl </filename></mesh>'
+            '</geometry></visual></link>')
+    tree, = read(folder, '<model name="m"><model name="n">{}</model></model>'.format(link)).trees
+    assert 'filename="{}"'.format(folder / 'worlds' / 'top.stl') in tree.urdf
+
+
+def test_a_model_config_with_odd_entries(folder):
+    table = folder / 'models' / 'table'
+    model(table / 'a.sdf', 'a', LINK)
+    model(table / 'b.sdf', 'b', LINK)
+    for inside, name in (
+            ('<sdf version="1.10"> b.sdf </sdf><sdf version="1.9">a.sdf</sdf>', 'b'),
+            ('<sdf>b.sdf</sdf><sdf version="1.2">a.sdf</sdf>', 'a'),
+            ('<sdf version="x">b.sdf</sdf><sdf version="1.2"/>', 'b'), ('', 'table')):
+        (table / 'model.config').write_text('<model>{}</model>'.format(inside))
+        assert list(places(read(folder, include('model://table')))) == [name]

@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
+from img_recog import mesh_file
 from img_recog.simulation.descriptions import sdf_file, sdf_links, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, from_rpy
 from img_recog.visuals import WHOLE, Submesh
@@ -36,7 +37,9 @@ def test_primitive_shapes_are_where_they_were(geometry, expected):
 
 @pytest.mark.parametrize('normal, place, size', [
     ('0 0 1', (0, 0, -0.005), '4.0 2.0 0.01'), ('0 0 -2', (0, 0, 0.005), '4.0 2.0 0.01'),
-    ('1 0 0', (-0.005, 0, 0), '4.0 2.0 0.01')])
+    ('1 0 0', (-0.005, 0, 0), '4.0 2.0 0.01'),
+    ('2 3 6', (-0.01 / 7, -0.015 / 7, -0.03 / 7), '4.0 2.0 0.01'),
+    ('-2 3 -6', (0.01 / 7, -0.015 / 7, 0.03 / 7), '4.0 2.0 0.01')])
 def test_a_plane_is_the_upper_side_of_a_thin_box(normal, place, size):
     shape, _ = convert('<plane><normal>{}</normal><size>4 2</size></plane>'.format(normal))
     assert shape.find('geometry/box').get('size') == size
@@ -122,3 +125,56 @@ def test_relative_paths(tmp_path):
     assert find('file://' + str(tmp_path / 'meshes')) == str(tmp_path / 'meshes')
     assert (find('model://b'), find('none'), find('')) == ('found', None, None)
     assert find('file://elsewhere/a.stl') == 'there'
+
+
+def test_a_plane_without_values():
+    shape, _ = convert('<plane/>')
+    assert shape.find('geometry/box').attrib == {'size': '1.0 1.0 0.01', 'plane': 'true'}
+    assert shape.find('origin').get('xyz') == '0.0 0.0 -0.005' and shape.get('name') == 's'
+    # turned about y
+    shape, _ = convert('<plane><normal>1 0 1</normal></plane>')
+    assert [float(word) for word in shape.find('origin').get('rpy').split()] == pytest.approx(
+        [0, np.pi / 4, 0])
+
+
+def test_the_transparency_of_a_visual_without_a_material(tmp_path):
+    (tmp_path / 'a.STL').write_text('')
+    transparent = '<transparency>0.25</transparency>'
+    shape, _ = convert('<box><size>1 1 1</size></box>', 'visual', material=transparent)
+    assert shape.find('material/color').get('rgba') == '0.7 0.7 0.7 0.75'
+    shape, _ = convert('<mesh><filename> a </filename></mesh>', 'visual', material=transparent,
+                       find={'a': str(tmp_path / 'a.STL')}.get)
+    assert shape.get('opacity') == '0.75' and shape.find('material') is None
+    assert shape.find('geometry/mesh').attrib == {
+        'filename': str(tmp_path / 'a.STL'), 'scale': '1.0 1.0 1.0'}
+
+
+def test_a_material_that_is_missing_is_named():
+    _, missing = convert('<box><size>1 1 1</size></box>', 'visual', material=(
+        '<material><script><name>Gazebo/Plaid</name></script></material>'))
+    assert missing == 'material Gazebo/Plaid'
+
+
+def test_a_polyline_is_a_prism():
+    shape, _ = convert('<polyline><point>1 2</point><point>3 2</point><point>1 5</point>'
+                       '<height>4</height></polyline>')
+    mesh = shape.find('geometry/mesh')
+    part, = mesh_file.read(mesh.get('filename'))
+    corners = part.positions.reshape(-1, 3) * [float(each) for each in mesh.get('scale').split()]
+    assert corners.min(axis=0) == pytest.approx([1, 2, 0])
+    assert corners.max(axis=0) == pytest.approx([3, 5, 4])
+
+
+def test_the_inertia_is_where_the_link_is():
+    link = ElementTree.Element('link')
+    source = ElementTree.fromstring(
+        '<link name="a"><inertial><pose>1 2 3 0 0 0.5</pose><mass>2</mass><inertia><ixx>1</ixx>'
+        '<ixy>0.1</ixy><ixz>0.2</ixz><iyy>2</iyy><iyz>0.3</iyz><izz>2.5</izz></inertia>'
+        '</inertial></link>')
+    assert sdf_links.add_inertial(link, source, from_rpy((10, 20, 30), (0, 0, np.pi / 2))) == ''
+    origin = link.find('inertial/origin')
+    assert [float(word) for word in origin.get('xyz').split()] == pytest.approx([8, 21, 33])
+    assert [float(word) for word in origin.get('rpy').split()] == pytest.approx(
+        [0, 0, 0.5 + np.pi / 2])
+    assert link.find('inertial/inertia').attrib == {
+        'ixx': '1.0', 'ixy': '0.1', 'ixz': '0.2', 'iyy': '2.0', 'iyz': '0.3', 'izz': '2.5'}

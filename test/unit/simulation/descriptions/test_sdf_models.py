@@ -75,11 +75,14 @@ def test_a_joint_between_the_links_of_two_models():
 @pytest.mark.parametrize('pose', [
     '<pose relative_to="a">1 0 0 0 0 0</pose>', '<pose frame="a">1 0 0 0 0 0</pose>',
     '<pose relative_to="f">0 0 0 0 0 0</pose>', '<pose relative_to="__model__">0 1 3 0 0 0</pose>',
-    '<pose relative_to="n::l">0 0 0 0 0 0</pose>'])
+    '<pose relative_to="n::l">0 0 0 0 0 0</pose>', '<pose relative_to="m">0 1 3 0 0 0</pose>',
+    '<pose relative_to=" world ">0 1 3 0 0 0</pose>', '<pose>0 1 3 0 0 0</pose>',
+    '<pose relative_to="m::a">1 0 0 0 0 0</pose>', '<pose relative_to="j">0 0 3 0 0 0</pose>'])
 def test_a_pose_relative_to_another_frame(pose):
     frames = ('<frame name="f" attached_to="a"><pose>1 0 0 0 0 0</pose></frame>'
               '<model name="n"><pose>0 0 3 0 0 0</pose>' + LINK.format('l', '0 1 0 0 0 0')
-              + '</model>')
+              + '</model><joint name="j" type="revolute"><pose>0 0 -3 0 0 0</pose>'
+              '<parent>world</parent><child>n::l</child></joint>')
     trees = convert(LINK.format('a', '0 0 3 0 0 1.5707963267948966'), frames,
                     '<link name="b">' + pose + '</link>')
     place, = (tree.pose.translation for tree in trees if tree.name == 'm::b')
@@ -252,6 +255,9 @@ FRICTION = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{
      'model m: a pose is relative to d, which does not exist', ['a', 'b']),
     (TWO + '<link name="c"><pose relative_to="c"/></link>',
      'model m: the pose of c depends on itself', ['a', 'b']),
+    (TWO + '<link name="c"><pose relative_to="f"/></link><frame name="f" attached_to="g"/>'
+     '<frame name="g" attached_to="f"/>', 'model m: the pose of f depends on itself',
+     ['a', 'b']),
     (TWO + '<model name="n"><pose>1</pose>' + LINK.format('c', '') + '</model>',
      "<pose> of model n: got '1', expected 6 finite numbers", ['a', 'b']),
     (TWO.replace('<mass>2', '<mass>0', 1), '<mass> of link a: got 0 kg, expected more than 0',
