@@ -9,7 +9,7 @@ from PIL import Image
 from img_recog import mesh_file, textures
 from img_recog.mesh_file import MeshError
 from img_recog.textures import TextureError
-from img_recog.visuals import GREY
+from img_recog.visuals import GREY, Submesh
 from img_recog_testing import bombs
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
@@ -131,6 +131,53 @@ def test_pybullet_gets_the_texture_of_an_obj(tmp_path):
     part, = mesh_file.read(path)
     assert textures.read(part.texture)[0, 0].tolist() == [10, 20, 30]
     assert part.uvs[0].tolist() == [[0, 0], [1, 0], [0, 1]]
+    assert part.color == pytest.approx((0.2, 0.4, 0.6, 1), abs=1e-6)
+
+
+def test_pybullet_gets_the_color_of_an_obj_whose_texture_cannot_be_read(tmp_path):
+    textured(tmp_path, 'none.png')
+    path = mesh_file.write(str(tmp_path / 'meshes' / 'a.obj'), str(tmp_path), materials=True)
+    part, = mesh_file.read(path)
+    assert (part.texture, part.color) == ('', pytest.approx((0.2, 0.4, 0.6, 1), abs=1e-6))
+    (tmp_path / 'plain').mkdir()
+    path = mesh_file.write(str(tmp_path / 'meshes' / 'a.obj'), str(tmp_path / 'plain'))
+    part, = mesh_file.read(path)
+    assert path.endswith('.obj') and not part.has_material
+
+
+def test_pybullet_gets_each_material_of_an_obj(tmp_path):
+    mtl = put(tmp_path, 'a.mtl', 'newmtl m\nKd 0.2 0.4 0.6\nnewmtl n\nKd 1 0 0.8\n')
+    path = put(tmp_path, 'a.obj', TEXTURED.replace('usemtl m', 'f 3 2 1\nusemtl m')
+               + 'usemtl n\nf 1/1 3/3 2/2\n')
+    assert mesh_file.material_files(path) == [mtl]
+    (tmp_path / 'written').mkdir()
+    parts = mesh_file.read(mesh_file.write(path, str(tmp_path / 'written'), materials=True))
+    colors = {tuple(np.round(part.color, 6)) for part in parts}
+    assert len(parts) == 3 and {(0.2, 0.4, 0.6, 1), (1, 0, 0.8, 1)} <= colors
+
+
+def test_a_submesh_of_the_whole_is_taken_out(tmp_path):
+    path = put(tmp_path, 'a.obj', 'v 0 0 0\nv 2 0 0\nv 0 4 6\nv 9 9 9\nf 1 2 4\no b\nf 1 2 3\n')
+    parts = mesh_file.read(path)
+    part, = mesh_file.select(parts, Submesh('b', is_centered=True))
+    assert part.positions.tolist() == [[[-1, -2, -3], [1, -2, -3], [-1, 2, 3]]]
+    assert len(mesh_file.select(parts, Submesh())) == 2
+    for use in (lambda: mesh_file.select(parts, Submesh('c')),
+                lambda: mesh_file.write(path, str(tmp_path), submesh=Submesh('c'))):
+        with pytest.raises(MeshError, match='has no submesh c; its submeshes are: b$'):
+            use()
+    with pytest.raises(MeshError, match='its submeshes are: none$'):
+        mesh_file.select(parts[:0], Submesh('c'))
+
+
+@pytest.mark.parametrize('name, content, top', [
+    ('a.obj', OBJ.replace('v 1 0 0', 'v 999999999 0 0'), 999999999),
+    ('a.dae', COLLADA.replace(' 0 100<', ' 0 1e10<'), 2.54e8),
+    ('a.dae', COLLADA.replace('meter="0.0254"', ''), 100),
+    ('a.dae', COLLADA.replace('meter="0.0254"', 'meter="2"'), 200)])
+def test_large_coordinates_and_units(tmp_path, name, content, top):
+    parts = mesh_file.read(put(tmp_path, name, content))
+    assert max(part.positions.max() for part in parts) == pytest.approx(top, rel=1e-9)
 
 
 @pytest.mark.parametrize('name, content, count', [
@@ -157,6 +204,7 @@ def test_pybullet_gets_the_same_triangles(tmp_path, name, content, count):
     ('a.obj', OBJ.replace('f 1 3', 'f 0 3'), 'a face refers to vertex 0 of 4, the first is 1'),
     ('a.obj', OBJ.replace('f 1 3', 'f -5 3'), 'a face refers to vertex -5 of 4'),
     ('a.obj', OBJ.replace('v 1 0 0', 'v nan 0 0'), 'it has a coordinate of more than 1e+09'),
+    ('a.obj', OBJ.replace('v 1 0 0', 'v 1e9 0 0'), 'it has a coordinate of more than 1e+09'),
     ('a.obj', OBJ.replace('v 1 0 0', 'v inf 0 0'), 'it has a coordinate of more than 1e+09'),
     ('a.obj', OBJ.replace('v 1 0 0', 'v -1e10 0 0'), 'it has a coordinate of more than 1e+09'),
     ('a.stl', b'', ''), ('a.stl', BINARY[:50], ''), ('a.stl', BINARY[:-1], ''),
@@ -173,6 +221,8 @@ def test_a_mesh_that_cannot_be_read_is_named(tmp_path, name, content, words):
     ('0 1 2<', '0 1 x<', ''), ('0 1 2<', '<', ''),
     (' 0 100<', ' 1e12 100<', 'it has a coordinate of more than 1e+09'),
     ('0.0254', '0', 'its unit has the length 0'), ('0.0254', 'nan', 'its unit has the length nan'),
+    ('url="#scene"', 'url="#none"', 'it has no visual scene'),
+    ('0.0254', '-1', 'its unit has the length -1'),
     ('source="#p"', 'source="#q"', ''), ('offset="0"', 'offset="2"', ''),
     ('<scene>.*</scene>', '', ''),
     ('^', '<!DOCTYPE a [<!ENTITY b "c">]>', 'it has entities, or is not UTF-8'),
@@ -190,6 +240,8 @@ def test_every_truncated_collada_is_refused(tmp_path):
 def test_a_mesh_of_too_many_triangles_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(mesh_file, 'MAX_TRIANGLES', 3)
     assert 'it has 4 triangles, allowed are 1 to 3;' in refusal(put(tmp_path, 'a.obj', OBJ))
+    monkeypatch.setattr(mesh_file, 'MAX_TRIANGLES', 4)
+    assert sum(len(part.positions) for part in mesh_file.read(str(tmp_path / 'a.obj'))) == 4
     path = put(tmp_path, 'b.stl', b'')
     with open(path, 'wb') as file:       # of 10 million triangles
         file.truncate(84 + 50 * 10000000)

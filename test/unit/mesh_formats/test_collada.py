@@ -89,6 +89,18 @@ INSTANCE_CONTROLLER = '<node><instance_controller url="#c"><skeleton>#b</skeleto
      '</tristrips>'.format(INPUTS)},
     {'uvs': source('t', '0 0 9 1 0 9 1 1 9 0 1 9', 'STP')},
     {'uvs': source('t', '0 0 9 9 1 0 9 9 1 1 9 9 0 1 9 9', 'STPQ')},
+    {'uvs': source('t', '0 0 9 1 0 9 1 1 9 0 1 9 7', 'STP')},
+    {'uvs': source('t', '9 ' + UVS, 'ST').replace('stride', 'offset="1" stride')},
+    {'uvs': source('t', UVS, 'ST').replace('stride="2"', '')},
+    {'uvs': source('t', UVS, 'ST') + '<source id="b"><float_array id="c" count="1">x'
+     '</float_array></source>'},
+    {'primitives': TRIANGLES.format(INPUTS + '<input semantic="TEXCOORD" source="#n" offset="1" '
+                                    'set="1"/>')},
+    {'nodes': '<node><instance_node url=" #used "/><instance_node url="#none"/></node>',
+     'extra': '<library_nodes><node sid="used">{}</node></library_nodes>'.format(
+         INSTANCE.replace('#g', 'g'))},
+    {'nodes': INSTANCE_CONTROLLER + '<node><instance_controller url="#d"/></node>',
+     'extra': CONTROLLER.replace('<controller', '<controller id="d"/><controller')},
     {'uvs': source('t', UVS, 'UV')}, {'uvs': source('t', UVS, 'ST').replace(' name=', ' sid=')},
     {'nodes': '<node><instance_node url="#used"/></node>',
      'extra': '<library_nodes><node id="used">{}</node></library_nodes>'.format(INSTANCE)},
@@ -102,6 +114,7 @@ def test_all_of_a_mesh_is_read(tmp_path, changes):
     assert part.positions.shape == (2, 3, 3) and area(part) == pytest.approx(2)
     assert part.uvs == pytest.approx(part.positions[:, :, :2] / (2, 1))
     assert part.color == (0.2, 0.4, 0.6, 1.0) and part.has_material and part.problem == ''
+    assert part.name == ''
 
 
 @pytest.mark.parametrize('spoil', [
@@ -121,9 +134,9 @@ def test_parts_have_the_names_of_their_nodes(tmp_path):
 
 def test_transforms_apply_in_their_order(tmp_path):
     part = read(tmp_path, collada(nodes=NODE.format(
-        '<translate>1 2 3</translate><rotate>0 0 2 90</rotate><scale>2 1 1</scale>', BIND)))
+        '<translate>1 2 3</translate><rotate>0 0 2 90</rotate><scale>2 5 1</scale>', BIND)))
     points = np.unique(part.positions.reshape(-1, 3).round(6), axis=0)
-    assert points == pytest.approx(np.array([[0, 2, 3], [0, 6, 3], [1, 2, 3], [1, 6, 3]]))
+    assert points == pytest.approx(np.array([[-4, 2, 3], [-4, 6, 3], [1, 2, 3], [1, 6, 3]]))
 
 
 def test_a_mirrored_geometry_faces_outward(tmp_path):
@@ -165,11 +178,13 @@ def test_a_symbol_that_is_not_bound_names_a_material(tmp_path):
 
 @pytest.mark.parametrize('changes', [
     {}, {'shader': TEXTURE.replace('"p"', '"i"')},
+    {'effect': SURFACE.replace('<source>s</source>', '<source> s </source>')},
     {'effect': SURFACE.replace('<source>s</source>', '<instance_image url="#i"/>')},
     {'image': IMAGE.replace('<init_from>', '<init_from><ref>').replace('</i', '</ref></i', 1)}])
 def test_the_texture_of_a_material_is_found(tmp_path, changes):
     part = read(tmp_path, collada(**{'shader': TEXTURE, **changes}))
     assert part.texture == str(tmp_path / 'a b.png') and part.has_material
+    assert part.color == GREY
 
 
 @pytest.mark.parametrize('changes', [
@@ -183,6 +198,9 @@ def test_a_material_whose_image_is_incomplete_is_grey(tmp_path, changes):
 
 @pytest.mark.parametrize('shader, color', [
     ('', GREY), ('<diffuse><color>0,5 0 0 1</color></diffuse>', GREY),
+    ('<diffuse><color>0.2 0.4</color></diffuse>', GREY),
+    ('<diffuse><color>-0.5 0.4 0.6</color></diffuse>', (0, 0.4, 0.6, 1)),
+    ('<emission><color>0.1 0.2 0.05 1</color></emission>', (0.8, 0.9, 0.75, 1)),
     ('<emission><color>0.5 0 0.9 1</color></emission>' + DIFFUSE, (0.7, 0.4, 1, 1))])
 def test_colors(tmp_path, shader, color):
     assert read(tmp_path, collada(shader=shader)).color == pytest.approx(color)
@@ -192,14 +210,108 @@ def test_colors(tmp_path, shader, color):
     (' opaque="A_ONE"', '1 1 1 0.5', '<transparency><float>0.5</float></transparency>', 0.25),
     (' opaque="A_ONE"', '0 0 0 0.5', '', 0.5), (' opaque="A_ZERO"', '0 0 0 0.2', '', 0.8),
     (' opaque="RGB_ZERO"', '1 1 1 1', '<transparency><float>0.25</float></transparency>', 0.75),
-    (' opaque="RGB_ONE"', '0.5 0.5 0.5 1', '', 0.5), ('', '0 0 0 0', '', 1.0)])
+    (' opaque="RGB_ONE"', '0.5 0.5 0.5 1', '', 0.5), ('', '0 0 0 0', '', 1.0),
+    (' opaque="RGB_ONE"', '1 0 0 1', '', 0.212671), (' opaque="RGB_ONE"', '0 1 0 1', '', 0.71516),
+    (' opaque="RGB_ONE"', '0 0 1 1', '', 0.072169), ('', '1 1 1 0', '', 1.0),
+    (' opaque="A_ONE"', '', '', 1.0),
+    (' opaque="A_ONE"', '1 1 1', '<transparency><float>0.5</float></transparency>', 0.5),
+    (' opaque="A_ONE"', '1 1 1 1', '<transparency><float>3</float></transparency>', 1),
+    (' opaque="A_ZERO"', '1 1 1 1', '<transparency><float>3</float></transparency>', 0)])
 def test_opacity(tmp_path, mode, color, amount, opacity):
     shader = '{}<transparent{}><color>{}</color></transparent>{}'.format(
         DIFFUSE, mode, color, amount)
     assert read(tmp_path, collada(shader=shader)).color == pytest.approx((0.2, 0.4, 0.6, opacity))
+    shader = shader.replace(DIFFUSE, TEXTURE)
+    assert read(tmp_path, collada(shader=shader)).color == pytest.approx((*GREY[:3], opacity))
 
 
-def test_what_is_left_out_is_counted(tmp_path):
+@pytest.mark.parametrize('kind, more', [
+    ('triangles', '<p>0 0 0 1 0 1 2 0 2 0 0 0 2 0 2 3 0 3</p>'),
+    ('polylist', '<vcount>4</vcount><p>0 0 0 1 0 1 2 0 2 3 0 3</p>'),
+    ('polygons', '<p>0 0 0 1 0 1 2 0 2 3 0 3</p>'), ('trifans', '<p>0 0 0 1 0 1 2 0 2 3 0 3</p>'),
+    ('tristrips', '<p>0 0 0 1 0 1 3 0 3 2 0 2</p>')])
+def test_what_is_left_out_is_counted(tmp_path, kind, more):
     nodes = NODE.format('', BIND) + NODE.format('<translate>nan 0 0</translate>', BIND)
-    assert read(tmp_path, collada(nodes=nodes)).problem == (
+    primitives = '<{0} count="2" material="m1">{1}</{0}>'.format(kind, INPUTS + more)
+    assert read(tmp_path, collada(nodes=nodes, primitives=primitives)).problem == (
         'cannot read all of the mesh {}: only 2 of its 4 triangles'.format(tmp_path / 'a.dae'))
+
+
+@pytest.mark.parametrize('limit, count', [(3, None), (4, 4)])
+def test_a_file_of_too_many_triangles_is_refused(tmp_path, monkeypatch, limit, count):
+    monkeypatch.setattr(mesh_file, 'MAX_TRIANGLES', limit)
+    text = collada(nodes=NODE.format('', BIND) * 2)
+    if count:
+        assert len(read(tmp_path, text).positions) == count
+    else:
+        with pytest.raises(mesh_file.MeshError, match='it has more than 3 triangles'):
+            read(tmp_path, text)
+
+
+@pytest.mark.parametrize('shader', ['lambert', 'phong', 'blinn', 'constant'])
+def test_all_shaders_have_a_color(tmp_path, shader):
+    text = collada().replace('phong', shader)
+    assert read(tmp_path, text).color == (0.2, 0.4, 0.6, 1)
+
+
+def test_a_constant_shader_has_the_color_of_its_glow(tmp_path):
+    text = collada('<emission><color>0.1 0.2 0.6 1</color></emission>')
+    part = read(tmp_path, text.replace('phong', 'constant'))
+    assert part.color == pytest.approx((0.2, 0.4, 1, 1))
+
+
+@pytest.mark.parametrize('old, new', [
+    ('<instance_effect url="#e"/>', ''), ('"#e"', '"#none"'), ('phong', 'unknown')])
+def test_a_material_without_an_effect_is_grey(tmp_path, old, new):
+    part = read(tmp_path, collada().replace(old, new))
+    assert (part.color, part.texture, part.has_material) == (GREY, '', True)
+
+
+@pytest.mark.parametrize('transform, expected', [
+    ('<matrix>0 -1 0 5 2 0 0 6 0 0 3 7 0 0 0 1</matrix>', [(5, 6, 7), (5, 10, 7), (4, 6, 7)]),
+    ('<rotate>1 1 1 120</rotate>', [(0, 0, 0), (0, 2, 0), (0, 0, 1)]),
+    ('<rotate>2 3 6 90</rotate>', [(0, 0, 0), np.array((4, 48, -9)) * 2 / 49,
+                                   np.array((-36, 9, 32)) / 49]),
+    ('<rotate>0 0 0.5 90</rotate>', [(0, 0, 0), (0, 2, 0), (-1, 0, 0)]),
+    ('<rotate>0 0 0 90</rotate>', [(0, 0, 0), (2, 0, 0), (0, 1, 0)])])
+def test_transforms(tmp_path, transform, expected):
+    part = read(tmp_path, collada(nodes=NODE.format(transform, BIND)))
+    found = [part.positions[0, 0], part.positions[0, 1], part.positions[1, 2]]
+    assert np.array(found) == pytest.approx(np.array(expected, float), abs=1e-6)
+
+
+def test_vertices_may_have_normals_and_texture_coordinates(tmp_path):
+    text = collada(primitives='<triangles count="2" material="m1"><input semantic="VERTEX" '
+                   'source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles>')
+    position = '<input semantic="POSITION" source="#x"/>'
+    normals = ' '.join(['0.6 0 0.8'] * 4)
+    text = text.replace('count="3">0 0 1<', 'count="12">{}<'.format(normals)).replace(
+        'source="#na" count="1"', 'source="#na" count="4"')
+    part = read(tmp_path, text.replace(
+        position, position + '<input semantic="NORMAL" source="#n"/><input semantic="TEXCOORD" '
+        'source="#t"/><input semantic="COLOR" source="#n"/>'))
+    assert part.uvs == pytest.approx(part.positions[:, :, :2] / (2, 1))
+
+
+def test_a_mesh_without_texture_coordinates(tmp_path):
+    part = read(tmp_path, collada(primitives=TRIANGLES.format(
+        INPUTS.replace('TEXCOORD', 'COLOR')), nodes=NODE.format('', BIND) * 2))
+    assert part.uvs.tolist() == [[[0, 0]] * 3] * 4 and part.color == (0.2, 0.4, 0.6, 1)
+
+
+def test_a_skin_is_bound_after_the_pose_of_its_node(tmp_path):
+    nodes = INSTANCE_CONTROLLER.replace('<node>', '<node><scale>2 2 2</scale>')
+    part = read(tmp_path, collada(nodes=nodes, extra=CONTROLLER))
+    assert part.positions[:, :, 2] == pytest.approx(5) and part.positions.max() == 5
+    assert part.positions[:, :, 0].max() == 4
+
+
+def test_controllers_may_refer_to_ten_controllers(tmp_path):
+    chain = CONTROLLER.replace('#g', '#c2') + ''.join(
+        '<library_controllers><controller id="c{}"><morph source="#{}"/></controller>'
+        '</library_controllers>'.format(number, 'g' if number == 10 else 'c{}'.format(number + 1))
+        for number in range(2, 11))
+    part = read(tmp_path, collada(nodes=INSTANCE_CONTROLLER, extra=chain))
+    assert part.positions[:, :, 2] == pytest.approx(5) and len(part.positions) == 2
+    with pytest.raises(mesh_file.MeshError, match='it has 0 triangles'):
+        read(tmp_path, collada(nodes=INSTANCE_CONTROLLER, extra=CONTROLLER.replace('#g', '#c')))

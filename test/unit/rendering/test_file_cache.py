@@ -55,3 +55,9 @@ def test_an_error_is_raised_each_time(cache):
             get(cache, 'missing')
     (cache.folder / 'missing').write_text('here')
     assert get(cache, 'missing') == 'here'
+
+
+@pytest.mark.parametrize('names', [('none', 'neither'), ('a\0', 'b\0')])
+def test_paths_without_a_file_are_told_apart(names):
+    cache = FileCache(str.upper)
+    assert [cache.get(name) for name in names] == [name.upper() for name in names]

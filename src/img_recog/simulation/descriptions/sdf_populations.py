@@ -67,7 +67,7 @@ def _places(name: str, population: ElementTree.Element) -> np.ndarray:
     if kind not in ('random', 'uniform'):
         raise SimulationError('{}, whose distribution is {}'.format(name, kind))
     generator = np.random.default_rng(0)
-    if kind == 'random' or number > _MAX_UNIFORM:
+    if kind == 'random' or not 0 < number <= _MAX_UNIFORM:
         return _random(generator, name, population, size, number)
     samples = _random(generator, name, population, size, number * _SAMPLES)
     centers = samples[:number]

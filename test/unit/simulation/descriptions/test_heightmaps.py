@@ -12,6 +12,7 @@ from img_recog.simulation.bodies.solids import Bundles
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import heightmaps, urdf_visuals, world_file
 from img_recog.simulation.settings import PhysicsSettings
+from img_recog.visuals import Material
 from img_recog_testing.refusals import refusal
 from img_recog_testing.sdf import BUILT_IN, CRATE, sdf
 
@@ -65,8 +66,9 @@ def test_the_heights_are_where_gazebo_has_them(hills, sampling):
 
 @pytest.mark.parametrize('pixels, mode, size, expected', [
     (PIXELS.astype(np.uint16) * 257, 'I;16', 2, PIXELS / 100),
-    (np.repeat(PIXELS[:, :, None], 3, axis=2), 'RGB', 2, PIXELS / 100),
-    (PIXELS * 0, None, 2, PIXELS * 0.0), (PIXELS, None, -2, 1 - PIXELS / 100)])
+    (np.stack([PIXELS, 255 - PIXELS, PIXELS // 2], axis=2), 'RGB', 2, PIXELS / 100),
+    (PIXELS * 0, None, 2, PIXELS * 0.0), (PIXELS, None, -2, 1 - PIXELS / 100),
+    (PIXELS, None, 0, PIXELS * 0.0)])
 def test_kinds_of_images(hills, pixels, mode, size, expected):
     world = build(hills(size, pixels=pixels, mode=mode))
     assert heights(world, *grid(3, 5)) == pytest.approx(expected.ravel() + 1.5, abs=2e-3)
@@ -109,6 +111,7 @@ def test_it_is_drawn_as_a_mesh(hills, tmp_path):
     assert corners.max(axis=0) == pytest.approx([4, 2, 2])
     top = corners[corners[:, 2].argmax()]
     assert top == pytest.approx([0, 0, 2])
+    assert part.uvs == pytest.approx(part.positions[:, :, :2] / (8, 4) + 0.5)
     assert np.cross(part.positions[:, 1] - part.positions[:, 0],
                     part.positions[:, 2] - part.positions[:, 0])[:, 2].min() > 0
 
@@ -160,3 +163,77 @@ def test_the_shapes_after_a_heightmap_are_there_too(hills, tmp_path):
     assert (link.get('name'), link.find('collision').get('name')) == ('link0', 's')
     assert terrain.in_model.translation == pytest.approx((1, 2, 1.5))
     assert terrain.pose.translation == pytest.approx((11, 22, 2.5))
+
+
+def element_of(inside):
+    return ElementTree.fromstring('<heightmap>{}</heightmap>'.format(inside))
+
+
+@pytest.mark.parametrize('inside, size, sampling, position', [
+    ('', '1 1 1', '2', [0, 0, 0]), ('<sampling>0</sampling>', '1 1 1', '1', [0, 0, 0]),
+    ('<size>3 4 -5</size><pos>1 2 3</pos><sampling>3</sampling>', '3 4 -5', '3', [1, 2, 3])])
+def test_what_an_sdf_may_omit(tmp_path, inside, size, sampling, position):
+    path = str(tmp_path / 'a.png')
+    Image.fromarray(PIXELS).save(path)
+    made, pose = heightmaps.urdf_element(
+        'a', element_of('<uri> a.png </uri>' + inside), {'a.png': path}.get)
+    assert (made.tag, made.get('filename'), made.get('sampling')) == ('heightmap', path, sampling)
+    assert np.array_equal(np.array(made.get('size').split(), float),
+                          np.array(size.split(), float))
+    assert pose.translation.tolist() == position
+    assert refusal(heightmaps.urdf_element, 'a', element_of(''), lambda uri: None) == 'heightmap '
+
+
+@pytest.mark.parametrize('size', ['0 4 2', '8 0 2', '-8 4 2'])
+def test_a_size_above_0_is_expected(tmp_path, size):
+    Image.fromarray(PIXELS).save(str(tmp_path / 'a.png'))
+    element = element_of('<uri>a</uri><size>{}</size>'.format(size))
+    assert refusal(heightmaps.urdf_element, 'a', element, lambda uri: str(
+        tmp_path / 'a.png')) == '<size> of a: got {!r}, expected more than 0'.format(size)
+
+
+@pytest.mark.parametrize('size, words', [
+    ((1, 5), '1x5 pixels, expected 2 to 50000000 in all, on a side 2 or more;'),
+    ((5, 1), '5x1 pixels, expected 2 to 50000000 in all, on a side 2 or more;'),
+    ((10000, 5001), '10000x5001 pixels, expected 2 to 50000000 in all, on a side 2 or more;')])
+def test_images_of_a_wrong_size_are_refused(tmp_path, size, words):
+    path = str(tmp_path / 'a.png')
+    Image.new('1', size).save(path)
+    assert 'heightmap {}: {}'.format(path, words) in refusal(
+        heightmaps.urdf_element, 'a', element_of('<uri>a</uri>'), lambda uri: path)
+    nowhere = ElementTree.Element('heightmap', size='1 1 1')
+    assert refusal(heightmaps.read, nowhere).startswith('heightmap : ')
+
+
+@pytest.mark.parametrize('mode', ['I', 'I;16B', 'I;16', 'L', 'F'])
+def test_images_of_one_channel_keep_their_steps(tmp_path, mode):
+    values = np.array([[0, 1], [2, 4]] if mode in 'LF' else [[0, 1000], [300, 4000]])
+    types = {'I': '<i4', 'I;16B': '>u2', 'I;16': '<u2', 'L': 'u1', 'F': '<f4'}
+    Image.frombytes(mode, (2, 2), values.astype(types[mode]).tobytes()).save(
+        str(tmp_path / 'a.tif'))
+    element = ElementTree.Element('heightmap', filename=str(tmp_path / 'a.tif'), size='3 4 2')
+    found = heightmaps.read(element)
+    assert found.heights == pytest.approx(values[::-1] * 2 / values.max())
+    assert found.size == (3, 4) and found.middle == pytest.approx(1)
+
+
+def test_a_mesh_of_many_points_is_drawn_with_fewer(tmp_path):
+    Image.fromarray(np.tile(np.arange(200, dtype=np.uint8), (2, 1))).save(str(tmp_path / 'a.png'))
+    part, = mesh_file.read(heightmaps.write_mesh(ElementTree.Element(
+        'heightmap', filename=str(tmp_path / 'a.png'), size='8 4 2', sampling='2')))
+    corners = part.positions.reshape(-1, 3)
+    assert len(np.unique(corners[:, 0])) == 257 and len(np.unique(corners[:, 1])) == 3
+    assert corners[:, 2] == pytest.approx((corners[:, 0] + 4) / 4, abs=1e-5)
+
+
+@pytest.mark.parametrize('inside, scale', [
+    ('<texture><diffuse> a </diffuse></texture>', (10, 10)),
+    ('<size>4 2 1</size><texture><diffuse>a</diffuse><size>0</size></texture>', (1, 1)),
+    ('<size>4 2 1</size><texture><diffuse>a</diffuse><size>3</size></texture>', (0.75, 1.5))])
+def test_the_size_of_a_texture(tmp_path, inside, scale):
+    path = str(tmp_path / 'a.png')
+    (tmp_path / 'a.png').write_text('')
+    assert heightmaps.material(element_of(inside), {'a': path}.get) == Material(
+        (1, 1, 1, 1), path, scale)
+    assert heightmaps.material(element_of(inside), lambda uri: path + 'x').texture == ''
+    assert heightmaps.material(element_of(inside), lambda uri: None).texture == ''
