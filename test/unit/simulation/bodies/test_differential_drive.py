@@ -52,6 +52,9 @@ def test_turning_left_drives_the_right_wheel_forward():
     drive = DifferentialDrive(DriveSettings())
     drive.command(0.0, 1.0)
     assert follow(drive, 100)[-1] == pytest.approx((-0.08, 0.08))
+    drive.reset()
+    drive.command(0.0, 10.0)
+    assert follow(drive, 3) == [pytest.approx((-speed, speed)) for speed in (0.01, 0.02, 0.03)]
 
 
 def test_one_wheel_near_its_target_sets_both():

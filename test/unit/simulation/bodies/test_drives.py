@@ -162,6 +162,6 @@ def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path)
 
 @pytest.mark.parametrize('left, right, wanted', [
     ('a', 'a', 'the same as right_joint'), ('a, b', 'a', 'each once'), ('a, a', 'b', 'each once'),
-    (',', 'b', 'each once')])
+    (',', 'b', 'each once'), ('a', ',', 'each once')])
 def test_refuses_joints_that_are_not_those_of_two_sides(left, right, wanted):
     assert wanted in refusal(make_drive, DriveSettings(left_joint=left, right_joint=right))

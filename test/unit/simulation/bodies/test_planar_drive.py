@@ -63,11 +63,13 @@ def test_counts_where_it_is_and_drives_no_joints():
     assert drive.motors == Motors((), 0.0, slip_radius=0.0, slides=True)
 
 
-def test_the_way_between_two_places_is_in_the_mean_direction():
-    turn = 2 * cmath.pi - 5.9           # over the back
+# the second turn goes over the back
+@pytest.mark.parametrize('before, now, turn', [
+    (0.5, 2.5, 2.0), (3.0, -2.9, 2 * cmath.pi - 5.9), (-0.5, -2.7, -2.2)])
+def test_the_way_between_two_places_is_in_the_mean_direction(before, now, turn):
     forward, left, turned = PlanarDrive(DriveSettings()).travelled(
-        (1.0, 2.0, 3.0), (1.3, 1.6, -2.9))
-    way = complex(0.3, -0.4) / cmath.rect(1, 3.0 + turn / 2)
+        (1.0, 2.0, before), (1.3, 1.6, now))
+    way = complex(0.3, -0.4) / cmath.rect(1, before + turn / 2)
     assert (forward, left, turned) == pytest.approx((way.real, way.imag, turn))
 
 
