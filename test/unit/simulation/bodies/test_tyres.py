@@ -98,6 +98,14 @@ def test_a_wheel_that_slips_can_move_along_its_axle():
     assert origin_of(wheel).matrix().tolist() == np.eye(4).tolist()
 
 
+def test_a_moment_that_is_missing_is_zero():
+    found = ElementTree.fromstring(tyres.added(
+        robot(inertial=INERTIAL.replace('ixx="0.01"', '')), ('left',), 0.3))
+    wheel = found.find('link/inertial/inertia')
+    assert [float(wheel.get(key)) for key in ('ixx', 'iyy', 'izz')] == pytest.approx(
+        [0.018, 0.038, 0.048])
+
+
 # ixx, which is the least, has to be mass times the square of the radius
 @pytest.mark.parametrize('radius, moments', [
     (0.3, (0.018, 0.028, 0.038)), (0.2, (0.01, 0.02, 0.03))])
@@ -136,6 +144,19 @@ def test_a_mesh_becomes_a_cylinder_about_the_axle(axis, rpy, tmp_path):
     assert shape.find('geometry/mesh') is None
     assert origin_of(shape).translation == pytest.approx([0.03 * each for each in axis])
     assert origin_of(shape).rotation[:, 2] == pytest.approx(axis)
+
+
+def test_the_cylinder_is_where_the_mesh_is_in_its_file(tmp_path):
+    path = tmp_path / 'wheel.obj'
+    about_z = (line.split() for line in wheel_mesh(0.08, width=0.05).splitlines())
+    path.write_text('\n'.join(
+        'v {} {} {}'.format(float(words[3]) + 0.03, words[1], words[2]) if words[0] == 'v'
+        else ' '.join(words) for words in about_z))
+    shape = ElementTree.fromstring(tyres.added(
+        robot(shape='<mesh filename="{}"/>'.format(path), axis='-1 0 0'), JOINTS, 0.0)).find(
+            './/link/collision')
+    assert origin_of(shape).translation == pytest.approx((0.03, 0, 0))
+    assert origin_of(shape).rotation[:, 2] == pytest.approx((-1, 0, 0))
 
 
 def test_a_mesh_that_is_not_round_stays_one(tmp_path):

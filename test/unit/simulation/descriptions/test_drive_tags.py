@@ -71,6 +71,7 @@ def test_the_names_of_tags_in_ros_2():
     assert not differing(
         found, left_joint='l', right_joint='r', wheel_separation=0.3, wheel_diameter=0.2,
         wheel_torque=20.0, wheel_acceleration=2.0, odom_frame='map', odometry_period_s=0.02,
+        joint_states_period_s=0.02,
         base_frame='base', odometry_source='encoder', publish_odom_tf=False)
 
 

@@ -45,9 +45,10 @@ def test_a_body_without_any_moment_gets_those_of_a_small_one(given):
     assert found.warning.endswith('simulated with 0.0003, 0.0003, 0.0003')
 
 
-def test_moments_that_are_too_large_are_refused():
-    assert refusal(inertias.possible, 'l', 1.0, np.diag((1, 1.1e15, 1))) == (
-        'l: got the moment of inertia 1.1e+15 kg m2, expected at most 1e+15')
+@pytest.mark.parametrize('moment, text', [(1.1e15, '1.1e+15'), (1e15 + 0.5, '1e+15')])
+def test_moments_that_are_too_large_are_refused(moment, text):
+    assert refusal(inertias.possible, 'l', 1.0, np.diag((1, moment, 1))) == (
+        'l: got the moment of inertia {} kg m2, expected at most 1e+15'.format(text))
 
 
 @pytest.mark.parametrize('moments', [(1e15, 1e15, 1e15), (1, 2, 2.9999), (2, 2, 2)])
@@ -59,7 +60,8 @@ def test_what_is_just_possible_stays_as_it_is(moments):
 # nearer to the limit than PyBullet can tell: a margin of 1e-5 of the largest moment
 @pytest.mark.parametrize('given, nearest', [
     ((1, 2, 2.99999), (1.00003, 2.00003, 3.00002)), ((1, 1, 5), (2.00005, 2.00005, 4.00005)),
-    ((-3, 1, 4), (4e-5, 2.50004, 2.50004)), ((0, 1, 1), (1e-5, 1.00001, 1.00001))])
+    ((-3, 1, 4), (4e-5, 2.50004, 2.50004)), ((-3, -2, 1), (1e-5, 1e-5, 1e-5)),
+    ((0, 1, 1), (1e-5, 1.00001, 1.00001))])
 def test_the_margin(given, nearest):
     found = inertias.possible('l', 1.0, np.diag(np.array(given, float)))
     assert np.diag(found.matrix) == pytest.approx(nearest, abs=1e-6)
