@@ -35,11 +35,13 @@ def test_beyond_the_function_and_the_cutoff_nothing_is_seen():
     assert np.isnan(Lens(1.0, cutoff_angle=9.0).angle(math.pi + 0.01))      # behind the back
 
 
-@pytest.mark.parametrize('lens', [Lens(1.0, 1.0, 0.0, TAN), Lens(1.0, 1.0, -2.0, ID),
-                                  Lens(1.0, 0.5, 0.0, SIN), Lens(1.0, 0.5, 0.0, TAN)])
-def test_a_field_of_view_that_the_function_does_not_have(lens):
+@pytest.mark.parametrize('lens, fov', [
+    (Lens(1.0, 1.0, 0.0, TAN), 3.3), (Lens(1.0, 1.0, -2.0, ID), 3.3),
+    (Lens(1.0, 0.5, 0.0, SIN), 3.3), (Lens(1.0, 0.5, 0.0, TAN), 3.3),
+    (Lens(1.0, 1.0, 0.0, TAN), math.pi)])
+def test_a_field_of_view_that_the_function_does_not_have(lens, fov):
     with pytest.raises(ValueError):
-        lenses.scaled_to(lens, 3.3)
+        lenses.scaled_to(lens, fov)
 
 
 @pytest.mark.parametrize('lens, fov, scale', [

@@ -126,7 +126,8 @@ def test_refusals_name_what_is_wrong_in_one_line(inside, words):
 
 def test_what_is_not_a_urdf():
     assert 'not XML' in refusal(parse, '<robot')
-    assert 'root element <sdf>' in refusal(parse, '<sdf/>')
+    for tag in ('sdf', 'a'):
+        assert 'root element <{}>'.format(tag) in refusal(parse, '<{}/>'.format(tag))
 
 
 def test_lumped_link_has_the_sum_of_masses_and_inertias():
@@ -269,17 +270,28 @@ def test_a_surface_is_named_by_its_link_and_friction():
         '0 0 0.5', '1.0 2.0 3.5', '1.0 2.0 3.5']
 
 
+def test_the_order_of_names_does_not_matter():
+    urdf = parse(ROBOT.format(link('z', inside=surface(0.25)) + link('b', 2, SHAPE)
+                              + joint('zb', 'z', 'b')))
+    assert urdf.friction == {'z': 0.25, 'b': 1.0}
+    robot = ElementTree.fromstring(urdf.urdf)
+    assert [(each.get('name'), float(each.find('inertial/mass').get('value')), len(each.findall(
+        'collision'))) for each in robot.findall('link')] == [('z', 3.0, 1), ('b', 0.0, 1)]
+    assert [each.get('name') for each in robot.findall('joint')] == ['b/joint']
+
+
 def test_tags_of_links_that_are_not_there_are_left_out():
     tag = '<gazebo reference="{}"/>'
-    text = ROBOT.format(link('a') + link('b') + joint('j', 'a', 'b') + '<gazebo/>' + ''.join(
-        tag.format(name) for name in ('a', 'b', 'j', '')))
+    text = ROBOT.format(link('a') + link('b') + link('c') + joint('j', 'a', 'b')
+                        + joint('c', 'a', 'c') + '<gazebo/>' + ''.join(
+        tag.format(name) for name in ('a', 'b', 'c', 'j', '')))
     robot = parse(text)
     assert without_unused_tags(text, robot) == (text, [])
     more = text.replace('<gazebo/>', tag.format('y') + tag.format('x') + tag.format('y'))
     left, names = without_unused_tags(more, robot)
     assert names == ['y', 'x']
     assert [each.get('reference') for each in ElementTree.fromstring(left).findall('gazebo')] == [
-        'a', 'b', 'j', '']
+        'a', 'b', 'c', 'j', '']
 
 
 def test_what_is_joined_to_what_moves_without_mass_goes_and_the_rest_stays():

@@ -177,7 +177,10 @@ def test_materials_are_read(geometry, prefers_file):
     empty = only_visual(geometry, '<material name="m"><texture filename=""/></material>')
     assert empty.material is None
     full = Material((0.1, 0.2, 0.3, 0.4), '/a.png', (2.0, 3.0), 'tiles', True)
-    text = ElementTree.tostring(urdf_visuals.material_element(full), 'unicode')
+    element = urdf_visuals.material_element(full)
+    assert {key: element.get(key) for key in element.keys() if key != 'name'} == {
+        'replaces_file': 'true', 'texture_scale': '2.0 3.0', 'pattern': 'tiles', 'cutout': 'true'}
+    text = ElementTree.tostring(element, 'unicode')
     visual = only_visual(geometry, text)
     assert (visual.material, visual.prefers_file) == (full, False)
     visual = only_visual(geometry, '<material/>', attributes=' opacity="0.25"')
