@@ -181,6 +181,20 @@ def test_what_a_loop_is(kind, axis):
     assert (None if loop.axis is None else loop.axis.tolist()) == axis
 
 
+@pytest.mark.parametrize('one, other', ['ab', 'yz', 'zy'])
+def test_names_of_links_around_that_of_the_world(one, other):
+    links = LINK.format(one, '0 0 0') + LINK.format(other, '1 2 3')
+    joint = JOINT.format('j', 'revolute', one, other, ABOUT_Y)
+    tree, = converted(links, JOINT.format('w', 'fixed', 'world', one, ''), joint, JOINT.format(
+        'k', 'ball', other, one, ''))
+    assert joints_of(tree) == [('j', one, other, [0, 1, 0])] and tree.fixed
+    assert [(loop.parent, loop.child) for loop in tree.loops] == [(other, one)]
+    tree, = converted(links, joint)
+    assert joints_of(tree) == [('j', one, other, [0, 1, 0])] and not tree.fixed
+    tree, = converted(links, joint, JOINT.format('w', 'revolute', other, 'world', ABOUT_Y))
+    assert [each[:3] for each in joints_of(tree)] == [('w', 'world', other), ('j', other, one)]
+
+
 def test_joints_of_a_model_in_a_model():
     inner = '<model name="n">' + LINK.format('b', '1 2 3') + '{}</model>'
     tree, = converted(LINK.format('a', '0 0 0'), '<frame name="g" attached_to="f"/>',
