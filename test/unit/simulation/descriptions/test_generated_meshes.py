@@ -97,3 +97,9 @@ def test_the_faces_of_a_grid():
         [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]]
     assert generated_meshes.grid_faces(3, 2).tolist() == [
         [0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4]]
+
+
+def test_an_outline_without_an_area_is_written_all_the_same():
+    part, = mesh_file.read(generated_meshes.extruded([(0, 0), (1, 0), (2, 0), (1.5, 0)], 1))
+    caps = part.positions[(part.positions[:, :, 2] == 1).all(axis=1)]
+    assert sorted(caps[:, :, 0].tolist()) == [[0, 1, 2], [0, 2, 1.5]]

@@ -198,3 +198,10 @@ def test_the_missing_look_of_a_road_and_its_name_are_told(tmp_path, read):
         '</script></material></road>'))
     assert 'material none' in str(world_file.read(str(tmp_path / 'w.world'), {}).missing_looks)
     assert 'road has 0 points, expected 2 or more' in refusal(read, '<road/>')
+
+
+def test_a_road_without_a_width_is_drawn_all_the_same(read):
+    tree, = read('<road><width>0</width><point>0 0 0</point><point>3 0 0</point></road>')
+    visual, = urdf_visuals.read(tree.urdf, {'link': 0})
+    part, = mesh_file.read(visual.shape.path)
+    assert part.uvs[:, :, 1].max() == 3 and part.positions[:, :, 1].tolist() == [[0] * 3] * 2
