@@ -229,7 +229,7 @@ def test_a_robot_without_a_drive_that_is_simulated_is_refused_in_one_line(elemen
 
 
 @pytest.mark.parametrize('namespace, wanted', [
-    ('', ''), ('/', ''), ('/husky/', 'husky'), (' a/b ', 'a/b')])
+    ('', ''), ('/', ''), ('/husky/', 'husky'), (' a/b ', 'a/b'), ('/X1/', 'X1')])
 def test_the_namespace_of_controllers(namespace, wanted):
     assert drive_tags.control_namespace(robot(
         plugin('gazebo_ros_control', robotNamespace=namespace))) == wanted

@@ -68,17 +68,20 @@ def test_the_shape_of_the_wheels(shape, count, expected):
     assert measure(burger().replace(COLLISION, shape, count)) == expected
 
 
+ARM = ('<link name="{0}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" '
+       'iyz="0" izz="1"/></inertial></link><joint name="{0}_joint" type="revolute">'
+       '<parent link="{1}"/><child link="{0}"/><origin xyz="{2}" rpy="0 0 {3}"/>'
+       '<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>')
+
+
 def test_joints_below_other_joints():
-    # the left wheel hangs on an arm that turns about z, 0.1 m further out
+    # the left wheel hangs on an arm, 0.1 m further out, and that on another one, 0.2 m
     urdf = changed(
         ('<parent link="base_link"/>\n    <child link="wheel_left_link"/>',
          '<parent link="arm"/>\n    <child link="wheel_left_link"/>'),
-        ('</robot>', '<link name="arm"><inertial><mass value="1"/><inertia ixx="1" ixy="0" '
-         'ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
-         '<joint name="arm_joint" type="revolute"><parent link="base_link"/><child link="arm"/>'
-         '<origin xyz="0 0.1 0"/><axis xyz="0 0 1"/>'
-         '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>'))
-    assert measure(urdf).wheel_separation == 0.26
+        ('</robot>', ARM.format('post', 'base_link', '0 0.2 0', '1.5707963267948966')
+         + ARM.format('arm', 'post', '0.1 0 0', '-1.5707963267948966') + '</robot>'))
+    assert measure(urdf) == Wheels(0.46, 0.066)
 
 
 @pytest.mark.parametrize('joints', [
