@@ -30,6 +30,12 @@ def user_folders() -> Tuple[str, ...]:
     return os.environ.get('PWD', ''), os.getcwd()
 
 
+def cache_folder(kind: str) -> str:
+    """Return the folder for files of a kind that can be made again, in the user's for caches."""
+    return os.path.join(os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'),
+                        'img_recog', kind)
+
+
 def find_user_path(path: str, except_names: Sequence[str] = ()) -> str:
     """Return the first existing file that a relative path can mean, or else the path as given.
 

@@ -13,7 +13,9 @@ from typing import Any, Optional, Tuple
 
 import numpy as np
 
-_FOLDER = os.path.join('img_recog', 'drawn_1')      # another number when the files change
+from img_recog.files import cache_folder
+
+_FOLDER = 'drawn_1'        # another number when the files change
 MAX_BYTES = 2 << 30        # of all files; then those that were not used for longest are removed
 
 # writing takes as long as reading: not while the first image is waited for
@@ -24,7 +26,7 @@ Entry = Tuple[np.ndarray, Any]      # an array that cannot be changed, and what 
 
 def load(*key: Any) -> Optional[Entry]:
     """Return what `store` has kept under a key; None if there is nothing, or it is damaged."""
-    path = os.path.join(_folder(), _name(key))
+    path = os.path.join(cache_folder(_FOLDER), _name(key))
     try:
         array = np.load(path, mmap_mode='r')
         with open(path, 'rb') as file:
@@ -41,7 +43,7 @@ def store(array: np.ndarray, about: Any, *key: Any) -> None:
 
     That is done in a thread. The array must not be changed.
     """
-    _writer.submit(_write, _folder(), _name(key), array, about)
+    _writer.submit(_write, cache_folder(_FOLDER), _name(key), array, about)
 
 
 def wait() -> None:
@@ -63,11 +65,6 @@ def _write(folder: str, name: str, array: np.ndarray, about: Any) -> None:
     except OSError:
         with contextlib.suppress(OSError):
             os.remove(part)
-
-
-def _folder() -> str:
-    return os.path.join(os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'),
-                        _FOLDER)
 
 
 def _name(key: Tuple[Any, ...]) -> str:

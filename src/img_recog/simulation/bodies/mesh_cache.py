@@ -3,22 +3,19 @@
 They stay in the user's folder for caches, so that trimesh, which takes 0.3 s and 40 MB, is only
 loaded for a mesh that is new. They can be deleted at any time.
 """
-import hashlib
-import os
-import tempfile
 from typing import Tuple
 
 import numpy as np
 
 from img_recog import mesh_file
-from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError
+from img_recog.simulation.descriptions.kept_files import kept
 from img_recog.simulation.settings import SimulationError
 from img_recog.visuals import WHOLE, Submesh
 
 _STL_HEADER_BYTES = 84
 _TRIANGLE = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('attributes', '<u2')])
-_FOLDER = os.path.join('img_recog', 'meshes_2')     # another number when the files change
+_FOLDER = 'meshes_2'       # another number when the files change
 
 
 def cached(path: str, submesh: Submesh = WHOLE) -> str:
@@ -27,26 +24,14 @@ def cached(path: str, submesh: Submesh = WHOLE) -> str:
     The content of the mesh file tells which one. Raises SimulationError when that cannot be read
     or the cache cannot be written.
     """
-    folder = os.path.join(os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'),
-                          _FOLDER)
     try:
         content = mesh_file.read_content(path)
         if submesh != WHOLE:
             content += repr(submesh).encode()
-        key = hashlib.sha256(content).hexdigest()
-        kept = os.path.join(folder, key + mesh_file.written_suffix(path))
-        if os.path.isfile(kept):
-            return kept
-        os.makedirs(folder, exist_ok=True)
-        # another process may write the same file
-        with tempfile.TemporaryDirectory(dir=folder) as own:
-            os.replace(mesh_file.write(path, own, submesh=submesh), kept)
+        return kept(_FOLDER, content, mesh_file.written_suffix(path),
+                    lambda folder: mesh_file.write(path, folder, submesh=submesh))
     except MeshError as error:
         raise SimulationError(error.problem, error.advice)
-    except OSError as error:
-        raise SimulationError('cannot write to {}: {}'.format(folder, one_line(error)),
-                              'set XDG_CACHE_HOME to a folder where files can be written')
-    return kept
 
 
 def bounds(path: str) -> Tuple[np.ndarray, np.ndarray]:

@@ -3,17 +3,15 @@
 They are Wavefront OBJ files in the user's folder for caches, named by their content. They can be
 deleted while no world is loaded.
 """
-import hashlib
 import os
-import tempfile
 from typing import List, Sequence, Tuple
 
 import numpy as np
 
-from img_recog.errors import one_line
+from img_recog.simulation.descriptions.kept_files import kept
 from img_recog.simulation.settings import SimulationError
 
-_FOLDER = os.path.join('img_recog', 'generated_1')      # another number when the files change
+_FOLDER = 'generated_1'    # another number when the files change
 _MAX_CORNERS = 1000     # of an outline
 
 
@@ -28,20 +26,13 @@ def write(vertices: np.ndarray, faces: np.ndarray, uvs: np.ndarray) -> str:
     lines += ['vt {:.7g} {:.7g}'.format(*row) for row in uvs.tolist()]
     lines += ['f {0}/{0} {1}/{1} {2}/{2}'.format(*row) for row in (faces + 1).tolist()]
     content = ('\n'.join(lines) + '\n').encode()
-    folder = os.path.join(os.environ.get('XDG_CACHE_HOME') or os.path.expanduser('~/.cache'),
-                          _FOLDER)
-    path = os.path.join(folder, hashlib.sha256(content).hexdigest() + '.obj')
-    try:
-        if not os.path.isfile(path):
-            os.makedirs(folder, exist_ok=True)
-            # another process may write the same file
-            with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
-                file.write(content)
-            os.replace(file.name, path)
-    except OSError as error:
-        raise SimulationError('cannot write to {}: {}'.format(folder, one_line(error)),
-                              'set XDG_CACHE_HOME to a folder where files can be written')
-    return path
+
+    def make(folder: str) -> str:
+        path = os.path.join(folder, 'mesh')
+        with open(path, 'wb') as file:
+            file.write(content)
+        return path
+    return kept(_FOLDER, content, '.obj', make)
 
 
 def grid_faces(rows: int, columns: int) -> np.ndarray:

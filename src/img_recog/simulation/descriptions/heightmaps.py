@@ -1,4 +1,5 @@
 """The heightmaps of an SDF: terrain whose heights are the pixels of an image."""
+import functools
 import os
 import xml.etree.ElementTree as ElementTree
 from typing import NamedTuple, Tuple
@@ -63,14 +64,26 @@ def read(element: ElementTree.Element) -> Heightmap:
     1025 pixels are reduced.
     Raises SimulationError when the image cannot be read.
     """
-    width, depth, top = read_lengths('size', element.get('size'), 3).tolist()
-    pixels = _pixels(element.get('filename', ''))
-    sampling = int(element.get('sampling', '1'))
+    path = element.get('filename', '')
+    try:
+        changed_ns = os.stat(path).st_mtime_ns
+    except OSError:
+        changed_ns = 0      # what cannot be read has its error below
+    return _heightmap(path, changed_ns, element.get('size', ''), int(element.get('sampling', '1')))
+
+
+@functools.lru_cache(maxsize=1)     # what is driven on is drawn too, and both are checked before
+def _heightmap(path: str, _: int, size: str, sampling: int) -> Heightmap:
+    """Return the heightmap of an image; the time of its last change makes another one of it."""
+    width, depth, top = read_lengths('size', size, 3).tolist()
+    pixels = _pixels(path)
     rows, columns = (_coordinates(count, sampling) for count in pixels.shape)
     heights = _interpolated(pixels, rows, columns) * abs(top) / (pixels.max() or 1.0)
     if top < 0:
         heights = 1.0 - heights     # Gazebo does so
-    return Heightmap(np.ascontiguousarray(heights[::-1]), (width, depth))
+    heights = np.ascontiguousarray(heights[::-1])
+    heights.flags.writeable = False
+    return Heightmap(heights, (width, depth))
 
 
 def write_mesh(element: ElementTree.Element) -> str:

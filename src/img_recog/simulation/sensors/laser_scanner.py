@@ -6,8 +6,7 @@ from typing import Optional, Sequence
 import numpy as np
 
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
-from img_recog.simulation.descriptions.gazebo_tags import (INTEGER, NAME, NUMBER, RATE, TOPIC,
-                                                           Row, Tags)
+from img_recog.simulation.descriptions.gazebo_tags import NAME, NUMBER, TOPIC, Row, Tags
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
@@ -22,14 +21,8 @@ def _other_rows(sensor: ElementTree.Element) -> Sequence[str]:
 
 # of libgazebo_ros_laser and _gpu_laser of gazebo_plugins, and of Gazebo's own ray sensors
 TAGS = Tags(('gazebo_ros_laser', 'gazebo_ros_gpu_laser'), (
-    Row('scan_period_s', RATE, 'sensor', 'update_rate'),
-    Row('scan_samples', INTEGER, 'sensor', 'ray/scan/horizontal/samples'),
-    Row('scan_angle_min', NUMBER, 'sensor', 'ray/scan/horizontal/min_angle'),
-    Row('scan_angle_max', NUMBER, 'sensor', 'ray/scan/horizontal/max_angle'),
+    *rays.fan_rows('scan'),
     Row('scan_resolution', NUMBER, 'sensor', 'ray/scan/horizontal/resolution'),
-    Row('scan_rows', INTEGER, 'sensor', 'ray/scan/vertical/samples'),
-    Row('scan_pitch_min', NUMBER, 'sensor', 'ray/scan/vertical/min_angle'),
-    Row('scan_pitch_max', NUMBER, 'sensor', 'ray/scan/vertical/max_angle'),
     Row('scan_range_min', NUMBER, 'sensor', 'ray/range/min'),
     Row('scan_range_max', NUMBER, 'sensor', 'ray/range/max'),
     Row('scan_noise', NUMBER, 'sensor', 'ray/noise/stddev'),

@@ -5,8 +5,8 @@ import numpy as np
 
 from img_recog.settings import (Settings, above, any_value, at_least, between, not_empty, one_of,
                                 setting)
-from img_recog.simulation.descriptions.gazebo_tags import (INTEGER, NAME, NUMBER, RATE, TOPIC, Row,
-                                                           Tags, choice)
+from img_recog.simulation.descriptions.gazebo_tags import (NAME, NUMBER, RATE, TOPIC, Row, Tags,
+                                                           choice)
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
@@ -16,13 +16,7 @@ INFRARED, ULTRASOUND = 'infrared', 'ultrasound'
 
 # of libgazebo_ros_range of gazebo_plugins and libhector_gazebo_ros_sonar, with their defaults
 TAGS = Tags(('gazebo_ros_range', 'hector_gazebo_ros_sonar'), (
-    Row('range_period_s', RATE, 'sensor', 'update_rate'),
-    Row('range_samples', INTEGER, 'sensor', 'ray/scan/horizontal/samples'),
-    Row('range_angle_min', NUMBER, 'sensor', 'ray/scan/horizontal/min_angle'),
-    Row('range_angle_max', NUMBER, 'sensor', 'ray/scan/horizontal/max_angle'),
-    Row('range_rows', INTEGER, 'sensor', 'ray/scan/vertical/samples'),
-    Row('range_pitch_min', NUMBER, 'sensor', 'ray/scan/vertical/min_angle'),
-    Row('range_pitch_max', NUMBER, 'sensor', 'ray/scan/vertical/max_angle'),
+    *rays.fan_rows('range'),
     Row('range_min', NUMBER, 'sensor', 'ray/range/min'),
     Row('range_max', NUMBER, 'sensor', 'ray/range/max'),
     Row('range_period_s', RATE, 'plugin', 'updateRate'),

@@ -1,16 +1,32 @@
 """Sensors that cast rays into the world; those of all robots are read together."""
 import abc
-from typing import Any, List, Optional, Sequence
+from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 import pybullet
 
 from img_recog import rotations
 from img_recog.simulation.bodies.solids import Bundles
+from img_recog.simulation.descriptions.gazebo_tags import INTEGER, NUMBER, RATE, Row
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _MAX_OWN_SHAPES = 20        # of its own robot, that a ray may cross one after the other
 _PAST_M = 1e-3              # a ray goes on so far behind the surface of such a shape
+
+
+def fan_rows(prefix: str) -> Tuple[Row, ...]:
+    """Return where the rate and the directions of rays are, for settings with names like
+    scan_samples; prefix: 'scan'.
+    """
+    scan = 'ray/scan/'
+    return tuple(Row(prefix + setting, reader, 'sensor', path) for setting, reader, path in (
+        ('_period_s', RATE, 'update_rate'),
+        ('_samples', INTEGER, scan + 'horizontal/samples'),
+        ('_angle_min', NUMBER, scan + 'horizontal/min_angle'),
+        ('_angle_max', NUMBER, scan + 'horizontal/max_angle'),
+        ('_rows', INTEGER, scan + 'vertical/samples'),
+        ('_pitch_min', NUMBER, scan + 'vertical/min_angle'),
+        ('_pitch_max', NUMBER, scan + 'vertical/max_angle')))
 
 
 class RaySensor(Sensor):
