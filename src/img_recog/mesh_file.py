@@ -187,7 +187,8 @@ def _loaded(file: Simplified, suffix: str) -> Tuple[List[_Part], str]:
     logging.getLogger('trimesh').setLevel(logging.CRITICAL)     # what is left out is counted
     scene = trimesh.load_scene(io.BytesIO(file.content), file_type=suffix[1:], process=False,
                                resolver=_Library(file.mtl))
-    parts = [(mesh, file.parts[_number(mesh)]) for mesh in scene.dump()
+    # of simplified files each is there once, and where it is; dump() would drop the normals
+    parts = [(mesh, file.parts[_number(mesh)]) for mesh in scene.geometry.values()
              if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
     parts = [(mesh if part.poses is None else _placed(mesh, part.poses), part)
              for mesh, part in parts]

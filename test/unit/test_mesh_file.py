@@ -170,6 +170,13 @@ def test_a_submesh_of_the_whole_is_taken_out(tmp_path):
         mesh_file.select(parts[:0], Submesh('c'))
 
 
+def test_the_normals_of_an_obj_count_where_they_are_no_zeros(tmp_path):
+    part, = mesh_file.read(put(
+        tmp_path, 'a.obj', 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.6 0 0.8\nvn 0 0 0\nvn 0 0.6 0.8\n'
+        'f 1//1 2//2 3//3\n'))
+    assert part.normals == pytest.approx(np.array([[[0.6, 0, 0.8], [0, 0, 1], [0, 0.6, 0.8]]]))
+
+
 @pytest.mark.parametrize('name, content, top', [
     ('a.obj', OBJ.replace('v 1 0 0', 'v 999999999 0 0'), 999999999),
     ('a.dae', COLLADA.replace(' 0 100<', ' 0 1e10<'), 2.54e8),

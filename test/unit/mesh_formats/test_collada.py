@@ -280,6 +280,14 @@ def test_transforms(tmp_path, transform, expected):
     assert np.array(found) == pytest.approx(np.array(expected, float), abs=1e-6)
 
 
+def test_the_given_normals_turn_with_each_node(tmp_path):
+    text = collada(nodes=NODE.format('', BIND) + NODE.format(
+        '<rotate>0 0 1 90</rotate><scale>2 2 2</scale>', BIND))
+    part = read(tmp_path, text.replace('0 0 1</float', '0.6 0 0.8</float'))
+    assert part.normals[:2] == pytest.approx(np.broadcast_to((0.6, 0, 0.8), (2, 3, 3)))
+    assert part.normals[2:] == pytest.approx(np.broadcast_to((0, 0.6, 0.8), (2, 3, 3)))
+
+
 def test_vertices_may_have_normals_and_texture_coordinates(tmp_path):
     text = collada(primitives='<triangles count="2" material="m1"><input semantic="VERTEX" '
                    'source="#v" offset="0"/><p>0 1 2 0 2 3</p></triangles>')
@@ -291,6 +299,7 @@ def test_vertices_may_have_normals_and_texture_coordinates(tmp_path):
         position, position + '<input semantic="NORMAL" source="#n"/><input semantic="TEXCOORD" '
         'source="#t"/><input semantic="COLOR" source="#n"/>'))
     assert part.uvs == pytest.approx(part.positions[:, :, :2] / (2, 1))
+    assert part.normals == pytest.approx(np.broadcast_to((0.6, 0, 0.8), (2, 3, 3)))
 
 
 def test_a_mesh_without_texture_coordinates(tmp_path):

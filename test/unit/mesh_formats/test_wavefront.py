@@ -88,11 +88,14 @@ def test_indices_may_count_from_the_last_one(tmp_path, face):
                 'vn 0.6 0 0.8\nvn 0 -0.6 0.8\n' + face + '\n')
     assert part.positions.tolist() == [[[0, 0, 0], [1, 0, 0], [0, 1, 0]]]
     assert part.uvs.tolist() == [[[0.5, 0], [1, 1], [0, 0.5]]]
+    assert part.normals == pytest.approx(np.array([[[0.6, 0, 0.8], [0, -0.6, 0.8],
+                                                    [0.6, 0, 0.8]]]))
 
 
 def test_a_corner_may_have_a_normal_without_a_texture_coordinate(tmp_path):
     part = read(tmp_path, obj='v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0.6 0 0.8\n'
                 'f -3//-1 -2//-1 -1//-1\n')
+    assert part.normals == pytest.approx(np.broadcast_to((0.6, 0, 0.8), (1, 3, 3)))
     assert part.uvs.tolist() == [[[0, 0]] * 3]
 
 
