@@ -11,7 +11,7 @@ def main():
     """Run the node; return its exit code."""
     try:
         from img_recog.nodes.web.node import main as run
-    except ModuleNotFoundError as error:
+    except ImportError as error:
         sys.stderr.write('[FATAL] web: {}; ./run setup installs what requirements.txt lists, or '
                          'set web:=false\n'.format(error))
         return 1

@@ -5,7 +5,6 @@ import shutil
 import subprocess
 import sys
 import types
-from importlib import util
 from typing import Iterator, List, Optional, Union
 
 import rospkg
@@ -93,14 +92,13 @@ def _expanded(path: str) -> str:
     command = _ros_command()
     if command is not None:
         return _expanded_by_command(command, path)
-    # the xacro of ROS 2, which PyPI has; that of ROS 1 has no such module
     try:
-        is_installed = util.find_spec('xacro.substitution_args') is not None
-    except ImportError:
-        is_installed = False
-    if not is_installed:
+        # the xacro of ROS 2, which PyPI has; that of ROS 1 has no such module
+        import xacro.substitution_args      # noqa: F401
+    except ImportError as error:
         raise UserError(
-            'cannot use {}: it is a xacro file, and xacro is not installed'.format(path),
+            'cannot use {}: it is a xacro file, and xacro cannot be loaded: {}'.format(
+                path, one_line(error)),
             'install it (Ubuntu 20.04: apt-get install ros-noetic-xacro, Debian: {} -m pip '
             'install xacro) or convert the file elsewhere: xacro {} > robot.urdf'.format(
                 sys.executable, path))

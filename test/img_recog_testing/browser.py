@@ -19,9 +19,9 @@ try:
     from selenium.webdriver.chrome.options import Options
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.action_chains import ActionChains
-    HAS_SELENIUM = True
-except ImportError:
-    HAS_SELENIUM = False
+    _MISSING = ''
+except ImportError as error:
+    _MISSING = str(error)
 
 _POSE = re.compile(r'x (-?[0-9.]+) m, y (-?[0-9.]+) m')
 _TABS = ('live', 'colors', 'graph', 'nodes', 'log')
@@ -32,8 +32,8 @@ _BUTTON = ('const button = (text) => [...document.querySelectorAll("button .bloc
 
 def need_chromium():
     """Skip the test where there is no browser."""
-    if not HAS_SELENIUM:
-        pytest.skip('selenium is not installed: no test of the page')
+    if _MISSING:
+        pytest.skip('selenium cannot be loaded: {}: no test of the page'.format(_MISSING))
     if not (shutil.which('chromium') and shutil.which('chromedriver')):
         pytest.skip('chromium and chromium-driver are not installed: no test of the page')
 

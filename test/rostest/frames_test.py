@@ -112,7 +112,8 @@ class FramesTest(unittest.TestCase):
 
     def test_joint_states(self):
         for msg in list(self.topics['/joint_states'].messages):
-            self.assertEqual(['wheel_left_joint', 'wheel_right_joint'], msg.name)
+            # the order of libgazebo_ros_diff_drive
+            self.assertEqual(['wheel_right_joint', 'wheel_left_joint'], msg.name)
             self.assertEqual([2, 2, 2], [len(msg.position), len(msg.velocity), len(msg.effort)])
 
     def test_scan(self):

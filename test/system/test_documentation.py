@@ -24,7 +24,6 @@ from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.web.settings import WebSettings
 from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, with_colors
 from img_recog.settings import SettingError, Settings
-from img_recog.simulation.sensors.contact_sensor import ContactSettings
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings
 from img_recog.teleoperation.settings import TeleopSettings, VelocityLimits
 from img_recog_testing.pages import (ROOT, anchors, code, links, paths, read, rows,
@@ -43,10 +42,10 @@ NODES = {
     'robots': ('robots.node', (ManagerSettings, NodeSettings), ()),
     'web': ('web.node', (WebSettings, VelocityLimits), ())}
 # topics that are in no docstring, with their types
-TOPICS = {'gazebo': {kind.topic(kind.settings()): kind.msg_type._type for kind in SENSORS}}
+TOPICS = {'gazebo': {kind.topic(kind.settings()): kind.msg_type._type for kind in SENSORS
+                     if not kind.missing}}
 # of dynamic_reconfigure alone: parameters that are among those above; and no parameters
-PARTS = {RuntimeSettings, ContactSettings,
-         *(kind.settings for kind in SENSORS if kind.only_in_tags)}
+PARTS = {RuntimeSettings, *(kind.settings for kind in SENSORS if kind.only_in_tags)}
 NAME = r'[~/]?[a-z][a-z0-9_]*(?:/[a-z0-9_]+)*'
 TYPE = r'(?:[a-z0-9_]+_msgs|std_srvs|dynamic_reconfigure)(?:/\w+)?'
 

@@ -94,14 +94,19 @@ def newest(echo):
     return yaml.safe_load(parts[-2]) if len(parts) > 1 else None
 
 
-@pytest.mark.skipif(INSTALLED, reason='gazebo_msgs is installed here')
-def test_without_the_package_the_simulator_logs_one_line(ros):
+def test_without_the_package_the_simulator_says_why(ros, tmp_path):
+    # installed, but a package that it needs is not
+    (tmp_path / 'gazebo_msgs').mkdir()
+    (tmp_path / 'gazebo_msgs' / '__init__.py').write_text('import trajectory_messages\n')
+    ros.env['PYTHONPATH'] = '{}:{}'.format(tmp_path, ros.env['PYTHONPATH'])
     ros.start_master()
     node = simulate(ros)
-    lines = [line for line in node.output.splitlines() if 'gazebo_msgs' in line]
-    assert len(lines) == 1 and lines[0].startswith('[INFO]'), node.output
-    assert lines[0].endswith('gazebo_msgs is not installed: model_states and the services of '
-                             'models are not offered')
+    reason = "gazebo_msgs cannot be loaded: No module named 'trajectory_messages'"
+    bumper, services = [line for line in node.output.splitlines() if 'gazebo_msgs' in line]
+    assert bumper.endswith('not simulated, of its <gazebo> tags: sensor contact ({})'.format(
+        reason))
+    assert services.startswith('[INFO]') and services.endswith(
+        'model_states and the services of models are not offered, because ' + reason)
     topics = ros.run('rostopic', 'list')
     assert '/gazebo/real_time_factor' in topics and 'model_states' not in topics
     services = ros.run('rosservice', 'list').split()

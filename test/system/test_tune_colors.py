@@ -283,5 +283,5 @@ def test_without_tkinter(ros, folder, tmp_path):
     (tmp_path / 'tkinter.py').write_text('raise ImportError("not here")\n')
     path = os.pathsep.join([str(tmp_path), os.environ.get('PYTHONPATH', '')])
     *_, line = lines(start(ros, folder, 'card.png', DISPLAY=':0', PYTHONPATH=path))
-    assert line == ('no window: tkinter is not installed; install python3-tk; the picture is '
-                    'only in the file')
+    assert line == ('no window: tkinter cannot be loaded: not here; install python3-tk; the '
+                    'picture is only in the file')

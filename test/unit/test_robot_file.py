@@ -6,7 +6,6 @@ import subprocess
 import sys
 import types
 from importlib import util
-from unittest import mock
 
 import pytest
 
@@ -124,16 +123,23 @@ def test_command_that_fails_is_a_line_with_its_reason(box, command):
 def test_command_that_is_not_of_ros_1_is_not_used(box, command, monkeypatch):
     command('echo wrong')
     monkeypatch.setenv('ROS_PACKAGE_PATH', '')
-    monkeypatch.setattr(util, 'find_spec', lambda name: None)
-    assert 'xacro is not installed' in refusal(box)
+    monkeypatch.setitem(sys.modules, 'xacro', None)
+    assert 'xacro cannot be loaded' in refusal(box)
 
 
-@pytest.mark.parametrize('answer', [None, ModuleNotFoundError('xacro')])
-def test_without_xacro_the_line_says_what_to_do(box, monkeypatch, answer):
-    monkeypatch.setattr(util, 'find_spec', mock.Mock(side_effect=[answer]))
+@pytest.mark.parametrize('content, reason', [
+    ('raise ImportError("no lib\\nxml2")', 'no lib xml2'),
+    ('', "No module named 'xacro.substitution_args'; 'xacro' is not a package")])
+def test_without_xacro_the_line_says_why_and_what_to_do(box, tmp_path, monkeypatch, content,
+                                                        reason):
+    for name in [name for name in sys.modules if name.partition('.')[0] == 'xacro']:
+        monkeypatch.delitem(sys.modules, name)
+    (tmp_path / 'xacro.py').write_text(content + '\n')
+    monkeypatch.syspath_prepend(str(tmp_path))
     words = refusal(box)
-    assert 'it is a xacro file, and xacro is not installed; install it' in words
+    assert 'it is a xacro file, and xacro cannot be loaded: {}; install it'.format(reason) in words
     assert 'pip install xacro' in words and 'xacro {} > robot.urdf'.format(box) in words
+    sys.modules.pop('xacro', None)
 
 
 @needs_module

@@ -1,18 +1,22 @@
-"""Converts gazebo_msgs/ContactsState, where the package gazebo_msgs is installed."""
+"""Converts gazebo_msgs/ContactsState.
+
+MISSING says why the package gazebo_msgs cannot be used, '' if it can.
+"""
 from typing import Any, List
 
 import genpy
 import numpy as np
 from geometry_msgs.msg import Vector3, Wrench
 
+from img_recog.errors import one_line
 from img_recog.simulation.sensors.contact_sensor import ContactSettings, Touch
 
 try:
     from gazebo_msgs.msg import ContactsState, ContactState
-    AVAILABLE = True
-except ImportError:
+    MISSING = ''
+except ImportError as error:
     ContactsState = ContactState = None
-    AVAILABLE = False
+    MISSING = 'gazebo_msgs cannot be loaded: {}'.format(one_line(error))
 
 _COLLISION = '::collision'      # PyBullet does not keep the names of shapes
 

@@ -24,7 +24,7 @@ SENSORS = (
                laser_scanner.TAGS, LaserScan, robot_msgs.scan_to_msg, noise_number=0),
     SensorKind('range', range_sensor.RangeSettings, range_sensor.RangeSensor, range_sensor.TAGS,
                Range, robot_msgs.range_to_msg, noise_number=5, only_in_tags=True),
-    *([SensorKind('contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor,
-                  contact_sensor.TAGS, contact_msgs.ContactsState, contact_msgs.to_msg,
-                  noise_number=6, only_in_tags=True)] if contact_msgs.AVAILABLE else ()),
+    SensorKind('contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor,
+               contact_sensor.TAGS, contact_msgs.ContactsState, contact_msgs.to_msg,
+               noise_number=6, only_in_tags=True, missing=contact_msgs.MISSING),
 )

@@ -79,7 +79,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
         drive = drive_tags.find(urdf, step_s, controllers)
         urdf, unused = description.without_unused_tags(urdf, robot)
         found = gazebo_tags.read(urdf, step_s, (*([drive.tags] if drive else ()),
-                                                *(kind.tags for kind in kinds)))
+                                                *(kind.read_tags for kind in kinds)))
         cameras, of_cameras = camera_tags.read(urdf)
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)

@@ -88,7 +88,7 @@ def test_bag():
         # rosbag makes a separate class for each topic
         assert str(tf.transforms[0].header) == str(msg.header)
         assert str(tf.transforms[0].transform.rotation) == str(msg.pose.pose.orientation)
-    assert found['/joint_states'][0][1].name == ['wheel_left_joint', 'wheel_right_joint']
+    assert found['/joint_states'][0][1].name == ['wheel_right_joint', 'wheel_left_joint']
 
 
 def test_bag_has_no_message_at_time_zero():

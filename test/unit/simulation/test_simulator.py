@@ -47,7 +47,7 @@ def test_drives_straight_and_its_wheels_turn_as_far(yaw, speed):
     assert before.position[2] == pytest.approx(0.0, abs=0.001)
     # the twist is in the robot's own frame
     assert motion.linear[0] == pytest.approx(speed, rel=0.02) and abs(motion.linear[1]) < 0.005
-    assert states.names == ('wheel_left_joint', 'wheel_right_joint')
+    assert states.names == ('wheel_right_joint', 'wheel_left_joint')
     assert states.velocities == pytest.approx([speed / 0.033] * 2, rel=0.01)
     assert np.subtract(states.positions, turned) == pytest.approx(
         [22.727 * speed / 0.033] * 2, rel=0.02)

@@ -1,4 +1,7 @@
-"""The topics and services of Gazebo's models, where the package gazebo_msgs is installed."""
+"""The topics and services of Gazebo's models.
+
+MISSING says why the package gazebo_msgs cannot be used, '' if it can.
+"""
 from functools import partial
 from typing import Any, Callable, Dict
 
@@ -8,7 +11,7 @@ from std_msgs.msg import Header
 
 from img_recog import resources, rotations
 from img_recog.conversions import robot_msgs
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
@@ -22,9 +25,9 @@ try:
     from gazebo_msgs.msg import ModelStates
     from gazebo_msgs.srv import (DeleteModel, GetModelState, GetPhysicsProperties,
                                  GetWorldProperties, SetModelState, SpawnModel)
-    AVAILABLE = True
-except ImportError:
-    AVAILABLE = False
+    MISSING = ''
+except ImportError as error:
+    MISSING = 'gazebo_msgs cannot be loaded: {}'.format(one_line(error))
 
 _MAX_TILT = 0.01                                    # rad
 _WORLD_NAMES = ('', 'world', 'map', '/map')         # gazebo_ros's names for the world frame
@@ -36,7 +39,7 @@ Response = Dict[str, Any]       # fields of a response by name; rospy makes the 
 class ModelServices:
     """Publishes ~model_states, and serves what `services` in the constructor names.
 
-    Must be created only when AVAILABLE.
+    Must be created only when nothing is MISSING.
     """
 
     def __init__(self, simulator: Simulator, models: Models, robots: Robots, plans: RobotPlans,

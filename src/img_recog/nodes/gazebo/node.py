@@ -102,12 +102,12 @@ class Gazebo:
             self._outline_frame = vehicle.odometry.odom_frame
             self._outline_origin = PlanePose(*vehicle.odometry_origin)
         self._models: Optional[ModelServices] = None
-        if model_services.AVAILABLE:
+        if model_services.MISSING:
+            rospy.loginfo('model_states and the services of models are not offered, because %s',
+                          model_services.MISSING)
+        else:
             self._models = ModelServices(self._simulator, models, self._robots, plans,
                                          self._calls, self._pace)
-        else:
-            rospy.loginfo('gazebo_msgs is not installed: model_states and the services of models '
-                          'are not offered')
         self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
         self._publish_outlines()
         self._reconfigurable = Reconfigurable(

@@ -3,7 +3,7 @@ from typing import Callable, Optional
 
 import numpy as np
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 
 _MAX_SCREEN_SHARE = 0.9
 _RESIZE_DELAY_MS = 100      # a window that is being resized is redrawn when it stops changing
@@ -29,8 +29,9 @@ class PictureWindow:
         """
         try:
             import tkinter  # a separate package that may be missing
-        except ImportError:
-            raise WindowError('no window: tkinter is not installed; install python3-tk')
+        except ImportError as error:
+            raise WindowError('no window: tkinter cannot be loaded: {}; install python3-tk'.format(
+                one_line(error)))
         try:
             self._root = tkinter.Tk(className=title)
         except tkinter.TclError as error:

@@ -68,9 +68,12 @@ class SimulatedRobot(Body):
         self._surfaces = description.surfaces
         self._link_indices = link_indices(self.body_id, physics_client_id)
         self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
-        self._joint_names = tuple(self.joints)
         self._wheels = tuple(self._wheel_index(*joint, left_out=description.left_out)
                              for joint in motors.joints)
+        # gazebo_plugins' diff_drive publishes the right wheel before the left one
+        right_first = sorted(motors.joints, key=lambda joint: joint[0] != 'right_joint')
+        self._published = {name: self.joints[name] for name in dict.fromkeys(
+            (*(name for _, name in right_first), *self.joints))}
         self._torques = (motors.torque,) * len(self._wheels)
         self._set_dynamics(description, motors.slides)
         self.start = self.pose()
@@ -174,9 +177,13 @@ class SimulatedRobot(Body):
         return self._carriers[frame]
 
     def joint_states(self) -> JointStates:
-        """Return the states of all movable joints, in the order of the description."""
-        states = self.joint_values()
-        return JointStates(self._joint_names, [state[0] for state in states],
+        """Return the states of all movable joints.
+
+        Right wheels come first, then left ones, then the others in the order of the description.
+        """
+        states = pybullet.getJointStates(self.body_id, tuple(self._published.values()),
+                                         physicsClientId=self.physics_client_id) or ()
+        return JointStates(tuple(self._published), [state[0] for state in states],
                            [state[1] for state in states], [state[3] for state in states])
 
     def _wheel_index(self, setting: str, name: str, left_out: Sequence[str]) -> int:

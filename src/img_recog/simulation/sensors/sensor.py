@@ -61,7 +61,8 @@ class SensorKind(NamedTuple):
     msg_type: what is published. to_msg: to_msg(reading, settings, stamp, out) returns the message.
     noise_number: of its random generator, a number that no other row has. only_in_tags: whether
     a robot has such sensors only where its <gazebo> tags have them; the settings are no
-    parameters then.
+    parameters then. missing: why its messages cannot be made, '' if they can: such a sensor in
+    <gazebo> tags is not simulated.
     """
 
     name: str
@@ -72,6 +73,15 @@ class SensorKind(NamedTuple):
     to_msg: Callable[..., Any]
     noise_number: int
     only_in_tags: bool = False
+    missing: str = ''
+
+    @property
+    def read_tags(self) -> Tags:
+        """The tags as they are read: those of a missing sensor are only reported."""
+        if not self.missing:
+            return self.tags
+        return self.tags._replace(
+            not_simulated=lambda _: ['sensor {} ({})'.format(self.name, self.missing)])
 
     def topic(self, settings: Any) -> str:
         """Return the name of the topic."""

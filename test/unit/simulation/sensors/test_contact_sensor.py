@@ -5,8 +5,6 @@ import pytest
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.sensors import contact_sensor
-from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing import robots
 
@@ -21,10 +19,8 @@ BAR = ('<link name="{0}"><collision><origin xyz="{1} 0 0.06"/><geometry>'
 TAG = ('<gazebo reference="bar"><sensor type="contact" name="s"><update_rate>50</update_rate>'
        '<plugin name="p" filename="libgazebo_ros_bumper.so"><bumperTopicName>b</bumperTopicName>'
        '<frameName>nowhere</frameName></plugin></sensor></gazebo>')
-# the table has it only where gazebo_msgs is installed
-KINDS = (*(kind for kind in SENSORS if kind.name != 'contact'), SensorKind(
-    'contact', contact_sensor.ContactSettings, contact_sensor.ContactSensor, contact_sensor.TAGS,
-    object, lambda *_: None, noise_number=6, only_in_tags=True))
+# also where gazebo_msgs cannot be loaded
+KINDS = tuple(kind._replace(missing='') for kind in SENSORS)
 
 
 @pytest.fixture
@@ -63,3 +59,13 @@ def test_its_shapes_move_with_the_link_that_it_is_fixed_to(simulator):
     index, = robot.surfaces('bar')
     assert robot.surfaces('bar') == {index: 'bar'} and robot.surfaces('back') == {}
     assert robot.mass() == pytest.approx(1.0017, abs=1e-3)
+
+
+def test_without_its_message_a_bumper_is_reported_with_the_reason():
+    kinds = tuple(kind._replace(missing='no x' if kind.name == 'contact' else '')
+                  for kind in SENSORS)
+    robot = assembly.read_robot(robots.burger().replace(
+        '</robot>', BAR.format('bar', 0.11) + TAG + '</robot>'), 0.001, lambda uri: None,
+        'robot', kinds)
+    assert 'sensor contact (no x)' in robot.not_simulated
+    assert 'contact' not in assembly.default_settings(robot).sensors
