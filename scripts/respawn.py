@@ -54,7 +54,8 @@ class Respawner:
     def run(self):
         """Return the exit code after a signal to this process, once the command has ended."""
         for signum in _SIGNALS:
-            if signal.getsignal(signum) != signal.SIG_IGN:      # ignored under nohup
+            # nohup ignores this one; scripts ignore SIGINT for what they start in the background
+            if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
                 signal.signal(signum, self._forward)
         delay_s = 0.0
         while True:

@@ -118,7 +118,8 @@ class Supervisor:
         """Run roslaunch, the command; return its exit code when none of its processes is left."""
         process_tree.adopt_orphans()
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
-            if signal.getsignal(signum) != signal.SIG_IGN:      # ignored under nohup
+            # nohup ignores this one; scripts ignore SIGINT for what they start in the background
+            if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
                 signal.signal(signum, lambda received, _: self._signals.append(received))
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
         roslaunch = self._start(command)

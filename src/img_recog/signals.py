@@ -9,16 +9,15 @@ from typing import Iterator, Optional
 class Interrupts:
     """Makes SIGINT raise KeyboardInterrupt, and SIGTERM and SIGHUP SystemExit(128 + signum).
 
-    So unfinished files are removed before the program ends. SIGTERM and SIGHUP stay ignored if
-    they are, as under nohup. SIGINT also ends a program in the background of a shell.
+    So unfinished files are removed before the program ends. SIGHUP stays ignored if it is, as
+    under nohup. The others also end a program that a script has started in the background.
     """
 
     def __init__(self) -> None:
         self._is_deferred = False
         self._pending: Optional[int] = None
-        signal.signal(signal.SIGINT, self._end)
-        for signum in (signal.SIGTERM, signal.SIGHUP):
-            if signal.getsignal(signum) != signal.SIG_IGN:
+        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signum != signal.SIGHUP or signal.getsignal(signum) != signal.SIG_IGN:
                 signal.signal(signum, self._end)
         atexit.register(_end_at_once)
 

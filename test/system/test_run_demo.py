@@ -11,6 +11,7 @@ import urllib.parse
 import psutil
 import pytest
 
+from img_recog_testing import process_table
 from img_recog_testing.pages import ROOT
 from img_recog_testing.process_table import end_all, marked, ports
 from img_recog_testing.waiting import wait_for
@@ -66,6 +67,24 @@ def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
     os.killpg(demo.pid, signal.SIGINT)
     assert demo.wait() == -signal.SIGINT
     assert 'process[' not in demo.output
+
+
+@pytest.mark.parametrize('moment', ['setup', 'the robot drives forward'])
+def test_ctrl_c_ends_what_a_script_has_started_in_the_background(run_demo, ros, tmp_path, moment):
+    if moment == 'setup':
+        program = tmp_path / 'bin' / 'mkdir'
+        program.parent.mkdir()
+        program.write_text('#!/bin/sh\necho setup\nexec sleep 1000\n')
+        program.chmod(0o755)
+        run_demo.env['PATH'] = '{}:{}'.format(program.parent, run_demo.env['PATH'])
+    # bash starts it with SIGINT ignored
+    script = ros.start('bash', '-c', '{}/run demo camera:=synthetic web:=false & echo pid $!; wait'
+                       .format(ROOT), env=run_demo.env, start_new_session=True)
+    script.wait_output(moment)
+    pid = int(script.wait_output(r'pid (\d+)\n').group(1))
+    for each in [*process_table.descendants(pid), pid] if moment == 'setup' else [pid]:
+        os.kill(each, signal.SIGINT)
+    wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + script.output, END_S)
 
 
 def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):

@@ -49,8 +49,10 @@ def test_an_error_while_deferred_is_raised_first():
             raise ValueError
 
 
-def test_an_ignored_signal_stays_ignored():
-    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+def test_of_ignored_signals_only_sighup_stays_ignored():
+    for signum in SIGNALS:
+        signal.signal(signum, signal.SIG_IGN)
     Interrupts()
     os.kill(os.getpid(), signal.SIGHUP)
-    assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
+    assert [signum for signum in SIGNALS if signal.getsignal(signum) == signal.SIG_IGN] == [
+        signal.SIGHUP]

@@ -53,7 +53,8 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     reasons: 'queue.Queue[str]' = queue.Queue()
     rospy.core.add_preshutdown_hook(reasons.put)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) != signal.SIG_IGN:      # as under nohup
+        # nohup ignores this one; scripts ignore SIGINT for what they start in the background
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _shut_down)
     code = _run(serve)
     if code == 0 and _SUPERVISED in os.environ and rospy.core.is_shutdown_requested():
