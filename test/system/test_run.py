@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from img_recog_testing.pages import ROOT
+from img_recog_testing.pages import ROOT, read
 from img_recog_testing.waiting import DEADLINE_S, stretch
 
 SHARED = ('.venv', os.path.join('test', 'data'))        # takes too long to make again
@@ -173,6 +173,32 @@ def test_the_demo_is_local_unless_the_user_says_otherwise(given, hostname, maste
          'set_environment; echo "${ROS_HOSTNAME:-},$ROS_MASTER_URI,${ROS_IP:-}"'],
         cwd=ROOT, env={'PATH': '/usr/bin:/bin', **given}, stdout=subprocess.PIPE, check=True)
     assert done.stdout.decode() == '{},{},{}\n'.format(hostname, master, given.get('ROS_IP', ''))
+
+
+# What lies below build/
+
+def test_mutants_leave_no_copy_that_roslaunch_would_find(checkout, env):
+    tools = os.path.join('build', 'mutants', 'venv')
+    if os.path.isdir(os.path.join(ROOT, tools)):        # else it is downloaded
+        os.makedirs(os.path.dirname(os.path.join(checkout, tools)))
+        os.symlink(os.path.join(ROOT, tools), os.path.join(checkout, tools))
+    for words in (('init', '-q'), ('add', '.')):
+        subprocess.run(['git', *words], cwd=checkout, env=env, check=True)
+    _, made = run(checkout, env, 'mutants', '1', '--only', 'recognition/areas.py')
+    if 'pip failed' in made:
+        pytest.skip(made)
+    assert '[mutants] --seed' in made, made
+    assert [name for name, _, files in os.walk(checkout) if 'demo.launch' in files] == [
+        os.path.join(checkout, 'launch')]
+    commands = sorted(set(re.findall(r'(roslaunch|rosrun) img_recog ([\w.]+)', read('README.md'))))
+    assert len(commands) > 4
+    asked = {'roslaunch': 'roslaunch --files img_recog ',
+             'rosrun': 'rosrun --prefix echo img_recog '}
+    code, output = run(checkout, env, 'shell', 'bash', '-e', '-c',
+                       '\n'.join(asked[program] + name for program, name in commands))
+    assert code == 0, output
+    assert [os.path.basename(line) for line in output.splitlines()] == [
+        name for _, name in commands], output
 
 
 # Installation

@@ -15,6 +15,7 @@ import os
 import queue
 import random
 import sys
+import tempfile
 from collections import Counter
 from typing import List, Optional
 
@@ -90,17 +91,18 @@ def main(arguments: Optional[List[str]] = None) -> int:
     options = parser.parse_args(arguments)
     root, folder = os.environ['MUTANTS_ROOT'], os.environ['MUTANTS_FOLDER']
     seed = random.SystemRandom().randrange(10000) if options.seed is None else options.seed
-    tree = Tree(root, folder)
+    tree = Tree(root)
     mutants = draw(tree, options.number, seed, options.only)
-    # roslaunch looks for files in all folders of the package, except in those with a dot
-    workers = [Worker(tree.copy('.copy{}'.format(number)), os.environ['MUTANTS_PYTHON'])
-               for number in range(options.workers)]
-    try:
-        counts = run(mutants, workers, recorded(tree, workers[0], folder),
-                     Equivalents(tree.source('test/equivalent_mutants.yaml')))
-    finally:
-        for worker in workers:
-            worker.close()
+    # not below build/: roslaunch would find each file of the package twice
+    with tempfile.TemporaryDirectory(prefix='img_recog_mutants_') as copies:
+        workers = [Worker(tree.copy(os.path.join(copies, str(number))),
+                          os.environ['MUTANTS_PYTHON']) for number in range(options.workers)]
+        try:
+            counts = run(mutants, workers, recorded(tree, workers[0], folder),
+                         Equivalents(tree.source('test/equivalent_mutants.yaml')))
+        finally:
+            for worker in workers:
+                worker.close()
     print('[mutants] --seed {}: {}'.format(seed, _shown(counts)))
     return 0 if counts['killed'] >= _MIN_KILLED * (counts['killed'] + counts['survived']) else 1
 

@@ -74,7 +74,9 @@ def recorded(tree: Tree, worker: Worker, folder: str) -> Record:
         os.makedirs(os.path.join(folder, 'records'), exist_ok=True)
         whole = os.path.join(folder, 'record.json')
         if worker.ask(record=whole, files=missing) not in (0, 1):       # 1: some tests failed
-            sys.exit('[mutants] the tests cannot be run: see {}.log'.format(worker.copy))
+            with open(worker.copy + '.log', errors='replace') as log:
+                sys.exit('[mutants] the tests cannot be run:\n{}'.format(
+                    ''.join(log.readlines()[-20:])))
         with open(whole) as stream:
             record = json.load(stream)
         for test in record['failed']:

@@ -19,11 +19,10 @@ OTHER_TESTS = ('nodes', 'ros', 'test_walls.py')
 
 
 class Tree:
-    """The files of the working tree, and the copies of it in a folder."""
+    """The files of the working tree."""
 
-    def __init__(self, root: str, folder: str):
+    def __init__(self, root: str):
         self._root = root
-        self._folder = folder
         listed = subprocess.run(['git', 'ls-files', '-co', '--exclude-standard'], cwd=root,
                                 stdout=subprocess.PIPE, check=True, universal_newlines=True)
         self.files = sorted(name for name in listed.stdout.splitlines()
@@ -60,10 +59,8 @@ class Tree:
         with open(os.path.join(self._root, name), 'rb') as stream:
             return stream.read()
 
-    def copy(self, name: str) -> str:
-        """Make a copy with this name and return its path."""
-        path = os.path.join(self._folder, name)
-        shutil.rmtree(path, ignore_errors=True)
+    def copy(self, path: str) -> str:
+        """Make a copy with this path and return the path."""
         for file in self.files:
             os.makedirs(os.path.dirname(os.path.join(path, file)), exist_ok=True)
             shutil.copy2(os.path.join(self._root, file), os.path.join(path, file))
