@@ -16,7 +16,7 @@ from img_recog_testing.browser import Browser, need_chromium, status_of
 from img_recog_testing.processes import Ros, numbers
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
-CAMERA, BLUE = '/usb_cam/image_raw', '/blue_image'
+CAMERA, BLUE, RED = '/usb_cam/image_raw', '/blue_image', '/red_image'
 CARD_SHARE = 0.25       # of the image
 AGAIN_S = 5.0           # after which a click without effect is repeated
 VIEWERS = 20
@@ -24,6 +24,16 @@ PAGE_DOWN = '\ue00f'    # selenium's name of the key; it moves a slider by ten s
 ALT, ENTER, LEFT = '\ue00a', '\ue007', '\ue012'
 HELD = '''return [...document.querySelectorAll("[data-drive].held")].map(
               (each) => each.getAttribute("aria-label"))'''
+
+# whether the four corners and the middle of a picture are on the screen, with nothing above them
+IN_SIGHT = '''
+    const canvas = [...document.querySelectorAll("canvas[data-picture]")].find(
+      (each) => each.dataset.picture === arguments[0] && each.offsetParent);
+    if (!canvas) return false;
+    const box = canvas.getBoundingClientRect();
+    return [[0.05, 0.05], [0.95, 0.05], [0.5, 0.5], [0.05, 0.95], [0.95, 0.95]].every(
+      ([x, y]) => canvas.parentElement.contains(document.elementFromPoint(
+        box.left + x * box.width, box.top + y * box.height)));'''
 
 
 @pytest.fixture(scope='module')
@@ -245,8 +255,8 @@ def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(page):
         const box = canvas.getBoundingClientRect();
         const [x, y, size] = canvas.extent;
         const at = { bubbles: true, pointerId: 1, isPrimary: true,
-          clientX: box.left + (0.7 - x) / size * box.width,
-          clientY: box.bottom - (0.4 - y) / size * box.height };
+          clientX: box.right - (0.4 - y) / size * box.width,
+          clientY: box.bottom - (0.7 - x) / size * box.height };      // x is upward
         canvas.setPointerCapture = () => {};
         canvas.dispatchEvent(new PointerEvent("pointerdown", at));
         canvas.dispatchEvent(new PointerEvent("pointerup", at));'''),
@@ -254,6 +264,36 @@ def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(page):
                  lambda: 'the robot at another place: {}'.format(page.pose()))
     repeat_until(lambda: page.click('Back to the start'),
                  lambda: page.pose() == pytest.approx((0.0, 0.0), abs=0.05), 'the start')
+
+
+@pytest.mark.parametrize('options', [{}, dict(width=390, height=844, language='ja', dark=True)])
+def test_camera_and_color_are_in_sight_while_a_slider_of_the_color_is_touched(browse, options):
+    page = browse(**options)
+    page.tab('colors')
+    slider = 'const sliders = [...document.querySelectorAll(".q-slider [tabindex]")];' \
+             'const slider = sliders[(arguments[0] + sliders.length) % sliders.length];'
+    wait_for(lambda: page.js(slider + 'return Boolean(slider)', 0), 'the sliders')
+    for number, seen, hidden in ((-1, RED, BLUE), (0, BLUE, RED)):
+        repeat_until(lambda: page.js(slider + 'slider.blur(); slider.focus()', number),
+                     lambda: page.js(IN_SIGHT, seen), 'the picture of ' + seen)
+        assert page.js(IN_SIGHT, CAMERA) and not page.js(IN_SIGHT, hidden)
+        assert page.js(slider + 'const box = slider.getBoundingClientRect();'
+                       'return box.top >= 0 && box.bottom <= innerHeight', number)
+
+
+def test_the_speed_is_seen_beside_commands_far_above_it(demo, page):
+    chart = ('const name = document.querySelector("[data-chart=speeds]").id;'
+             'const option = getElement(Number(name.slice(1))).chart.getOption();'
+             'return [option.yAxis[0].max, option.series[0].name]')
+    change = 'rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract', 'blue_area_limit'
+    demo.run(*change, '100')
+    try:
+        name = ['asked: 0 to 10, cut off at the edge']
+        wait_for(lambda: page.js(chart)[1:] == name, lambda: page.js(chart))
+        assert 0.2 < page.js(chart)[0] <= 1.0
+    finally:
+        demo.run(*change, '200000')
+        page.click('Back to the start')
 
 
 def test_pause_and_resume(demo, page):

@@ -138,6 +138,7 @@ def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str,
 def _draw_map(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
     _draw_path(axes, rows, outlines)
     axes.autoscale_view()
+    axes.invert_xaxis()
     _set_title(axes, 'Path in the world')
 
 
@@ -146,25 +147,26 @@ def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray])
     low, high = rows[:, X:YAW].min(axis=0), rows[:, X:YAW].max(axis=0)
     middle, half = (low + high) / 2, (high - low).max() / 2
     half += max(_MIN_MARGIN_M, 0.2 * half)
-    axes.set_xlim(middle[0] - half, middle[0] + half)
-    axes.set_ylim(middle[1] - half, middle[1] + half)
+    axes.set_ylim(middle[0] - half, middle[0] + half)
+    axes.set_xlim(middle[1] + half, middle[1] - half)
     axes.ticklabel_format(useOffset=False)
     _set_title(axes, 'Close up')
     _finish(axes, axes.lines[1:])
 
 
 def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
+    # x is up and y is left, as in the picture of the simulation from above
     axes.set_aspect('equal', 'datalim')
     for outline in outlines:
-        axes.add_patch(Polygon(outline, facecolor=_WALL, edgecolor=_WALL, linewidth=0.5))
+        axes.add_patch(Polygon(outline[:, ::-1], facecolor=_WALL, edgecolor=_WALL, linewidth=0.5))
     x, y, yaw = rows[:, X], rows[:, Y], rows[:, YAW]
-    axes.plot(x, y, color=_DARK, linewidth=1.2)
+    axes.plot(y, x, color=_DARK, linewidth=1.2)
     position = 'last frame: {:.3f} m, {:.3f} m'.format(x[-1], y[-1])
     for row, color, size, name in ((0, _START, 14, 'start'), (-1, _LAST, 8, position)):
-        axes.plot(x[row], y[row], linestyle='', color=color, markersize=size,
-                  marker=(3, 0, np.degrees(yaw[row]) - 90), label=name)
-    axes.set_xlabel('x (m)')
-    axes.set_ylabel('y (m)')
+        axes.plot(y[row], x[row], linestyle='', color=color, markersize=size,
+                  marker=(3, 0, np.degrees(yaw[row])), label=name)
+    axes.set_xlabel('y (m)')
+    axes.set_ylabel('x (m)')
     axes.grid(True, linewidth=0.3)
 
 

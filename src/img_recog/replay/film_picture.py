@@ -10,6 +10,8 @@ from img_recog.recognition.settings import Color
 from img_recog.replay.film_parts import (HISTORY_S, INK, NORMAL, SMALL, SOFT, TITLE_PX, Box,
                                          fitting_scale, put_card, put_chart, put_image, put_text)
 
+Points = List[Tuple[float, float]]      # of a line: time in s, value
+
 WIDTH, HEIGHT = 1280, 720
 _MARGIN = 10
 # BGR
@@ -22,6 +24,7 @@ _ROW = 360              # height of the upper row
 _MAP_MARGIN_M, _MIN_MAP_M = 0.3, 2.0
 _ROBOT_M = 0.15
 _JUMP_M = 0.5           # between two positions that follow one another: the robot was moved
+_MIN_SPEED = 0.2        # m/s; the chart shows at least those up to one and a half times this one
 _HUE_STEP = 15          # between the colors of two lines, of 180
 
 
@@ -68,10 +71,10 @@ class FilmPicture:
                    for number, (color, shown) in enumerate(zip(self._colors, self._shown))],
                   time_s, [(float(color.area_limit_px), shown)
                            for color, shown in zip(self._colors, self._shown)])
+        asked, driven = ([(row[0], row[column]) for row in self._speeds] for column in (1, 2))
+        name, asked = cut_off('asked', asked, driven)
         put_chart(picture, (left, lower, WIDTH - left - _MARGIN, height), 'speed (m/s)',
-                  [('asked', _ASKED, [(row[0], row[1]) for row in self._speeds]),
-                   ('driven', _DRIVEN, [(row[0], row[2]) for row in self._speeds])],
-                  time_s, [])
+                  [(name, _ASKED, asked), ('driven', _DRIVEN, driven)], time_s, [])
         return picture
 
     def _remember(self, time_s: float, areas_px: Sequence[int]) -> None:
@@ -115,7 +118,8 @@ class FilmPicture:
         middle = np.array([area.shape[1], area.shape[0]]) / 2
 
         def at(points: np.ndarray) -> np.ndarray:
-            shift = (np.asarray(points, float).reshape(-1, 2) - center) * (scale, -scale)
+            # x is up and y is left, as in the picture of the simulation from above
+            shift = (np.asarray(points, float).reshape(-1, 2) - center)[:, ::-1] * -scale
             return np.round(middle + shift).astype(np.int32)
         for outline in self._outlines:
             cv2.fillPoly(area, [at(outline)], SOFT, cv2.LINE_AA)
@@ -129,10 +133,28 @@ class FilmPicture:
             turn = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
             arrow = np.array([(1.0, 0.0), (-0.7, 0.7), (-0.35, 0.0), (-0.7, -0.7)])
             cv2.fillPoly(area, [at(arrow * _ROBOT_M @ turn.T + (x, y))], _ROBOT, cv2.LINE_AA)
-        meter = int(round(scale))
-        foot = area.shape[0] - 8
-        cv2.line(area, (8, foot), (8 + meter, foot), INK, 2)
-        put_text(area, '1 m', (12 + meter, foot + 4), SMALL)
+        corner = area.shape[1] - 30, area.shape[0] - 18
+        for name, (x, y), place in (('x', (1, 0), (-4, -6)), ('y', (0, 1), (-12, 4))):
+            end = corner[0] - round(y * scale), corner[1] - round(x * scale)
+            cv2.line(area, corner, end, INK, 2)
+            put_text(area, name, (end[0] + place[0], end[1] + place[1]), SMALL)
+        put_text(area, '1 m', (corner[0] - round(scale / 2) - 12, corner[1] + 14), SMALL)
+
+
+def cut_off(name: str, asked: Points, driven: Points) -> Tuple[str, Points]:
+    """Return the name and the points of commands, none far above what is driven.
+
+    They would make its line flat; they end at the edge of the chart.
+
+    >>> cut_off('asked', [(0.0, 10.0), (0.1, -10.0)], [(0.0, 0.2), (0.1, 0.1)])
+    ('asked: -10 to 10, cut off', [(0.0, 0.3), (0.1, -0.3)])
+    """
+    edge = round(1.5 * max(_MIN_SPEED, *(abs(value) for _, value in driven)), 2)
+    values = [value for _, value in asked]
+    if all(abs(value) <= edge for value in values):
+        return name, asked
+    return ('{}: {:.3g} to {:.3g}, cut off'.format(name, min(0.0, *values), max(0.0, *values)),
+            [(time_s, max(-edge, min(edge, value))) for time_s, value in asked])
 
 
 def line_colors(colors: Sequence[Color]) -> List[Tuple[int, int, int]]:

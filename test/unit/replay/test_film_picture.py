@@ -64,14 +64,14 @@ def test_lines_of_the_same_hue_have_different_colors():
     assert len(line_colors(many_colors(20))) == 20
 
 
-@pytest.mark.parametrize('pose, side', [((2.0, 2.0, 0.0), (0, 0)), ((3.5, 2.0, 1.0), (1, 0)),
-                                        ((2.0, 0.5, -2.0), (0, 1))])
+@pytest.mark.parametrize('pose, side', [((2.0, 2.0, 0.0), (0, 0)), ((3.5, 2.0, 1.0), (0, -1)),
+                                        ((2.0, 0.5, -2.0), (1, 0))])
 def test_the_robot_is_where_it_is_in_the_map(pose, side):
     picture = draw(FilmPicture(SETTINGS.colors, [SQUARE]), pose=pose)
     x, y = center_of(picture[34:394, 740:1270], ROBOT)
     scale = 360 / 4.6       # the square with its margin
     assert x - 265 == pytest.approx(side[0] * 1.5 * scale, abs=10)
-    assert y - 180 == pytest.approx(side[1] * 1.5 * scale, abs=10)      # y is upwards
+    assert y - 180 == pytest.approx(side[1] * 1.5 * scale, abs=10)      # x is upward
 
 
 def test_the_path_has_a_gap_where_the_robot_was_moved():
@@ -80,14 +80,25 @@ def test_the_path_has_a_gap_where_the_robot_was_moved():
         picture = draw(film, pose=(x, y, 0.0))
     path = (picture[34:394, 740:1270] == PATH).all(axis=2)
     scale = 360 / 4.6
-    assert path[:, :265].sum() == pytest.approx(0.8 * scale * 3, rel=0.3)
-    assert path[:, 265:].sum() > 0.2 * scale        # the robot covers the rest
+    assert path[:, 265:].sum() == pytest.approx(0.8 * scale * 3, rel=0.3)
+    assert path[:, :265].sum() > 0.2 * scale        # the robot covers the rest
     assert not path[180 - 20:180 + 20].any()        # between them
 
 
 def test_without_odometry_there_is_no_robot():
     picture = draw(FilmPicture(SETTINGS.colors, []), pose=None)
     assert center_of(picture[34:394, 740:1270], ROBOT) is None
+
+
+@pytest.mark.parametrize('driven, asked', [(0.1, 10.0), (0.1, -10.0), (4.0, 100.0)])
+def test_commands_far_above_the_speed_do_not_make_its_line_flat(driven, asked):
+    film = FilmPicture(SETTINGS.colors, [])
+    for time_s, speed in ((0.0, 0.0), (1.0, driven)):
+        film.pose, film.asked, film.driven = None, asked, speed
+        picture = film.draw(time_s, card(), [], (0, 0))
+    chart = picture[450:690, 800:1268].astype(int)
+    rows = np.nonzero((abs(chart - (43, 142, 242)) < 3).all(axis=2))[0]
+    assert np.ptp(rows) > 0.2 * len(chart)
 
 
 def test_old_values_leave_the_charts():

@@ -1,5 +1,6 @@
 """The tab with the bounds, limits and commands of the colors."""
 import json
+from functools import partial
 from typing import Any, Dict, List
 
 from nicegui import ui
@@ -19,29 +20,34 @@ TEXTS = {
     'area_limit': ('Command above (pixels)', '指令を出す面積の下限（画素数）'),
     'linear_x': ('Speed (m/s)', '速度 (m/s)'),
     'angular_z': ('Turn rate (rad/s)', '旋回速度 (rad/s)'),
-    'pick': ('Choose a color here, then click it in the camera picture: that sets its bounds.',
-             'ここで色を選び、カメラ画像でその色をクリックすると、範囲が設定されます。'),
+    'pick': ('Choose a color here, then click it in the camera picture: that sets its bounds. '
+             'A color is also chosen when its sliders are touched.',
+             'ここで色を選び、カメラ画像でその色をクリックすると、範囲が設定されます。'
+             'スライダに触れても、その色が選ばれます。'),
     'proposed': ('Bounds of {} from the picture: hue {} to {}', '{} の範囲を画像から設定: 色相 {}〜{}'),
     'save': ('Save as a file', 'ファイルに保存'),
     'saved': ('Saved. To use it: ./run demo colors:={}', '保存しました。使い方: ./run demo colors:={}'),
     'no_recognition': ('The node color_extract does not answer.',
                        'ノード color_extract が応答しません。')}
-_PICTURES = 3
 
 
 class ColorsTab:
-    """The tab of one visitor."""
+    """The tab of one visitor. The picture of one color is shown: of the one that is chosen."""
 
     def __init__(self, visit: Visit):
         """Add its elements; the sliders follow as soon as the node answers."""
         self._colors, self._t, self._calls = visit.robot.colors, visit.texts, OneCall()
         self._sliders: Dict[str, Slider] = {}
+        self._masks: Dict[str, Any] = {}
         self._revision = -1
-        self._picked = ''
+        self._choice: Any = None
         with ui.element('div').classes('tuning'):
-            with ui.element('div').classes('column-cards'):
-                for each in visit.pictures[:_PICTURES]:
-                    picture(self._t, each, 'pick' if each.title == 'camera' else '')
+            with ui.element('div').classes('column-cards in-sight'):
+                for each in visit.pictures:
+                    if each.title == 'camera':
+                        picture(self._t, each, 'pick')
+                    elif each.title == 'mask':
+                        self._masks[each.color] = picture(self._t, each)
             self._tuning = ui.element('div').classes('column-cards')
         self._build({}, [])
         ui.on('pick', self._on_pick, throttle=0.2)
@@ -69,16 +75,25 @@ class ColorsTab:
         with self._tuning:
             if not names:
                 paragraph(self._t('no_recognition'))
+                self._show_mask(next(iter(self._masks), ''))
                 return
-            self._picked = self._picked if self._picked in names else names[0]
-            ui.toggle({name: name for name in names}, value=self._picked,
-                      on_change=lambda event: setattr(self, '_picked', event.value)).props(
-                          'dense no-caps role=group aria-label="{}"'.format(self._t('colors')))
+            chosen = self._choice.value if self._choice is not None else ''
+            self._choice = ui.toggle(names, value=chosen if chosen in names else names[0]).props(
+                'dense no-caps role=group aria-label="{}"'.format(self._t('colors')))
+            self._choice.on_value_change(lambda event: self._show_mask(event.value))
+            self._show_mask(self._choice.value)
             paragraph(self._t('pick'))
             for name in names:
-                with card(name), ui.element('div').classes('sliders'):
+                section = card(name)
+                for touch in ('pointerdown', 'focusin'):
+                    section.on(touch, partial(self._choice.set_value, name), args=[])
+                with section, ui.element('div').classes('sliders'):
                     self._color(name, values)
             ui.button(self._t('save'), icon='save', on_click=self._save).props('no-caps')
+
+    def _show_mask(self, color: str) -> None:
+        for name, shown in self._masks.items():
+            shown.set_visibility(name == color)
 
     def _color(self, name: str, values: Dict[str, Any]) -> None:
         for bound in ('hue_min', 'hue_max'):
@@ -104,7 +119,7 @@ class ColorsTab:
             topic, (x, y) = str(event.args['topic']), (float(event.args[key]) for key in 'xy')
         except (TypeError, ValueError, KeyError):
             return
-        color = self._picked
+        color = self._choice.value if self._choice is not None else ''
         bounds = await self._calls.wait_for(self._colors.propose, topic, x, y, color)
         if bounds:
             ui.notify(self._t('proposed', color, bounds['hue_min'], bounds['hue_max']))

@@ -29,15 +29,17 @@ def paragraph(text: str) -> None:
         ui.label(text)
 
 
-def picture(texts: Texts, shown: PictureTopic, classes: str = '') -> None:
-    """Add the picture of a topic."""
+def picture(texts: Texts, shown: PictureTopic, classes: str = '') -> Any:
+    """Add the picture of a topic; return its card."""
     title = texts(shown.title, shown.color)
-    with card(title), ui.element('div').classes('picture'):
+    section = card(title)
+    with section, ui.element('div').classes('picture'):
         ui.element('canvas').classes(classes).props(
             'data-picture="{}" role=img aria-label="{}"'.format(shown.topic, title))
         with ui.element('div').classes('empty'):
             ui.label(texts('no_image'))
         ui.element('div').classes('age').props('aria-live=off')
+    return section
 
 
 def button(icon: str, label: str, on_click: Callable) -> Any:

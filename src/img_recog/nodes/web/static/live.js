@@ -70,10 +70,37 @@
     }
     const speeds = chart('speeds');
     if (speeds) {
-      speeds.setOption({ series: [['asked', 'asked'], ['driven', 'driven']].map(([kind, key]) => ({
-        name: text(key), type: 'line', showSymbol: false, animation: false,
-        step: kind === 'asked' ? 'end' : false, data: column(state[kind], 1) })) });
+      const [asked, driven] = [column(state.asked, 1), column(state.driven, 1)];
+      const cut = cutOff(asked, driven);
+      speeds.setOption({ yAxis: { min: cut.low, max: cut.high, interval: cut.interval }, series: [
+        { id: 'asked', name: text('asked') + cut.note, step: 'end', data: cut.points },
+        { id: 'driven', name: text('driven'), data: driven },
+      ].map((each) => ({ type: 'line', showSymbol: false, animation: false, ...each })) });
     }
+  }
+
+  // commands far above what is driven would make its line flat: they end at the edge of the chart
+  function cutOff(asked, driven) {
+    const values = asked.map((each) => each[1] || 0);
+    const [least, most] = [Math.min(0, ...values), Math.max(0, ...values)];
+    const edge = roundUp(1.3 * Math.max(0.2, ...driven.map((each) => Math.abs(each[1]))),
+      [1, 2, 3, 5, 10]);
+    if (most <= edge && least >= -edge) {
+      return { points: asked, low: null, high: null, interval: null, note: '' };
+    }
+    const speeds = [...values, ...driven.map((each) => each[1])];
+    const short = (value) => String(Number(value.toPrecision(3)));
+    return { points: asked.map(([time, value]) => [time,
+      value === null ? null : Math.max(-edge, Math.min(edge, value))]),
+      low: Math.min(...speeds) < 0 ? -edge : 0, high: Math.max(...speeds) > 0 ? edge : 0,
+      interval: edge / 2,
+      note: text('cut_off').replace('{}', short(least)).replace('{}', short(most)) };
+  }
+
+  // the least of these factors times a power of ten that is not less than a value
+  function roundUp(value, factors) {
+    const power = 10 ** Math.floor(Math.log10(value));
+    return power * factors.find((each) => each * power >= value);
   }
 
   // room for all rows of the legend; sizes in pixels, as ECharts has them
@@ -99,7 +126,7 @@
       label: { show: false }, lineStyle: { type: 'dashed' }, data: [{ yAxis: limit }] };
   }
 
-  // ---- the map
+  // ---- the map: x is up and y is left, as in the simulator's picture from above
   function bounds() {
     // of the path, what came after the robot was moved: it may have been far away
     const points = [...(state.outlines || []).flat(),
@@ -118,8 +145,8 @@
   function toMap(canvas, event) {
     const box = canvas.getBoundingClientRect();
     const [x, y, size] = canvas.extent || bounds();
-    return [x + (event.clientX - box.left) / box.width * size,
-      y + (box.bottom - event.clientY) / box.height * size];
+    return [x + (box.bottom - event.clientY) / box.height * size,
+      y + (box.right - event.clientX) / box.width * size];
   }
 
   function drawMap(canvas) {
@@ -128,26 +155,30 @@
     if (canvas.width !== side) { canvas.width = side; canvas.height = side; }
     const [x0, y0, size] = canvas.extent = bounds();
     const scale = side / size;
-    const at = ([x, y]) => [(x - x0) * scale, side - (y - y0) * scale];
+    const at = ([x, y]) => [side - (y - y0) * scale, side - (x - x0) * scale];
     const context = canvas.getContext('2d');
     context.clearRect(0, 0, side, side);
     context.lineWidth = devicePixelRatio;
     context.font = `${11 * devicePixelRatio}px sans-serif`;
     // a grid of whole meters; its labels stand on what is in the world
-    const power = 10 ** Math.floor(Math.log10(size / MAP_LINES));
-    const step = Math.max(1, [1, 2, 5, 10].map((each) => each * power).find(
-      (each) => size / each <= MAP_LINES));
+    const step = Math.max(1, roundUp(size / MAP_LINES, [1, 2, 5, 10]));
     const labels = [];
     context.strokeStyle = css('--soft');
     context.globalAlpha = 0.6;
     for (let m = Math.ceil(x0 / step) * step; m < x0 + size; m += step) {
       line(context, [at([m, y0]), at([m, y0 + size])]);
-      labels.push([`${m} m`, at([m, y0])[0] + 3, side - 4]);
+      const y = at([m, y0])[1];       // the corner has those of the other axis
+      if (y > 14 * devicePixelRatio && y < side - 20 * devicePixelRatio) {
+        labels.push([`x ${m} m`, 3, y - 3]);
+      }
     }
-    for (let m = Math.ceil(y0 / step) * step; m < y0 + size; m += step) {
+    let end = 0;
+    for (let m = Math.floor((y0 + size) / step) * step; m > y0; m -= step) {
       line(context, [at([x0, m]), at([x0 + size, m])]);
-      const y = at([x0, m])[1];       // the corner has those of the other axis
-      if (y < side - 20 * devicePixelRatio) labels.push([`${m} m`, 3, y - 3]);
+      const [label, x] = [`y ${m} m`, at([x0, m])[0] + 3];
+      if (x < end) continue;
+      labels.push([label, x, side - 4]);
+      end = x + context.measureText(label).width + 3;
     }
     context.globalAlpha = 1;
     context.strokeStyle = css('--line');
@@ -208,7 +239,7 @@
   function arrow(context, [x, y], yaw, size, color) {
     context.save();
     context.translate(x, y);
-    context.rotate(-yaw);
+    context.rotate(-yaw - Math.PI / 2);
     context.fillStyle = color;
     context.beginPath();
     context.moveTo(size, 0);

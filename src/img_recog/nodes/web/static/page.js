@@ -116,7 +116,7 @@
       if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
         canvas.width = bitmap.width;
         canvas.height = bitmap.height;
-        canvas.parentElement.style.aspectRatio = bitmap.width + ' / ' + bitmap.height;
+        canvas.parentElement.style.setProperty('--ratio', bitmap.width / bitmap.height);
       }
       canvas.getContext('2d').drawImage(bitmap, 0, 0);
       canvas.drawn = performance.now();
@@ -144,6 +144,10 @@
   }, 2000);
   document.addEventListener('DOMContentLoaded', () => {
     adopt();
+    // below it is what stays in sight; its height depends on the font and the width
+    const header = document.querySelector('.q-header');
+    new ResizeObserver(() => document.documentElement.style.setProperty(
+      '--header', header.offsetHeight + 'px')).observe(header);
     // NiceGUI's own, which is in the language of the server
     all('#popup > span').forEach((line, index) => {
       line.textContent = text(['connection_lost', 'reconnecting'][index]);
