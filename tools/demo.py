@@ -16,6 +16,7 @@ import sys
 import termios
 import time
 
+import demo_master
 import demo_values
 import launch_output
 import process_tree
@@ -251,10 +252,12 @@ def main(launch_file, *words):
     try:
         checked = Arguments(launch_file).checked(words)
         demo_values.check(checked)
+        claim = demo_master.Claim(checked)
     except (ArgumentError, UserError) as error:
         sys.stderr.write('[run] {}\n'.format(error))
         return 1
-    return Supervisor().run(['roslaunch', 'img_recog', 'demo.launch', *checked])
+    with contextlib.closing(claim):
+        return Supervisor().run(['roslaunch', 'img_recog', 'demo.launch', *checked])
 
 
 if __name__ == '__main__':

@@ -20,10 +20,10 @@ missing_packages() {
 
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then
-    "$@"
+    "$@" 9>&-           # a service that a package starts must not keep the lock
   else
     command -v sudo >/dev/null || fail "need root for: $*; install sudo or run ./run setup as root"
-    sudo "$@"
+    sudo "$@" 9>&-
   fi
 }
 

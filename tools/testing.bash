@@ -77,8 +77,7 @@ run_tests() {
     log="build/test.log and $log"
     run_all_tests || verdict=$?
   else
-    cmake --build "$build" --target tests >"$build/make.log" 2>&1 ||
-      { tail -n 20 "$build/make.log" >&2; fail "the build failed, see build/make.log"; }
+    build_target tests
     for folder in ${kind:-unit rostest system}; do
       run_kind "$folder" "$expression" || verdict=$?
     done
@@ -126,6 +125,7 @@ mutants() {
   local folder=$build/mutants list=$root/tools/mutants/requirements.txt
   "$python" -c 'import sys; sys.exit(sys.version_info < (3, 9))' ||
     fail "cosmic-ray needs Python 3.9 or later; this is $("$python" -V)"
+  lock
   if ! cmp -s "$list" "$folder/venv/requirements.txt"; then
     say "installing into build/mutants/venv: $(listed "$list" | xargs)"
     "$python" -m venv --clear --system-site-packages "$folder/venv"
@@ -134,6 +134,7 @@ mutants() {
       { tail -n 5 "$folder/pip.log" >&2; fail "pip failed, see build/mutants/pip.log"; }
     cp "$list" "$folder/venv/requirements.txt"
   fi
+  unlock
   export MUTANTS_ROOT=$root MUTANTS_FOLDER=$folder MUTANTS_PYTHON=$venv/bin/python3
   exec "$folder/venv/bin/python3" "$root/tools/mutants/main.py" "$@"
 }

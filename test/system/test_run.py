@@ -10,7 +10,8 @@ import time
 import pytest
 
 from img_recog_testing.pages import ROOT, read
-from img_recog_testing.waiting import DEADLINE_S, stretch
+from img_recog_testing.processes import Process
+from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 SHARED = ('.venv', os.path.join('test', 'data'))        # takes too long to make again
 
@@ -173,6 +174,27 @@ def test_the_demo_is_local_unless_the_user_says_otherwise(given, hostname, maste
          'set_environment; echo "${ROS_HOSTNAME:-},$ROS_MASTER_URI,${ROS_IP:-}"'],
         cwd=ROOT, env={'PATH': '/usr/bin:/bin', **given}, stdout=subprocess.PIPE, check=True)
     assert done.stdout.decode() == '{},{},{}\n'.format(hostname, master, given.get('ROS_IP', ''))
+
+
+# Two at once
+
+def test_one_waits_while_another_builds_in_the_same_folder(checkout, env, tmp_path):
+    calls, go_on = tmp_path / 'calls', tmp_path / 'go on'
+    cmake = tmp_path / 'bin' / 'cmake'
+    cmake.parent.mkdir()
+    cmake.write_text('#!/bin/bash\necho "$@" >>{}\nwhile [ ! -e "{}" ]; do sleep 0.02; done\n'
+                     'exec /usr/bin/cmake "$@"\n'.format(calls, go_on))
+    cmake.chmod(0o755)
+    shutil.rmtree(os.path.join(checkout, 'build'), ignore_errors=True)
+    env = dict(env, PATH='{}:{}'.format(cmake.parent, env['PATH']))
+    first = Process(['./run', 'shell', 'true'], env, cwd=checkout)
+    wait_for(calls.exists, lambda: 'cmake in:\n' + first.output)
+    second = Process(['./run', 'shell', 'true'], env, cwd=checkout)
+    second.wait_output('waiting for another ./run in this folder\n')
+    go_on.touch()
+    assert first.wait() == second.wait() == 0, first.output + second.output
+    assert second.output == '[run] waiting for another ./run in this folder\n'
+    assert len(calls.read_text().splitlines()) == 2         # configures and builds once
 
 
 # What lies below build/

@@ -226,6 +226,42 @@ def test_xacro_that_cannot_be_expanded_is_refused_before_anything_starts(run_dem
     assert 'process[' not in demo.output
 
 
+SMALL = 'camera:=none', 'recognition:=false', 'teleop:=false', 'world:=empty'
+MASTER = r'ROS_MASTER_URI=(http://\w+:\d+)'         # a line of roslaunch
+
+
+def test_without_a_given_master_each_demo_has_its_own(run_demo, ros):
+    del run_demo.env['ROS_MASTER_URI']
+    demos = [run_demo(*SMALL), run_demo(*SMALL)]        # at once
+    for demo in demos:
+        demo.wait_output('the robot is at the start')
+    first, second = [demo.wait_output(MASTER).group(1) for demo in demos]
+    assert first != second
+    assert any('uses port 11311: the master of this demo is {};'.format(uri) in demo.output
+               for demo, uri in zip(demos, (first, second)))
+    shell = ros.start(os.path.join(ROOT, 'run'), 'shell', 'rosnode', 'ping', '-c', '1', '/gazebo',
+                      env=run_demo.env)
+    assert shell.wait() == 0
+    assert re.search('xmlrpc reply from http://localhost', shell.output), shell.output
+    for demo in demos:
+        assert demo.is_running()
+        assert interrupt(demo) == 0
+
+
+def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
+    first = run_demo(*SMALL)
+    first.wait_output('the robot is at the start')
+    second = run_demo('camera:=synthetic')
+    assert second.wait() == 1
+    assert last_line(second).startswith(
+        '[run] the master {} has /gazebo of another demo, which this one would end; stop '.format(
+            ros.master_uri)), second.output
+    assert ros.node_pid('/gazebo') and first.is_running()
+    others = run_demo('simulator:=false', 'teleop:=false', 'camera:=none', 'use_sim_time:=true')
+    others.wait_output(r'process\[color_extract-\d+\]: started')
+    assert interrupt(others) == 0 and first.is_running()
+
+
 def test_a_killed_master_is_reported_and_ends_the_demo(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')

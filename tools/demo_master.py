@@ -1,0 +1,161 @@
+"""Choose the master of a demo, so that no demo takes the names of another one's nodes.
+
+The master forgets the first of two nodes with one name, and that node ends: a second demo on the
+same master would end the first one.
+"""
+import fcntl
+import os
+import socket
+import subprocess
+import sys
+import time
+import urllib.parse
+
+from img_recog import timed_xmlrpc
+from img_recog.errors import UserError
+
+FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'build', 'master')
+_FIRST_PORT, _LAST_PORT = 11311, 11811
+_STARTS_NOTHING = {'--ros-args', '--nodes', '--files', '--find-node', '--dump-params', '--args',
+                   '--help', '-h'}
+_PORT_OPTIONS = ('-p', '--port')
+# of these, two on one master make no sense; a second page or window does no harm
+_PARTS = {'/gazebo', '/robots', '/usb_cam', '/color_extract', '/turtlebot3_teleop_keyboard'}
+_NAME = '/img_recog_demo'
+_CALL_TIMEOUT_S, _FIRST_NODE_TIMEOUT_S, _POLL_PERIOD_S = 2.0, 10.0, 0.2
+
+
+class Claim:
+    """The master of this demo, which other demos on this machine leave alone until this ends."""
+
+    def __init__(self, words):
+        """Set ROS_MASTER_URI, unless the user has; write it to FILE for ./run shell.
+
+        words: for roslaunch. Raises UserError if another demo uses the master of the user.
+        """
+        self._words, self._mark, self._file = words, None, None
+        if _STARTS_NOTHING.intersection(words):
+            return
+        port = next((words[i + 1] for i, word in enumerate(words) if word in _PORT_OPTIONS), '')
+        uri = 'http://localhost:' + port if port else os.environ.get('ROS_MASTER_URI', '')
+        if uri:
+            self._check(uri)
+        else:
+            uri = os.environ['ROS_MASTER_URI'] = self._free()
+        self._write(uri)
+
+    def close(self):
+        """Remove the file, unless a later demo has replaced it."""
+        if self._file is not None and os.path.exists(FILE) and os.path.samestat(
+                os.stat(FILE), os.fstat(self._file)):
+            os.remove(FILE)
+
+    def _check(self, uri):
+        if not self._mark_used(uri):
+            # that demo may be starting
+            end = time.monotonic() + _FIRST_NODE_TIMEOUT_S
+            while not _nodes(uri) - {'/rosout'} and time.monotonic() < end:
+                time.sleep(_POLL_PERIOD_S)
+        taken = self._taken(uri)
+        if taken:
+            raise UserError(
+                'the master {} has {} of another demo, which this one would end'.format(
+                    uri, taken),
+                'stop that one, or set ROS_MASTER_URI to another port, like http://localhost:{}'
+                .format(_FIRST_PORT + 1))
+
+    def _free(self):
+        """Return the first master that no demo uses; say so if it is not the usual one."""
+        user = 'another demo'
+        for port in range(_FIRST_PORT, _LAST_PORT + 1):
+            uri = 'http://localhost:{}'.format(port)
+            if not self._mark_used(uri):
+                continue
+            if not _is_listening(port):
+                break
+            if port == _FIRST_PORT:
+                taken = self._taken(uri)
+                if not taken and _is_master(uri):       # a separate roscore
+                    break
+                user = 'another demo ({})'.format(taken) if taken else 'another program'
+            self._mark.close()
+        else:
+            raise UserError('no free port from {} to {}'.format(_FIRST_PORT, _LAST_PORT),
+                            'set ROS_MASTER_URI')
+        if port != _FIRST_PORT:
+            sys.stdout.write(
+                '[run] {} uses port {}: the master of this demo is {}; ./run shell in this folder '
+                'finds it, in other terminals set ROS_MASTER_URI\n'.format(
+                    user, _FIRST_PORT, uri))
+            sys.stdout.flush()
+        return uri
+
+    def _mark_used(self, uri):
+        """Mark a master as used until this process ends; return whether no other demo has."""
+        address = urllib.parse.urlsplit(uri).netloc.replace('127.0.0.1', 'localhost')
+        self._mark = socket.socket(socket.AF_UNIX)
+        try:
+            # in no folder: for all users of this machine, and gone with this process
+            self._mark.bind('\0img_recog demo ' + address[:80])
+        except OSError:
+            self._mark.close()
+            return False
+        return True
+
+    def _taken(self, uri):
+        """Return the names on a master that this demo would take from nodes that answer."""
+        running = _nodes(uri) & _PARTS
+        if not running:
+            return ''
+        listed = subprocess.run(
+            ['roslaunch', '--nodes', 'img_recog', 'demo.launch', *self._words],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False,
+            universal_newlines=True)
+        return ', '.join(name for name in sorted(running.intersection(listed.stdout.split()))
+                         if _answers(uri, name))
+
+    def _write(self, uri):
+        own = '{}.{}'.format(FILE, os.getpid())
+        self._file = os.open(own, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
+        os.write(self._file, uri.encode() + b'\n')
+        # unlocked when this process ends, however it does
+        fcntl.flock(self._file, fcntl.LOCK_EX)
+        os.rename(own, FILE)
+
+
+def _is_listening(port):
+    with socket.socket() as other:
+        other.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            other.bind(('', port))
+        except OSError:
+            return True
+    return False
+
+
+def _call(uri, method, *arguments):
+    """Return the value of a call of a master or a node; raise one of timed_xmlrpc.ERRORS."""
+    with timed_xmlrpc.server(uri, _CALL_TIMEOUT_S) as server:
+        return getattr(server, method)(_NAME, *arguments)[2]
+
+
+def _is_master(uri):
+    try:
+        return _call(uri, 'getUri') != 0
+    except timed_xmlrpc.ERRORS:
+        return False
+
+
+def _nodes(uri):
+    try:
+        return {node for kind in _call(uri, 'getSystemState') for _, nodes in kind
+                for node in nodes}
+    except timed_xmlrpc.ERRORS:
+        return set()
+
+
+def _answers(uri, node):
+    try:
+        return _call(_call(uri, 'lookupNode', node), 'getPid') > 0
+    except timed_xmlrpc.ERRORS:
+        return False
