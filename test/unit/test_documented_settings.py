@@ -6,7 +6,9 @@ from img_recog_testing.pages import read, rows
 
 from img_recog.camera import settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.nodes.gazebo.lockstep import LockstepSettings
 from img_recog.nodes.gazebo.robot_plans import robot_settings_classes
+from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.recognition.settings import with_colors
 from img_recog.settings import SettingError, setting_fields
 from img_recog.simulation import settings as simulation
@@ -15,7 +17,8 @@ from img_recog.teleoperation.settings import TeleopSettings
 CLASSES = {
     'usb_cam': (camera.CameraSettings, camera.ControlSettings, CompressionSettings),
     'color_extract': (with_colors(),),
-    'gazebo': (simulation.PhysicsSettings, simulation.ViewSettings, *robot_settings_classes()),
+    'gazebo': (simulation.PhysicsSettings, simulation.ViewSettings, LockstepSettings,
+               SteppingSettings, *robot_settings_classes()),
     'turtlebot3_teleop_keyboard': (TeleopSettings,)}
 ROWS = {(node, row[0].strip('`')): row for node in CLASSES
         for row in rows(read('doc/reference.md'), node, 'name')}

@@ -32,9 +32,10 @@ class CompressedImages:
     sent, dropped: counters of the published and the dropped images.
     """
 
-    def __init__(self, topic: str):
+    def __init__(self, topic: str, latch: bool = False):
         """Advertise the topic TOPIC/compressed of the raw topic `topic`.
 
+        latch: whether a new subscriber gets the last image, of those since the first subscriber.
         Raises ParameterError when a parameter has a value that is not allowed.
         """
         name = image_topics.topic_beside(topic)
@@ -43,14 +44,17 @@ class CompressedImages:
         self._images, self._closed = LatestValue(), threading.Event()
         self._warn = ThrottledWarning()
         self.sent, self.dropped = Counter(), Counter()
-        self._publisher = rospy.Publisher(name, CompressedImage, queue_size=1)
+        self._publisher = rospy.Publisher(name, CompressedImage, latch=latch, queue_size=1)
+        self._latch, self._was_wanted = latch, False
         self._parameters = Reconfigurable(settings, lambda _: None, name)
         self._worker = threading.Thread(target=self._work, daemon=True)
         self._worker.start()
 
     def is_wanted(self) -> bool:
-        """Return whether there is a subscriber."""
-        return self._publisher.get_num_connections() > 0
+        """Return whether there is a subscriber, or one may come back that gets the last image."""
+        is_wanted = self._publisher.get_num_connections() > 0
+        self._was_wanted |= is_wanted
+        return is_wanted or (self._latch and self._was_wanted)
 
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Send the image if there is a subscriber; return immediately.

@@ -52,7 +52,7 @@ class CallQueue:
 
     def __init__(self):
         self._condition = threading.Condition()
-        self._waiting = []
+        self._waiting, self._is_woken = [], False
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -72,14 +72,20 @@ class CallQueue:
         finally:
             future.cancel()
 
+    def wake(self) -> None:
+        """End the wait of the loop now; if it does not wait, its next wait ends immediately."""
+        with self._condition:
+            self._is_woken = True
+            self._condition.notify()
+
     def process(self, timeout_s: float) -> None:
         """Execute the waiting calls, or wait up to `timeout_s` for the first; for the loop."""
         if not self._waiting and timeout_s <= 0:
             return
         with self._condition:
-            if not self._waiting:
+            if not (self._waiting or self._is_woken):
                 self._condition.wait(timeout_s)
-            waiting, self._waiting = self._waiting, []
+            waiting, self._waiting, self._is_woken = self._waiting, [], False
         for action, future in waiting:
             if future.set_running_or_notify_cancel():
                 try:

@@ -1,5 +1,5 @@
 """World and vehicles, advanced together by whole steps."""
-from typing import Any, List, Sequence
+from typing import Any, Collection, List, Optional, Sequence
 
 import pybullet
 
@@ -39,9 +39,19 @@ class Simulator:
         self.world.unload(vehicle.robot)
 
     @property
+    def steps(self) -> int:
+        """The simulated time in steps of the physics."""
+        return self._steps
+
+    @property
     def time_s(self) -> float:
         """The simulated time."""
         return self._steps * self.world.step_s
+
+    def next_reading(self, kinds: Collection[str]) -> Optional[int]:
+        """Return the next step at which a sensor of some kinds is read; None if there is none."""
+        found = (vehicle.next_reading(self._steps, kinds) for vehicle in self.vehicles)
+        return min((step for step in found if step is not None), default=None)
 
     def advance(self, steps: int) -> List[Reading]:
         """Advance by a number of steps; return the readings of the sensors, in order of time."""
@@ -63,7 +73,7 @@ class Simulator:
         due = [(vehicle.robot.name, scheduled) for vehicle in self.vehicles
                for scheduled in vehicle.due_sensors(self._steps)]
         values = _read_together([scheduled.sensor for _, scheduled in due])
-        return [Reading(robot, scheduled.name, self.time_s, value)
+        return [Reading(robot, scheduled.name, scheduled.kind, self.time_s, value)
                 for (robot, scheduled), value in zip(due, values)]
 
     def overlaps(self) -> List[str]:

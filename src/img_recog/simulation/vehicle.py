@@ -1,6 +1,7 @@
 """A robot with its drive and its sensors."""
 import dataclasses
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple, cast
+from typing import (Any, Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set,
+                    Tuple, cast)
 
 import numpy as np
 
@@ -17,16 +18,19 @@ from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSen
 from img_recog.simulation.settings import (CameraSettings, RobotSettings, SpawnSettings,
                                            nearest_period, whole_steps)
 
+CAMERA = 'image'        # the kind of sensor that is no row of the table of sensors
+
 
 class Reading(NamedTuple):
     """What a sensor measured.
 
-    robot, sensor: their names; time_s: simulated time; value: of the type that the sensor's `read`
-    returns.
+    robot, sensor: their names; kind: of the sensor; time_s: simulated time; value: of the type
+    that the sensor's `read` returns.
     """
 
     robot: str
     sensor: str
+    kind: str
     time_s: float
     value: Any
 
@@ -83,7 +87,8 @@ class Vehicle:
         noise = np.random.RandomState((self.settings.noise.seed, kind.noise_number)
                                       + (sensor.number,) * bool(sensor.number))
         self._sensors[sensor.name] = ScheduledSensor(
-            sensor.name, whole_steps(period, getattr(settings, period), self._world.step_s),
+            sensor.name, kind.name,
+            whole_steps(period, getattr(settings, period), self._world.step_s),
             kind.make(Mount(self.robot, self._world, noise, self.drive, mount, link), settings))
 
     def mount_camera(self, settings: CameraSettings, poses: Callable[[], np.ndarray]) -> str:
@@ -97,7 +102,7 @@ class Vehicle:
         camera = RobotCamera(self.robot, settings, poses)
         period_s = nearest_period(settings.camera_rate, self._world.step_s)
         self._sensors[name] = ScheduledSensor(
-            name, whole_steps('camera_rate', period_s, self._world.step_s), camera)
+            name, CAMERA, whole_steps('camera_rate', period_s, self._world.step_s), camera)
         self._sensors[name].enabled = False
         return name
 
@@ -151,6 +156,19 @@ class Vehicle:
             if remaining < wait:
                 wait = remaining
         return steps + wait
+
+    @property
+    def sensor_kinds(self) -> Set[str]:
+        """The kinds of sensors that the robot has, also of those that are disabled."""
+        return {each.kind for each in self._sensors.values()}
+
+    def next_reading(self, steps: int, kinds: Collection[str]) -> Optional[int]:
+        """Return the first step after `steps` at which a sensor of some kinds is read.
+
+        None if there is no such sensor.
+        """
+        return min((steps + each.period_steps - steps % each.period_steps
+                    for each in self._enabled if each.kind in kinds), default=None)
 
     def reset(self) -> None:
         """Move the robot back to its start, at rest and without a command."""

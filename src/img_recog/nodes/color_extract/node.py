@@ -7,8 +7,9 @@ Publishes for each processed frame: cmd_vel (geometry_msgs/Twist, one message fo
 its area limit: linear.x 10 m/s for blue, then -10 m/s for red), then blue_image and red_image
 (sensor_msgs/Image, bgr8, with the header of the frame: the frame with all other pixels black).
 Only if there are subscribers: color_detection (sensor_msgs/PointCloud: areas and centroids) and
-color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands). /diagnostics
-(diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time.
+color_overlay (sensor_msgs/Image, bgr8: the frame with outlines and commands). ~processed
+(std_msgs/Header: that of each frame, after all else, also of one that cannot be used).
+/diagnostics (diagnostic_msgs/DiagnosticArray) at 1 Hz of wall time.
 Reads ~image_transport (raw or compressed), ~max_image_pixels, ~colors_file (the file from which
 the parameters were loaded, to check it), ~colors (names), ~NAME_image_topic for each color, and
 RecognitionSettings with these colors. The latter can be changed by dynamic_reconfigure
@@ -92,6 +93,7 @@ class ColorExtract:
         self._masked = [ImagePublisher(topic) for topic in topics]
         self._detection = rospy.Publisher('color_detection', PointCloud, queue_size=1)
         self._overlay = ImagePublisher('color_overlay')
+        self._processed = DirectPublisher('~processed', Header)
         self._is_shutdown = threading.Event()
         self._frame_lock = threading.Lock()
         self._failure: Optional[Exception] = None       # of another thread, for the loop
@@ -136,6 +138,7 @@ class ColorExtract:
     def _process(self, msg: Union[Image, CompressedImage]) -> None:
         begin_s = time.perf_counter()
         self.handle(msg)
+        self._processed.publish(msg.header)
         self._input.done(msg, time.perf_counter() - begin_s)
 
     def handle(self, msg: Union[Image, CompressedImage]) -> None:

@@ -53,36 +53,43 @@ class CameraTopics:
     sensor_msgs/CameraInfo, and their points with colors (sensor_msgs/PointCloud2).
     """
 
-    def __init__(self, settings: CameraSettings):
-        """Advertise the topics; settings: with the names that others see."""
+    def __init__(self, settings: CameraSettings, latch: bool = False):
+        """Advertise the topics; settings: with the names that others see.
+
+        latch: whether a new subscriber gets the last image, and what belongs to it.
+        """
         self.settings = settings
         self._lock, self._is_closed = threading.Lock(), False
+        self._latch, self._was_wanted = latch, False
         self.camera = robot_cameras.camera_of(settings)
         self._calibration = robot_cameras.calibration_of(settings)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
         # so that the noise of two cameras is not the same
         self._own_number = zlib.crc32(settings.camera_image_topic.encode())
         # first: it fails if its parameters are wrong
-        self._compressed = CompressedImages(settings.camera_image_topic)
-        self._images = ImagePublisher(settings.camera_image_topic)
-        self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo,
+        self._compressed = CompressedImages(settings.camera_image_topic, latch)
+        self._images = ImagePublisher(settings.camera_image_topic, latch)
+        self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo, latch=latch,
                                        queue_size=_INFO_QUEUE_SIZE)]
         self._depths = self._points = None
         if settings.camera_depth_topic:
-            self._depths = ImagePublisher(settings.camera_depth_topic)
+            self._depths = ImagePublisher(settings.camera_depth_topic, latch)
             self._infos.append(rospy.Publisher(settings.camera_depth_info_topic, CameraInfo,
-                                               queue_size=_INFO_QUEUE_SIZE))
+                                               latch=latch, queue_size=_INFO_QUEUE_SIZE))
         if settings.camera_points_topic:
-            self._points = rospy.Publisher(settings.camera_points_topic, PointCloud2, queue_size=1)
+            self._points = rospy.Publisher(settings.camera_points_topic, PointCloud2, latch=latch,
+                                           queue_size=1)
         if self._calibration is None:
             rospy.logwarn('the camera info on %s has no calibration: no distortion model can say '
                           'what its lens does', settings.camera_info_topic)
 
     def is_wanted(self) -> bool:
-        """Return whether any of the topics has a subscriber."""
-        return (self._images.get_num_connections() > 0 or self._compressed.is_wanted()
-                or self._wants_depth()
-                or any(publisher.get_num_connections() > 0 for publisher in self._infos))
+        """Return whether any of the topics has a subscriber, or had one and is latched."""
+        is_wanted = (self._images.get_num_connections() > 0 or self._compressed.is_wanted()
+                     or self._wants_depth()
+                     or any(publisher.get_num_connections() > 0 for publisher in self._infos))
+        self._was_wanted |= is_wanted
+        return is_wanted or (self._latch and self._was_wanted)
 
     def _wants_depth(self) -> bool:
         return any(publisher is not None and publisher.get_num_connections() > 0

@@ -36,7 +36,7 @@ class ImageProcess:
 
     They come back through memory that both processes share. It is not a file: nothing is left
     over when a process is killed. A process that dies or hangs is replaced by the next `start`,
-    unless three in a row have not drawn.
+    unless three in a row have not drawn. has_lost: whether the last request of `draw` was lost so.
 
     `report` may be called in any thread, the other methods in that of the simulation.
     """
@@ -50,6 +50,7 @@ class ImageProcess:
         self._thread: Optional[threading.Thread] = None
         self._condition = threading.Condition()
         self._is_ready = self._is_busy = self._has_ended = False
+        self.has_lost = False
         self._request, self._requested_s = Request([], poses), 0.0
         self._publish: Optional[Publish] = None
         self._failures = 0
@@ -66,6 +67,11 @@ class ImageProcess:
     def is_busy(self) -> bool:
         """Whether a request is being drawn."""
         return self._is_busy
+
+    @property
+    def is_loading(self) -> bool:
+        """Whether it cannot draw yet."""
+        return not (self._is_ready or self._has_ended)
 
     def start(self) -> None:
         """Start the process, which loads the scene; no effect if it is started."""
@@ -115,6 +121,7 @@ class ImageProcess:
 
     def _drop(self) -> None:
         """Use another process from the next `start` on; the thread of this one ends it."""
+        self.has_lost |= self._is_busy and self._publish is not None
         self._helper, self._is_ready, self._is_busy = None, False, False
 
     def draw(self, shots: Sequence[Shot], poses: np.ndarray, publish: Publish) -> None:
@@ -124,7 +131,9 @@ class ImageProcess:
         it returns.
         """
         with self._condition:
+            self.has_lost = True
             if self.is_ready and self._wait_idle() and self._helper is not None:
+                self.has_lost = False
                 self._send(self._helper, Request(shots, poses), publish)
 
     def _send(self, helper: HelperProcess, request: Request,

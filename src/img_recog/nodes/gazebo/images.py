@@ -1,6 +1,6 @@
 """All images of the node: of the cameras on robots, of the view, and of the window."""
 import itertools
-from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import rospy
@@ -10,6 +10,7 @@ from img_recog.errors import UserError
 from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
 from img_recog.nodes.gazebo.image_process import ImageProcess
+from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.nodes.gazebo.view import ViewTopic
@@ -25,6 +26,15 @@ from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Reading, Vehicle
 
 
+class _Exposed(NamedTuple):
+    """What the cameras with these topics have read at one time, to be drawn at `poses`."""
+
+    topics: Sequence[CameraTopics]
+    shots: Sequence[Shot]
+    poses: np.ndarray
+    time_s: float
+
+
 class Images:
     """Draws what the simulation looks like. All methods are for the thread that simulates.
 
@@ -34,8 +44,13 @@ class Images:
     """
 
     def __init__(self, simulator: Simulator, view: ViewSettings, statics: StaticTransforms,
-                 make_process: Callable[..., ImageProcess] = ImageProcess):
-        self._simulator, self._statics = simulator, statics
+                 make_process: Callable[..., ImageProcess] = ImageProcess,
+                 lockstep: Optional[Lockstep] = None, wake: Callable[[], None] = lambda: None):
+        """lockstep: a camera that was used once stays in use then. wake: is called after images
+        of cameras were published.
+        """
+        self._simulator, self._statics, self._lockstep = simulator, statics, lockstep
+        self._wake = wake
         self._revision = simulator.world.revision
         self._parts = Parts(simulator)
         self._view = ViewTopic(view, above(simulator.world))
@@ -48,6 +63,8 @@ class Images:
         self._cameras: Dict[Tuple[str, str], Tuple[Vehicle, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
+        self._newest: Optional[_Exposed] = None         # what cameras have read last
+        self._published: Optional[_Exposed] = None      # written by the thread that publishes
 
     def check_cameras(self, cameras: Sequence[CameraSettings], names: Names) -> None:
         """Raise a UserError if the topics of more cameras cannot be used."""
@@ -68,7 +85,8 @@ class Images:
         sensors = [vehicle.mount_camera(each, self._poses) for each in cameras]
         try:
             for sensor, each in zip(sensors, seen):
-                self._cameras[vehicle.robot.name, sensor] = vehicle, CameraTopics(each)
+                self._cameras[vehicle.robot.name, sensor] = vehicle, CameraTopics(
+                    each, self._lockstep is not None)
         except UserError:
             self.remove_cameras(vehicle)
             raise
@@ -126,14 +144,34 @@ class Images:
                 self._process.start()
             vehicle.set_sensor_enabled(sensor, is_wanted and self._process.is_ready)
 
+    def is_loading(self) -> bool:
+        """Return whether a camera that is mounted or used cannot be drawn yet; starts to load."""
+        if not self._cameras:
+            return False
+        self._process.start()
+        return self._process.is_loading
+
+    def is_complete(self) -> bool:
+        """Return whether all images of cameras that can be drawn are published.
+
+        Those that were lost with the process are drawn again.
+        """
+        if self._newest is None or self._published is self._newest:
+            return True
+        if self._process.has_lost and not self.is_loading():
+            self._draw(self._newest)
+        return not (self._process.is_ready or self._process.is_loading)
+
     def draw(self, readings: Sequence[Reading]) -> None:
         """Draw what cameras among the sensors have read; waits for earlier images of them."""
         for time_s, same_time in itertools.groupby(filter(self.is_camera, readings),
                                                    key=lambda each: each.time_s):
             exposed = list(same_time)
             topics = [self._cameras[each.robot, each.sensor][1] for each in exposed]
-            self._draw(topics, [camera.shot(each.value) for camera, each in zip(topics, exposed)],
-                       exposed[0].value.poses, time_s)
+            self._newest = _Exposed(topics, [camera.shot(each.value) for camera, each
+                                             in zip(topics, exposed)],
+                                    exposed[0].value.poses, time_s)
+            self._draw(self._newest)
 
     def update_view(self) -> None:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
@@ -142,8 +180,8 @@ class Images:
         self._process.start()
         if self._process.is_ready and self._view.take_due():
             self._is_view_due = True
-            if not self._process.is_busy:
-                self._draw([], [], self._parts.poses(), self._simulator.time_s)
+            if self.is_complete() and not self._process.is_busy:
+                self._draw(_Exposed([], [], self._parts.poses(), self._simulator.time_s))
 
     def update_window(self) -> None:
         """Send the poses to the window, if there is one and it needs new ones."""
@@ -154,17 +192,23 @@ class Images:
             rospy.logwarn('no window: %s; the simulation goes on without it', reason)
             self._window = None
 
-    def _draw(self, topics: Sequence[CameraTopics], shots: Sequence[Shot], poses: np.ndarray,
-              time_s: float) -> None:
+    def _draw(self, exposed: _Exposed) -> None:
+        """Draw what cameras have read, with the view if it is due."""
+        topics, shots = exposed.topics, exposed.shots
         publishers: List[Union[CameraTopics, ViewTopic]] = list(topics)
         if self._is_view_due:
             self._is_view_due = False
             publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
 
         def publish(pictures: Sequence[Picture]) -> None:
+            if topics and self._lockstep is not None:
+                self._lockstep.notify_sent()
             for each, picture in zip(publishers, pictures):
-                each.publish(picture, time_s)
-        self._process.draw(shots, poses, publish)
+                each.publish(picture, exposed.time_s)
+            if topics:
+                self._published = exposed
+                self._wake()
+        self._process.draw(shots, exposed.poses, publish)
 
     def set_view(self, view: str) -> None:
         """Show the view from another viewpoint, one of VIEWS."""

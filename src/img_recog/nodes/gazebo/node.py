@@ -42,12 +42,15 @@ from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.images import Images
+from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics
 from img_recog.nodes.gazebo.robot_plans import (ROBOTS, RobotPlan, RobotPlans, RobotsSettings,
                                                 robot_settings_classes)
 from img_recog.nodes.gazebo.robots import WORLD_FRAME, Robots, RobotUpdates
 from img_recog.nodes.gazebo.static_transforms import StaticTransforms
+from img_recog.nodes.gazebo.stepping import Stepping, SteppingSettings
+from img_recog.nodes.gazebo.waiting import Waiting
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
@@ -77,11 +80,15 @@ class Gazebo:
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
         self._free_run_periods = max(1, round(_FREE_RUN_ROUND_S / physics.clock_period_s))
         parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
+                                   LockstepSettings, SteppingSettings,
                                    *robot_settings_classes(), also_known=[ROBOTS[1:]])
+        lockstep, stepping = parameters.read(LockstepSettings), parameters.read(SteppingSettings)
         plans = RobotPlans(physics.step_s)
         single = None if which.several_robots else plans.single()
         self._simulator = _build(physics, single)
         self._pace = Pace(physics.real_time_factor)
+        if stepping.paused:
+            self._pace.pause()
         self._given_factor = physics.real_time_factor
         self._clock = DirectPublisher('/clock', Clock, latch=True)
         self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
@@ -89,10 +96,14 @@ class Gazebo:
         serve_physics(self._calls, {
             'pause_physics': self._pace.pause, 'unpause_physics': self._pace.unpause,
             'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
+        self._stepping = Stepping(self._calls, self._simulator, self._pace)
+        self._lockstep = Lockstep(lockstep, self._calls.wake) if lockstep.topics else None
         statics, models = StaticTransforms(), Models(self._simulator)
-        self._images = Images(self._simulator, view, statics)
+        self._images = Images(self._simulator, view, statics, lockstep=self._lockstep,
+                              wake=self._calls.wake)
         self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
-                              which.world_tf)
+                              which.world_tf, self._lockstep)
+        self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
         self._outline_frame, self._outline_origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         if single is None:
             RobotUpdates(self._robots, plans, self._calls)
@@ -101,6 +112,10 @@ class Gazebo:
             self._robots.connect(vehicle, single)
             self._outline_frame = vehicle.odometry.odom_frame
             self._outline_origin = PlanePose(*vehicle.odometry_origin)
+            if self._lockstep is not None:
+                self._lockstep.check(vehicle.sensor_kinds)
+        if self._lockstep is not None:
+            self._lockstep.subscribe()
         self._models: Optional[ModelServices] = None
         if model_services.MISSING:
             rospy.loginfo('model_states and the services of models are not offered, because %s',
@@ -129,34 +144,53 @@ class Gazebo:
         try:
             while not rospy.is_shutdown():
                 self._show()
-                if self._pace.is_paused:
+                end = self._stepping.end
+                if (self._pace.is_paused and end is None) or self._waiting.must_stand():
                     self._calls.process(_POLL_PERIOD_S)
-                    self._pace.restart()
+                    if self._pace.is_paused:
+                        self._pace.restart()
                     self._publish_factor(0.0)
+                elif end is None:
+                    simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
+                    self._publish_factor(simulated_s)
+                    self._wait(self._pace.delay_s(simulated_s))
+                elif self._simulator.steps < end:
+                    self._publish_factor(self._advance(self._free_run_periods))
+                elif self._images.is_complete():
+                    self._stepping.finish()
                 else:
-                    periods = 1 if self._pace.wanted else self._free_run_periods
-                    self._advance(periods)
-                    self._publish_factor(periods * self._clock_period_s)
-                    self._wait(self._pace.delay_s(periods * self._clock_period_s))
+                    self._calls.process(_POLL_PERIOD_S)
         finally:        # publishing fails if a topic is closed meanwhile
             self._images.close()
 
-    def _advance(self, periods: int) -> None:
-        """Simulate some clock periods and publish what the sensors measured in them."""
-        begin_s = time.perf_counter()
-        self._robots.apply_commands()
+    def _advance(self, periods: int) -> float:
+        """Simulate some clock periods and publish what the sensors measured in them.
+
+        Returns the simulated time in s: less if a step by hand or the wait for others begins.
+        """
+        begin_s, begin = time.perf_counter(), self._simulator.steps
+        self._waiting.apply_commands()
+        self._robots.disable_unused()
         self._images.enable_cameras()
+        end = (begin // self._clock_steps + periods) * self._clock_steps
+        if self._stepping.end is not None:
+            end = min(end, self._stepping.end)
+        end = self._waiting.end_of(end)
         readings = []
-        for _ in range(periods):
-            readings += self._simulator.advance(self._clock_steps)
+        while self._simulator.steps < end:
+            steps = self._simulator.steps
+            readings += self._simulator.advance(
+                min(self._clock_steps - steps % self._clock_steps, end - steps))
             self._add_clock()
             if self._models is not None:
                 self._models.update()
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()
+        self._waiting.expect(readings)
         self._robots.publish(readings)
         self._images.draw(readings)
         self._diagnostics.steps.add((time.perf_counter() - begin_s) / periods)
+        return (end - begin) * self._simulator.world.step_s
 
     def _wait(self, delay_s: float) -> None:
         """Process service calls for `delay_s`, or until shutdown, checked each _POLL_PERIOD_S."""
@@ -208,16 +242,18 @@ class Gazebo:
         factor = settings.real_time_factor
         if factor != self._pace.wanted:
             self._pace.set_wanted(factor)
-            self._robots.scale_timeouts(
-                timeout_scale(factor) / timeout_scale(self._given_factor))
+            if self._lockstep is None:      # else commands come in simulated time
+                self._robots.scale_timeouts(
+                    timeout_scale(factor) / timeout_scale(self._given_factor))
 
     def _reset_world(self) -> None:
-        self._robots.discard_commands()
+        self._waiting.discard_commands()
         self._simulator.reset_world()
 
     def _reset_simulation(self) -> None:
-        self._robots.discard_commands()
+        self._waiting.discard_commands()
         self._simulator.reset_simulation()
+        self._stepping.finish()
         # at once: while the physics is paused, no step publishes it
         self._add_clock()
         self._clock.flush()

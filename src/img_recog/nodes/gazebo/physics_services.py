@@ -51,6 +51,10 @@ class ServiceCalls:
             raise SimulationError('the simulation did not answer within {:g} s'.format(_TIMEOUT_S),
                                   'wait and look: what it has begun, it completes')
 
+    def wake(self) -> None:
+        """End the wait of the loop."""
+        self._queue.wake()
+
     def process(self, timeout_s: float) -> None:
         """Call in the loop: do the waiting calls, or wait up to `timeout_s` for the first."""
         self._queue.process(timeout_s)

@@ -1,5 +1,5 @@
 """The topics of one simulated robot."""
-from typing import Any, Dict, List, Sequence, Union
+from typing import Any, Dict, List, Optional, Sequence, Union
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -9,6 +9,7 @@ from tf2_msgs.msg import TFMessage
 from img_recog.conversions import plane_msgs, robot_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose, PoseError
 from img_recog.nodes.gazebo.diagnostics import CommandCounts
+from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.names import Names
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros.log.throttle import Throttle, ThrottledWarning
@@ -78,8 +79,11 @@ class RobotTopics:
     """
 
     def __init__(self, vehicle: Vehicle, names: Names, transforms: Transforms,
-                 calls: ServiceCalls):
-        """Advertise and subscribe; transforms: publishes the pose."""
+                 calls: ServiceCalls, lockstep: Optional[Lockstep] = None):
+        """Advertise and subscribe; transforms: publishes the pose.
+
+        lockstep: waits for answers, which commands may be.
+        """
         self._vehicle, self._names, self._calls = vehicle, names, calls
         self._counts = CommandCounts()
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
@@ -95,17 +99,21 @@ class RobotTopics:
         for each in vehicle.sensors:
             topic = names.topic(each.kind.topic(settings[each.name]))
             if topic not in self._publishers:
-                self._publishers[topic] = DirectPublisher(topic, each.kind.msg_type)
+                self._publishers[topic] = DirectPublisher(
+                    topic, each.kind.msg_type, lockstep is not None and each.kind.name in
+                    lockstep.kinds)
             self._outputs[each.name] = _Output(self._publishers[topic], each.kind,
                                                names.seen(settings[each.name]))
         self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))
         self._odom_frame = names.frame(vehicle.odometry.odom_frame)
         self._warn_of_pose = ThrottledWarning()
         self._is_closed = False
+        command_type = TwistStamped if vehicle.settings.drive.stamped_commands else Twist
         self._subscribers = [
-            rospy.Subscriber(self._command_topic,
-                             TwistStamped if vehicle.settings.drive.stamped_commands else Twist,
-                             self._keep_command, queue_size=10, tcp_nodelay=True),
+            lockstep.subscribe_commands(self._command_topic, command_type, self._keep_command)
+            if lockstep is not None else
+            rospy.Subscriber(self._command_topic, command_type, self._keep_command, queue_size=10,
+                             tcp_nodelay=True),
             rospy.Subscriber(self._pose_topic, PoseStamped, self._set_pose, queue_size=1,
                              tcp_nodelay=True)]
 
@@ -137,11 +145,14 @@ class RobotTopics:
             self._vehicle.move_to(*(origin.compose(pose) if is_in_odometry else pose))
 
     def apply_command(self) -> None:
-        """Apply the newest command, and disable the sensors that have no subscriber."""
+        """Apply the newest command."""
         self._log_timeout()
         command = self._commands.take()
         if command is not None:
             self._vehicle.command(*command)
+
+    def disable_unused(self) -> None:
+        """Disable the sensors that have no subscriber."""
         for sensor, output in self._outputs.items():
             if sensor != 'odometry':        # it is also for tf and the log
                 self._vehicle.set_sensor_enabled(

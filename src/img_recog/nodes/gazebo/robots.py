@@ -1,7 +1,7 @@
 """The robots of the simulation with all that belongs to them, added and removed while it runs."""
 import threading
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
@@ -13,6 +13,7 @@ from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.gazebo.images import Images
+from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlan, RobotPlans
 from img_recog.nodes.gazebo.robot_topics import RobotTopics, Transforms
@@ -39,13 +40,15 @@ class Robots:
     """The robots. All methods are for the thread that simulates, `report` for any.
 
     world_tf: whether static transforms from the world to the odometry frames of robots with a
-    namespace are published.
+    namespace are published. lockstep: see RobotTopics.
     """
 
     def __init__(self, simulator: Simulator, models: Models, images: Images,
-                 statics: StaticTransforms, calls: ServiceCalls, world_tf: bool):
+                 statics: StaticTransforms, calls: ServiceCalls, world_tf: bool,
+                 lockstep: Optional[Lockstep] = None):
         self._simulator, self._models, self._images = simulator, models, images
         self._statics, self._calls, self._world_tf = statics, calls, world_tf
+        self._lockstep = lockstep
         self._diagnostics: Optional[NodeDiagnostics] = None
         self._transforms = Transforms()
         self._timeout_scale = 1.0
@@ -107,7 +110,8 @@ class Robots:
         vehicle.drive.scale_timeout(self._timeout_scale)
         self._images.add_cameras(vehicle, plan.cameras, names)
         self._robots[name] = _Connected(
-            plan, vehicle, RobotTopics(vehicle, names, self._transforms, self._calls))
+            plan, vehicle, RobotTopics(vehicle, names, self._transforms, self._calls,
+                                       self._lockstep))
         if self._world_tf and names.namespace and odometry.publish_odom_tf:
             self._statics.set('world of ' + name, [_transform(
                 PlanePose(*vehicle.odometry_origin), WORLD_FRAME,
@@ -133,9 +137,23 @@ class Robots:
         return name in self._robots
 
     def apply_commands(self) -> None:
-        """Apply the newest commands, and enable the sensors that have subscribers."""
+        """Apply the newest commands."""
         for robot in self._robots.values():
             robot.topics.apply_command()
+
+    def disable_unused(self) -> None:
+        """Disable the sensors that have no subscriber.
+
+        In lockstep all are read, so that their noise does not depend on who subscribes when.
+        """
+        if self._lockstep is None:
+            for robot in self._robots.values():
+                robot.topics.disable_unused()
+
+    def namespaces(self, names: Optional[Collection[str]] = None) -> List[str]:
+        """Return the namespaces of the robots with some names, or of all."""
+        return [robot.plan.names.namespace for name, robot in self._robots.items()
+                if names is None or name in names]
 
     def discard_commands(self) -> None:
         """Drop commands that were not applied yet."""

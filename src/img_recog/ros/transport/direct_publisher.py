@@ -3,6 +3,7 @@ import io
 from typing import Callable
 
 import rospy
+from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.msg import serialize_message
 
 from img_recog.ros.transport.outbox import Packet, advertise, send
@@ -103,7 +104,7 @@ class DirectPublisher:
             buffer.truncate()
             send(Packet(data, count), topic.connections)
 
-    def _connect(self, add: Callable[[], bool]) -> bool:
+    def _connect(self, _: TCPROSTransport, add: Callable[[], bool]) -> bool:
         """Add a subscriber, which gets the latched message first, and once."""
         lock = self._publisher.impl.publock
         if lock is None:        # rospy has closed the topic

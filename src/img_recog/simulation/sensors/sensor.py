@@ -126,8 +126,8 @@ def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> L
 
 
 class ScheduledSensor:
-    """A sensor with its name and period; it is read only while it is enabled."""
+    """A sensor with its name, its kind and its period; it is read only while it is enabled."""
 
-    def __init__(self, name: str, period_steps: int, sensor: Sensor):
-        self.name, self.period_steps, self.sensor = name, period_steps, sensor
+    def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor):
+        self.name, self.kind, self.period_steps, self.sensor = name, kind, period_steps, sensor
         self.enabled = True

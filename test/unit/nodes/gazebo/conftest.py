@@ -26,7 +26,7 @@ class FakePublisher:
 class FakeCompressed(FakePublisher):
     """Stands in for CompressedImages."""
 
-    def __init__(self, topic):
+    def __init__(self, topic, latch=False):
         super().__init__(topic + '/compressed')
 
     def is_wanted(self):

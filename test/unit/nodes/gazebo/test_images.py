@@ -22,8 +22,12 @@ class FakeProcess:
 
     def __init__(self, scene, poses, cameras):
         self.scene, self.poses, self.cameras = scene, poses, cameras
-        self.is_ready = self.is_busy = self.is_started = False
+        self.is_ready = self.is_busy = self.is_started = self.has_lost = False
         self.requests = []
+
+    @property
+    def is_loading(self):
+        return not self.is_ready
 
     def start(self):
         self.is_started = True

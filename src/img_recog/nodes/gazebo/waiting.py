@@ -1,0 +1,93 @@
+"""For whom simulated time stands: for images at the start, and in lockstep for other nodes."""
+import time
+from typing import Optional, Sequence
+
+import rospy
+
+from img_recog.nodes.gazebo.images import Images
+from img_recog.nodes.gazebo.lockstep import Lockstep
+from img_recog.nodes.gazebo.robots import Robots
+from img_recog.simulation.simulator import Simulator
+from img_recog.simulation.vehicle import CAMERA, Reading
+
+_REPORT_PERIOD_S = 5.0      # of wall time
+
+
+class Waiting:
+    """Tells the loop when time must stand, and when commands are due.
+
+    Without lockstep, time only stands at the start, until the images of cameras can be drawn, and
+    commands are always due. All methods are for the thread that simulates.
+    """
+
+    def __init__(self, simulator: Simulator, images: Images, robots: Robots,
+                 lockstep: Optional[Lockstep]):
+        self._simulator, self._images, self._robots = simulator, images, robots
+        self._lockstep = lockstep
+        self._has_begun, self._is_reset = False, False
+        self._reported_s = time.monotonic()
+        self._is_due = lockstep is None
+
+    def must_stand(self) -> bool:
+        """Return whether time must stand now.
+
+        Raises UserError when no answer came, and the node is to end then.
+        """
+        if (self._lockstep is not None or not self._has_begun) and self._images.is_loading():
+            self._report('the process that draws to load the world')
+            return True
+        if self._lockstep is None:
+            self._has_begun = True
+            return False
+        if not self._images.is_complete():
+            return True
+        self._lockstep.notify_sent()        # also of images that can never be drawn
+        if self._lockstep.waits(self._simulator.time_s):
+            return True
+        self._images.enable_cameras()
+        if self._simulator.next_reading(self._lockstep.kinds) is None:
+            self._report('a sensor that is answered; no robot has one, or nobody subscribes to '
+                         'the images')
+            return True
+        return False
+
+    def apply_commands(self) -> None:
+        """Apply the commands that are due: in lockstep, once after the answers."""
+        if self._lockstep is None or self._is_due:
+            if self._is_reset:      # they are out of date
+                self._robots.discard_commands()
+            self._robots.apply_commands()
+            self._is_due = self._is_reset = False
+
+    def discard_commands(self) -> None:
+        """Drop the commands that were not applied yet, and in lockstep those that will answer."""
+        self._robots.discard_commands()
+        self._is_reset = self._lockstep is not None
+
+    def end_of(self, end: int) -> int:
+        """Return the step at which to stop, at most `end`: where answers are expected."""
+        if self._lockstep is None:
+            return end
+        step = self._simulator.next_reading(self._lockstep.kinds)
+        return end if step is None else min(end, step)
+
+    def expect(self, readings: Sequence[Reading]) -> None:
+        """Call before readings are published."""
+        if self._lockstep is None:
+            return
+        answered = [each for each in readings if each.kind in self._lockstep.kinds]
+        if not answered:
+            return
+        self._is_due = True
+        self._lockstep.expect(
+            answered[-1].time_s, self._robots.namespaces({each.robot for each in answered}),
+            self._robots.namespaces())
+        if all(each.kind != CAMERA for each in answered):
+            self._lockstep.notify_sent()
+
+    def _report(self, missing: str) -> None:
+        now_s = time.monotonic()
+        if now_s >= self._reported_s + _REPORT_PERIOD_S:
+            self._reported_s = now_s
+            rospy.logwarn('simulated time stands at %.3f s and waits for: %s',
+                          self._simulator.time_s, missing)

@@ -1,0 +1,90 @@
+"""A subscriber that knows whether it has passed on all that has arrived."""
+import fcntl
+import socket
+import struct
+import termios
+import threading
+from typing import Any, Callable, List, Mapping, Tuple
+
+import rospy
+from rospy.impl.tcpros_base import TCPROSTransport
+
+from img_recog.ros.transport.switch import is_plain
+
+_WAITING = struct.Struct('i')
+
+
+class SettledSubscriber:
+    """Calls a function with each message and the header of its connection.
+
+    What a publisher has sent on one topic before a message on another one is received by another
+    thread, maybe later. `is_settled` tells when it was, if the publisher is on this computer: then
+    what it has sent is in the socket at once.
+    """
+
+    def __init__(self, name: str, data_class: type,
+                 callback: Callable[[Any, Mapping[str, str]], None], buff_size: int = 1 << 16):
+        """Subscribe; `callback` is called in a thread of rospy.
+
+        The header of a connection has the callerid of the publisher, the type of the messages and
+        its message_definition. buff_size: at least that of a message.
+        """
+        self._lock = threading.Lock()
+        self._connections: List[Tuple[TCPROSTransport, threading.Event]] = []
+        self._subscriber = rospy.Subscriber(
+            name, data_class, lambda msg: callback(msg, msg._connection_header),
+            buff_size=buff_size, tcp_nodelay=True)
+        if not is_plain('settled_subscriber'):
+            topic = self._subscriber.impl
+            with topic.c_lock:
+                ordinary = topic.add_connection
+
+                def add_connection(connection: TCPROSTransport) -> bool:
+                    self._watch(connection)
+                    return ordinary(connection)
+                topic.add_connection = add_connection
+                for connection in topic.connections:
+                    self._watch(connection)
+
+    def get_num_connections(self) -> int:
+        """Return the number of publishers."""
+        return self._subscriber.get_num_connections()
+
+    def unregister(self) -> None:
+        """Unsubscribe."""
+        self._subscriber.unregister()
+
+    def is_settled(self) -> bool:
+        """Return whether the callback has returned for all messages that had arrived."""
+        with self._lock:
+            connections = self._connections = [
+                each for each in self._connections if not each[0].done]
+        # in this order: a message that was read from the socket before is in the callback
+        return not any(_has_unread(connection) or is_busy.is_set()
+                       for connection, is_busy in connections)
+
+    def _watch(self, connection: TCPROSTransport) -> None:
+        is_busy, ordinary = threading.Event(), connection.receive_once
+
+        def receive_once() -> List[Any]:
+            is_busy.clear()     # it returned from the callback
+            sock = connection.socket
+            try:
+                if sock is not None and connection.read_buff.tell() == 0:
+                    sock.recv(1, socket.MSG_PEEK)
+            except OSError:     # the next call says it
+                pass
+            is_busy.set()
+            return ordinary()
+        connection.receive_once = receive_once
+        with self._lock:
+            self._connections.append((connection, is_busy))
+
+
+def _has_unread(connection: TCPROSTransport) -> bool:
+    sock = connection.socket
+    try:
+        return sock is not None and _WAITING.unpack(
+            fcntl.ioctl(sock, termios.FIONREAD, _WAITING.pack(0)))[0] > 0
+    except (OSError, ValueError):       # closed meanwhile
+        return False
