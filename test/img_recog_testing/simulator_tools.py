@@ -41,6 +41,7 @@ class Echo:
         self._master, self._path = ros.master_uri, path
         self._caller = '/echo_{}'.format(next(_numbers_of_nodes))
         self._has_ended, self._may_read = threading.Event(), threading.Event()
+        self.is_connected = threading.Event()
         self._may_read.set()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -62,6 +63,7 @@ class Echo:
         with contextlib.closing(wire.Subscription(
                 self._master, publishers[topic][0], topic, data_class, DEADLINE_S,
                 caller=self._caller)) as messages:
+            self.is_connected.set()
             while not self._has_ended.is_set():
                 if self._may_read.wait(_POLL_S) and select.select([messages.sock], [], [],
                                                                   _POLL_S)[0]:

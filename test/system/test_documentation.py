@@ -17,7 +17,9 @@ from img_recog.camera import settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.nodes.color_extract.node import InputSettings
+from img_recog.nodes.gazebo.lockstep import LockstepSettings
 from img_recog.nodes.gazebo.robot_plans import RobotsSettings, robot_settings_classes
+from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings
 from img_recog.nodes.robots.node import ManagerSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
@@ -37,7 +39,8 @@ NODES = {
     'color_extract': ('color_extract.node', (InputSettings, with_colors()),
                       ('colors', *(name + '_image_topic' for name in DEFAULT_COLORS))),
     'gazebo': ('gazebo.node', (PhysicsSettings, ViewSettings, RobotsSettings,
-                               *robot_settings_classes()), ()),
+                               LockstepSettings, SteppingSettings, *robot_settings_classes()),
+               ()),
     'turtlebot3_teleop_keyboard': ('teleop_key', (TeleopSettings,), ()),
     'robots': ('robots.node', (ManagerSettings, NodeSettings), ()),
     'web': ('web.node', (WebSettings, VelocityLimits), ())}

@@ -1,5 +1,6 @@
 """A topic of compressed images for a topic of raw images, like the plugin of image_transport."""
 import threading
+from typing import Optional
 
 import numpy as np
 import rospy
@@ -14,6 +15,8 @@ from img_recog.ros.diagnostics import Counter
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.reconfigure import Reconfigurable
+from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.ros.transport.redelivery import Redelivery
 
 _POLL_S = 0.2
 
@@ -32,10 +35,10 @@ class CompressedImages:
     sent, dropped: counters of the published and the dropped images.
     """
 
-    def __init__(self, topic: str, latch: bool = False):
+    def __init__(self, topic: str, redelivery: Optional[Redelivery] = None):
         """Advertise the topic TOPIC/compressed of the raw topic `topic`.
 
-        latch: whether a new subscriber gets the last image, of those since the first subscriber.
+        redelivery: sends the images, from the first subscriber on.
         Raises ParameterError when a parameter has a value that is not allowed.
         """
         name = image_topics.topic_beside(topic)
@@ -44,17 +47,19 @@ class CompressedImages:
         self._images, self._closed = LatestValue(), threading.Event()
         self._warn = ThrottledWarning()
         self.sent, self.dropped = Counter(), Counter()
-        self._publisher = rospy.Publisher(name, CompressedImage, latch=latch, queue_size=1)
-        self._latch, self._was_wanted = latch, False
+        self._publisher = (rospy.Publisher(name, CompressedImage, queue_size=1)
+                           if redelivery is None else
+                           DirectPublisher(name, CompressedImage, redelivery=redelivery))
+        self._is_kept, self._was_wanted = redelivery is not None, False
         self._parameters = Reconfigurable(settings, lambda _: None, name)
         self._worker = threading.Thread(target=self._work, daemon=True)
         self._worker.start()
 
     def is_wanted(self) -> bool:
-        """Return whether there is a subscriber, or one may come back that gets the last image."""
+        """Return whether there is a subscriber, or was one that may come back."""
         is_wanted = self._publisher.get_num_connections() > 0
         self._was_wanted |= is_wanted
-        return is_wanted or (self._latch and self._was_wanted)
+        return is_wanted or (self._is_kept and self._was_wanted)
 
     def publish(self, image: np.ndarray, encoding: str, header: Header) -> None:
         """Send the image if there is a subscriber; return immediately.

@@ -20,6 +20,7 @@ from img_recog.rendering import rays
 from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.server import Picture, Shot
 from img_recog.ros.transport.image_publisher import ImagePublisher
+from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.settings import SettingError
 from img_recog.simulation.sensors.robot_camera import Exposure, optical_frame
 from img_recog.simulation.settings import CameraSettings
@@ -53,27 +54,28 @@ class CameraTopics:
     sensor_msgs/CameraInfo, and their points with colors (sensor_msgs/PointCloud2).
     """
 
-    def __init__(self, settings: CameraSettings, latch: bool = False):
+    def __init__(self, settings: CameraSettings, redelivery: Optional[Redelivery] = None):
         """Advertise the topics; settings: with the names that others see.
 
-        latch: whether a new subscriber gets the last image, and what belongs to it.
+        redelivery: sends the images.
         """
+        latch = redelivery is not None
         self.settings = settings
         self._lock, self._is_closed = threading.Lock(), False
-        self._latch, self._was_wanted = latch, False
+        self._is_kept, self._was_wanted = latch, False
         self.camera = robot_cameras.camera_of(settings)
         self._calibration = robot_cameras.calibration_of(settings)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
         # so that the noise of two cameras is not the same
         self._own_number = zlib.crc32(settings.camera_image_topic.encode())
         # first: it fails if its parameters are wrong
-        self._compressed = CompressedImages(settings.camera_image_topic, latch)
-        self._images = ImagePublisher(settings.camera_image_topic, latch)
+        self._compressed = CompressedImages(settings.camera_image_topic, redelivery)
+        self._images = ImagePublisher(settings.camera_image_topic, redelivery)
         self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo, latch=latch,
                                        queue_size=_INFO_QUEUE_SIZE)]
         self._depths = self._points = None
         if settings.camera_depth_topic:
-            self._depths = ImagePublisher(settings.camera_depth_topic, latch)
+            self._depths = ImagePublisher(settings.camera_depth_topic, redelivery)
             self._infos.append(rospy.Publisher(settings.camera_depth_info_topic, CameraInfo,
                                                latch=latch, queue_size=_INFO_QUEUE_SIZE))
         if settings.camera_points_topic:
@@ -84,12 +86,12 @@ class CameraTopics:
                           'what its lens does', settings.camera_info_topic)
 
     def is_wanted(self) -> bool:
-        """Return whether any of the topics has a subscriber, or had one and is latched."""
+        """Return whether a topic has a subscriber, or had one that may come back."""
         is_wanted = (self._images.get_num_connections() > 0 or self._compressed.is_wanted()
                      or self._wants_depth()
                      or any(publisher.get_num_connections() > 0 for publisher in self._infos))
         self._was_wanted |= is_wanted
-        return is_wanted or (self._latch and self._was_wanted)
+        return is_wanted or (self._is_kept and self._was_wanted)
 
     def _wants_depth(self) -> bool:
         return any(publisher is not None and publisher.get_num_connections() > 0

@@ -86,7 +86,7 @@ class Images:
         try:
             for sensor, each in zip(sensors, seen):
                 self._cameras[vehicle.robot.name, sensor] = vehicle, CameraTopics(
-                    each, self._lockstep is not None)
+                    each, self._lockstep.redelivery if self._lockstep else None)
         except UserError:
             self.remove_cameras(vehicle)
             raise

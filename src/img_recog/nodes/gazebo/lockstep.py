@@ -5,14 +5,15 @@ import time
 from dataclasses import dataclass
 from functools import partial
 from typing import (Any, Callable, Collection, Dict, FrozenSet, List, Mapping, Optional, Sequence,
-                    Set, Tuple)
+                    Tuple)
 
 import rosgraph
 import rospy
 
-from img_recog.errors import UserError
+from img_recog.errors import UserError, one_line
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master.connections import Connections
+from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.settled_subscriber import SettledSubscriber
 from img_recog.settings import Allowed, Settings, above, one_of, setting
 from img_recog.simulation.settings import SimulationError
@@ -78,6 +79,8 @@ class _Answers:
 class Lockstep:
     """Waits for the answers to messages of the sensors.
 
+    kinds: of these sensors; redelivery: is to send their messages.
+
     An answer is a message with a header whose stamp is not older than that of the sensor's
     message or, where the type has no header, the next message after that one was sent. The
     command topics of the robots are subscribed to by `subscribe_commands`, all others here.
@@ -90,6 +93,7 @@ class Lockstep:
         self._answers = {topic: _Answers() for topic in settings.topics}
         self._commands: Dict[str, SettledSubscriber] = {}
         self._others: Dict[str, SettledSubscriber] = {}
+        self.redelivery = Redelivery()
         self._connections = Connections(rosgraph.get_master_uri(), rospy.get_name())
         self._lock = threading.Lock()       # of what follows, and of the answers
         self._is_sent, self._sent_s = False, 0.0
@@ -196,16 +200,15 @@ class Lockstep:
 
         Raises UserError when no answer came in time and lockstep_at_timeout is end.
         """
-        if not self._is_ready:
-            problems = self._problems_at_start()
-            self._is_ready = not problems
-            if problems:
-                self.report(time_s, '; '.join(problems))
-                return True
+        if not self._is_ready and not self._are_connected(time_s):
+            return True
+        self._is_ready = True
         with self._lock:
             missing, sent_s = self._missing(), self._sent_s if self._is_sent else None
         if missing and sent_s is not None:
             if time.monotonic() < sent_s + self._settings.lockstep_timeout:
+                if self.redelivery.is_needed() and self._are_connected(time_s):
+                    self.redelivery.deliver()       # to a node that came back
                 self.report(time_s, 'an answer on ' + ', '.join(missing), sent_s)
             else:
                 self._give_up(missing, time_s)
@@ -249,26 +252,15 @@ class Lockstep:
             topic, ', '.join(answers.nodes), 'came before' if answers.newest is None
             else 'has the stamp {:.3f} s'.format(answers.newest.to_sec()))
 
-    def _problems_at_start(self) -> List[str]:
-        """Return what is missing before time can begin, a phrase each."""
+    def _are_connected(self, time_s: float) -> bool:
+        """Return whether the nodes get all that they subscribe to, and can answer; report."""
         try:
-            known = self._connections.topics()
-            problems: List[str] = []
-            nodes: Set[str] = set()
-            for topic in self._answers:
-                nodes.update(known.publishers.get(topic, ()))
-                subscriber = self._commands.get(topic) or self._others[topic]
-                if not subscriber.get_num_connections():
-                    problems.append(self._missing_publisher(topic, known.publishers.get(topic)))
-            return problems or self._connections.missing_of(nodes)
+            missing = self._connections.missing(list(self._answers))
         except OSError as error:
-            return ['the master, which does not answer: {}'.format(error)]
-
-    def _missing_publisher(self, topic: str, nodes: Optional[List[str]]) -> str:
-        if not nodes:
-            return 'a publisher of {}'.format(topic)
-        return '{} to be connected to {} (it publishes {})'.format(
-            ', '.join(nodes), topic, self._connections.topic_type(topic))
+            missing = ['the master, which does not answer: {}'.format(one_line(error))]
+        if missing:
+            self.report(time_s, '; '.join(missing))
+        return not missing
 
     def report(self, time_s: float, missing: str, since_s: float = 0.0) -> None:
         """Log for what time stands, not more often than every 5 s of wall time.

@@ -99,9 +99,10 @@ class RobotTopics:
         for each in vehicle.sensors:
             topic = names.topic(each.kind.topic(settings[each.name]))
             if topic not in self._publishers:
+                is_answered = lockstep is not None and each.kind.name in lockstep.kinds
                 self._publishers[topic] = DirectPublisher(
-                    topic, each.kind.msg_type, lockstep is not None and each.kind.name in
-                    lockstep.kinds)
+                    topic, each.kind.msg_type,
+                    redelivery=lockstep.redelivery if lockstep and is_answered else None)
             self._outputs[each.name] = _Output(self._publishers[topic], each.kind,
                                                names.seen(settings[each.name]))
         self._pose_topic = rospy.resolve_name('~' + names.topic('set_pose'))

@@ -1,5 +1,5 @@
 """Which connections between running nodes are still missing."""
-from typing import Any, Collection, Dict, List, NamedTuple, Set, Tuple
+from typing import Any, Dict, List, Optional, Set, Tuple
 
 from img_recog import timed_xmlrpc
 from img_recog.ros.master.calls import Master
@@ -7,62 +7,59 @@ from img_recog.ros.master.calls import Master
 _TIMEOUT_S = 1.0        # of a call to a node or the master
 
 
-class Topics(NamedTuple):
-    """What the master knows: the nodes that publish a topic, and those that subscribe to it."""
-
-    publishers: Dict[str, List[str]]
-    subscribers: Dict[str, List[str]]
-
-
 class Connections:
-    """Asks the master and the nodes. Raises OSError when the master does not answer."""
+    """Asks the master who publishes and subscribes, and the publishers whom they send to."""
 
     def __init__(self, master_uri: str, node: str):
         """node: the name of this node."""
         self._master, self._node = Master(master_uri, node, _TIMEOUT_S), node
 
-    def topics(self) -> Topics:
-        """Return who publishes and who subscribes, by the names of topics."""
-        published, subscribed, _ = self._master.ask('getSystemState') or ((), (), ())
-        return Topics(dict(published), dict(subscribed))
+    def missing(self, topics: List[str]) -> List[str]:
+        """Return what is missing until this node hears of some topics, a phrase each.
 
-    def topic_type(self, topic: str) -> str:
-        """Return the type of the messages on a topic, '' if it is not known."""
-        return dict(self._master.ask('getTopicTypes') or ()).get(topic, '')
-
-    def missing_of(self, nodes: Collection[str]) -> List[str]:
-        """Return what some nodes subscribe to and do not get yet, as 'NODE to TOPIC of NODE'.
-
-        A node that does not answer is taken as one that is not connected to.
+        That is a publisher of each, its connection to this node, and its connections to all that
+        it subscribes to. Nodes that do not answer do not count.
+        Raises OSError when the master does not answer.
         """
-        topics = self.topics()
-        wanted = [(node, topic, publisher)
-                  for topic, subscribers in topics.subscribers.items()
-                  for node in subscribers if node in nodes
-                  for publisher in topics.publishers.get(topic, ())]
-        made = {publisher: self._made_by(publisher) for publisher in {each[2] for each in wanted}}
-        return ['{} to {} of {}'.format(node, topic, publisher)
-                for node, topic, publisher in sorted(wanted)
-                if (topic, node) not in made[publisher]]
+        published, subscribed, _ = self._master.ask('getSystemState') or ((), (), ())
+        publishers = dict(published)
+        made: Dict[str, Optional[Set[Tuple[str, str]]]] = {}
 
-    def _made_by(self, publisher: str) -> Set[Tuple[str, str]]:
-        """Return the topics on which a node sends, each with the node that it sends to."""
-        uri = self._master.ask('lookupNode', publisher)
-        if not uri:
-            return set()
+        def alive(topic: str) -> List[str]:
+            found = publishers.get(topic, ())
+            made.update((node, self._made_by(node)) for node in found if node not in made)
+            return [node for node in found if made[node] is not None]
+
+        nodes = {node for topic in topics for node in alive(topic)}
+        wanted = [(self._node, topic) for topic in topics]
+        wanted += [(node, topic) for topic, subscribers in subscribed for node in subscribers
+                   if node in nodes]
+        missing = ['a publisher of ' + topic for topic in topics if not alive(topic)]
+        for node, topic in wanted:
+            missing += ['a connection of {} to {} of {}'.format(node, topic, publisher)
+                        for publisher in alive(topic)
+                        if (topic, node) not in (made[publisher] or ())]
+        return missing
+
+    def _made_by(self, publisher: str) -> Optional[Set[Tuple[str, str]]]:
+        """Return the topics on which a node sends, each with the node that it sends to.
+
+        None if it does not answer.
+        """
         try:
-            answer = timed_xmlrpc.server(uri, _TIMEOUT_S).getBusInfo(self._node)
+            answer = timed_xmlrpc.server(self._master.ask('lookupNode', publisher) or '',
+                                         _TIMEOUT_S).getBusInfo(self._node)
         except timed_xmlrpc.ERRORS:
-            return set()
-        return {(each[4], each[1]) for each in _connections(answer) if each[2] == 'o'}
+            return None
+        return {(each[4], each[1]) for each in _rows(answer) if each[2] == 'o'}
 
 
-def _connections(answer: Any) -> List[List[Any]]:
+def _rows(answer: Any) -> List[List[Any]]:
     """Return the rows of getBusInfo: [number, node, direction, transport, topic, ...].
 
-    rospy answers [code, text, rows], an old roscpp the rows alone.
+    rospy answers [code, text, rows].
     """
     try:
-        return answer if isinstance(answer[0], list) else answer[2]
+        return answer[2] if isinstance(answer[0], int) else answer
     except (IndexError, TypeError):
         return []

@@ -24,6 +24,11 @@ Names that are used
     handshakes.py
         rospy.impl.tcpros_base.TCPROSServer: topic_connection_handler, service_connection_handler;
         _tcp_server_callback, which is replaced.
+    redelivery.py
+        `impl` of a Publisher: connections.
+    settled_subscriber.py
+        `impl` of a Subscriber: c_lock, connections; add_connection, which is replaced. A
+        connection's socket, done and read_buff; receive_once, which is replaced.
     own_time.py
         rospy.rostime: _set_rostime, _rostime_cond.
     registration.py
@@ -41,8 +46,10 @@ Switching it off
     IMG_RECOG_PLAIN_ROSPY=rosout,own_time, only these parts do (the names are in switch.py).
 
 Safety
-    A connection that sends nothing does not keep subscribers out (handshakes). A subscriber that
-    does not read never blocks the publisher (direct_publisher).
+    A node in lockstep that has ended and come back gets the message that was not answered
+    (redelivery), and commands that were sent before an answer are taken before time goes on
+    (settled_subscriber). A connection that sends nothing does not keep subscribers out
+    (handshakes). A subscriber that does not read never blocks the publisher (direct_publisher).
 
 Gain
     registration.py: nodes end also while the master does not answer, and

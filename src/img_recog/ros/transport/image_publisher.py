@@ -1,16 +1,15 @@
 """A publisher for large images."""
 import io
 import struct
-import threading
 from typing import Any, Callable, Optional
 
 import numpy as np
 import rospy
-from rospy.impl.tcpros_base import TCPROSTransport
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from img_recog.ros.transport.outbox import Packet, PacketPool, advertise, send
+from img_recog.ros.transport.outbox import PacketPool, advertise, send
+from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.switch import is_plain
 
 _LENGTH = struct.Struct('<I')
@@ -24,18 +23,16 @@ class ImagePublisher:
     Outbox: it never blocks the publisher. Use it from one thread at a time.
     """
 
-    def __init__(self, name: str, latch: bool = False):
+    def __init__(self, name: str, redelivery: Optional[Redelivery] = None):
         """Advertise the topic `name`.
 
-        latch: whether a new subscriber gets the last image, which then is drawn for none too. It
-        is not told that the topic is latched: rospy would keep a copy of each image.
+        redelivery: sends the images, which are drawn then also if there is no subscriber yet.
         """
-        self._is_plain, self._latch = is_plain('image_publisher'), latch
-        self._publisher = (rospy.Publisher(name, Image, queue_size=1, latch=latch)
-                           if self._is_plain else advertise(name, Image, connect=self._connect))
+        self._is_plain, self._redelivery = is_plain('image_publisher'), redelivery
+        self._publisher = (rospy.Publisher(name, Image, queue_size=1,
+                                           latch=redelivery is not None)
+                           if self._is_plain else advertise(name, Image))
         self._pool = PacketPool()
-        self._last: Optional[Packet] = None
-        self._lock = threading.Lock()       # of what new subscribers get
 
     def get_num_connections(self) -> int:
         """Return the number of subscribers."""
@@ -72,7 +69,7 @@ class ImagePublisher:
         encoding: as for `publish`.
         """
         if self._is_plain:
-            if self._latch or self._publisher.get_num_connections() > 0:
+            if self._redelivery is not None or self._publisher.get_num_connections() > 0:
                 image = np.empty(shape, np.uint8)
                 draw(image, None)
                 msg = _without_data(header, 0, encoding, shape)
@@ -82,7 +79,7 @@ class ImagePublisher:
         topic = self._publisher.impl
         if topic is None:
             return
-        if not (topic.connections or self._latch):
+        if not (topic.connections or self._redelivery is not None):
             return
         topic.seq += 1
         head = _serialized_head(_without_data(header, topic.seq, encoding, shape))
@@ -95,25 +92,12 @@ class ImagePublisher:
             packet.note = None, None        # if it raises an error, the content is arbitrary
             packet.note = (len(head), shape), draw(
                 image, drawn if layout == (len(head), shape) else None)
-            with self._lock:
+            if self._redelivery is None:
                 send(packet, topic.connections)
-                if self._latch:
-                    self._keep(packet)
+            else:
+                self._redelivery.send(packet, topic)
         finally:
             packet.release()
-
-    def _keep(self, packet: Packet) -> None:
-        packet.retain()
-        if self._last is not None:
-            self._last.release()
-        self._last = packet
-
-    def _connect(self, connection: TCPROSTransport, add: Callable[[], bool]) -> bool:
-        with self._lock:
-            is_added = add()
-            if is_added and self._last is not None:
-                send(self._last, [connection])
-            return is_added
 
 
 def _without_data(header: Header, seq: int, encoding: str, shape: tuple) -> Image:

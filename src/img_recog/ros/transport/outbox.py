@@ -158,12 +158,12 @@ class Outbox:
 
 
 def advertise(name: str, data_class: type, latch: bool = False,
-              connect: Callable[[TCPROSTransport, Callable[[], bool]], bool] = (
-                  lambda connection, add: add())) -> rospy.Publisher:
+              connect: Callable[[Callable[[], bool]], bool] = lambda add: add()
+              ) -> rospy.Publisher:
     """Return a publisher without queues, whose connections have an Outbox each.
 
     They have it before rospy sends them the latched message.
-    connect: is called with each new connection and a function that adds it to the topic; returns
+    connect: is called for each new connection, with a function that adds it to the topic; returns
     what this returns.
     """
     with warnings.catch_warnings():
@@ -176,7 +176,7 @@ def advertise(name: str, data_class: type, latch: bool = False,
 
             def add_connection(connection: TCPROSTransport) -> bool:
                 _give_outbox(connection)
-                return connect(connection, lambda: ordinary(connection))
+                return connect(lambda: ordinary(connection))
             topic.add_connection = add_connection
             for connection in topic.connections:
                 _give_outbox(connection)

@@ -1,0 +1,165 @@
+"""Simulated time waits for the answers of nodes: the same path in each run, whatever happens."""
+import os
+import re
+import signal
+import sys
+
+import pytest
+
+from img_recog_testing.simulator_tools import Echo, burger, complaints, drawing
+from img_recog_testing.waiting import wait_for
+
+CAMERA = ('_camera_frame:=camera_link', '_camera_image_topic:=image_raw', '_camera_width:=64',
+          '_camera_height:=48', '_world:=color_posts')
+# turns until it sees blue, then drives there; answers with a command or, before its command is
+# sent, with a header
+NODE = r'''
+import sys, time
+import numpy, rospy
+from geometry_msgs.msg import Twist
+from sensor_msgs.msg import Image
+from std_msgs.msg import Header
+
+def answer(msg):
+    pixels = numpy.frombuffer(msg.data, 'u1').reshape(msg.height, msg.width, 3).astype(int)
+    rows, columns = numpy.nonzero(pixels[..., 2] > pixels[..., :2].max(2) + 60)
+    command = Twist()
+    command.linear.x = 0.2 if len(columns) else 0.0
+    command.angular.z = 1 - columns.mean() / 32 if len(columns) else 1.0
+    time.sleep({delay})
+    for _ in range({count}):
+        velocity.publish(command)
+
+rospy.init_node('{name}')
+velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+rospy.Subscriber('image_raw', Image, answer, queue_size=1, buff_size=1 << 24)
+rospy.spin()
+'''
+
+
+class Path(Echo):
+    """Where the robot is by its odometry: stamps in ns, poses and velocities."""
+
+    @staticmethod
+    def row(msg, fields):
+        pose, twist = msg.pose.pose, msg.twist.twist
+        return [msg.header.stamp.to_nsec(), pose.position.x, pose.position.y, pose.orientation.z,
+                twist.linear.x, twist.angular.z]
+
+
+@pytest.fixture
+def ros(shared_ros):
+    """One master for the tests of this module."""
+    return shared_ros
+
+
+def driver(ros, name='driver', delay='0', count=1):
+    return ros.start(sys.executable, '-c', NODE.format(name=name, delay=delay, count=count))
+
+
+def path(simulate, ros, *parameters, delay='0', disturb=lambda node, process, rows: None):
+    """Return where the robot was in the first two simulated seconds."""
+    node = simulate(*CAMERA, '_lockstep:=cmd_vel', *parameters)
+    echo = Path(ros, '/odom')
+    wait_for(echo.is_connected.is_set, lambda: node.output)
+    process = driver(ros, delay=delay)
+    disturb(node, process, echo.rows)
+    wait_for(lambda: len(echo.rows) > 60, lambda: node.output[-800:] + process.output)
+    process.close()
+    assert node.interrupt() == 0
+    rows = echo.rows[:60]
+    assert [row[0] for row in rows] == [33000000 * number for number in range(1, 61)]
+    x, y = rows[-1][1:3]
+    assert (x + 2.0) ** 2 + (y + 0.5) ** 2 > 0.01       # it has driven
+    return rows
+
+
+def test_the_path_does_not_depend_on_speed_delay_and_killed_programs(simulate, ros):
+    def kill_drawing(node, process, rows):
+        wait_for(lambda: len(rows) > 20, lambda: node.output)
+        os.kill(drawing(node), signal.SIGKILL)
+
+    def come_back(node, process, rows):
+        wait_for(lambda: len(rows) > 20, lambda: node.output)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        others.append(driver(ros))
+
+    others = []
+    first = path(simulate, ros, '_real_time_factor:=0')
+    assert path(simulate, ros, '_real_time_factor:=1',
+                delay='0.1 * numpy.random.random()') == first
+    assert path(simulate, ros, '_real_time_factor:=0', disturb=kill_drawing) == first
+    assert path(simulate, ros, '_real_time_factor:=0', disturb=come_back) == first
+    others[0].close()
+
+
+def test_what_does_not_answer_is_named_once(simulate, ros):
+    node = simulate(*CAMERA, '_lockstep:=cmd_vel /other', '_lockstep_timeout:=0.5',
+                    '_real_time_factor:=0')
+    process, clock = driver(ros), Echo(ros, '/clock')
+    node.wait_output('lockstep: simulated time stands at 0.000 s and waits for: a publisher of '
+                     '/other')
+    assert {row[0] for row in clock.rows} <= {0}
+    other = ros.start('rostopic', 'pub', '/other', 'std_msgs/Header', '{}')
+    node.wait_output(r'no answer in 0.5 s to what was measured at 0.033 s: the last message on '
+                     r'/other, of /rostopic\S*, has the stamp 0.000 s')
+    clock.wait(lambda time: time > 3e9, 'time that goes on')
+    assert len(re.findall('no answer', node.output)) == 1
+    other.close()
+    process.close()
+
+
+def test_a_node_that_answers_twice_and_a_second_one_are_named(simulate, ros):
+    node = simulate(*CAMERA, '_lockstep:=cmd_vel', '_real_time_factor:=0')
+    processes = [driver(ros, count=2)]
+    node.wait_output('lockstep: /driver publishes more than one message on /cmd_vel')
+    processes.append(driver(ros, 'second'))
+    node.wait_output('lockstep: /driver, /second publish on /cmd_vel')
+    for process in processes:
+        process.close()
+
+
+def test_the_simulator_ends_if_it_is_told_to(simulate, ros):
+    node = simulate(*CAMERA, '_lockstep:=answer', '_lockstep_timeout:=0.2',
+                    '_lockstep_at_timeout:=end')
+    other = ros.start('rostopic', 'pub', '/answer', 'geometry_msgs/Twist', '{}')
+    echo = Echo(ros, '/image_raw/header')
+    line = node.fatal_line()
+    assert 'the last message on /answer' in line and 'set lockstep_timeout higher' in line
+    other.close()
+    echo.close()
+
+
+def test_a_robot_without_the_sensor_is_refused(simulate):
+    line = simulate('_lockstep:=cmd_vel').fatal_line()
+    assert 'waits for answers to image, but the robot has no such sensor' in line
+    assert 'start with camera:=robot, or set lockstep_sensors to some of scan, odom' in line
+
+
+def test_time_by_hand(simulate, ros):
+    node = simulate('_paused:=true')
+    node.wait_output('is at the start')
+    clock, scan = Echo(ros, '/clock'), Echo(ros, '/scan/header/stamp')
+    wait_for(lambda: clock.is_connected.is_set() and scan.is_connected.is_set(), 'connections')
+    answer = ros.run('rosservice', 'call', '/gazebo/step')
+    assert 'success: True' in answer and 'simulated time is 0.033 s' in answer
+    assert [row[0] for row in clock.rows] == [1e7, 2e7, 3e7, 3.3e7]
+    ros.set_parameters('/gazebo/step_period', 0.467)
+    assert 'simulated time is 0.500 s' in ros.run('rosservice', 'call', '/gazebo/step')
+    wait_for(lambda: scan.rows == [[2e8], [4e8]], lambda: scan.rows)
+    ros.set_parameters('/gazebo/step_period', 0.0105)
+    assert 'does not divide into physics steps' in ros.run('rosservice', 'call', '/gazebo/step')
+    ros.run('rosservice', 'call', '/gazebo/unpause_physics')
+    clock.wait(lambda time: time > 1e9, 'time that goes on')
+    assert 'the physics is not paused' in ros.run('rosservice', 'call', '/gazebo/step')
+    assert complaints(node) == []
+
+
+def test_images_come_from_the_start(simulate, ros):
+    node = simulate(*CAMERA, '_paused:=true', '_real_time_factor:=0', urdf=burger())
+    images = Echo(ros, '/image_raw/header/stamp')
+    node.wait_output('is at the start')
+    wait_for(images.is_connected.is_set, 'a connection')
+    ros.run('rosservice', 'call', '/gazebo/unpause_physics')
+    assert images.wait_more(1)[0] == [33e6]

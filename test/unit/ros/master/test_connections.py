@@ -1,0 +1,45 @@
+"""What is missing until a node hears of a topic, by a master and nodes of the test."""
+import pytest
+
+from img_recog.ros.master.connections import Connections
+from img_recog_testing.xmlrpc_server import XmlRpcServer
+
+DEAD = 'http://127.0.0.1:9/'
+
+
+@pytest.fixture
+def system():
+    """What the master knows, and what nodes say; /dead does not answer."""
+    state = {'publishers': {}, 'subscribers': {}, 'sent': []}
+    roscpp = XmlRpcServer(getBusInfo=lambda caller: [1, 'bus info', state['sent']])
+    rospy = XmlRpcServer(getBusInfo=lambda caller: [1, 'bus info', [
+        [1, roscpp.uri, 'i', 'TCPROS', '/image', True, ''], *state['sent']]])
+    uris = {'/dead': DEAD, '/camera': roscpp.uri, '/node': rospy.uri}
+    master = XmlRpcServer(
+        getSystemState=lambda caller: [1, '', [list(state['publishers'].items()),
+                                               list(state['subscribers'].items()), []]],
+        lookupNode=lambda caller, node: [1, '', uris[node]] if node in uris else [-1, '', ''])
+    state['missing'] = lambda: Connections(master.uri, '/me').missing(['/answer'])
+    yield state
+    for server in (roscpp, rospy, master):
+        server.stop()
+
+
+def test_a_publisher_that_answers(system):
+    assert system['missing']() == ['a publisher of /answer']
+    system['publishers'] = {'/answer': ['/dead', '/unknown']}
+    assert system['missing']() == ['a publisher of /answer']
+    system['publishers'] = {'/answer': ['/dead', '/node']}
+    assert system['missing']() == ['a connection of /me to /answer of /node']
+    system['sent'] = [[2, '/me', 'o', 'TCPROS', '/answer', True, '']]
+    assert system['missing']() == []
+
+
+def test_what_the_publisher_subscribes_to(system):
+    system['publishers'] = {'/answer': ['/node'], '/image': ['/camera', '/dead'], '/other': []}
+    system['subscribers'] = {'/image': ['/node', '/viewer'], '/other': ['/node']}
+    system['sent'] = [[2, '/me', 'o', 'TCPROS', '/answer', True, ''],
+                      [3, '/viewer', 'o', 'TCPROS', '/image', True, '']]
+    assert system['missing']() == ['a connection of /node to /image of /camera']
+    system['sent'].append([4, '/node', 'o', 'TCPROS', '/image', True, ''])
+    assert system['missing']() == []
