@@ -16,7 +16,8 @@ Publishes: what the sensors measure, each on its topic (conversions/sensor_table
 Of each camera on the robot: camera/rgb/image_raw, camera/depth/image_raw (sensor_msgs/Image),
 camera/rgb/image_raw/compressed (sensor_msgs/CompressedImage), camera/rgb/camera_info and
 camera/depth/camera_info (sensor_msgs/CameraInfo), camera/depth/points (sensor_msgs/PointCloud2).
-Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty),
+Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), ~step
+(std_srvs/Trigger: goes on for ~step_period while paused),
 ~update_robots (std_srvs/Trigger; with several_robots: adds and removes robots), and if gazebo_msgs
 is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_model,
 ~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
