@@ -2,6 +2,9 @@
 # sets root, venv, build, python, noetic and yes.
 # shellcheck shell=bash disable=SC2154
 
+# measured, with Python 3.11: .venv, and what pip keeps in its temporary folder meanwhile
+venv_mb=540 wheels_mb=70
+
 listed() { sed -e 's/#.*//' -e '/^[[:space:]]*$/d' "$1"; }
 
 # newer STAMP FILE...: whether all exist and the stamp is newer than each file
@@ -18,23 +21,49 @@ missing_packages() {
   comm -13 <(sort -u <<<"$installed") <(listed "$1" | sort -u)
 }
 
-as_root() {
-  if [ "$(id -u)" -eq 0 ]; then
-    "$@" 9>&-           # a service that a package starts must not keep the lock
-  else
-    command -v sudo >/dev/null || fail "need root for: $*; install sudo or run ./run setup as root"
-    sudo "$@" 9>&-
-  fi
+# The last line of a log that says why a program failed: of an error, else any.
+reason() {
+  awk '/No space left on device/ {full = $0}
+    /^CMake Error/ {is_next = 1; next}
+    is_next && NF {found = $0; is_next = 0; next}
+    /(^E|[Ee]rror|ERROR|^sudo|fatal): / {found = $0}
+    NF {last = $0}
+    END {
+      why = full ? full : found ? found : last
+      gsub(/^[[:space:]]+|[.[:space:]]+$/, "", why)
+      print why
+    }' "$1"
 }
 
-# Does nothing if nothing was missing last time, as build/installed says, and nothing has changed.
-install_packages() {
-  local list missing plan sudo=''
+# logged NAME LOG COMMAND ...: runs a command with its output in build/LOG; ends with its reason.
+logged() {
+  local name=$1 log=$2
+  shift 2
+  "$@" >"$build/$log" 2>&1 || failed "$name" "$log"
+}
+
+# failed NAME LOG [ADVICE]: ends with the reason of a program whose output is in build/LOG.
+failed() {
+  local why
+  tail -n 20 "$build/$2" >&2
+  why=$(reason "$build/$2")
+  # then the log cannot say it
+  [ "$(df -m --output=avail "$build" | tail -n 1)" -gt 0 ] || why="No space left on device"
+  fail "$1 failed: ${why:-it says no reason}; see build/$2${3:+; $3}"
+}
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then "$@" 9>&-; else sudo "$@" 9>&-; fi   # no service keeps the lock
+}
+
+# Sets `missing` to the system packages that are to be installed. Nothing is missing if nothing was
+# last time, as build/installed says, and nothing has changed.
+find_missing() {
   list=$root/packages-debian.txt
   [ ! -d "$noetic" ] || list=$root/packages-noetic.txt
+  missing=
   if newer "$build/installed" "$list" /var/lib/dpkg/status /etc/hosts "$root/tools/packages.bash"
   then return 0; fi
-  [ "$(id -u)" -eq 0 ] || sudo='sudo '
   command -v apt-get >/dev/null ||
     fail "no apt-get here: this needs Debian 12 or later, or Ubuntu 20.04 with ROS Noetic"
   missing=$(missing_packages "$list")
@@ -42,44 +71,68 @@ install_packages() {
   { getent hosts localhost && getent hosts "$(uname -n)"; } >/dev/null ||
     dpkg-query -W libnss-myhostname >/dev/null 2>&1 || missing="$missing libnss-myhostname"
   missing=$(xargs <<<"$missing")
-  [ -n "$missing" ] || { touch "$build/installed"; return 0; }
-  plan=$(apt_plan "$missing")
-  if [ -z "$plan" ]; then           # the package lists were never downloaded
-    say "reading the package lists: ${sudo}apt-get update"
-    as_root apt-get update -qq || fail "apt-get update failed"
-    plan=$(apt_plan "$missing")
-  fi
-  announce "$list" "$missing" "$plan"
-  may_install || fail "nothing installed; needed are: $missing"
-  say "${sudo}apt-get update, ${sudo}apt-get install; the full output is in build/apt.log"
-  as_root apt-get update -qq || say "apt-get update failed; using the old lists"
-  # shellcheck disable=SC2086
-  as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 $missing |
-    show_apt "$build/apt.log" ||
-    fail "apt-get failed, see build/apt.log; are all Debian (or ROS) package sources enabled?"
+  [ -n "$missing" ] || touch "$build/installed"
 }
 
-# Prints apt's lines with the number of packages, the download and the size on disk.
-apt_plan() {
+# Sets what apt would do, by a simulation, which needs no root: `packages`, download_mb and disk_mb.
+# They are empty before the first apt-get update.
+plan_packages() {
   # shellcheck disable=SC2086
-  LC_ALL=C apt-get install --assume-no --no-install-recommends $1 2>/dev/null |
-    grep -E '^[0-9]+ upgraded|^Need to get|^After this' || true
+  packages=$(LC_ALL=C apt-get install -s --no-install-recommends $missing 2>/dev/null |
+    sed -nE 's/^Inst ([^ ]+) (\[[^]]*\] )?\(([^ ]+) .*/\1=\3/p' || true)
+  download_mb='' disk_mb=''
+  [ -n "$packages" ] || return 0
+  # shellcheck disable=SC2086
+  read -r download_mb disk_mb < <(apt-cache show $packages | awk '
+    /^Package:/ {is_new = !seen[$2]++}
+    is_new && /^Size:/ {download += $2 / 1e6}
+    is_new && /^Installed-Size:/ {disk += $2 * 1024 / 1e6}
+    END {printf "%.0f %.0f\n", download + 0.5, disk + 0.5}')
+}
+
+size_mb() { if [ -d "$1" ]; then du -smL "$1" | cut -f 1; else echo 0; fi; }
+
+# need_space [FOLDER MB ...]: ends if a file system has less space than all that is needed there.
+need_space() {
+  local place free
+  local -A needed=()
+  while [ $# -gt 0 ]; do
+    place=$(df --output=target "$1" | tail -n 1)
+    needed[$place]=$((${needed[$place]:-0} + $2))
+    shift 2
+  done
+  for place in "${!needed[@]}"; do
+    free=$(($(df -m --output=avail "$place" | tail -n 1)))
+    [ "$free" -ge "${needed[$place]}" ] ||
+      fail "not enough space on $place: ${needed[$place]} MB are needed, $free MB are free"
+  done
+}
+
+install_packages() {
+  local sudo=''
+  [ "$(id -u)" -eq 0 ] || sudo='sudo '
+  say "${sudo}apt-get update, ${sudo}apt-get install; the full output is in build/apt.log"
+  as_root apt-get update -qq >"$build/update.log" 2>&1 ||
+    say "apt-get update failed: $(reason "$build/update.log"); using the old lists"
+  # shellcheck disable=SC2086
+  as_root env DEBIAN_FRONTEND=noninteractive \
+    apt-get install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 \
+    -o DPkg::Lock::Timeout=600 $missing 2>&1 | show_apt "$build/apt.log" ||
+    failed apt-get apt.log "$by_administrator"
 }
 
 # Says what will be installed. Estimate: a minute per 200 packages (on two cores) and per 300 MB.
 announce() {
-  local list=$1 missing=$2 plan=$3 packages download disk megabytes
-  packages=$(sed -nE 's/.* ([0-9]+) newly installed.*/\1/p' <<<"$plan")
-  download=$(sed -nE 's/^Need to get ([0-9.,]+ k?M?G?B).*/\1/p' <<<"$plan")
-  disk=$(sed -nE 's/^After this operation, ([0-9.,]+ k?M?G?B) .*/\1/p' <<<"$plan")
-  packages=${packages:-$(wc -w <<<"$missing")}
-  megabytes=$(awk '/GB/{gsub(",","",$1); print int($1 * 1000)} /MB/{gsub(",","",$1); print int($1)}' \
-    <<<"$download")
+  local count
+  count=$(wc -w <<<"${packages:-$missing}")
   say "$(wc -w <<<"$missing") system packages of $(basename "$list") are missing," \
-    "$packages with dependencies:"
-  say "download ${download:-of unknown size}, ${disk:-unknown size} on disk," \
-    "about $((1 + packages / 200 + ${megabytes:-0} / 300)) min"
+    "$count with dependencies:"
+  if [ -z "$packages" ]; then
+    say "how large they are is known after the first apt-get update"
+  else
+    say "download $download_mb MB, $disk_mb MB on disk," \
+      "about $((1 + count / 200 + download_mb / 300)) min"
+  fi
 }
 
 # Asks if there is a terminal.
@@ -112,20 +165,27 @@ show_apt() {
   if [ -t 1 ]; then printf '\n'; fi
 }
 
+has_venv() { cmp -s "$root/requirements.txt" "$venv/requirements.txt"; }
+
 make_venv() {
-  ! cmp -s "$root/requirements.txt" "$venv/requirements.txt" || return 0
-  say "installing into .venv: $(listed "$root/requirements.txt" | xargs)"
+  say "installing into .venv, $venv_mb MB: $(listed "$root/requirements.txt" | xargs)"
   # without pip in it, it uses the distribution's pip and setuptools, which catkin needs
-  "$python" -m venv --clear --system-site-packages --without-pip "$venv"
+  logged "python3 -m venv" venv.log "$python" -m venv --clear --system-site-packages --without-pip \
+    "$venv"
   touch "$venv/CATKIN_IGNORE"
   # where PyBullet has no wheel (Python 3.13), pip compiles it, which takes minutes; it has a wrong
   # pointer type, which is an error since gcc 14
   CFLAGS="${CFLAGS:-} -Wno-incompatible-pointer-types" \
     "$venv/bin/python3" -m pip install --no-cache-dir --disable-pip-version-check \
     -r "$root/requirements.txt" >"$build/pip.log" 2>&1 &
-  show_pip $! "$build/pip.log" ||
-    { tail -n 5 "$build/pip.log" >&2; fail "pip failed, see build/pip.log; is the package index reachable?"; }
+  show_pip $! "$build/pip.log" || pip_failed pip.log
   cp "$root/requirements.txt" "$venv/requirements.txt"
+}
+
+pip_failed() {
+  local question=''
+  ! grep -q 'Retrying (' "$build/$1" || question="is the package index reachable?"
+  failed pip "$1" "$question"
 }
 
 # Shows the elapsed time until pip ends; returns its exit code.
@@ -152,9 +212,26 @@ show_pip() {
 }
 
 setup() {
+  local list missing packages download_mb disk_mb by_administrator='' space=()
   case $root in *[[:space:]]*) fail "catkin cannot build in a path with spaces: $root" ;; esac
   mkdir -p "$build" "$devel"
   touch "$build/CATKIN_IGNORE" "$devel/CATKIN_IGNORE"
-  install_packages
-  make_venv
+  find_missing
+  if [ -n "$missing" ]; then
+    if [ "$(id -u)" -ne 0 ]; then
+      by_administrator="have the administrator run: apt-get install --no-install-recommends $missing"
+      command -v sudo >/dev/null ||
+        fail "system packages are missing, and there is no sudo: $by_administrator"
+    fi
+    plan_packages
+    announce
+    space=(/var/cache/apt "${download_mb:-0}" /usr "${disk_mb:-0}")
+  fi
+  has_venv || space+=("$root" "$((venv_mb - $(size_mb "$venv")))" "${TMPDIR:-/tmp}" "$wheels_mb")
+  need_space "${space[@]}"
+  if [ -n "$missing" ]; then
+    may_install || fail "nothing installed; needed are: $missing"
+    install_packages
+  fi
+  has_venv || make_venv
 }

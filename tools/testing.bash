@@ -128,10 +128,11 @@ mutants() {
   lock
   if ! cmp -s "$list" "$folder/venv/requirements.txt"; then
     say "installing into build/mutants/venv: $(listed "$list" | xargs)"
-    "$python" -m venv --clear --system-site-packages "$folder/venv"
+    mkdir -p "$folder"
+    logged "python3 -m venv" mutants/venv.log "$python" -m venv --clear --system-site-packages \
+      "$folder/venv"
     "$folder/venv/bin/python3" -m pip install --no-deps --disable-pip-version-check -r "$list" \
-      >"$folder/pip.log" 2>&1 ||
-      { tail -n 5 "$folder/pip.log" >&2; fail "pip failed, see build/mutants/pip.log"; }
+      >"$folder/pip.log" 2>&1 || pip_failed mutants/pip.log
     cp "$list" "$folder/venv/requirements.txt"
   fi
   unlock

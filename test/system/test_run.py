@@ -228,16 +228,24 @@ def test_mutants_leave_no_copy_that_roslaunch_would_find(checkout, env):
 APT = """#!/bin/sh
 echo "apt-get $*" >>{log}
 case "$*" in
-  *--assume-no*)
-    echo '0 upgraded, 312 newly installed, 0 to remove and 0 not upgraded.'
-    echo 'Need to get 410 MB/421 MB of archives.'
-    echo 'After this operation, 1,514 MB of additional disk space will be used.'
-    exit 1 ;;
+  "install -s "*)
+    for name in $(seq 311); do echo "Inst lib$name (1.0-1 Debian:12 [amd64])"; done
+    echo 'Inst tzdata [1.0-1] (2.0-1 Debian:12 [all])'
+    echo 'Conf tzdata (2.0-1 Debian:12 [all])' ;;
   install*)
+    [ -z "$APT_ERROR" ] || {{ echo "$APT_ERROR" >&2; exit 100; }}
     echo dlstatus:1:3.1:Retrieving file 1 of 312
     echo pmstatus:shellcheck:57.9:Unpacking shellcheck
     echo Setting up shellcheck ;;
 esac
+"""
+# of two sources; the second one has only one of the packages
+APT_CACHE = """#!/bin/sh
+for each; do
+  [ "$each" != show ] || continue
+  printf 'Package: %s\\nInstalled-Size: 5000\\nSize: 1312500\\n\\n' "${each%=*}"
+done
+printf 'Package: tzdata\\nInstalled-Size: 5000\\nSize: 1312500\\n'
 """
 
 
@@ -248,7 +256,8 @@ def bare(checkout, env, tmp_path):
     log.write_text('')
     programs = tmp_path / 'bin'
     programs.mkdir()
-    for name, text in (('apt-get', APT.format(log=log)), ('sudo', '#!/bin/sh\nexec "$@"\n'),
+    for name, text in (('apt-get', APT.format(log=log)), ('apt-cache', APT_CACHE),
+                       ('sudo', '#!/bin/sh\necho sudo >>{}\nexec "$@"\n'.format(log)),
                        ('dpkg-query', '#!/bin/sh\n')):
         (programs / name).write_text(text)
         (programs / name).chmod(0o755)
@@ -275,9 +284,21 @@ def in_terminal(checkout, env, answer, *words):
     return process.wait(), output
 
 
+def changes(log):
+    """Return what was called but simulations."""
+    return [line for line in log.read_text().splitlines() if ' -s ' not in line]
+
+
 def installs(log):
-    return [line for line in log.read_text().splitlines()
-            if line.startswith('apt-get install') and '--assume-no' not in line]
+    return [line for line in changes(log) if line.startswith('apt-get install')]
+
+
+def add_program(env, name, text):
+    """Put a program before all others."""
+    path = os.path.join(env['PATH'].split(os.pathsep)[0], name)
+    with open(path, 'w') as file:
+        file.write('#!/bin/sh\n' + text)
+    os.chmod(path, 0o755)
 
 
 def test_without_a_terminal_it_does_not_ask_and_shows_progress(checkout, bare):
@@ -285,7 +306,7 @@ def test_without_a_terminal_it_does_not_ask_and_shows_progress(checkout, bare):
     code, output = run(checkout, env, 'setup')
     assert code == 0, output
     assert re.search(r'packages-\w+\.txt are missing, 312 with dependencies:', output), output
-    assert 'download 410 MB, 1,514 MB on disk, about 3 min' in output, output
+    assert 'download 410 MB, 1598 MB on disk, about 3 min' in output, output
     assert '[Y/n]' not in output
     assert '[run] downloading 3 %\n[run] installing 57 %\n' in output, output
     assert len(installs(log)) == 1
@@ -298,7 +319,7 @@ def test_in_a_terminal_it_asks(checkout, bare, answer, expected):
     env, log = bare
     code, output = in_terminal(checkout, env, answer, 'setup')
     assert 'Install these? [Y/n]' in output, output
-    assert len(installs(log)) == expected
+    assert len(installs(log)) == expected and bool(changes(log)) == bool(expected)
     assert code == 1 - expected, output
     assert expected or 'nothing installed; needed are: ' in output
 
@@ -310,3 +331,50 @@ def test_yes_option_and_ci_skip_the_question(checkout, bare, words, ci):
     code, output = in_terminal(checkout, dict(env, CI=ci), '', *words)
     assert '[Y/n]' not in output and code == 0, output
     assert len(installs(log)) == 1
+
+
+def test_who_is_not_root_sees_what_would_be_installed_before_sudo_is_called(checkout, bare):
+    env, log = bare
+    add_program(env, 'id', 'echo 1000\n')
+    code, output = in_terminal(checkout, env, 'n\n', 'setup')
+    assert code == 1 and 'download 410 MB, 1598 MB on disk' in output, output
+    assert changes(log) == []
+
+
+def test_without_sudo_the_packages_for_the_administrator_are_named(checkout, bare, tmp_path):
+    env, log = bare
+    add_program(env, 'id', 'echo 1000\n')
+    os.remove(str(tmp_path / 'bin' / 'sudo'))
+    for folder in env['PATH'].split(os.pathsep)[1:]:
+        if os.path.exists(os.path.join(folder, 'sudo')):
+            pytest.skip('sudo is installed here')
+    code, output = run(checkout, env, 'setup')
+    assert code == 1 and changes(log) == []
+    assert re.search(r'\[run\] system packages are missing, and there is no sudo: have the '
+                     r'administrator run: apt-get install --no-install-recommends [-\w+. ]*cmake '
+                     r'[-\w+. ]*\n$', output), output
+
+
+def test_too_little_space_is_said_before_anything_is_installed(checkout, bare):
+    env, log = bare
+    add_program(env, 'df', 'case "$*" in *target*) echo /mnt ;; *) echo 1999 ;; esac\n')
+    code, output = run(checkout, env, 'setup')
+    assert code == 1 and changes(log) == []
+    assert output.endswith(
+        '[run] not enough space on /mnt: 2008 MB are needed, 1999 MB are free\n'), output
+    add_program(env, 'df', 'case "$*" in *target*) echo /mnt ;; *) echo 2008 ;; esac\n')
+    assert run(checkout, env, 'setup')[0] == 0
+
+
+def test_the_reason_of_a_program_that_fails_is_shown(checkout, bare):
+    env, log = bare
+    code, output = run(checkout, dict(env, APT_ERROR='E: You do not have enough free space in /x'),
+                       'setup')
+    assert code == 1 and '[run] apt-get failed: E: You do not have enough free space in /x; see ' \
+        in output, output
+    add_program(env, 'cmake', 'echo "CMake Error at a.txt:1 (include):"\n'
+                'echo "  No space left on device"\necho\necho "-- incomplete"\nexit 1\n')
+    code, output = run(checkout, env, 'build')
+    assert code == 1, output
+    assert re.search(r'\[run\] the build failed: No space left on device; see build/make.log\n$',
+                     output), output
