@@ -197,6 +197,13 @@ def test_options_agree_with_the_script(script):
     assert sorted(row[0].strip('`') for row in rows(REFERENCE, script, 'option')) == options
 
 
+def test_the_posts_stand_where_the_page_says():
+    world = ElementTree.fromstring(read('urdf/color_posts.sdf'))
+    posts = [['`{}`'.format(model.get('name')), *model.findtext('pose').split()[:2]]
+             for model in world.iter('model') if model.get('name') != 'field']
+    assert rows(read('doc/simulator.md'), 'Your own world', 'model') == posts
+
+
 def commands(path):
     """Return the indented lines of a page that call ./run, and the code in rows of its tables."""
     text = read(path)
