@@ -14,7 +14,8 @@ import urllib.parse
 from img_recog import timed_xmlrpc
 from img_recog.errors import UserError
 
-FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'build', 'master')
+_FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'build',
+                     'master')
 _FIRST_PORT, _LAST_PORT = 11311, 11811
 _STARTS_NOTHING = {'--ros-args', '--nodes', '--files', '--find-node', '--dump-params', '--args',
                    '--help', '-h'}
@@ -29,7 +30,7 @@ class Claim:
     """The master of this demo, which other demos on this machine leave alone until this ends."""
 
     def __init__(self, words):
-        """Set ROS_MASTER_URI, unless the user has; write it to FILE for ./run shell.
+        """Set ROS_MASTER_URI, unless the user has; write it to a file for ./run shell.
 
         words: for roslaunch. Raises UserError if another demo uses the master of the user.
         """
@@ -45,10 +46,9 @@ class Claim:
         self._write(uri)
 
     def close(self):
-        """Remove the file, unless a later demo has replaced it."""
-        if self._file is not None and os.path.exists(FILE) and os.path.samestat(
-                os.stat(FILE), os.fstat(self._file)):
-            os.remove(FILE)
+        """Remove the file."""
+        if self._file is not None:
+            os.remove(self._file.name)
 
     def _check(self, uri):
         if not self._mark_used(uri):
@@ -115,12 +115,11 @@ class Claim:
                          if _answers(uri, name))
 
     def _write(self, uri):
-        own = '{}.{}'.format(FILE, os.getpid())
-        self._file = os.open(own, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644)
-        os.write(self._file, uri.encode() + b'\n')
+        self._file = open('{}.{}'.format(_FILE, os.getpid()), 'w')
         # unlocked when this process ends, however it does
         fcntl.flock(self._file, fcntl.LOCK_EX)
-        os.rename(own, FILE)
+        self._file.write(uri + '\n')
+        self._file.flush()
 
 
 def _is_listening(port):

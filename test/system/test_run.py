@@ -197,6 +197,31 @@ def test_one_waits_while_another_builds_in_the_same_folder(checkout, env, tmp_pa
     assert len(calls.read_text().splitlines()) == 2         # configures and builds once
 
 
+def test_each_demo_has_its_own_master_and_the_shell_finds_it(checkout, env):
+    def found():
+        code, output = run(checkout, env, 'shell', 'printenv', 'ROS_MASTER_URI')
+        return code == 0 and output.strip()
+
+    demos = [Process(['./run', 'demo', 'camera:=none', 'recognition:=false', 'teleop:=false',
+                      'web:=false'], env, cwd=checkout) for _ in range(2)]
+    try:
+        for demo in demos:
+            demo.wait_output('the robot is at the start')
+        # a line of roslaunch
+        first, second = [demo.wait_output(r'ROS_MASTER_URI=(http://\w+:\d+)').group(1)
+                         for demo in demos]
+        assert first != second
+        assert any('uses port 11311: the master of this demo is {};'.format(uri) in demo.output
+                   for demo, uri in zip(demos, (first, second)))
+        assert found() in (first, second)
+        assert demos[0].is_running() and demos[0].interrupt() == 0
+        assert found() == second
+        assert demos[1].is_running() and demos[1].interrupt() == 0
+    finally:
+        for demo in demos:
+            demo.close()
+
+
 # What lies below build/
 
 def test_mutants_leave_no_copy_that_roslaunch_would_find(checkout, env):

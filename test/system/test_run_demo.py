@@ -227,25 +227,6 @@ def test_xacro_that_cannot_be_expanded_is_refused_before_anything_starts(run_dem
 
 
 SMALL = 'camera:=none', 'recognition:=false', 'teleop:=false', 'world:=empty'
-MASTER = r'ROS_MASTER_URI=(http://\w+:\d+)'         # a line of roslaunch
-
-
-def test_without_a_given_master_each_demo_has_its_own(run_demo, ros):
-    del run_demo.env['ROS_MASTER_URI']
-    demos = [run_demo(*SMALL), run_demo(*SMALL)]        # at once
-    for demo in demos:
-        demo.wait_output('the robot is at the start')
-    first, second = [demo.wait_output(MASTER).group(1) for demo in demos]
-    assert first != second
-    assert any('uses port 11311: the master of this demo is {};'.format(uri) in demo.output
-               for demo, uri in zip(demos, (first, second)))
-    shell = ros.start(os.path.join(ROOT, 'run'), 'shell', 'rosnode', 'ping', '-c', '1', '/gazebo',
-                      env=run_demo.env)
-    assert shell.wait() == 0
-    assert re.search('xmlrpc reply from http://localhost', shell.output), shell.output
-    for demo in demos:
-        assert demo.is_running()
-        assert interrupt(demo) == 0
 
 
 def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
