@@ -97,7 +97,7 @@ need_space() {
   local place free
   local -A needed=()
   while [ $# -gt 0 ]; do
-    place=$(df --output=target "$1" | tail -n 1)
+    place=$(df --output=target "$1" 2>/dev/null | tail -n 1) || place=/
     needed[$place]=$((${needed[$place]:-0} + $2))
     shift 2
   done
@@ -114,6 +114,10 @@ install_packages() {
   say "${sudo}apt-get update, ${sudo}apt-get install; the full output is in build/apt.log"
   as_root apt-get update -qq >"$build/update.log" 2>&1 ||
     say "apt-get update failed: $(reason "$build/update.log"); using the old lists"
+  if [ -z "$packages" ]; then
+    plan_packages
+    need_space /var/cache/apt "${download_mb:-0}" /usr "${disk_mb:-0}"
+  fi
   # shellcheck disable=SC2086
   as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 \
@@ -123,13 +127,13 @@ install_packages() {
 
 # Says what will be installed. Estimate: a minute per 200 packages (on two cores) and per 300 MB.
 announce() {
-  local count
-  count=$(wc -w <<<"${packages:-$missing}")
-  say "$(wc -w <<<"$missing") system packages of $(basename "$list") are missing," \
-    "$count with dependencies:"
+  local what count
+  what="$(wc -w <<<"$missing") system packages of $(basename "$list") are missing"
+  count=$(wc -w <<<"$packages")
   if [ -z "$packages" ]; then
-    say "how large they are is known after the first apt-get update"
+    say "$what; what they need is known after the first apt-get update"
   else
+    say "$what, $count with dependencies:"
     say "download $download_mb MB, $disk_mb MB on disk," \
       "about $((1 + count / 200 + download_mb / 300)) min"
   fi

@@ -253,7 +253,9 @@ def test_mutants_leave_no_copy_that_roslaunch_would_find(checkout, env):
 APT = """#!/bin/sh
 echo "apt-get $*" >>{log}
 case "$*" in
+  "update "*) touch {log}.updated ;;
   "install -s "*)
+    [ -z "$APT_NEW" ] || [ -f {log}.updated ] || exit 100
     for name in $(seq 311); do echo "Inst lib$name (1.0-1 Debian:12 [amd64])"; done
     echo 'Inst tzdata [1.0-1] (2.0-1 Debian:12 [all])'
     echo 'Conf tzdata (2.0-1 Debian:12 [all])' ;;
@@ -356,6 +358,17 @@ def test_yes_option_and_ci_skip_the_question(checkout, bare, words, ci):
     code, output = in_terminal(checkout, dict(env, CI=ci), '', *words)
     assert '[Y/n]' not in output and code == 0, output
     assert len(installs(log)) == 1
+
+
+def test_before_the_first_update_the_size_is_not_known(checkout, bare):
+    env, log = bare
+    code, output = in_terminal(checkout, dict(env, APT_NEW='1'), 'n\n', 'setup')
+    assert code == 1 and changes(log) == []
+    assert 'are missing; what they need is known after the first apt-get update' in output, output
+    add_program(env, 'df', 'case "$*" in *target*) echo /mnt ;; *) echo 1999 ;; esac\n')
+    code, output = in_terminal(checkout, dict(env, APT_NEW='1'), 'y\n', 'setup')
+    assert code == 1 and installs(log) == []
+    assert 'not enough space on /mnt: 2008 MB are needed, 1999 MB are free' in output, output
 
 
 def test_who_is_not_root_sees_what_would_be_installed_before_sudo_is_called(checkout, bare):
