@@ -17,6 +17,14 @@ class _Transport(xmlrpc.client.Transport):
         connection.timeout = self._timeout_s
         return connection
 
+    def parse_response(self, response: Any) -> Any:
+        try:
+            return super().parse_response(response)
+        except ERRORS:
+            raise
+        except Exception as error:      # no XML, or values that make no sense
+            raise xmlrpc.client.ResponseError('no XML-RPC: {}'.format(error))
+
 
 def server(uri: str, timeout_s: float = 1.0) -> xmlrpc.client.ServerProxy:
     """Return a proxy of a master or node, whose calls raise one of ERRORS.
