@@ -28,6 +28,8 @@ def check(words):
             robot_file.read(value)
         elif name in _PARAMETERS:
             _check_setting(name, value)
+        elif name.startswith('lockstep'):
+            _check_lockstep(name, value, given)
     if given.get('camera') == 'robot':
         _check_robot_camera(given)
     if 'world' in given:
@@ -45,6 +47,14 @@ def _check_setting(name, value):
                            settings.DriveSettings, settings.ViewSettings):
         if name in (field.name for field in dataclasses.fields(settings_class)):
             settings_class(**{name: _typed(value)})
+
+
+def _check_lockstep(name, value, given):
+    from img_recog.nodes.gazebo.lockstep import LockstepSettings
+    LockstepSettings(**{name: _typed(value)})
+    if given.get('simulator', '').lower() in ('0', 'false'):
+        raise UserError('{}: it is the simulator that waits, and simulator is false'.format(name),
+                        'set simulator to true, or leave out {}'.format(name))
 
 
 def _check_robot_camera(given):

@@ -20,7 +20,7 @@ def checked(*words):
     return done.returncode, done.stdout.decode()
 
 
-SWITCHES = ('gui', 'image_view', 'recognition', 'simulator', 'teleop', 'use_sim_time',
+SWITCHES = ('gui', 'image_view', 'paused', 'recognition', 'simulator', 'teleop', 'use_sim_time',
             'allow_partial_world')
 REFUSED = {
     ('camera=synthetic',): 'got camera=synthetic; write camera:=synthetic',

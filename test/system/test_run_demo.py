@@ -209,6 +209,9 @@ def test_colors_file_that_cannot_be_used_is_refused_before_anything_starts(
     ('world:=mars', "world: got 'mars', which cannot be read as a file ("),
     ('camera:=robot simulator:=false', 'camera: got robot, which is simulated, and simulator is '
                                        'false; set simulator to true, '),
+    ('lockstep:=cmd_vel simulator:=false', 'lockstep: it is the simulator that waits, and '
+                                           'simulator is false; set simulator to true'),
+    ('lockstep_sensors:=sonar', "lockstep_sensors: got 'sonar', allowed is some of image, scan"),
     ('camera:=robot image_width:=8000', 'camera_width: got 8000, allowed is a whole number ')])
 def test_value_that_a_node_would_refuse_is_refused_before_anything_starts(run_demo, word, words):
     demo = run_demo(*(['camera:=synthetic'] if 'camera:=' not in word else []), *word.split())

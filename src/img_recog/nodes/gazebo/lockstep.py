@@ -200,9 +200,13 @@ class Lockstep:
 
         Raises UserError when no answer came in time and lockstep_at_timeout is end.
         """
-        if not self._is_ready and not self._are_connected(time_s):
-            return True
-        self._is_ready = True
+        if not self._is_ready:
+            if not self._are_connected(time_s):
+                return True
+            self._is_ready = True
+            for topic, others in self._connections.shared():
+                rospy.logwarn('lockstep: %s is published by %s too: nodes answer their messages '
+                              'as well; stop them', topic, ', '.join(others))
         with self._lock:
             missing, sent_s = self._missing(), self._sent_s if self._is_sent else None
         if missing and sent_s is not None:
@@ -257,7 +261,7 @@ class Lockstep:
         try:
             missing = self._connections.missing(list(self._answers))
         except OSError as error:
-            missing = ['the master, which does not answer: {}'.format(one_line(error))]
+            missing = ['the master, which does not answer: ' + one_line(error)]
         if missing:
             self.report(time_s, '; '.join(missing))
         return not missing

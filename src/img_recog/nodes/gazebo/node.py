@@ -69,6 +69,7 @@ _POLL_PERIOD_S = 0.1
 # Of simulated time, between two looks at commands and services; it takes about 1 ms. After the
 # physics, no code for messages is in the processor's cache: it gets there once in a round.
 _FREE_RUN_ROUND_S = 0.02
+_LOCKSTEP_ROUND_S = 1.0
 
 
 class Gazebo:
@@ -77,13 +78,15 @@ class Gazebo:
     def __init__(self) -> None:
         physics, view = parameters.read(PhysicsSettings), parameters.read(ViewSettings)
         which = parameters.read(RobotsSettings)
+        lockstep, stepping = parameters.read(LockstepSettings), parameters.read(SteppingSettings)
         self._clock_period_s = physics.clock_period_s
         self._clock_steps = whole_steps('clock_period_s', physics.clock_period_s, physics.step_s)
-        self._free_run_periods = max(1, round(_FREE_RUN_ROUND_S / physics.clock_period_s))
+        # in lockstep, nothing is to be looked at before the next answers
+        round_s = _LOCKSTEP_ROUND_S if lockstep.topics else _FREE_RUN_ROUND_S
+        self._free_run_periods = max(1, round(round_s / physics.clock_period_s))
         parameters.warn_of_unknown(PhysicsSettings, ViewSettings, RobotsSettings,
                                    LockstepSettings, SteppingSettings,
                                    *robot_settings_classes(), also_known=[ROBOTS[1:]])
-        lockstep, stepping = parameters.read(LockstepSettings), parameters.read(SteppingSettings)
         plans = RobotPlans(physics.step_s)
         single = None if which.several_robots else plans.single()
         self._simulator = _build(physics, single)

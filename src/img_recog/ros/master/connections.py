@@ -5,6 +5,7 @@ from img_recog import timed_xmlrpc
 from img_recog.ros.master.calls import Master
 
 _TIMEOUT_S = 1.0        # of a call to a node or the master
+_SHARED = ('/rosout', '/diagnostics', '/tf', '/tf_static')      # with a publisher in each node
 
 
 class Connections:
@@ -40,6 +41,16 @@ class Connections:
                         for publisher in alive(topic)
                         if (topic, node) not in (made[publisher] or ())]
         return missing
+
+    def shared(self) -> List[Tuple[str, List[str]]]:
+        """Return the topics that this node and others publish, apart from those made for it.
+
+        Raises OSError when the master does not answer.
+        """
+        published, *_ = self._master.ask('getSystemState') or ((),)
+        return [(topic, [each for each in nodes if each != self._node])
+                for topic, nodes in published
+                if self._node in nodes and len(nodes) > 1 and topic not in _SHARED]
 
     def _made_by(self, publisher: str) -> Optional[Set[Tuple[str, str]]]:
         """Return the topics on which a node sends, each with the node that it sends to.

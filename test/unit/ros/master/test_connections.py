@@ -20,6 +20,7 @@ def system():
                                                list(state['subscribers'].items()), []]],
         lookupNode=lambda caller, node: [1, '', uris[node]] if node in uris else [-1, '', ''])
     state['missing'] = lambda: Connections(master.uri, '/me').missing(['/answer'])
+    state['shared'] = Connections(master.uri, '/me').shared
     yield state
     for server in (roscpp, rospy, master):
         server.stop()
@@ -43,3 +44,9 @@ def test_what_the_publisher_subscribes_to(system):
     assert system['missing']() == ['a connection of /node to /image of /camera']
     system['sent'].append([4, '/node', 'o', 'TCPROS', '/image', True, ''])
     assert system['missing']() == []
+
+
+def test_what_others_publish_too(system):
+    system['publishers'] = {'/image': ['/bag', '/me'], '/mine': ['/me'], '/theirs': ['/bag', '/b'],
+                            '/tf': ['/bag', '/me']}
+    assert system['shared']() == [('/image', ['/bag'])]

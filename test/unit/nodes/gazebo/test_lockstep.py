@@ -1,0 +1,202 @@
+"""Which messages are answers, by subscribers and a master of the test."""
+import io
+
+import pytest
+import rospy
+from geometry_msgs.msg import Twist, TwistStamped
+from sensor_msgs.msg import Image
+from std_msgs.msg import Header
+from visualization_msgs.msg import Marker
+
+from img_recog.nodes.gazebo import lockstep
+from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
+from img_recog.settings import SettingError
+
+
+class FakeSubscriber:
+    """Passes on what the test sends."""
+
+    made = {}
+
+    def __init__(self, name, data_class, callback, buff_size=0):
+        self.data_class, self.callback, self.connections = data_class, callback, 1
+        self.made[name] = self
+
+    def send(self, msg, node='/node'):
+        header = {'callerid': node, 'type': msg._type, 'message_definition': msg._full_text}
+        if self.data_class is rospy.AnyMsg:
+            buffer = io.BytesIO()
+            msg.serialize(buffer)
+            msg = rospy.AnyMsg().deserialize(buffer.getvalue())
+        self.callback(msg, header)
+
+    def get_num_connections(self):
+        return self.connections
+
+    def is_settled(self):
+        return True
+
+    def unregister(self):
+        self.connections = 0
+
+
+@pytest.fixture
+def rig(monkeypatch):
+    """What makes a Lockstep; what it logs, and the time of the wall and of the simulation."""
+    class Rig:
+        said, wall_s, now_s, missing, woken = [], 1000.0, 0.0, [], 0
+
+        def make(self, topics, **settings):
+            def wake():
+                self.woken += 1
+            made = Lockstep(LockstepSettings(topics, **settings), wake)
+            self.commands = []
+            made.subscribe_commands('cmd_vel', Twist, self.commands.append)
+            made.subscribe()
+            self.send = {name: each.send for name, each in FakeSubscriber.made.items()}
+            return made
+
+        def expect(self, made, time_s, namespaces=('',), everyone=('',)):
+            self.now_s = time_s
+            made.expect(time_s, namespaces, everyone)
+            made.notify_sent()
+            return made.waits(time_s)
+
+    found = Rig()
+    monkeypatch.setattr(FakeSubscriber, 'made', {})
+    monkeypatch.setattr(lockstep, 'SettledSubscriber', FakeSubscriber)
+    monkeypatch.setattr(lockstep, 'Connections', lambda *_: found)
+    found.missing = lambda topics: found.unconnected
+    found.shared, found.unconnected, found.others = lambda: found.others, [], []
+    monkeypatch.setattr(lockstep.time, 'monotonic', lambda: found.wall_s)
+    monkeypatch.setattr(rospy, 'get_rostime', lambda: rospy.Time.from_sec(found.now_s))
+    for log in ('logwarn', 'loginfo'):
+        monkeypatch.setattr(rospy, log, lambda text, *values: found.said.append(text % values))
+    monkeypatch.setattr(lockstep.ThrottledWarning.__init__, '__defaults__',
+                        (lambda: found.wall_s, lambda text, *values: found.said.append(
+                            text % values)))
+    found.said = []
+    return found
+
+
+def stamped(time_s, kind=Image):
+    return kind(header=Header(stamp=rospy.Time.from_sec(time_s)))
+
+
+def test_a_message_without_a_header_answers_what_was_sent_before(rig):
+    made = rig.make('cmd_vel')
+    assert not made.waits(0.0)
+    made.expect(0.1, [''], [''])
+    rig.send['/cmd_vel'](Twist())       # while the image is drawn
+    assert rig.woken == 0
+    made.notify_sent()
+    assert made.waits(0.1)
+    rig.send['/cmd_vel'](Twist())
+    assert not made.waits(0.1) and rig.woken == 1 and len(rig.commands) == 2
+    assert len(rig.said) == 1 and '/node publishes more than one message' in rig.said[0]
+
+
+@pytest.mark.parametrize('topic, kind', [('/image', Image), ('/marker', Marker), (
+    '/header', Header)])
+def test_a_message_with_a_header_answers_what_is_not_newer(rig, topic, kind):
+    def msg(time_s):
+        stamp = rospy.Time.from_sec(time_s)
+        return Header(stamp=stamp) if kind is Header else stamped(time_s, kind)
+
+    made = rig.make(topic)
+    assert rig.expect(made, 0.2)
+    rig.send[topic](msg(0.1999))
+    assert made.waits(0.2)
+    rig.send[topic](msg(0.2))
+    assert not made.waits(0.2) and rig.said == []
+    assert rig.expect(made, 0.3)
+    rig.send[topic](msg(1e9))
+    assert not made.waits(0.3)
+    line, = rig.said
+    assert 'has the stamp 1000000000.000 s, but it is 0.300 s: give it the stamp' in line
+
+
+def test_a_stamped_command_answers_by_its_stamp(rig):
+    made = rig.make('cmd_vel')
+    assert rig.expect(made, 0.2)
+    rig.send['/cmd_vel'](stamped(0.1, TwistStamped))
+    assert made.waits(0.2)
+    rig.send['/cmd_vel'](stamped(0.2, TwistStamped))
+    assert not made.waits(0.2)
+
+
+def test_a_topic_of_a_robot_answers_only_its_sensors(rig):
+    made = rig.make('a/answer, b/answer  both')
+    names = ['a', 'b']
+    assert rig.expect(made, 0.1, ['a'], names)
+    rig.send['/a/answer'](Twist())
+    assert made.waits(0.1)
+    rig.send['/both'](Twist())
+    assert not made.waits(0.1)
+    assert rig.expect(made, 0.2, ['a', 'b'], names)
+    for topic in ('/a/answer', '/both'):
+        rig.send[topic](Twist())
+    assert made.waits(0.2)
+    rig.send['/b/answer'](Twist())
+    assert not made.waits(0.2)
+
+
+def test_time_goes_on_after_the_timeout_and_waits_again_after_an_answer(rig):
+    made = rig.make('cmd_vel', lockstep_timeout=12.0)
+    rig.expect(made, 0.1)
+    for wall_s, lines in ((1004.9, 0), (1005.0, 1), (1009.9, 1), (1010.0, 2), (1011.9, 2)):
+        rig.wall_s = wall_s
+        assert made.waits(0.1) and len(rig.said) == lines
+    assert rig.said[1] == ('lockstep: simulated time stands at 0.100 s and waits for: an answer '
+                           'on /cmd_vel')
+    rig.wall_s = 1012.0
+    assert not made.waits(0.1)
+    assert rig.said[2] == (
+        'lockstep: no answer in 12 s to what was measured at 0.100 s: /cmd_vel has had no message '
+        'yet. Time goes on, and waits for it again when it answers')
+    assert not rig.expect(made, 0.2)
+    rig.send['/cmd_vel'](Twist())
+    assert rig.said[3] == ('lockstep: /node answers on /cmd_vel again: simulated time waits for '
+                           'it') and len(rig.said) == 4
+    assert rig.expect(made, 0.3)
+    FakeSubscriber.made['/cmd_vel'].connections = 0
+    rig.wall_s = 2000.0
+    assert not made.waits(0.3)
+    assert '/cmd_vel is published by nobody any more (before: /node)' in rig.said[4]
+
+
+def test_a_bag_that_plays_what_the_simulator_publishes(rig):
+    rig.others = [('/scan', ['/play_1', '/play_2'])]
+    assert not rig.make('cmd_vel').waits(0.0)
+    assert rig.said == ['lockstep: /scan is published by /play_1, /play_2 too: nodes answer their '
+                        'messages as well; stop them']
+
+
+def test_time_begins_when_all_are_connected(rig):
+    made = rig.make('cmd_vel')
+    rig.unconnected = ['a publisher of /cmd_vel']
+    assert made.waits(0.0) and rig.said == []
+    rig.wall_s += 5.0
+    assert made.waits(0.0)
+    assert rig.said == ['lockstep: simulated time stands at 0.000 s and waits for: a publisher of '
+                        '/cmd_vel']
+    rig.unconnected = []
+    assert not made.waits(0.0)
+
+
+def test_a_command_topic_of_a_robot_that_is_added_later(rig):
+    made = rig.make('late/cmd_vel')
+    other = FakeSubscriber.made['/late/cmd_vel']
+    made.subscribe_commands('late/cmd_vel', Twist, rig.commands.append)
+    assert other.connections == 0 and rig.expect(made, 0.1)
+    FakeSubscriber.made['/late/cmd_vel'].send(Twist())
+    assert not made.waits(0.1) and len(rig.commands) == 1
+
+
+@pytest.mark.parametrize('wrong, allowed', [
+    ({'lockstep': 'cmd_vel 3rd'}, 'names of topics'),
+    ({'lockstep_sensors': 'image sonar'}, 'some of image, scan, odom, imu, joint_states'),
+    ({'lockstep_sensors': ' '}, 'some of image')])
+def test_wrong_settings(wrong, allowed):
+    with pytest.raises(SettingError, match=allowed):
+        LockstepSettings(**wrong)
