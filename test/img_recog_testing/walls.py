@@ -3,9 +3,9 @@ import ast
 import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file',
-                'mesh_formats', 'resources', 'robot_file', 'rotations', 'settings', 'signals',
-                'still_images', 'textures', 'timed_xmlrpc', 'visuals')
+GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'lenses', 'markup',
+                'mesh_file', 'mesh_formats', 'resources', 'robot_file', 'rotations', 'settings',
+                'signals', 'still_images', 'textures', 'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -27,7 +27,7 @@ ALLOWED = {
     **{folder: ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file',
                 'rotations', 'settings', 'still_images', 'textures', 'visuals')
        for folder in PURE},
-    'markup': ('errors',),
+    'bag_recording': ('errors',), 'markup': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'lenses': (), 'rotations': (),
     'signals': (), 'timed_xmlrpc': (), 'visuals': (), 'textures': ('errors',),
     'mesh_file': ('errors', 'mesh_formats', 'textures', 'visuals'),

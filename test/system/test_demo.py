@@ -3,7 +3,7 @@ import os
 import re
 import signal
 
-from img_recog.ros.bag_recording import TOPICS
+from img_recog.bag_recording import TOPICS
 from img_recog_testing.process_table import is_alive
 from img_recog_testing.waiting import wait_for
 
@@ -98,7 +98,7 @@ def test_window_without_a_display_is_one_warning(ros):
 
 
 def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
-    """And a film can be made of it."""
+    """And a film and a picture can be made of it; the picture also while the demo runs."""
     demo = ros.demo('world:=empty', 'record:={}/demo'.format(tmp_path))
     demo.wait_output('the robot drives forward')
     connected = ''.join(r'(?=.*topic: /{}\n)'.format(topic)
@@ -107,7 +107,15 @@ def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
     begin = len(demo.output)
     ros.run('rostopic', 'echo', '-n', '30', '/odom/header/seq')
     wait_for(lambda: 'the robot ' in demo.output[begin:], 'a command')
+    drawn = r'\.png: \d+\.\d s, [1-9]\d* poses, [1-9]\d* commands\n'
+    plot = ros.start_node('plot.py', str(tmp_path / 'live.png'), '--duration', '2')
+    assert plot.wait() == 0 and re.search('live' + drawn, plot.output), plot.output
+    plot = ros.start_node('plot.py', str(tmp_path / 'no.png'), '--robot', 'tb3_1')
+    assert plot.wait() == 1
+    assert 'has no odometry on /tb3_1/odom; there is /odom; choose a robot' in plot.output
     assert demo.interrupt() == 0
+    plot = ros.start_node('plot.py', str(tmp_path / 'demo.bag'), str(tmp_path / 'bag.png'))
+    assert plot.wait() == 0 and re.search('bag' + drawn, plot.output), plot.output
     info = ros.run('rosbag', 'info', str(tmp_path / 'demo.bag'))
     recorded = re.findall(r'(?m)^(?:topics:)? +(\S+) +\d+ msgs? ', info)
     assert set(recorded) <= set(TOPICS)

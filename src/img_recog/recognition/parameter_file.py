@@ -22,8 +22,16 @@ def read(path: str) -> RecognitionSettings:
 
     Raises ParameterError naming the file, the parameter, its value and the allowed values.
     """
-    values = _mapping(path)
+    return settings_in(_mapping(path), path)
+
+
+def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:
+    """Return the settings in the parameters of color_extract; path: their place in messages.
+
+    Raises ParameterError, as `read` does.
+    """
     try:
+        values = dict(values)
         names = color_names(values.pop(COLORS, list(DEFAULT_COLORS)))
         settings_class = with_colors(names)
         known = {field.name for field in setting_fields(settings_class)}

@@ -1,4 +1,5 @@
 """Reads the frames of a bag."""
+import os
 import struct
 from functools import partial
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
@@ -13,7 +14,7 @@ from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, one_line
 from img_recog.replay.chain import SECOND_NS, Frame
-from img_recog.replay.inputs import DEFAULT_TOPICS, WANTED
+from img_recog.replay.inputs import DEFAULT_TOPICS, WANTED, is_bag
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 _MAX_GAP_S = 3600           # between two stamps
@@ -48,7 +49,7 @@ class BagFrames:
         Raises UserError if the file cannot be read as a bag or has no such images.
         """
         self._path = path
-        self.bag = _open(path)
+        self.bag = open_bag(path)
         try:
             types = self._image_topics()
             self.topic = _choose_topic(path, types, topic)
@@ -125,7 +126,24 @@ class BagFrames:
                 len(skipped), used + len(skipped), self.topic, skipped[0]))
 
 
-def _open(path: str) -> rosbag.Bag:
+def check_bag(path: str, task: str, advice: str) -> None:
+    """Raise UserError if a file cannot be a bag; task: what is done with it, as 'replay'."""
+    try:
+        is_usable = os.path.isfile(path) and is_bag(path)
+    except OSError as error:
+        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()),
+                        'see its permissions (ls -l), or give another bag')
+    if not os.path.exists(path) and os.path.exists(path + '.active'):
+        raise UserError('{0} is not complete: there is {0}.active'.format(path),
+                        'stop the demo that records it, or, if none does, rename it and run '
+                        '"rosbag reindex" on it')
+    if not is_usable:
+        raise UserError('cannot {} {}: {}'.format(
+            task, path, 'it is not a bag' if os.path.exists(path) else 'no such file'), advice)
+
+
+def open_bag(path: str) -> rosbag.Bag:
+    """Return a bag; raise UserError if it cannot be read."""
     try:
         return rosbag.Bag(path)
     except rosbag.ROSBagUnindexedException:

@@ -1,6 +1,6 @@
-"""The picture of a replay: areas, commands and velocity over time, and the path in the world."""
+"""The picture of a drive: areas, commands and velocity over time, and the path in the world."""
 import colorsys
-from typing import IO, Any, ContextManager, Dict, List, Sequence, Tuple
+from typing import IO, Any, ContextManager, Dict, List, Sequence, Tuple, Union
 
 import matplotlib
 import numpy as np
@@ -10,7 +10,7 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
 
 from img_recog.recognition.settings import Color
-from img_recog.replay.plot_data import AREAS, SPEED, TIME, TURN, YAW, PlotData, X, Y
+from img_recog.replay.plot_data import SPEED, TIME, TURN, YAW, PlotColor, PlotData, X, Y
 
 _SIZE_IN, _DPI = (14.0, 9.0), 100
 _DARK, _FAINT, _LINEAR, _ANGULAR = '#222222', '#999999', '#2ca02c', '#9467bd'
@@ -42,16 +42,16 @@ class ReplayFigure:
         with _style():
             self.figure.suptitle(title, x=0.06, y=0.98, ha='left')
             areas, commands, speed, position = self._over_time
-            _draw_areas(areas, data.rows, data.colors)
-            _draw_commands(commands, data.recognition, data.teleop)
-            _draw_speed(speed, data.rows)
-            _draw_position(position, data.rows)
+            _draw_areas(areas, data.areas, data.colors)
+            _draw_commands(commands, data.commands, data.idle)
+            _draw_speed(speed, data.motion)
+            _draw_position(position, data.motion)
             for axes in self._over_time:
                 axes.set_xlim(0, max(data.end_s, 1e-3))
                 axes.tick_params(labelbottom=axes is position)
-            position.set_xlabel('simulated time (s)')
-            _draw_map(self._map, data.rows, data.outlines)
-            _draw_close_up(self._close_up, data.rows, data.outlines)
+            position.set_xlabel('time (s)')
+            _draw_map(self._map, data)
+            _draw_close_up(self._close_up, data)
             self.figure.savefig(file, format='png')
 
 
@@ -60,19 +60,20 @@ def _style() -> ContextManager[Any]:
     return matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 10.0})
 
 
-def _draw_areas(axes: Axes, rows: np.ndarray, colors: Sequence[Color]) -> None:
+def _draw_areas(axes: Axes, rows: np.ndarray,
+                colors: Sequence[Union[Color, PlotColor]]) -> None:
     limits: Dict[int, List[str]] = {}
     for number, color in enumerate(colors):
-        axes.plot(rows[:, TIME], rows[:, AREAS + number], color=line_color(color.hue),
-                  label=color.name)
-        limits.setdefault(color.area_limit_px, []).append(color.name)
+        axes.plot(rows[:, 0], rows[:, 1 + number], color=line_color(color.hue), label=color.name)
+        if color.area_limit_px is not None:
+            limits.setdefault(color.area_limit_px, []).append(color.name)
     for limit_px, names in limits.items():
         axes.axhline(limit_px, color=_FAINT, linestyle='--', linewidth=1,
                      label='limit of {}: {} px'.format(
                          ', '.join(names) if len(names) <= _MAX_NAMES
                          else '{} colors'.format(len(names)), limit_px))
     # leaves space for the legend
-    scales = ((2 * _LEGEND_COLUMNS, 1.8), (_LEGEND_COLUMNS, 1.4), (0, 1.0))
+    scales = ((2 * _LEGEND_COLUMNS, 1.8), (_LEGEND_COLUMNS, 1.4), (-1, 1.0))
     top = axes.get_ylim()[1] * next(scale for count, scale in scales if len(axes.lines) > count)
     axes.set_ylim(0, top)
     _set_title(axes, 'Area of each color')
@@ -83,17 +84,17 @@ def _draw_areas(axes: Axes, rows: np.ndarray, colors: Sequence[Color]) -> None:
     _finish(axes)
 
 
-def _draw_commands(axes: Axes, recognition: np.ndarray, teleop: np.ndarray) -> None:
-    if len(teleop):
-        axes.plot(teleop[:, 0], teleop[:, 1], linestyle='', marker='|', markersize=6,
-                  color=_FAINT, label='idle teleop')
-    axes.plot(recognition[:, 0], recognition[:, 1], linestyle='', marker='o', markersize=4,
+def _draw_commands(axes: Axes, commands: np.ndarray, idle: np.ndarray) -> None:
+    if len(idle):
+        axes.plot(idle[:, 0], idle[:, 1], linestyle='', marker='|', markersize=6,
+                  color=_FAINT, label='idle sender')
+    axes.plot(commands[:, 0], commands[:, 1], linestyle='', marker='o', markersize=4,
               color=_LINEAR, label='linear.x')
-    if recognition[:, 2].any():
-        axes.plot(recognition[:, 0], recognition[:, 2], linestyle='', marker='^', markersize=4,
+    if commands[:, 2].any():
+        axes.plot(commands[:, 0], commands[:, 2], linestyle='', marker='^', markersize=4,
                   color=_ANGULAR, label='angular.z')
-    _set_title(axes, 'Commands on /cmd_vel')
-    axes.set_ylabel('command (m/s, rad/s)' if recognition[:, 2].any() else 'command (m/s)')
+    _set_title(axes, 'Commands')
+    axes.set_ylabel('command (m/s, rad/s)' if commands[:, 2].any() else 'command (m/s)')
     axes.margins(y=0.15)
     _finish(axes)
 
@@ -135,15 +136,16 @@ def _two_scales(axes: Axes, times: np.ndarray, angles: np.ndarray, name: str,
     _finish(axes, axes.lines + right.lines)
 
 
-def _draw_map(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
-    _draw_path(axes, rows, outlines)
+def _draw_map(axes: Axes, data: PlotData) -> None:
+    _draw_path(axes, data)
     axes.autoscale_view()
     axes.invert_xaxis()
     _set_title(axes, 'Path in the world')
 
 
-def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
-    _draw_path(axes, rows, outlines)
+def _draw_close_up(axes: Axes, data: PlotData) -> None:
+    _draw_path(axes, data)
+    rows = data.motion
     low, high = rows[:, X:YAW].min(axis=0), rows[:, X:YAW].max(axis=0)
     middle, half = (low + high) / 2, (high - low).max() / 2
     half += max(_MIN_MARGIN_M, 0.2 * half)
@@ -151,17 +153,18 @@ def _draw_close_up(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray])
     axes.set_xlim(middle[1] + half, middle[1] - half)
     axes.ticklabel_format(useOffset=False)
     _set_title(axes, 'Close up')
-    _finish(axes, axes.lines[1:])
+    _finish(axes, axes.lines[-2:])
 
 
-def _draw_path(axes: Axes, rows: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
+def _draw_path(axes: Axes, data: PlotData) -> None:
     # x is up and y is left, as in the picture of the simulation from above
     axes.set_aspect('equal', 'datalim')
-    for outline in outlines:
+    for outline in data.outlines:
         axes.add_patch(Polygon(outline[:, ::-1], facecolor=_WALL, edgecolor=_WALL, linewidth=0.5))
-    x, y, yaw = rows[:, X], rows[:, Y], rows[:, YAW]
-    axes.plot(y, x, color=_DARK, linewidth=1.2)
-    position = 'last frame: {:.3f} m, {:.3f} m'.format(x[-1], y[-1])
+    for part in np.split(data.motion, data.moved):
+        axes.plot(part[:, Y], part[:, X], color=_DARK, linewidth=1.2)
+    x, y, yaw = data.motion[:, X], data.motion[:, Y], data.motion[:, YAW]
+    position = 'end: {:.3f} m, {:.3f} m'.format(x[-1], y[-1])
     for row, color, size, name in ((0, _START, 14, 'start'), (-1, _LAST, 8, position)):
         axes.plot(y[row], x[row], linestyle='', color=color, markersize=size,
                   marker=(3, 0, np.degrees(yaw[row])), label=name)

@@ -10,8 +10,10 @@ from typing import Any, List, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 from tqdm import tqdm
+from visualization_msgs.msg import MarkerArray
 
 from img_recog import files, still_images
 from img_recog.conversions import plane_msgs
@@ -19,16 +21,17 @@ from img_recog.conversions.image_msgs import ImageError
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import UserError, one_line
 from img_recog.replay import programs
-from img_recog.replay.bags import BagFrames
+from img_recog.replay.bag_messages import Messages
+from img_recog.replay.bags import BagFrames, check_bag
 from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
-from img_recog.replay.film_messages import Messages
 from img_recog.replay.film_picture import FilmPicture
-from img_recog.replay.inputs import WANTED, is_bag
+from img_recog.replay.inputs import WANTED
 from img_recog.signals import Interrupts
 
 _BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
 _LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
+_KINDS = {'odom': Odometry, 'scan': LaserScan, 'cmd_vel': Twist, 'outlines': MarkerArray}
 _log = logging.getLogger('film.py')
 
 
@@ -43,39 +46,26 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def _make(arguments: List[str], interrupts: Interrupts) -> str:
     options = _options(arguments)
     path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
-    _check_bag(path)
+    check_bag(path, 'make a film of', _BAG_ADVICE)
     files.refuse_input(output, path, 'filmed', 'give the film another name')
     settings = programs.recognition_settings(options.colors)
     frames = _frames(path, options)
     with frames.bag, files.atomic_write(
             [output], 'give a path that can be written') as (file,), \
             contextlib.ExitStack() as stack:
-        messages = Messages(path, frames)
+        messages = Messages(path, frames.bag, frames.topic, _KINDS,
+                            {frames.topic: ('image', frames.message_type)})
+        if messages.others:
+            _log.warning('the film does not show %s', messages.others)
         outlines = messages.outlines()
         with interrupts.deferred():     # or else ffmpeg may be started and not be ended
             film = stack.enter_context(Film(file, settings, outlines, output))
         with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
             progress = tqdm(total=frames.expected, unit=' images', disable=None)
         with progress:
-            end_s = _fill(film, messages, frames, progress)
+            end_s, images = _fill(film, messages, frames, progress)
         film.close(end_s)
-    return '{}: {:.1f} s, {} images of {}'.format(output, end_s, messages.images, frames.topic)
-
-
-def _check_bag(path: str) -> None:
-    """Raise UserError if a file cannot be a bag."""
-    try:
-        is_usable = os.path.isfile(path) and is_bag(path)
-    except OSError as error:
-        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()),
-                        'see its permissions (ls -l), or give another bag')
-    if not os.path.exists(path) and os.path.exists(path + '.active'):
-        raise UserError('{0} is not complete: there is {0}.active'.format(path),
-                        'stop the demo that records it, or, if none does, rename it and run '
-                        '"rosbag reindex" on it')
-    if not is_usable:
-        raise UserError('cannot make a film of {}: {}'.format(
-            path, 'it is not a bag' if os.path.exists(path) else 'no such file'), _BAG_ADVICE)
+    return '{}: {:.1f} s, {} images of {}'.format(output, end_s, images, frames.topic)
 
 
 def _frames(path: str, options: argparse.Namespace) -> BagFrames:
@@ -87,10 +77,12 @@ def _frames(path: str, options: argparse.Namespace) -> BagFrames:
         raise UserError(error.problem, _BAG_ADVICE)     # not a video, as for replay.py
 
 
-def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> float:
-    """Add all messages to a film; return its length in s."""
+def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm
+          ) -> Tuple[float, int]:
+    """Add all messages to a film; return its length in s, and the number of its images."""
     picture, start_s, time_s, last_problem, number = film.picture, None, 0.0, '', 0
-    for role, msg, recorded_s in messages.in_order():
+    images = 0
+    for role, msg, recorded_s, _ in messages.in_order():
         if role == 'cmd_vel':
             picture.asked = _speed(msg)
         elif role == 'odom':
@@ -105,16 +97,16 @@ def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm) -> 
             frames.check_gap(number, round(last_s * SECOND_NS), round(time_s * SECOND_NS))
             try:
                 film.add(time_s, *frames.decode(msg))
-                messages.images += 1
+                images += 1
             except ImageError as error:
                 last_problem = one_line(error)
-    if not messages.images:
+    if not images:
         raise UserError('no image on {} in {} can be used; {}'.format(
             frames.topic, messages.path, last_problem or 'there is no message'))
     if last_problem:
         _log.warning('%d of %d images cannot be used; the last is %s',
-                     frames.expected - messages.images, frames.expected, last_problem)
-    return time_s
+                     frames.expected - images, frames.expected, last_problem)
+    return time_s, images
 
 
 def _take_odometry(picture: FilmPicture, msg: Any) -> None:

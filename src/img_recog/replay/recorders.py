@@ -16,6 +16,7 @@ from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.vehicle import Reading
 
 RECORDED = 'odometry', 'joint_states'       # of the sensors
+_MOTION = 6             # columns of a row of the picture: time and state of the robot
 _KINDS = {kind.name: kind for kind in SENSORS}
 
 
@@ -115,8 +116,9 @@ class PlotRecorder(Recorder):
 
     def data(self, end_s: float, outlines: Sequence[np.ndarray]) -> PlotData:
         """Return the collected data; end_s, outlines: as in PlotData."""
-        return PlotData(self._colors, np.array(self._rows), self._commands(RECOGNITION),
-                        self._commands(TELEOP), end_s, outlines)
+        rows = np.array(self._rows)
+        return PlotData(self._colors, rows[:, :_MOTION], np.delete(rows, range(1, _MOTION), 1),
+                        self._commands(RECOGNITION), self._commands(TELEOP), end_s, outlines)
 
     def _commands(self, sender: str) -> np.ndarray:
         return np.array(self._sent[sender]).reshape(-1, 3)

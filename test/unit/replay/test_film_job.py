@@ -22,7 +22,7 @@ from visualization_msgs.msg import MarkerArray
 from img_recog.conversions import compressed_image_msgs, image_msgs, plane_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.plane_msgs import PlanePose
-from img_recog.replay import film_job
+from img_recog.replay import bags, film_job
 from img_recog_testing.films import BLUE, ROBOT, SQUARE, card, center_of, frames_of
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
@@ -256,7 +256,7 @@ def test_a_file_that_is_no_bag(refused, tmp_path):
 def test_a_bag_that_may_not_be_read(bag, tmp_path, refused, monkeypatch):
     def is_bag(path):
         raise PermissionError(errno.EACCES, 'Permission denied', path)
-    monkeypatch.setattr(film_job, 'is_bag', is_bag)     # root may read each file
+    monkeypatch.setattr(bags, 'is_bag', is_bag)     # root may read each file
     assert refused(bag, tmp_path / 'out.mp4') == (
         'cannot read {}: permission denied; see its permissions (ls -l), or give another '
         'bag'.format(bag))

@@ -15,8 +15,8 @@ from img_recog.replay.painter import Painter
 from img_recog.replay.plot_data import PlotData
 from img_recog_testing.waiting import wait_for
 
-DATA = PlotData(with_colors()().colors, np.ones((3, 8)), np.ones((2, 3)), np.zeros((0, 3)), 1.0,
-                [])
+DATA = PlotData(with_colors()().colors, np.ones((3, 6)), np.ones((3, 3)), np.ones((2, 3)),
+                np.zeros((0, 3)), 1.0, [])
 
 
 def test_a_killed_process_is_reported():

@@ -137,8 +137,9 @@ def test_data_of_the_picture_are_pose_velocities_and_areas():
     motion = Motion(np.array((1.0, 2.0, 3.0)), turned, np.array((4.0, 5.0, 6.0)),
                     np.array((7.0, 8.0, 9.0)))
     plot.on_frame(FrameResult(frame(0, 0), 5 * 10 ** 8, [10, 11], [None, None], [], motion))
-    assert plot.data(1.0, []).rows.tolist() == [[0.5, 1.0, 2.0, pytest.approx(0.8), 4.0, 9.0,
-                                                 10.0, 11.0]]
+    data = plot.data(1.0, [])
+    assert data.motion.tolist() == [[0.5, 1.0, 2.0, pytest.approx(0.8), 4.0, 9.0]]
+    assert data.areas.tolist() == [[0.5, 10.0, 11.0]]
 
 
 @pytest.mark.parametrize('world, seen', [('turtlebot3_world', PICTURE), ('empty', PICTURE),

@@ -27,7 +27,8 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from fastapi import FastAPI, WebSocket, WebSocketDisconnect
 from fastapi.concurrency import run_in_threadpool
 
-from img_recog import files
+from img_recog import bag_recording, files
+from img_recog.bag_recording import BagRecording, Recorder
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web import page
 from img_recog.nodes.web.authentication import Authentication
@@ -41,8 +42,7 @@ from img_recog.nodes.web.shown_robots import ShownRobots
 from img_recog.nodes.web.tabs import TABS
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.nodes.web.visit import System
-from img_recog.ros import bag_recording, lifecycle, parameters
-from img_recog.ros.bag_recording import BagRecording, Recorder
+from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
@@ -133,7 +133,8 @@ class Web:
     def _start_recording(self) -> BagRecording:
         topics = {name for topic in bag_recording.TOPICS for name in (
             rospy.resolve_name(topic), *(resolve(robot, topic) for robot in self._robots.names))}
-        return BagRecording(files.free_output_path('recording', '.bag'), sorted(topics))
+        return BagRecording(files.free_output_path('recording', '.bag'), sorted(topics),
+                            is_ending=rospy.core.is_shutdown_requested)
 
     def _check_recording(self) -> None:
         """Say it when a recording has ended by itself."""

@@ -8,8 +8,6 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Optional, Sequence
 
-import rospy
-
 from img_recog.errors import UserError, one_line, shortened
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
@@ -31,11 +29,13 @@ class BagRecording:
     this process.
     """
 
-    def __init__(self, path: str, topics: Sequence[str], max_megabytes: int = MAX_MEGABYTES):
+    def __init__(self, path: str, topics: Sequence[str], max_megabytes: int = MAX_MEGABYTES,
+                 is_ending: Callable[[], bool] = lambda: False):
         """Start to record.
 
         topics: resolved names; those that nobody publishes yet too. max_megabytes: it ends at
-        this size. Raises UserError if it cannot be started, or cannot write the file.
+        this size. is_ending: returns whether the program ends, and does not wait. Raises UserError
+        if it cannot be started, or cannot write the file.
         """
         self.path = path
         self._is_over = False           # its end is known
@@ -52,7 +52,7 @@ class BagRecording:
                             'install the package util-linux')
         end_s = time.monotonic() + _START_TIMEOUT_S
         while (self._is_starting() and time.monotonic() < end_s
-               and not rospy.core.is_shutdown_requested()):
+               and not is_ending()):
             time.sleep(_POLL_PERIOD_S)
         self.check()
         if self._is_starting():

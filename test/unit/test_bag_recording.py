@@ -9,11 +9,10 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-import rospy
 
+from img_recog import bag_recording
+from img_recog.bag_recording import BagRecording, Recorder
 from img_recog.errors import UserError, one_line
-from img_recog.ros import bag_recording
-from img_recog.ros.bag_recording import BagRecording, Recorder
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 # rosrun with the arguments `rosbag record --quiet --lz4 --size=N -O PATH TOPICS`
@@ -37,12 +36,12 @@ def recording(tmp_path, monkeypatch):
         monkeypatch.setattr(bag_recording, limit, DEADLINE_S)
     started = []
 
-    def start(script):
+    def start(script, **options):
         program = tmp_path / 'rosrun'
         program.write_text(PROGRAM.format(script))
         program.chmod(program.stat().st_mode | stat.S_IXUSR)
         monkeypatch.setenv('PATH', '{}:{}'.format(tmp_path, os.environ['PATH']))
-        started.append(BagRecording(str(tmp_path / 'new.bag'), ['/odom', '/scan'], 7))
+        started.append(BagRecording(str(tmp_path / 'new.bag'), ['/odom', '/scan'], 7, **options))
         return started[-1]
     yield start
     for each in started:
@@ -82,10 +81,9 @@ def test_a_program_that_writes_nothing_is_ended(recording, tmp_path, monkeypatch
     assert not os.path.exists('/proc/{}'.format(pid))
 
 
-def test_a_start_ends_with_the_node(recording, monkeypatch):
-    monkeypatch.setattr(rospy.core, 'is_shutdown_requested', lambda: True)
+def test_a_start_ends_with_the_program(recording):
     with pytest.raises(UserError, match='there is no file'):
-        recording(LOOP)
+        recording(LOOP, is_ending=lambda: True)
 
 
 @pytest.mark.parametrize('end, problem', [
@@ -120,7 +118,7 @@ def test_it_ends_with_a_process_that_is_killed(recording, tmp_path):
     path = tmp_path / 'other.bag'
     child = subprocess.Popen([sys.executable, '-c', (
         'import os, signal, sys\n'
-        'from img_recog.ros import bag_recording\n'
+        'from img_recog import bag_recording\n'
         'bag_recording._START_TIMEOUT_S = float(sys.argv[2])\n'
         'bag_recording.BagRecording(sys.argv[1], ["/odom"])\n'
         'os.kill(os.getpid(), signal.SIGKILL)'), str(path), str(DEADLINE_S)])

@@ -1,0 +1,131 @@
+"""A drive that was recorded in a bag, as the data of its picture."""
+import itertools
+import math
+from typing import Any, Dict, Iterable, List, Mapping, Sequence, Tuple, Union
+
+import numpy as np
+import rosbag
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import PointCloud
+from visualization_msgs.msg import MarkerArray
+
+from img_recog.conversions import color_detection_msgs, plane_msgs, twist_msgs
+from img_recog.conversions.plane_msgs import MAX_NUMBER
+from img_recog.errors import UserError, shortened
+from img_recog.recognition.settings import Color
+from img_recog.replay.bag_messages import Messages
+from img_recog.replay.plot_data import PlotColor, PlotData, X, Y
+
+_ODOM = 'odom'
+_OTHERS = {'cmd_vel': Twist, 'detections': PointCloud, 'outlines': MarkerArray}
+_JUMP_M = 0.5           # between two positions that follow one another: the robot was moved
+_HUE_STEP = 50          # between colors of which only the names are known
+
+
+class Drive:
+    """Collects what one robot of a bag has done. others: what is not shown, '' for nothing."""
+
+    def __init__(self, path: str, bag: rosbag.Bag, odometry: str):
+        """Choose topics of an open bag; odometry: that of the robot. path: in messages."""
+        self._messages = Messages(path, bag, odometry, _OTHERS, {odometry: (_ODOM, Odometry)})
+        self.others, self._odometry = self._messages.others, odometry
+        self._motion: List[tuple] = []
+        self._areas: List[Dict[str, float]] = []
+        self._sent: Dict[str, List[tuple]] = {}         # by the name of the sender
+        self._end_s = 0.0
+
+    def data(self, known: Sequence[Color]) -> PlotData:
+        """Return the data of the picture; known: colors, for those that were recognized.
+
+        Raises UserError if there is no odometry, or the bag is damaged.
+        """
+        start_s = None
+        for role, msg, time_s, sender in self._messages.in_order():
+            start_s = time_s if start_s is None else start_s
+            self._end_s = time_s - start_s
+            try:
+                self._take(role, msg, sender)
+            except UserError:       # a picture needs no warning for each message
+                continue
+        if not self._motion:
+            raise UserError('{} has no usable message on {}'.format(
+                self._messages.path, self._odometry), 'record it while the robot runs')
+        motion = np.array(self._motion)
+        steps = np.hypot(*np.diff(motion[:, [X, Y]], axis=0).T)
+        names = list(dict.fromkeys(name for row in self._areas for name in row if name))
+        areas = [[row[name] if name in row else math.nan for name in ('', *names)]
+                 for row in self._areas]
+        driving = [sent for sent in self._sent.values() if any(any(each[1:]) for each in sent)]
+        idle = [sent for sent in self._sent.values() if sent not in driving]
+        return PlotData(
+            colors_of(names, known), motion, np.reshape(areas, (-1, 1 + len(names))),
+            _in_order(driving), _in_order(idle), self._end_s, self._messages.outlines(),
+            (np.flatnonzero(steps > _JUMP_M) + 1).tolist())
+
+    def _take(self, role: str, msg: Any, sender: str) -> None:
+        if role == _ODOM:
+            pose = plane_msgs.pose_from_msg(msg.pose)
+            self._motion.append((self._end_s, *pose, *_velocity(msg.twist.twist)))
+        elif role == 'cmd_vel':
+            self._sent.setdefault(sender, []).append((self._end_s, *_velocity(msg)))
+        elif role == 'detections':
+            found = color_detection_msgs.from_msg(msg)
+            self._areas.append({'': self._end_s, **dict(zip(found.names, found.areas_px))})
+
+
+def _velocity(twist: Twist) -> Tuple[float, float]:
+    """Return a velocity; raise UserError if it cannot be drawn."""
+    linear, angular = twist_msgs.from_msg(twist)
+    if max(abs(linear), abs(angular)) > MAX_NUMBER:
+        raise UserError('got {:g} m/s, {:g} rad/s, expected numbers up to {:g}'.format(
+            linear, angular, MAX_NUMBER))
+    return linear, angular
+
+
+def _in_order(sent: Iterable[List[tuple]]) -> np.ndarray:
+    """Return the commands (n, 3) of several senders."""
+    return np.reshape(sorted(itertools.chain(*sent)), (-1, 3))
+
+
+def colors_of(names: Sequence[str], known: Sequence[Color]) -> List[Union[Color, PlotColor]]:
+    """Return the colors of these names.
+
+    >>> colors_of(['green', 'white'], [])
+    [PlotColor(name='green', hue=(0, 0), area_limit_px=None), \
+PlotColor(name='white', hue=(50, 50), area_limit_px=None)]
+    """
+    colors: Dict[str, Union[Color, PlotColor]] = {color.name: color for color in known}
+    return [colors[name] if name in colors else PlotColor(name, (number * _HUE_STEP % 180,) * 2)
+            for number, name in enumerate(names)]
+
+
+def odometry_of(types: Mapping[str, str], robot: str, place: str) -> str:
+    """Return the topic of the odometry of a robot.
+
+    types: the message types of all topics. robot: its namespace; if empty, the robot without one,
+    or the only one. Raises UserError if there is no such robot; place: where it was looked for.
+
+    >>> odometry_of({'/tb3_0/odom': 'nav_msgs/Odometry', '/odom': 'std_msgs/String'}, '', 'it')
+    '/tb3_0/odom'
+    """
+    found = sorted(name for name, type_name in types.items() if type_name == Odometry._type)
+    wanted = '/'.join(filter(None, (robot.strip('/'), _ODOM)))
+    exact = [name for name in found if name.lstrip('/') == wanted]
+    if exact or len(found) == 1 and not robot:
+        return (exact or found)[0]
+    raise UserError('{} has no odometry on /{}; there is {}'.format(
+        place, wanted, shortened(', '.join(found) or 'none of type nav_msgs/Odometry')),
+        'choose a robot with --robot, as tb3_0 for /tb3_0/odom' if found
+        else 'record it while the robot runs')
+
+
+def topics_beside(odometry: str) -> List[str]:
+    """Return the topics to record of a robot and of its world.
+
+    >>> topics_beside('/tb3_0/odom')
+    ['/tb3_0/odom', '/tb3_0/cmd_vel', '/tb3_0/color_detection', '/gazebo/world_outlines']
+    """
+    namespace = odometry.rpartition('/')[0]
+    return [odometry, namespace + '/cmd_vel', namespace + '/color_detection',
+            '/gazebo/world_outlines']

@@ -1,0 +1,171 @@
+"""The program plot: draws a drive, of a bag or of the running system, as replay.py does."""
+import argparse
+import contextlib
+import logging
+import os
+import sys
+import tempfile
+import time
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+
+import rosgraph
+from tqdm import tqdm
+
+from img_recog import files, timed_xmlrpc
+from img_recog.bag_recording import BagRecording
+from img_recog.errors import UserError, one_line, shortened
+from img_recog.recognition import parameter_file
+from img_recog.recognition.settings import RecognitionSettings
+from img_recog.replay import programs
+from img_recog.replay.bags import DAMAGE_ERRORS, check_bag, damaged, open_bag
+from img_recog.replay.drive import Drive, odometry_of, topics_beside
+from img_recog.replay.figure import ReplayFigure
+from img_recog.replay.plot_data import PlotData
+from img_recog.signals import Interrupts
+
+_SECONDS, _MAX_SECONDS = 20.0, 86400.0
+_TICK_S, _TIMEOUT_S = 0.2, 3.0
+_NODE = '/img_recog_plot'
+_BAG_ADVICE = 'give a bag, as of ./run demo record:=FILE, or none to record the running system'
+_MASTER_ADVICE = 'start the demo first, or set ROS_MASTER_URI; or give a bag'
+_ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
+_log = logging.getLogger('plot.py')
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Run the program; return its exit code."""
+    logging.basicConfig(format='plot.py: %(levelname)s: %(message)s')
+    return programs.run(_make, sys.argv[1:] if arguments is None else arguments, _log,
+                        'cannot draw')
+
+
+def _make(arguments: List[str], _: Interrupts) -> str:
+    options = _options(arguments)
+    path, output = os.path.expanduser(options.bag), os.path.expanduser(options.output)
+    settings = programs.recognition_settings(options.colors)
+    if path:
+        check_bag(path, 'draw', _BAG_ADVICE)
+        files.refuse_input(output, path, 'drawn', 'give the picture another name')
+    with contextlib.ExitStack() as stack:
+        file, = stack.enter_context(files.atomic_write(
+            [output], 'give a path that can be written'))
+        title, odometry = os.path.basename(path), ''
+        if not path:
+            title, master = 'the running system', _Master()
+            odometry = odometry_of(master.topics(), options.robot, title)
+            if not options.colors:
+                node = odometry.rpartition('/')[0] + '/color_extract'
+                settings = master.colors(node) or settings
+            path = stack.enter_context(_recorded(topics_beside(odometry), options.duration))
+        data, warning = _read(path, title, odometry, options.robot, settings)
+        if warning:
+            _log.warning('the picture does not show %s', warning)
+        ReplayFigure().draw(file, 'Drive of {}, {:.1f} s'.format(title, data.end_s), data)
+    return '{}: {:.1f} s, {} poses, {} commands'.format(
+        output, data.end_s, len(data.motion), len(data.commands) + len(data.idle))
+
+
+def _read(path: str, title: str, odometry: str, robot: str, settings: RecognitionSettings
+          ) -> Tuple[PlotData, str]:
+    """Return the data of a bag, and what is not shown of it.
+
+    title: of the bag in messages; odometry: its topic, '' to choose that of a robot.
+    """
+    with open_bag(path) as bag:
+        try:
+            types = {name: topic.msg_type
+                     for name, topic in bag.get_type_and_topic_info().topics.items()}
+            drive = Drive(title, bag, odometry or odometry_of(types, robot, title))
+            return drive.data(settings.colors), drive.others
+        except DAMAGE_ERRORS as error:
+            raise damaged(title, error)
+
+
+class _Master:
+    """The master, if it answers."""
+
+    def __init__(self) -> None:
+        """Raise UserError if its address is none."""
+        self._uri = rosgraph.get_master_uri()
+        try:
+            self._server = timed_xmlrpc.server(self._uri, _TIMEOUT_S)
+        except timed_xmlrpc.ERRORS as error:
+            raise self._failure(error)
+
+    def topics(self) -> Dict[str, str]:
+        """Return the message types of the topics that are published.
+
+        Raises UserError if it does not answer.
+        """
+        try:
+            answer: Any = self._server.getPublishedTopics(_NODE, '')
+            return dict(answer[2])
+        except _ERRORS as error:
+            raise self._failure(error)
+
+    def colors(self, node: str) -> Optional[RecognitionSettings]:
+        """Return the settings of the colors that a node has as parameters, None without them."""
+        try:
+            answer: Any = self._server.getParam(_NODE, node)
+            return parameter_file.settings_in(answer[2], node) if answer[0] == 1 else None
+        except (UserError, *_ERRORS) as error:
+            _log.warning('the limits are those of the article: %s', one_line(error))
+            return None
+
+    def _failure(self, error: Exception) -> UserError:
+        return UserError('no master answers at {}: {}'.format(
+            shortened(self._uri), one_line(error)), _MASTER_ADVICE)
+
+
+@contextlib.contextmanager
+def _recorded(topics: Sequence[str], seconds: float) -> Iterator[str]:
+    """Record topics until the time is over, or Ctrl-C; yield the path of a bag for the `with`."""
+    with tempfile.TemporaryDirectory(prefix='img_recog_plot_') as folder:
+        recording = BagRecording(os.path.join(folder, 'drive.bag'), topics)
+        try:
+            end_s = time.monotonic() + seconds
+            with contextlib.suppress(KeyboardInterrupt), tqdm(
+                    total=seconds, desc='recording, Ctrl-C ends it', disable=None,
+                    bar_format='{desc}: {n:.0f} of {total:.0f} s') as progress:
+                while time.monotonic() < end_s and not recording.check():
+                    time.sleep(_TICK_S)
+                    progress.update(_TICK_S)
+        finally:
+            recording.stop()
+        yield recording.path
+
+
+def _options(arguments: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog='plot.py', description='Draw areas, commands, speed and path of a robot, as '
+        'replay.py does: of a recorded bag, or of the running system from now on.',
+        allow_abbrev=False)
+    parser.add_argument('bag', metavar='BAG', nargs='?', default='',
+                        help='a bag with odometry; without it, the running system is recorded')
+    parser.add_argument('output', metavar='FILE.png', type=_png, help='where to write the picture')
+    parser.add_argument('--duration', type=_seconds, default=_SECONDS, metavar='S',
+                        help='how long to record the running system, s; Ctrl-C ends it earlier '
+                        '(default: %(default)g)')
+    parser.add_argument('--robot', default='', metavar='NAME',
+                        help='namespace of the robot, if there are several')
+    parser.add_argument('--colors', default='', metavar='YAML',
+                        help='parameter file of color_extract, for the limits (default: those of '
+                        'the running node, or of the article)')
+    return parser.parse_args(arguments)
+
+
+def _png(text: str) -> str:
+    if not text.lower().endswith('.png'):
+        raise argparse.ArgumentTypeError('got {!r}, expected FILE.png'.format(text))
+    return text
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 < value <= _MAX_SECONDS:
+        raise argparse.ArgumentTypeError('got {!r}, expected more than 0 and at most {:g}'.format(
+            text, _MAX_SECONDS))
+    return value
