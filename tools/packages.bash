@@ -229,6 +229,7 @@ setup() {
     fi
     plan_packages
     announce
+    has_venv || say "then Python packages into .venv: $venv_mb MB on disk"
     space=(/var/cache/apt "${download_mb:-0}" /usr "${disk_mb:-0}")
   fi
   has_venv || space+=("$root" "$((venv_mb - $(size_mb "$venv")))" "${TMPDIR:-/tmp}" "$wheels_mb")
