@@ -11,7 +11,6 @@ import functools
 import io
 import os
 import struct
-import threading
 import warnings
 from typing import IO, Any, Callable, Iterator, Optional, Union
 
@@ -31,8 +30,6 @@ _PILLOW_FORMATS = ('GIF', 'JPEG2000', 'TIFF')
 _MAX_JPEG2000_BOXES = 1 << 20    # bytes before the codestream: a color profile, metadata
 _PNG_SIGNATURE_BYTES, _PNG_CHECKSUM_BYTES = 8, 4
 _PNG_CHUNK = struct.Struct('>I4s')      # length and type, before its data and the checksum
-_LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
-_opencv_lock = threading.Lock()     # its log level is one for all threads
 
 
 class ImageTooLarge(UserError):
@@ -139,12 +136,7 @@ def _by_opencv(header: Any, decode_it: Callable[[], Any]) -> Optional[np.ndarray
     """
     if header.format == 'PNG' and not _has_its_chunks(header.fp):
         return None
-    with _opencv_lock:
-        level = cv2.setLogLevel(_LOG_SILENT)    # a line or more for each damaged image
-        try:
-            image = decode_it()
-        finally:
-            cv2.setLogLevel(level)
+    image = decode_it()
     if image is None or sorted(image.shape[:2]) != sorted(header.size):
         return None
     return image

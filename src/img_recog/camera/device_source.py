@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from img_recog.camera.settings import FOURCC, GREY_FORMATS, CameraSettings
-from img_recog.camera.source import FrameSkipped, FrameSource, SourceError, convert
+from img_recog.camera.source import FrameSkipped, FrameSource, SourceError, convert, fourcc
 from img_recog.errors import one_line
 
 # A read that takes longer than this, and than three periods of a slow camera, is a stall.
@@ -65,19 +65,18 @@ class DeviceSource(FrameSource):
         self.encoding = 'mono8' if settings.pixel_format in GREY_FORMATS else 'rgb8'
         self.width = int(self._capture.get(cv2.CAP_PROP_FRAME_WIDTH))
         self.height = int(self._capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
-        fourcc = int(self._capture.get(cv2.CAP_PROP_FOURCC))
-        given = ''.join(chr(fourcc >> shift & 0xff) for shift in (0, 8, 16, 24))
+        given = fourcc(self._capture)
         rate_hz = self._capture.get(cv2.CAP_PROP_FPS)
         self.max_hz = settings.framerate
         self.expected_hz = min(settings.framerate, rate_hz) if rate_hz > 0 else None
         self.stall_timeout_s = max(_MIN_STALL_TIMEOUT_S,
                                    3.0 / (self.expected_hz or settings.framerate))
         self.differs = (given, self.width, self.height) != (
-            wanted, settings.image_width, settings.image_height)
+            wanted.strip(), settings.image_width, settings.image_height)
         self.description = (
             'V4L2 device {}: asked for {} {}x{} at {:g} Hz, got {} {}x{} at {:g} Hz'.format(
                 self.name, wanted.strip(), settings.image_width, settings.image_height,
-                settings.framerate, given.strip(), self.width, self.height, rate_hz))
+                settings.framerate, given, self.width, self.height, rate_hz))
 
     def read(self) -> np.ndarray:
         # two steps, to distinguish a lost device from a damaged frame

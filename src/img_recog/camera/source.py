@@ -80,6 +80,12 @@ def convert(image: np.ndarray, encoding: str) -> np.ndarray:
     return cv2.cvtColor(image, cv2.COLOR_GRAY2RGB if image.ndim == 2 else cv2.COLOR_BGR2RGB)
 
 
+def fourcc(capture: cv2.VideoCapture) -> str:
+    """Return the four letters of the codec or pixel format that OpenCV reads, without spaces."""
+    code = int(capture.get(cv2.CAP_PROP_FOURCC))
+    return ''.join(chr(code >> shift & 0x7f) for shift in (0, 8, 16, 24)).strip(' \0')
+
+
 def check_size(action: str, width: float, height: float, max_pixels: int) -> None:
     """Raise SourceTooLarge, which says `action`, for frames of more than `max_pixels` pixels."""
     try:

@@ -9,7 +9,7 @@ from img_recog.camera import urls
 from img_recog.camera.image_source import EXTENSIONS, ImageSource
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
-                                     check_size, convert)
+                                     check_size, convert, fourcc)
 from img_recog.camera.video_source import VideoSource, open_capture, released_on_error
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
@@ -94,8 +94,9 @@ class RemoteVideoSource(VideoSource):
 
     def _not_playable(self) -> SourceError:
         return SourceError(
-            'cannot play {}: no video that OpenCV reads from there (a server without range '
-            'requests cannot serve an .mp4 whose index is at its end)'.format(self.name))
+            'cannot play {}: OpenCV decodes no frame of it (codec {}): it has no decoder for '
+            'that, or the server has no range requests and the index of the .mp4 is at its end'
+            .format(self.name, fourcc(self._capture)))
 
     def _read_frame(self, capture: cv2.VideoCapture) -> Optional[np.ndarray]:
         begin_s = self._now()
@@ -132,7 +133,8 @@ class StreamSource(FrameSource):
         except SourceTooLarge:
             raise
         except SourceError:
-            raise SourceError('cannot open {}: no frame arrives that OpenCV reads'.format(name))
+            raise SourceError('cannot open {}: no frame arrives that OpenCV decodes (codec {})'
+                              .format(name, fourcc(capture)))
         self._next: Optional[np.ndarray] = first
         self.height, self.width = first.shape[:2]
         rate_hz = capture.get(cv2.CAP_PROP_FPS)

@@ -6,7 +6,8 @@ from typing import Callable, Iterator, Optional, Sequence, Tuple
 import cv2
 import numpy as np
 
-from img_recog.camera.source import FrameSource, SourceEnded, SourceError, check_size, convert
+from img_recog.camera.source import (FrameSource, SourceEnded, SourceError, check_size, convert,
+                                     fourcc)
 from img_recog.camera.urls import redacted
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
@@ -108,7 +109,17 @@ class VideoSource(FrameSource):
         return open_capture(self._path, self._max_pixels)
 
     def _not_playable(self) -> SourceError:
-        return not_playable(self.name)
+        # without decoding, OpenCV opens also what it has no decoder for
+        packets = open_capture(self._path, self._max_pixels, [cv2.CAP_PROP_FORMAT, -1])
+        try:
+            if not packets.grab():
+                return not_playable(self.name)
+            return SourceError(
+                'cannot play {}: OpenCV decodes no frame of it (codec {}): it has no decoder for '
+                'that, or the file is damaged'.format(self.name, fourcc(packets)),
+                'convert it: ffmpeg -i INPUT -c:v libx264 OUTPUT.mp4')
+        finally:
+            packets.release()
 
     def _read_frame(self, capture: cv2.VideoCapture) -> Optional[np.ndarray]:
         decoded, image = capture.read()

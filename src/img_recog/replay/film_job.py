@@ -7,7 +7,6 @@ import os
 import sys
 from typing import Any, List, Optional, Sequence, Tuple
 
-import cv2
 import numpy as np
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
@@ -30,7 +29,6 @@ from img_recog.replay.inputs import WANTED
 from img_recog.signals import Interrupts
 
 _BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
-_LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _KINDS = {'odom': Odometry, 'scan': LaserScan, 'cmd_vel': Twist, 'outlines': MarkerArray}
 _log = logging.getLogger('film.py')
 
@@ -38,7 +36,6 @@ _log = logging.getLogger('film.py')
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
     logging.basicConfig(format='film.py: %(levelname)s: %(message)s')
-    cv2.setLogLevel(_LOG_SILENT)
     return programs.run(_make, sys.argv[1:] if arguments is None else arguments, _log,
                         'cannot make the film')
 

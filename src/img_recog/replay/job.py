@@ -8,7 +8,6 @@ import sys
 import time
 from typing import TYPE_CHECKING, Iterable, List, Optional, Sequence, Union
 
-import cv2
 from tqdm import tqdm
 
 from img_recog import files
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
 _PREFETCHED_FRAMES = 8
-_LOG_FATAL, _FFMPEG_QUIET = 1, -8       # LOG_LEVEL_FATAL of OpenCV, AV_LOG_QUIET of ffmpeg
 _log = logging.getLogger('replay.py')
 Frames = Union[VideoFrames, 'BagFrames', 'RobotFrames']
 
@@ -44,9 +42,6 @@ def main(painter: Painter, begin_s: float) -> int:
     logging.basicConfig(format='replay.py: %(levelname)s: %(message)s')
     logging.addLevelName(logging.WARNING, 'warning')        # like the errors of argparse
     logging.addLevelName(logging.ERROR, 'error')
-    # errors of OpenCV and ffmpeg are reported in one line by this program
-    cv2.setLogLevel(_LOG_FATAL)
-    os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', str(_FFMPEG_QUIET))
     return programs.run(
         lambda words, interrupts: replay(cli.parse(words), painter, begin_s, interrupts),
         sys.argv[1:], _log, 'cannot write')

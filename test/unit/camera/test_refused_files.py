@@ -1,5 +1,8 @@
 """Files that cannot be a frame source: each is refused with one line that names it."""
 import os
+import socket
+import subprocess
+import sys
 
 import cv2
 import pytest
@@ -65,6 +68,56 @@ def test_truncated_video(make_video, fourcc, name, kept):
     os.truncate(path, kept if kept > 1 else int(kept * size))
     assert os.path.getsize(path) < size
     assert refusal(path) == NOT_PLAYABLE.format(path)
+
+
+def with_codec_qqqq(make_video):
+    path = make_video('other.avi', 'MJPG')
+    with open(path, 'r+b') as file:
+        data = file.read().replace(b'MJPG', b'qqqq')
+        file.seek(0)
+        file.write(data)
+    return path
+
+
+@pytest.mark.parametrize('encoder', ['libaom-av1', None])
+def test_codec_without_a_decoder_is_named(make_video, tmp_path, encoder):
+    path, codec = with_codec_qqqq(make_video), 'qqqq'
+    if encoder is not None:
+        source, path, codec = make_video('video.avi'), str(tmp_path / 'other.webm'), 'AV01'
+        made = subprocess.run(['ffmpeg', '-v', 'error', '-i', source, '-c:v', encoder,
+                               '-cpu-used', '8', path], check=False)
+        if made.returncode:
+            pytest.skip('this ffmpeg has no encoder ' + encoder)
+    assert refusal(path) == (
+        'cannot play {}: OpenCV decodes no frame of it (codec {}): it has no decoder for that, or '
+        'the file is damaged; convert it: ffmpeg -i INPUT -c:v libx264 OUTPUT.mp4'.format(
+            path, codec))
+
+
+# the log levels are read when the libraries are loaded
+QUIET = '''
+import sys
+from img_recog.camera import selection, settings, source
+for name in sys.argv[1:]:
+    try:
+        selection.open_source(settings.CameraSettings(video_device=name))
+    except source.SourceError as error:
+        print(error)
+'''
+
+
+def test_the_libraries_print_nothing(make_video):
+    cut, other = make_video('cut.mp4', 'mp4v'), with_codec_qqqq(make_video)
+    os.truncate(cut, 1000)
+    with socket.socket() as free:
+        free.bind(('127.0.0.1', 0))         # so that no other program listens there
+        urls = ['{}://127.0.0.1:{}/live'.format(scheme, free.getsockname()[1])
+                for scheme in ('http', 'rtsp', 'rtmp')]
+        done = subprocess.run([sys.executable, '-c', QUIET, *urls, cut, other],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              universal_newlines=True)
+    assert (done.returncode, done.stderr) == (0, '')
+    assert len(done.stdout.splitlines()) == 5
 
 
 @pytest.mark.parametrize('kept', [20, 0.5, -2])

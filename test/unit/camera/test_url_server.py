@@ -137,8 +137,9 @@ def test_video_with_its_index_at_the_end_is_refused(make_video, serve):
     with pytest.raises(SourceError) as refused:
         opened('http://{}video.mp4'.format(serve))
     assert str(refused.value) == (
-        'cannot play http://{}video.mp4: no video that OpenCV reads from there (a server without '
-        'range requests cannot serve an .mp4 whose index is at its end)'.format(serve))
+        'cannot play http://{}video.mp4: OpenCV decodes no frame of it (codec FMP4): it has no '
+        'decoder for that, or the server has no range requests and the index of the .mp4 is at '
+        'its end'.format(serve))
 
 
 def test_error_of_a_stream_without_a_server_has_no_password():

@@ -177,7 +177,7 @@ def test_video_whose_server_is_gone_when_it_loops(clock, monkeypatch):
 
 
 def test_error_of_a_video_without_a_frame_mentions_range_requests(clock):
-    with pytest.raises(SourceError, match='a server without range requests cannot serve an .mp4'):
+    with pytest.raises(SourceError, match='the server has no range requests and the index'):
         remote_video(clock, False)
 
 

@@ -6,7 +6,6 @@ import re
 import sys
 import time
 
-import cv2
 import pytest
 import rosbag
 
@@ -32,11 +31,9 @@ def run(monkeypatch, capsys, tmp_path, handlers_as_before):
     """A function that runs the program in an empty folder: exit code, output, painter."""
     levels = {level: logging.getLevelName(level) for level in (logging.WARNING, logging.ERROR)}
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv('OPENCV_FFMPEG_LOGLEVEL', '')
 
     def run(*arguments):
         painter = FakePainter()
-        monkeypatch.delenv('OPENCV_FFMPEG_LOGLEVEL', raising=False)
         monkeypatch.setattr(sys, 'argv', ['replay.py', *map(str, arguments)])
         code = job.main(painter, time.perf_counter() - 1000)
         return code, capsys.readouterr().out, painter
@@ -135,7 +132,6 @@ def test_a_video_gives_three_files_and_a_summary(run, make_video, tmp_path):
         assert bag.get_message_count('/cmd_vel') == 0
         assert {msg.child_frame_id for _, msg, _ in bag.read_messages('/odom')} == {
             'base_footprint'}
-    assert os.environ['OPENCV_FFMPEG_LOGLEVEL'] == '-8' and cv2.getLogLevel() == 1
 
 
 def test_a_bag_ends_a_period_after_its_last_image_and_bad_ones_are_warned_of(run, caplog):

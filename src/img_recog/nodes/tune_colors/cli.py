@@ -28,7 +28,6 @@ from img_recog.ros import image_topics, lifecycle
 _OUTPUT = 'tune_colors.png'
 _TIMEOUT_S = 10.0
 _ANY_RATE_HZ = 30.0     # of no effect: frames are read one by one
-_LOG_SILENT = 0         # cv2.utils.logging.LOG_LEVEL_SILENT
 _ADVICE = 'give an image, a video or the name of a topic with images'
 
 
@@ -52,9 +51,6 @@ def _image_in(path: str, number: int, max_pixels: int) -> np.ndarray:
         if number:
             raise UserError('{} is an image and has no frame {}'.format(path, number))
         return image
-    # the error below is enough: no messages of OpenCV and ffmpeg about the same file
-    os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
-    cv2.setLogLevel(_LOG_SILENT)
     try:
         video = selection.open_file(path, _ANY_RATE_HZ, loop=False, max_pixels=max_pixels)
     except SourceTooLarge:
