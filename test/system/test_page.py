@@ -329,6 +329,13 @@ def test_a_recording(demo, page):
     bag = demo.folder / 'recording_1.bag'
     wait_for(bag.exists, 'the end of the recording')
     assert re.search(r'/odom +\d+ msgs', demo.run('rosbag', 'info', str(bag)))
+    url = wait_for(lambda: page.js('''
+        const link = [...document.querySelectorAll("a")].find(
+          (each) => each.textContent === "Picture of the drive" && each.offsetParent);
+        return link && link.href'''), 'a picture of the drive')
+    cookie = 'img_recog_{}={}'.format(demo.origin.rpartition(':')[2], demo.token)
+    assert status_of(url)[0] == 403 and status_of(url, Cookie=cookie)[0] == 200
+    assert cv2.imread(str(demo.folder / 'recording_1.png')).shape == (900, 1400, 3)
 
 
 @pytest.mark.parametrize('way', ['no token', 'wrong token', 'wrong cookie', 'foreign origin'])

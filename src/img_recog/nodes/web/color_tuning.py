@@ -50,14 +50,18 @@ class ColorTuning(Tuning):
         self.change(**{'{}_{}'.format(color, part): value for part, value in bounds.items()})
         return bounds
 
+    def as_file(self) -> str:
+        """Return the parameters as the text of a file, '' if the node does not answer."""
+        values = self.values()
+        names = color_names_in(values)
+        return yaml.safe_dump({COLORS: names, **values}, sort_keys=False) if names else ''
+
     def save(self) -> str:
         """Save the parameters with the last changes as a file; return its path."""
         is_settled = _wait(self.is_settled)
-        values = self.values()
-        names = color_names_in(values)
-        if not names or not is_settled:
+        text = self.as_file()
+        if not text or not is_settled:
             raise UserError('{} does not answer'.format(self.node), 'start it')
-        text = yaml.safe_dump({COLORS: names, **values}, sort_keys=False)
         with _saving:
             path = files.free_output_path('colors', '.yaml')
             with files.atomic_write([path], _FOLDER_ADVICE) as (file,):

@@ -3,9 +3,9 @@ import math
 from functools import partial
 from typing import Any, Dict, Iterable, Sequence, Tuple
 
-from nicegui import ui
+from nicegui import app, ui
 
-from img_recog.nodes.web import simulation
+from img_recog.nodes.web import drive_picture, simulation
 from img_recog.nodes.web.elements import (
     OneCall, Slider, button, card, paragraph, picture, wait_for)
 from img_recog.nodes.web.visit import Visit
@@ -52,6 +52,7 @@ TEXTS = {
     'stop_recording': ('Stop recording', '記録を終了'),
     'recording_to': ('Recording to {}', '{} に記録中'),
     'recorded': ('Recorded: {}', '記録しました: {}'),
+    'drive_picture': ('Picture of the drive', '走行の図'),
     'busy': ('Another page drives or has stopped the robot: let go, and press again.',
              '別のページがロボットを操縦しているか停止させました。一度離してから、もう一度押してください。')}
 _FACTORS = (0.25, 0.5, 1.0, 2.0, 5.0, 0.0)
@@ -73,6 +74,7 @@ class LiveTab:
         """Add its elements."""
         self._system, self._robot, self._t = visit.system, visit.robot, visit.texts
         self._recording_call, self._is_recording = OneCall(), False     # what the button says
+        self._picture_call = OneCall()
         with ui.element('div').classes('board'):
             with ui.element('div').classes('column-cards'):
                 with ui.element('div').classes('pictures'):
@@ -156,6 +158,8 @@ class LiveTab:
                     button(icon, self._t(key), partial(wait_for, simulation.call, action))
                 self._record_button = button('fiber_manual_record', self._t('record'),
                                              self._record)
+            self._drive_picture = ui.link(self._t('drive_picture'), new_tab=True)
+            self._drive_picture.set_visibility(False)
             with ui.element('p'):
                 ui.label(self._t('measured_factor') + ': ').style('display: inline')
                 ui.label('').props('data-bind=factor').style('display: inline')
@@ -188,6 +192,18 @@ class LiveTab:
         if path:
             ui.notify(self._t('recorded' if is_running else 'recording_to', path),
                       multi_line=True)
+        if path and is_running:
+            await self._draw(path)
+
+    async def _draw(self, path: str) -> None:
+        """Show a link to the picture of a recording."""
+        robot = self._robot.resolve('odom')[:-len('odom')].strip('/')
+        picture = await self._picture_call.wait_for(drive_picture.draw, path, robot,
+                                                    self._robot.colors.as_file())
+        if picture:
+            self._drive_picture.props('href=' + app.add_static_file(
+                local_file=picture, max_cache_age=0))
+            self._drive_picture.set_visibility(True)
 
     def _on_factor(self, event: Any) -> None:
         if event.value not in (None, self._system.simulator.values().get('real_time_factor')):
