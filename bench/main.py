@@ -9,6 +9,7 @@ import camera
 import drawing
 import fleet
 import growth
+import lockstep
 import page
 import recognition
 import robot_camera
@@ -21,7 +22,7 @@ from tqdm import tqdm
 BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
               'robot_camera': robot_camera, 'textured': textured, 'camera': camera,
               'recognition': recognition, 'growth': growth, 'transport': transport, 'page': page,
-              'fleet': fleet}
+              'fleet': fleet, 'lockstep': lockstep}
 
 
 def main() -> int:
