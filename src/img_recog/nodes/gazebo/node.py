@@ -30,21 +30,18 @@ import itertools
 import time
 from typing import Optional
 
-import rosgraph
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
-from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Float64
-from visualization_msgs.msg import MarkerArray
 
 from img_recog import resources, robot_file
-from img_recog.conversions import plane_msgs, robot_msgs
 from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.nodes.gazebo import model_services
+from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
+from img_recog.nodes.gazebo.outlines import Outlines
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics
 from img_recog.nodes.gazebo.robot_plans import (ROBOTS, RobotPlan, RobotPlans, RobotsSettings,
                                                 robot_settings_classes)
@@ -55,10 +52,7 @@ from img_recog.nodes.gazebo.waiting import Waiting
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
-from img_recog.ros.transport import own_time
-from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation import assembly
-from img_recog.simulation.bodies.footprints import footprints
 from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
@@ -94,8 +88,7 @@ class Gazebo:
         if stepping.paused:
             self._pace.pause()
         self._given_factor = physics.real_time_factor
-        self._clock = DirectPublisher('/clock', Clock, latch=True)
-        self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
+        self._clock = SimulatedClock(self._simulator, self._pace)
         self._calls = ServiceCalls()
         serve_physics(self._calls, {
             'pause_physics': self._pace.pause, 'unpause_physics': self._pace.unpause,
@@ -108,14 +101,13 @@ class Gazebo:
         self._robots = Robots(self._simulator, models, self._images, statics, self._calls,
                               which.world_tf, self._lockstep)
         self._waiting = Waiting(self._simulator, self._images, self._robots, self._lockstep)
-        self._outline_frame, self._outline_origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
+        frame, origin = WORLD_FRAME, PlanePose(0.0, 0.0, 0.0)
         if single is None:
             RobotUpdates(self._robots, plans, self._calls)
         else:
             vehicle = self._simulator.vehicles[0]
             self._robots.connect(vehicle, single)
-            self._outline_frame = vehicle.odometry.odom_frame
-            self._outline_origin = PlanePose(*vehicle.odometry_origin)
+            frame, origin = vehicle.odometry.odom_frame, PlanePose(*vehicle.odometry_origin)
             if self._lockstep is not None:
                 self._lockstep.check(vehicle.sensor_kinds)
         if self._lockstep is not None:
@@ -127,14 +119,12 @@ class Gazebo:
         else:
             self._models = ModelServices(self._simulator, models, self._robots, plans,
                                          self._calls, self._pace)
-        self._outlines = rospy.Publisher('~world_outlines', MarkerArray, queue_size=1, latch=True)
-        self._publish_outlines()
+        self._outlines = Outlines(self._simulator, frame, origin)
         self._reconfigurable = Reconfigurable(
             RuntimeSettings(physics.real_time_factor, view.view),
             lambda settings: self._calls.call(lambda: self._configure(settings)))
         self._diagnostics = SimulationDiagnostics(self._pace, self._calls)
         self._robots.use_diagnostics(NodeDiagnostics('simulation', 'none', self._report))
-        _warn_of_other_clocks()
         if single is None:
             rospy.loginfo('simulating %d robots in world %s', len(self._simulator.vehicles),
                           physics.world)
@@ -153,13 +143,13 @@ class Gazebo:
                     self._calls.process(_POLL_PERIOD_S)
                     if self._pace.is_paused:
                         self._pace.restart()
-                    self._publish_factor(0.0)
+                    self._clock.count(0.0)
                 elif end is None:
                     simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
-                    self._publish_factor(simulated_s)
+                    self._clock.count(simulated_s)
                     self._wait(self._pace.delay_s(simulated_s))
                 elif self._simulator.steps < end:
-                    self._publish_factor(self._advance(self._free_run_periods))
+                    self._clock.count(self._advance(self._free_run_periods))
                 elif self._images.is_complete():
                     self._stepping.finish()
                 else:
@@ -185,7 +175,7 @@ class Gazebo:
             steps = self._simulator.steps
             readings += self._simulator.advance(
                 min(self._clock_steps - steps % self._clock_steps, end - steps))
-            self._add_clock()
+            self._clock.add()
             if self._models is not None:
                 self._models.update()
         # the clock first, so that no reading is stamped in the future
@@ -206,33 +196,12 @@ class Gazebo:
             self._show()
             self._calls.process(min(due - time.monotonic(), _POLL_PERIOD_S))
 
-    def _publish_factor(self, simulated_s: float) -> None:
-        """Count simulated time; once a second publish the real time factor."""
-        measured = self._pace.measure(simulated_s)
-        if measured is not None:
-            self._factors.publish(Float64(measured))
-        if self._pace.is_to_report():
-            rospy.logwarn('this machine is too slow for real_time_factor %g: simulated time falls '
-                          'behind, no step is skipped; the factor is %.2f now',
-                          self._pace.wanted, self._pace.measured)
-
-    def _add_clock(self) -> None:
-        """Set the time of this node, and let the next flush publish it."""
-        now = robot_msgs.stamp_of(self._simulator.time_s)
-        own_time.set_time(now)
-        self._clock.add(Clock(now))
-
     def _show(self) -> None:
         """Show what was added or rearranged; draw the view and the window, if they are due."""
         if self._images.update_scene():
-            self._publish_outlines()
+            self._outlines.publish()
         self._images.update_view()
         self._images.update_window()
-
-    def _publish_outlines(self) -> None:
-        self._outlines.publish(plane_msgs.outlines_to_msg(
-            footprints(self._simulator.world), self._outline_origin, self._outline_frame,
-            robot_msgs.stamp_of(self._simulator.time_s)))
 
     def _report(self, status: DiagnosticStatusWrapper) -> None:
         """Fill in the status of /diagnostics; runs in its thread and only reads."""
@@ -259,7 +228,7 @@ class Gazebo:
         self._simulator.reset_simulation()
         self._stepping.finish()
         # at once: while the physics is paused, no step publishes it
-        self._add_clock()
+        self._clock.add()
         self._clock.flush()
 
 
@@ -275,15 +244,6 @@ def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:
     for warning in itertools.chain(*(each.source.warnings for each in robots), built.warnings):
         rospy.logwarn('%s', warning)
     return built.simulator
-
-
-def _warn_of_other_clocks() -> None:
-    name = rospy.get_name()
-    clocks = dict(rosgraph.Master(name).getSystemState()[0]).get('/clock', ())
-    others = sorted(set(clocks) - {name})
-    if others:
-        rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
-                      'odometry; stop one of them', ', '.join(others))
 
 
 def main() -> int:

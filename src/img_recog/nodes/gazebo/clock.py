@@ -1,0 +1,47 @@
+"""Simulated time as others see it: /clock, and how fast it passes."""
+import rosgraph
+import rospy
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Float64
+
+from img_recog.conversions import robot_msgs
+from img_recog.ros.transport import own_time
+from img_recog.ros.transport.direct_publisher import DirectPublisher
+from img_recog.simulation.pacing import Pace
+from img_recog.simulation.simulator import Simulator
+
+
+class SimulatedClock:
+    """Publishes /clock (rosgraph_msgs/Clock) and ~real_time_factor (std_msgs/Float64)."""
+
+    def __init__(self, simulator: Simulator, pace: Pace):
+        """Advertise; log a warning if another node publishes /clock."""
+        self._simulator, self._pace = simulator, pace
+        self._times = DirectPublisher('/clock', Clock, latch=True)
+        self._factors = rospy.Publisher('~real_time_factor', Float64, queue_size=1, latch=True)
+        name = rospy.get_name()
+        clocks = dict(rosgraph.Master(name).getSystemState()[0]).get('/clock', ())
+        others = sorted(set(clocks) - {name})
+        if others:
+            rospy.logwarn('/clock has another publisher, %s: two simulations mix up time, tf and '
+                          'odometry; stop one of them', ', '.join(others))
+
+    def add(self) -> None:
+        """Set the time of this node, and let the next flush publish it."""
+        now = robot_msgs.stamp_of(self._simulator.time_s)
+        own_time.set_time(now)
+        self._times.add(Clock(now))
+
+    def flush(self) -> None:
+        """Publish the times that were added."""
+        self._times.flush()
+
+    def count(self, simulated_s: float) -> None:
+        """Count simulated time; once a second publish the real time factor."""
+        measured = self._pace.measure(simulated_s)
+        if measured is not None:
+            self._factors.publish(Float64(measured))
+        if self._pace.is_to_report():
+            rospy.logwarn('this machine is too slow for real_time_factor %g: simulated time falls '
+                          'behind, no step is skipped; the factor is %.2f now',
+                          self._pace.wanted, self._pace.measured)
