@@ -52,8 +52,8 @@ class Messages:
                        if name not in readable]
             if readable:
                 self._shown[nearest(readable, near)] = role, kind
-        self.others = others and '{}: the message type has another definition in this ROS'.format(
-            shortened(', '.join(others))) or ''
+        self.others = '{}: the message type has another definition in this ROS'.format(
+            shortened(', '.join(others))) if others else ''
         self.topics = {role: name for name, (role, _) in self._shown.items()}
 
     def _connections(self) -> Set[Tuple[str, str, str]]:

@@ -76,9 +76,9 @@ def _read(path: str, title: str, odometry: str, robot: str, settings: Recognitio
             types = {name: topic.msg_type
                      for name, topic in bag.get_type_and_topic_info().topics.items()}
             drive = Drive(title, bag, odometry or odometry_of(types, robot, title))
-            return drive.data(settings.colors), drive.others
         except DAMAGE_ERRORS as error:
             raise damaged(title, error)
+        return drive.data(settings.colors), drive.others
 
 
 class _Master:
