@@ -98,11 +98,10 @@ def test_setting_fields_yields_the_fields_made_by_setting_in_order():
 
 
 @pytest.mark.parametrize('name', [
-    '../../evil', 'a/b', 'a.b', 'a b', '/a', '..', '', ' ', 'a\n', '${ROS_HOME}', 'caf\u00e9',
-    'a:b', '~a', 'a\0'])
+    '../../evil', 'a/b', '/a', '.', '..', '', ' ', 'a\n', 'a\0'])
 def test_camera_names_that_could_be_paths_are_refused(name):
-    with pytest.raises(SettingError, match='^camera_name: got .*, allowed is a name of letters, '
-                       'digits and _$'):
+    with pytest.raises(SettingError, match='^camera_name: got .*, allowed is a name '
+                       'without / and control characters$'):
         CameraSettings(camera_name=name)
 
 

@@ -1,15 +1,17 @@
-"""Camera calibrations: their YAML files (of camera_calibration_parsers), and other image sizes."""
+"""Camera calibrations: their files (of camera_calibration_parsers), and other image sizes."""
 import dataclasses
 import errno
 import math
 import os
+import re
 import reprlib
 import stat
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 import yaml
 
+from img_recog.camera import videre_ini
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.files import atomic_write
 from img_recog.markup import MarkupError, load_yaml, read_bytes
@@ -24,11 +26,14 @@ _MATRICES = {
     'projection': ('projection_matrix', 3, 4),
 }
 # models: sensor_msgs/distortion_models.h; the numbers of coefficients that OpenCV accepts for each
+# besides none
 _COEFFICIENT_COUNTS = {
     'equidistant': (4,),
     'plumb_bob': (5, 4),
     'rational_polynomial': (8, 12, 14),
 }
+# of OpenCV's FileStorage: its first line, which is no YAML, and its tag of a matrix
+_FILE_STORAGE = re.compile(rb'\A%YAML:1\.0|!!opencv-matrix\b')
 # Cameras round image sizes, such as 854x480 for 16:9: the aspect ratio is off by less than this.
 _ASPECT_TOLERANCE = 0.01
 
@@ -97,15 +102,18 @@ def check(calibration: Calibration) -> None:
         raise CalibrationError('the calibration has no usable entry {}'.format(error))
 
 
-def load(path: str) -> Calibration:
-    """Read a calibration file.
+def load(path: str, warn: Callable[[str], None] = lambda _: None) -> Calibration:
+    """Read a calibration file: .ini, or else YAML.
 
+    warn: called with one line that names what the file does not state and is assumed.
     Raises FileNotFoundError when it does not exist, and CalibrationError naming the file and the
     entry when it is not a calibration, or not one that `check` accepts.
     """
     try:
         _refuse_special(path)       # opening a pipe would wait for its writer
-        content = load_yaml(read_bytes(path, _MAX_BYTES))
+        data = read_bytes(path, _MAX_BYTES)
+        content = (videre_ini.parse(data.decode(errors='replace')) if _is_ini(path)
+                   else load_yaml(_FILE_STORAGE.sub(b'', data)))
     except FileNotFoundError:
         raise
     except (OSError, MarkupError) as error:
@@ -119,15 +127,22 @@ def load(path: str) -> Calibration:
         _check(loaded)
     except ValueError as error:
         raise CalibrationError('calibration {} has no usable entry {}'.format(path, error))
+    assumed = []
+    if 'distortion_model' not in content and not _is_ini(path):
+        assumed.append('no distortion_model, assuming ' + loaded.distortion_model)
+    if not loaded.distortion:
+        assumed.append('no distortion_coefficients, assuming an image without distortion')
+    if assumed:
+        warn('calibration {} has {}'.format(path, ', and '.join(assumed)))
     return loaded
 
 
 def save(path: str, calibration: Calibration) -> None:
-    """Write a calibration file atomically; a symlink stays, and its target is written.
+    """Write a calibration file, .ini or else YAML, atomically; the target of a symlink is written.
 
     Raises CalibrationError naming the file when it cannot be written.
     """
-    content: dict = {
+    content: Dict[str, Any] = {
         'image_width': calibration.width,
         'image_height': calibration.height,
         'camera_name': calibration.camera_name,
@@ -136,18 +151,36 @@ def save(path: str, calibration: Calibration) -> None:
     for field, (key, rows, columns) in _MATRICES.items():
         data = [float(value) for value in getattr(calibration, field)]
         content[key] = {'rows': rows, 'cols': columns or len(data), 'data': data}
+    if _is_ini(path) and calibration.distortion_model != _model_of(len(calibration.distortion)):
+        raise CalibrationError(
+            'cannot write calibration {}: an .ini file does not state the distortion model {}'
+            .format(path, calibration.distortion_model), 'set camera_info_url to a .yaml file')
     target = os.path.realpath(path)
     try:
         _refuse_special(target)
         os.makedirs(os.path.dirname(target), exist_ok=True)
         with atomic_write((target,), advice='') as (file,):
-            text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None)
+            text = (videre_ini.text_of(content) if _is_ini(path) else
+                    yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
             file.write(text.encode())
             os.fchmod(file.fileno(), _MODE)
     except (OSError, UserError) as error:
         # atomic_write names the file itself; its cause is the error of the system
         raise CalibrationError('cannot write calibration {}: {}'.format(
             path, one_line(error.__cause__ or error)))
+
+
+def _is_ini(path: str) -> bool:
+    return path.lower().endswith('.ini')
+
+
+def _model_of(coefficients: int) -> str:
+    """Return the model that a file which states none has, by the number of its coefficients.
+
+    camera_calibration_parsers assumes plumb_bob in YAML files; in .ini files, it goes by 5 or 8.
+    """
+    is_rational = coefficients in _COEFFICIENT_COUNTS['rational_polynomial']
+    return 'rational_polynomial' if is_rational else 'plumb_bob'
 
 
 def _refuse_special(path: str) -> None:
@@ -169,7 +202,7 @@ def _check(calibration: Calibration) -> None:
     if model not in _COEFFICIENT_COUNTS:
         raise _problem('distortion_model', 'one of ' + ', '.join(sorted(_COEFFICIENT_COUNTS)),
                        model)
-    if count not in _COEFFICIENT_COUNTS[model]:
+    if count not in (0, *_COEFFICIENT_COUNTS[model]):
         raise _problem('distortion_coefficients', '{} numbers for {}'.format(
             ' or '.join(map(str, _COEFFICIENT_COUNTS[model])), model), count)
     for name, index in (('fx', 0), ('fy', 4)):
@@ -183,12 +216,16 @@ def _parse(content: Mapping[str, Any]) -> Calibration:
     name = content.get('camera_name')
     if isinstance(name, (list, dict, set)):
         raise _problem('camera_name', 'a text', name)
+    values = {field: _values(content, *matrix) for field, matrix in _MATRICES.items()}
+    model = _model_of(len(values['distortion']))
+    if 'distortion_model' in content:
+        model = _entry(content, 'distortion_model', str, 'a text')
     return Calibration(
         camera_name='' if name is None else str(name),
         width=_entry(content, 'image_width', int, 'a whole number'),
         height=_entry(content, 'image_height', int, 'a whole number'),
-        distortion_model=_entry(content, 'distortion_model', str, 'a text'),
-        **{field: _values(content, *matrix) for field, matrix in _MATRICES.items()})
+        distortion_model=model,
+        **values)
 
 
 def _entry(content: Mapping[str, Any], key: str, wanted_type: type, wanted: str) -> Any:
@@ -206,8 +243,9 @@ def _values(content: Mapping[str, Any], key: str, rows: int,
     count = len(data)
     if columns is not None and count != rows * columns:
         raise _problem(key, '{} numbers'.format(rows * columns), count)
-    # a vector may be a row or a column
+    # a vector may be a row or a column, and an empty one 0x0
     shapes = [(1, count), (count, 1)] if columns is None else [(rows, columns)]
+    shapes += [(0, 0)] * (count == 0)
     shape = entry.get('rows', shapes[0][0]), entry.get('cols', shapes[0][1])
     if shape not in shapes:
         raise _problem(key, 'rows: {}, cols: {}'.format(*shapes[0]), shape)

@@ -58,7 +58,9 @@ class DeviceSource(FrameSource):
     def _negotiate(self, settings: CameraSettings) -> None:
         # the format first: the sizes and rates that a camera offers depend on it
         wanted = FOURCC[settings.pixel_format]
-        self._capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*wanted))
+        # OpenCV would give H.264 of a device as it is, without decoding it
+        requested = FOURCC['mjpeg'] if settings.pixel_format == 'h264' else wanted
+        self._capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*requested))
         self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, settings.image_width)
         self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, settings.image_height)
         self._capture.set(cv2.CAP_PROP_FPS, settings.framerate)

@@ -9,19 +9,23 @@ from img_recog.still_images import ALLOWED_MAX_PIXELS, DEFAULT_MAX_PIXELS
 
 # All pixel formats of usb_cam 0.3.7, and the V4L2 FOURCC of each (linux/videodev2.h)
 FOURCC = {
+    'bgr24': 'BGR3',
     'grey': 'GREY',
+    'h264': 'H264',
     'mjpeg': 'MJPG',
     'rgb24': 'RGB3',
     'uyvy': 'UYVY',
+    'yu12': 'YU12',
     'yuvmono10': 'Y10 ',
     'yuyv': 'YUYV',
 }
 GREY_FORMATS = ('grey', 'yuvmono10')
 
 
-# like camera_info_manager: the name is part of the path of the calibration file
-_CAMERA_NAME = Allowed('a name of letters, digits and _',
-                       lambda name: re.fullmatch('[a-zA-Z0-9_]+', name) is not None)
+# camera_info_manager takes any name, but it is part of the path of the calibration file
+_CAMERA_NAME = Allowed('a name without / and control characters',
+                       lambda name: re.fullmatch(r'(?!\.{1,2}$|\s*$)[^/\x00-\x1f\x7f]+',
+                                                 name) is not None)
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,7 @@ class CameraSettings(Settings):
     video_device: str = setting('/dev/video0', not_empty())
     io_method: str = setting('mmap', one_of('mmap', 'read', 'userptr'))
     pixel_format: str = setting('mjpeg', one_of(*sorted(FOURCC)))
+    color_format: str = setting('yuv422p', one_of('yuv420p', 'yuv422p'))
     image_width: int = setting(640, between(1, 16384))
     image_height: int = setting(480, between(1, 16384))
     framerate: float = setting(30.0, between(0.1, 1000))

@@ -24,7 +24,6 @@ BROKEN = [
     *(({'distortion_model': name}, 'distortion_model',
        'one of equidistant, plumb_bob, rational_polynomial', repr(name))
       for name in ('plum_bob', '')),
-    ({'distortion': ()}, 'distortion_coefficients', '5 or 4 numbers for plumb_bob', '0'),
     ({'distortion': (0.1,) * 3}, 'distortion_coefficients', '5 or 4 numbers for plumb_bob', '3'),
     ({'distortion_model': 'equidistant'}, 'distortion_coefficients', '4 numbers for equidistant',
      '5')]
@@ -85,7 +84,8 @@ def test_calibration_that_cannot_rectify_is_refused(path, fields, key, wanted, h
     # the numbers of coefficients that OpenCV accepts
     *({'distortion_model': model, 'distortion': (0.1,) * count} for model, count in (
         ('plumb_bob', 5), ('plumb_bob', 4), ('rational_polynomial', 8),
-        ('rational_polynomial', 12), ('rational_polynomial', 14), ('equidistant', 4))),
+        ('rational_polynomial', 12), ('rational_polynomial', 14), ('equidistant', 4),
+        ('plumb_bob', 0))),
     # names that YAML could read as another type
     *({'camera_name': name} for name in ('', 'yes', '12', 'a: b', 'カメラ'))])
 def test_calibration_that_is_usable_is_saved_and_loaded_exactly(path, fields):
@@ -137,6 +137,110 @@ def test_file_of_another_program_is_read(path):
     assert loaded.camera_name == '' and loaded.distortion == (0,) * 5
     write(path, FOREIGN.replace('camera_name: narrow\n', ''))
     assert calibration.load(path).camera_name == ''
+
+
+def loaded(path, content):
+    """Return the calibration in a file with this content, and the warnings."""
+    write(path, content)
+    lines = []
+    return calibration.load(path, lines.append), lines
+
+
+WITHOUT_MODEL = FOREIGN.replace('distortion_model: plumb_bob\n', '')
+COEFFICIENTS = '{rows: 1, cols: 5, data: [1e-05, -2E-3, 0, 0, 0]}'
+
+
+@pytest.mark.parametrize('content, model, count, assumed', [
+    (FOREIGN, 'plumb_bob', 5, None),
+    ('%YAML:1.0\n---\n' + FOREIGN.replace('{rows', '!!opencv-matrix {rows').replace(
+        'matrix:\n', 'matrix: !!opencv-matrix\n').replace(', data', ', dt: d, data'),
+     'plumb_bob', 5, None),
+    (WITHOUT_MODEL, 'plumb_bob', 5, 'no distortion_model, assuming plumb_bob'),
+    (WITHOUT_MODEL.replace(COEFFICIENTS, '{rows: 8, cols: 1, data: [0, 0, 0, 0, 0, 0, 0, 0]}'),
+     'rational_polynomial', 8, 'no distortion_model, assuming rational_polynomial'),
+    *((FOREIGN.replace(COEFFICIENTS, '{{rows: {}, cols: {}, data: []}}'.format(*shape)),
+       'plumb_bob', 0, 'no distortion_coefficients, assuming an image without distortion')
+      for shape in ((0, 0), (1, 0), (0, 1))),
+    (WITHOUT_MODEL.replace(COEFFICIENTS, '{data: []}'), 'plumb_bob', 0,
+     'no distortion_model, assuming plumb_bob, and no distortion_coefficients, assuming an image '
+     'without distortion')])
+def test_what_the_file_does_not_state_is_assumed_with_one_warning(
+        path, content, model, count, assumed):
+    found, lines = loaded(path, content)
+    assert (found.distortion_model, len(found.distortion)) == (model, count)
+    assert found.camera_matrix == (500, 0, 320, 0, 501, 240, 0, 0, 1)
+    assert lines == ([] if assumed is None else
+                     ['calibration {} has {}'.format(path, assumed)])
+
+
+# with what the format allows: comments, [externals], a name with a space, line breaks anywhere
+INI = '''\
+# Camera intrinsics
+[image]
+width
+640
+height
+480
+
+[externals]
+translation
+0 0 0
+rotation
+1 2 3
+
+[front camera-1.a]
+
+camera matrix
+500 0 320  # fx
+0 501 240
+0 0 1
+
+distortion
+1e-05 -2E-3 0
+0 0
+
+rectification
+1 0 0 0 1 0 0 0 1
+projection
+500 0 320 0
+0 501 240 0
+0 0 1 0
+'''
+
+
+@pytest.fixture
+def ini(tmp_path):
+    return str(tmp_path / 'head_camera.INI')
+
+
+def test_ini_files_are_read_and_written(path, ini):
+    found, lines = loaded(ini, INI)
+    assert lines == [] and found.camera_name == 'front camera-1.a'
+    assert dataclasses.replace(found, camera_name='narrow') == loaded(path, FOREIGN)[0]
+    for given in (KNOWN, dataclasses.replace(KNOWN, distortion_model='rational_polynomial',
+                                             distortion=(0.1,) * 8)):
+        calibration.save(ini, given)
+        assert calibration.load(ini) == given
+    with pytest.raises(CalibrationError, match='does not state the distortion model equidistant'):
+        calibration.save(ini, dataclasses.replace(KNOWN, distortion_model='equidistant',
+                                                  distortion=(0.1,) * 4))
+    assert calibration.load(ini) == given
+
+
+@pytest.mark.parametrize('old, new, key', [
+    ('640', 'wide', 'image_width'), ('480', '-480', 'image_height'),
+    ('[image]', '', 'image_width'),
+    ('500 0 320  #', '500 0  #', 'camera_matrix'), ('0 501 240\n0', 'x 501 240\n0',
+                                                    'camera_matrix'),
+    ('0 0 1 0\n', '0 0 1\n', 'projection_matrix'), ('distortion\n', '', 'camera_matrix'),
+    ('1e-05 -2E-3', 'nan 1', 'distortion_coefficients'), (INI, '', 'distortion_coefficients'),
+    (INI, '[' * 999999, 'camera_matrix'), (INI, '#' * 999999, 'camera_matrix')],
+    ids=lambda value: repr(value)[:20])
+def test_entry_of_an_ini_file_that_is_wrong_is_named(ini, old, new, key):
+    assert old in INI
+    assert ' has no usable entry ' in refused_load(ini, INI.replace(old, new))
+    if old != INI:
+        assert ' entry {} ('.format(key) in refused_load(ini, INI.replace(old, new))
 
 
 def test_missing_file_is_a_separate_error(path):

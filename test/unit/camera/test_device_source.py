@@ -73,11 +73,13 @@ def test_format_is_requested_before_size_and_rate(open_device):
 
 @pytest.mark.parametrize('pixel_format, fourcc, encoding', [
     ('mjpeg', 'MJPG', 'rgb8'), ('yuyv', 'YUYV', 'rgb8'), ('uyvy', 'UYVY', 'rgb8'),
-    ('rgb24', 'RGB3', 'rgb8'), ('grey', 'GREY', 'mono8'), ('yuvmono10', 'Y10 ', 'mono8')])
+    ('rgb24', 'RGB3', 'rgb8'), ('bgr24', 'BGR3', 'rgb8'), ('yu12', 'YU12', 'rgb8'),
+    ('h264', 'MJPG', 'rgb8'), ('grey', 'GREY', 'mono8'), ('yuvmono10', 'Y10 ', 'mono8')])
 def test_fourcc_and_encoding_of_each_format(open_device, pixel_format, fourcc, encoding):
     source, capture = open_device(pixel_format=pixel_format)
     assert capture.requested[0] == (cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*fourcc))
     assert source.encoding == encoding
+    assert source.differs       # the device gives YUYV
     wanted = BGR[..., ::-1] if encoding == 'rgb8' else cv2.cvtColor(BGR, cv2.COLOR_BGR2GRAY)
     assert np.array_equal(source.read(), wanted)
 

@@ -98,7 +98,7 @@ def path_of_url(url: str, camera_name: str) -> str:
     Raises SettingError for another scheme, an unknown package or a path outside of it.
     """
     url = url or 'file://${ROS_HOME}/camera_info/${NAME}.yaml'
-    resolved = url.replace('${NAME}', camera_name).replace('${ROS_HOME}', rospkg.get_ros_home())
+    resolved = url.replace('${ROS_HOME}', rospkg.get_ros_home()).replace('${NAME}', camera_name)
     scheme, _, rest = resolved.partition('://')
     if scheme == 'file' and rest.startswith('/'):
         return rest
@@ -119,7 +119,7 @@ def path_of_url(url: str, camera_name: str) -> str:
 
 def _load(path: str, camera_name: str) -> Optional[Calibration]:
     try:
-        loaded = calibration.load(path)
+        loaded = calibration.load(path, rospy.logwarn)
     except FileNotFoundError:
         rospy.loginfo('camera is not calibrated: there is no file %s', path)
         return None

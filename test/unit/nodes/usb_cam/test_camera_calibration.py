@@ -184,7 +184,7 @@ def test_size_of_the_synthetic_scene_is_known_before_it_is_open(make, answer, tm
         assert yaml.safe_load(file)['image_width'] == 320
 
 
-@pytest.mark.parametrize('name', ['head_camera', '0', '_Front2'])
+@pytest.mark.parametrize('name', ['head_camera', '0', '_Front2', 'a-b.c d', '${ROS_HOME}'])
 def test_a_calibration_is_written_nowhere_else(make, answer, tmp_path, monkeypatch, name):
     monkeypatch.setenv('ROS_HOME', str(tmp_path / 'home'))
     make(url='', camera_name=name)
