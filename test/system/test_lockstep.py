@@ -2,49 +2,12 @@
 import os
 import re
 import signal
-import sys
 
 import pytest
 
+from img_recog_testing.lockstep import CAMERA, compiled, driver, path
 from img_recog_testing.simulator_tools import Echo, burger, complaints, drawing
 from img_recog_testing.waiting import wait_for
-
-CAMERA = ('_camera_frame:=camera_link', '_camera_image_topic:=image_raw', '_camera_width:=64',
-          '_camera_height:=48', '_world:=color_posts')
-# turns until it sees blue, then drives there; answers with a command or, before its command is
-# sent, with a header
-NODE = r'''
-import sys, time
-import numpy, rospy
-from geometry_msgs.msg import Twist
-from sensor_msgs.msg import Image
-from std_msgs.msg import Header
-
-def answer(msg):
-    pixels = numpy.frombuffer(msg.data, 'u1').reshape(msg.height, msg.width, 3).astype(int)
-    rows, columns = numpy.nonzero(pixels[..., 2] > pixels[..., :2].max(2) + 60)
-    command = Twist()
-    command.linear.x = 0.2 if len(columns) else 0.0
-    command.angular.z = 1 - columns.mean() / 32 if len(columns) else 1.0
-    time.sleep({delay})
-    for _ in range({count}):
-        velocity.publish(command)
-
-rospy.init_node('{name}')
-velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
-rospy.Subscriber('image_raw', Image, answer, queue_size=1, buff_size=1 << 24)
-rospy.spin()
-'''
-
-
-class Path(Echo):
-    """Where the robot is by its odometry: stamps in ns, poses and velocities."""
-
-    @staticmethod
-    def row(msg, fields):
-        pose, twist = msg.pose.pose, msg.twist.twist
-        return [msg.header.stamp.to_nsec(), pose.position.x, pose.position.y, pose.orientation.z,
-                twist.linear.x, twist.angular.z]
 
 
 @pytest.fixture
@@ -53,28 +16,7 @@ def ros(shared_ros):
     return shared_ros
 
 
-def driver(ros, name='driver', delay='0', count=1):
-    return ros.start(sys.executable, '-c', NODE.format(name=name, delay=delay, count=count))
-
-
-def path(simulate, ros, *parameters, delay='0', disturb=lambda node, process, rows: None):
-    """Return where the robot was in the first two simulated seconds."""
-    node = simulate(*CAMERA, '_lockstep:=cmd_vel', *parameters)
-    echo = Path(ros, '/odom')
-    wait_for(echo.is_connected.is_set, lambda: node.output)
-    process = driver(ros, delay=delay)
-    disturb(node, process, echo.rows)
-    wait_for(lambda: len(echo.rows) > 60, lambda: node.output[-800:] + process.output)
-    process.close()
-    assert node.interrupt() == 0
-    rows = echo.rows[:60]
-    assert [row[0] for row in rows] == [33000000 * number for number in range(1, 61)]
-    x, y = rows[-1][1:3]
-    assert (x + 2.0) ** 2 + (y + 0.5) ** 2 > 0.01       # it has driven
-    return rows
-
-
-def test_the_path_does_not_depend_on_speed_delay_and_killed_programs(simulate, ros):
+def test_the_path_does_not_depend_on_speed_language_buffers_and_killed_programs(ros, tmp_path):
     def kill_drawing(node, process, rows):
         wait_for(lambda: len(rows) > 20, lambda: node.output)
         os.kill(drawing(node), signal.SIGKILL)
@@ -83,15 +25,18 @@ def test_the_path_does_not_depend_on_speed_delay_and_killed_programs(simulate, r
         wait_for(lambda: len(rows) > 20, lambda: node.output)
         process.send_signal(signal.SIGKILL)
         process.wait()
-        others.append(driver(ros))
+        driver(ros)
 
-    others = []
-    first = path(simulate, ros, '_real_time_factor:=0')
-    assert path(simulate, ros, '_real_time_factor:=1',
-                delay='0.1 * numpy.random.random()') == first
-    assert path(simulate, ros, '_real_time_factor:=0', disturb=kill_drawing) == first
-    assert path(simulate, ros, '_real_time_factor:=0', disturb=come_back) == first
-    others[0].close()
+    fast = '_real_time_factor:=0'
+    first = path(ros, fast)
+    assert path(ros, '_real_time_factor:=1', start=lambda ros: driver(
+        ros, delay='0.1 * numpy.random.random()', buffer_bits=16)) == first
+    assert path(ros, fast, disturb=kill_drawing) == first
+    assert path(ros, fast, disturb=come_back) == first
+    program = compiled(tmp_path)
+    if program is None:
+        pytest.skip('no compiler or headers for a node in C++')
+    assert path(ros, fast, start=lambda ros: ros.start(program)) == first
 
 
 def test_what_does_not_answer_is_named_once(simulate, ros):

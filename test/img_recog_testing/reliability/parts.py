@@ -2,6 +2,7 @@
 from types import ModuleType
 from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
+from img_recog_testing import lockstep
 from img_recog_testing.reliability import endings, figures, images, soak, surroundings, twists
 from img_recog_testing.reliability.nodes import Nodes
 
@@ -10,6 +11,7 @@ TWISTS, WIRE_TWISTS = 1000000, 60000
 IMAGES, WIRE_IMAGES = 100000, 10000
 STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
 SOAK_S = 1800.0
+LOCKSTEP_RUNS, LOCKSTEP_IMAGES, LOCKSTEP_LOAD = 100, 100, 8
 CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
 
 # how results are printed that are not counts
@@ -130,7 +132,20 @@ def run_silent(options: Options) -> List[Row]:
              'the chain took {max_s:.2f} s, {rss_growth_mb:+d} MB'.format(**result), '5 s')]
 
 
+def run_lockstep(options: Options) -> List[Row]:
+    """Runs of a node in lockstep on a busy machine, whose paths must be the same."""
+    count = options.count(LOCKSTEP_RUNS)
+    with Nodes() as nodes, surroundings.busy_loops(LOCKSTEP_LOAD):
+        paths = {lockstep.digest(lockstep.path(
+            nodes, '_real_time_factor:={}'.format(number % 2),
+            start=lambda ros: lockstep.driver(ros, delay='0.005 * numpy.random.random()'),
+            images=LOCKSTEP_IMAGES)) for number in range(count)}
+    assert len(paths) == 1, '{} different paths in {} runs'.format(len(paths), count)
+    done = '{} runs of {} images beside {} busy loops'
+    return [(done.format(count, LOCKSTEP_IMAGES, LOCKSTEP_LOAD), 'the same path', 'one path')]
+
+
 PARTS: Dict[str, Callable[[Options], List[Row]]] = {
     'soak': run_soak, 'twists': run_twists, 'images': run_images, 'stops': run_stops,
     'stops_without_images': run_stops_without_images, 'kills': run_kills, 'clock': run_clock,
-    'disk': run_disk, 'silent': run_silent}
+    'disk': run_disk, 'silent': run_silent, 'lockstep': run_lockstep}

@@ -1,0 +1,120 @@
+"""Runs of a user's node in lockstep with the simulator, and the path that it drives."""
+import contextlib
+import hashlib
+import shutil
+import subprocess
+import sys
+
+from img_recog_testing.simulator_tools import Echo, burger
+from img_recog_testing.waiting import wait_for
+
+CAMERA = ('_camera_frame:=camera_link', '_camera_image_topic:=image_raw', '_camera_width:=64',
+          '_camera_height:=48', '_world:=color_posts')
+# turns until it sees blue, then drives there; a command for each image
+NODE = r'''
+import sys, time
+import numpy, rospy
+from geometry_msgs.msg import Twist
+from sensor_msgs.msg import Image
+
+def answer(msg):
+    pixels = numpy.frombuffer(msg.data, 'u1').reshape(msg.height, msg.width, 3).astype(int)
+    rows, columns = numpy.nonzero(pixels[..., 2] > pixels[..., :2].max(2) + 60)
+    command = Twist()
+    command.linear.x = 0.2 if len(columns) else 0.0
+    command.angular.z = 1 - columns.mean() / 32 if len(columns) else 1.0
+    time.sleep({delay})
+    for _ in range({count}):
+        velocity.publish(command)
+
+rospy.init_node('{name}')
+velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+rospy.Subscriber('image_raw', Image, answer, queue_size=1, buff_size=1 << {buffer_bits})
+rospy.spin()
+'''
+# the same in C++
+CPP_NODE = r'''
+#include <geometry_msgs/Twist.h>
+#include <image_transport/image_transport.h>
+#include <ros/ros.h>
+ros::Publisher velocity;
+void answer(const sensor_msgs::ImageConstPtr& msg) {
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < msg->data.size(); i += 3) {
+    const uint8_t* rgb = &msg->data[i];
+    if (rgb[2] > std::max(rgb[0], rgb[1]) + 60) { sum += i / 3 % msg->width; ++count; }
+  }
+  geometry_msgs::Twist command;
+  command.linear.x = count ? 0.2 : 0.0;
+  command.angular.z = count ? 1 - sum / count / 32 : 1.0;
+  velocity.publish(command);
+}
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "driver");
+  ros::NodeHandle node;
+  velocity = node.advertise<geometry_msgs::Twist>("cmd_vel", 1);
+  image_transport::ImageTransport transport(node);
+  auto subscriber = transport.subscribe("image_raw", 1, answer);
+  ros::spin();
+}
+'''
+
+
+class Path(Echo):
+    """Where the robot is by its odometry: stamps in ns, poses and velocities."""
+
+    @staticmethod
+    def row(msg, fields):
+        pose, twist = msg.pose.pose, msg.twist.twist
+        return [msg.header.stamp.to_nsec(), pose.position.x, pose.position.y, pose.orientation.z,
+                twist.linear.x, twist.angular.z]
+
+
+def compiled(folder):
+    """Return the path of the node in C++, None where it cannot be compiled."""
+    if shutil.which('g++') is None:
+        return None
+    source, program = folder / 'driver.cpp', folder / 'driver'
+    source.write_text(CPP_NODE)
+    libraries = 'roscpp', 'rosconsole', 'roscpp_serialization', 'rostime', 'image_transport'
+    done = subprocess.run(['g++', '-o', str(program), str(source),
+                           *('-l' + library for library in libraries)],
+                          stderr=subprocess.DEVNULL, check=False)
+    return None if done.returncode else program
+
+
+def driver(ros, name='driver', delay='0', count=1, buffer_bits=24):
+    """Start the node. delay: an expression, s for each image; count: of commands for each."""
+    return ros.start(sys.executable, '-c', NODE.format(name=name, delay=delay, count=count,
+                                                       buffer_bits=buffer_bits))
+
+
+def path(ros, *parameters, start=driver, images=60, disturb=lambda node, process, rows: None):
+    """Return where the robot was at each of its first images.
+
+    parameters: of the simulator; start: start(ros) starts the node that drives; disturb: is called
+    when both run.
+    """
+    ros.set_parameters('/gazebo')
+    ros.set_parameters('/robot_description', burger())
+    node = ros.start_node('pybullet_sim.py', *CAMERA, '_lockstep:=cmd_vel', *parameters)
+    echo = Path(ros, '/odom')
+    with contextlib.closing(echo):
+        wait_for(echo.is_connected.is_set, lambda: node.output)
+        process = start(ros)
+        disturb(node, process, echo.rows)
+        wait_for(lambda: len(echo.rows) > images, lambda: node.output[-800:] + process.output)
+    process.close()
+    assert node.interrupt() == 0
+    for each in (process, node):
+        ros.processes.remove(each)
+    rows = echo.rows[:images]
+    assert [row[0] for row in rows] == [33000000 * number for number in range(1, images + 1)]
+    x, y = rows[-1][1:3]
+    assert (x + 2.0) ** 2 + (y + 0.5) ** 2 > 0.01       # it has driven
+    return rows
+
+
+def digest(rows):
+    """Return a hash of a path."""
+    return hashlib.sha256(repr(rows).encode()).hexdigest()
