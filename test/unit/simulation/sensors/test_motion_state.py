@@ -1,5 +1,6 @@
 """When the log says that a robot starts and stops."""
 import numpy as np
+import pytest
 
 from img_recog.simulation.bodies.body import Motion
 from img_recog.simulation.sensors.motion_state import MotionState
@@ -22,3 +23,22 @@ def test_backward_and_turning():
     assert state.update(moving(0, 0.3)) == 'turns left'
     assert state.update(moving(0, -0.3)) == 'turns right'
     assert state.update(moving()) == 'stands'
+
+
+@pytest.mark.parametrize('turning', [0.3, 1.0, 2.8, -1.0])
+@pytest.mark.parametrize('before', [0.0, 0.2, -0.2])
+def test_a_robot_that_turns_on_the_spot_and_drifts_turns(turning, before):
+    state = MotionState()
+    state.update(moving(before))
+    drift = 0.009 * max(1.0, abs(turning))
+    changes = [state.update(moving(linear_x, turning)) for linear_x in (-drift, drift, -drift)]
+    assert changes == ['turns left' if turning > 0 else 'turns right', None, None]
+    assert state.update(moving()) == 'stands'
+
+
+@pytest.mark.parametrize('linear_x, angular_z', [(0.05, 0.5), (0.1, 2.0), (0.22, 2.8)])
+def test_a_robot_in_a_curve_drives(linear_x, angular_z):
+    state = MotionState()
+    changes = [state.update(moving(share * linear_x, angular_z)) for share in (1.0, 0.9, 1.0)]
+    assert changes == ['drives forward', None, None]
+    assert state.update(moving(0.0, angular_z)) == 'turns left'
