@@ -1,4 +1,5 @@
 """Lockstep: simulated time stands after each image until other nodes have answered it."""
+import contextlib
 import struct
 import threading
 import time
@@ -10,6 +11,7 @@ from typing import (Any, Callable, Collection, Dict, FrozenSet, List, Mapping, O
 import rosgraph
 import rospy
 
+from img_recog.conversions import robot_msgs
 from img_recog.errors import UserError, one_line
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master.connections import Connections
@@ -186,7 +188,7 @@ class Lockstep:
                 owners = [each for each in all_namespaces
                           if each and topic.startswith('/{}/'.format(each))]
                 if not answers.is_given_up and (not owners or set(owners) & set(namespaces)):
-                    answers.expected = rospy.Time.from_sec(time_s)
+                    answers.expected = robot_msgs.stamp_of(time_s)
             self._is_settled = False
 
     def notify_sent(self) -> None:
@@ -204,9 +206,10 @@ class Lockstep:
             if not self._are_connected(time_s):
                 return True
             self._is_ready = True
-            for topic, others in self._connections.shared():
-                rospy.logwarn('lockstep: %s is published by %s too: nodes answer their messages '
-                              'as well; stop them', topic, ', '.join(others))
+            with contextlib.suppress(OSError):
+                for topic, others in self._connections.shared():
+                    rospy.logwarn('lockstep: %s is published by %s too: nodes answer their '
+                                  'messages as well; stop them', topic, ', '.join(others))
         with self._lock:
             missing, sent_s = self._missing(), self._sent_s if self._is_sent else None
         if missing and sent_s is not None:
