@@ -77,6 +77,20 @@ def read(path: str, max_pixels: int) -> Optional[np.ndarray]:
         return _by_pillow(image) if image.format in _PILLOW_FORMATS else None
 
 
+def count(path: str) -> int:
+    """Return how many images the file `path` has: of an animation, or the pages of a TIFF.
+
+    1 for a JPEG with a preview or a depth map behind it (MPO), and for a file that is damaged.
+    """
+    with _opened(path) as image:
+        if image is None or image.format == 'MPO':
+            return 1
+        try:
+            return getattr(image, 'n_frames', 1)
+        except Exception:       # as in _opened
+            return 1
+
+
 def add_option(parser: argparse.ArgumentParser) -> None:
     """Add the option --max-image-pixels to the command line of a tool."""
     parser.add_argument('--max-image-pixels', type=_max_pixels, metavar='N',

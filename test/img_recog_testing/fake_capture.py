@@ -22,6 +22,9 @@ class FakeCapture:
     def get(self, number):
         return self._properties.get(number, 0.0)
 
+    def set(self, number, value):
+        return False
+
     def read(self):
         step = self._steps.pop(0)
         if not isinstance(step, bool):

@@ -178,11 +178,12 @@ class Capture:
                 begin_s = self._now()
                 image = self._read(source)
                 read_s = self._now() - begin_s
+                period_s = source.step_s or period_s
                 if image is not None and throttle is not None and not throttle.accepts(
                         self._now() - source.age_s):
                     self._listener.dropped()
                     continue
-                if pacer is not None and self._pause(pacer.delay_s()):
+                if pacer is not None and self._pause(pacer.delay_s(source.time_s)):
                     break
                 if image is not None:
                     any_frame = True

@@ -1,13 +1,15 @@
 """When frames are due, are kept and were captured: pacing, a limit of the rate, and stamps."""
+import math
 import time
 from typing import Callable, Optional
 
 
 class Pacer:
-    """Computes how long to wait before each frame of a stream of `rate_hz`.
+    """Computes how long to wait before each frame of a stream.
 
-    Deadlines are multiples of the period, counted from the first frame, so errors do not add up.
-    Deadlines that are missed by more than a period are dropped: there is no burst of frames.
+    Deadlines are counted from the first frame, so errors do not add up: the times of the frames
+    if they have some, else multiples of the period of `rate_hz`. A frame that is late by more than
+    a period delays the later ones by whole periods: there is no burst of frames.
 
     >>> times_s = iter([0.0, 0.125, 0.75, 2.0])
     >>> pacer = Pacer(2.0, lambda: next(times_s))
@@ -18,18 +20,78 @@ class Pacer:
     def __init__(self, rate_hz: float, now: Callable[[], float] = time.monotonic):
         self._period_s = 1.0 / rate_hz
         self._now = now
-        self._deadline_s: Optional[float] = None
+        self._start_s: Optional[float] = None       # when the time 0 is due
+        self._count = 0
 
-    def delay_s(self) -> float:
-        """Return the seconds until the next frame is due, 0 if it is late; advance to it."""
+    def delay_s(self, time_s: Optional[float] = None) -> float:
+        """Return the seconds until the next frame is due, 0 if it is late; advance to it.
+
+        time_s: the time of this frame; None: a period after the one before.
+        """
         now_s = self._now()
-        deadline_s = now_s if self._deadline_s is None else self._deadline_s
-        late_s = now_s - deadline_s
+        if time_s is None:
+            time_s = self._count * self._period_s
+        self._count += 1
+        if self._start_s is None:
+            self._start_s = now_s - time_s
+        late_s = now_s - self._start_s - time_s
         if late_s > self._period_s:
-            deadline_s += (late_s // self._period_s) * self._period_s
-        delay_s = max(0.0, deadline_s - now_s)
-        self._deadline_s = deadline_s + self._period_s
-        return delay_s
+            self._start_s += (late_s // self._period_s) * self._period_s
+        return max(0.0, self._start_s + time_s - now_s)
+
+
+class FrameTimes:
+    """Times of the frames of a film, from those that its decoder gives, if it gives any.
+
+    A time within 1 ms of the multiple of the period is this multiple: containers round to 1 ms. A
+    decoder time that does not increase, or jumps by more than an hour, is none: the frame
+    then follows the one before as that has followed its own.
+
+    step_s: between the last two frames; before, the stated period, 0 if there is none.
+    longest_step_s: the longest so far.
+
+    >>> times = FrameTimes(8.0)
+    >>> [times.next_s(decoder_ms) for decoder_ms in (0.0, 125.4, 375.0, 375.0, 20.0)]
+    [0.0, 0.125, 0.375, 0.625, 0.875]
+    """
+
+    _ROUNDING_S, _MAX_STEP_S = 1e-3, 3600.0
+    _MAX_TIME_S = 1e9       # more is a time that ffmpeg does not know
+
+    def __init__(self, rate_hz: float):
+        """Begin before the first frame of a film that states the rate `rate_hz`, 0 if none."""
+        self._rate_hz = rate_hz
+        self._count, self._time_s = 0, 0.0
+        self._decoder_s = self._offset_s = 0.0
+        self.step_s = 1.0 / rate_hz if rate_hz > 0 else 0.0
+        self.longest_step_s = self.step_s
+
+    def is_even(self) -> bool:
+        """Return whether the last step is the period of the stated rate."""
+        return self._rate_hz > 0 and abs(self.step_s - 1.0 / self._rate_hz) <= self._ROUNDING_S
+
+    def restart(self) -> None:
+        """Say that the next frame is the first one of the film again: it is due a step later."""
+        self._decoder_s = math.inf
+
+    def next_s(self, decoder_ms: float) -> float:
+        """Return the time of the next frame, which increases, by that of the decoder."""
+        decoder_s = decoder_ms / 1e3
+        if self._count and abs(decoder_s) <= self._MAX_TIME_S and (
+                0.0 < decoder_s - self._decoder_s <= self._MAX_STEP_S):
+            time_s = decoder_s - self._offset_s
+        else:
+            time_s = self._time_s + self.step_s if self._count else 0.0
+            self._offset_s = decoder_s - time_s
+        if self._rate_hz > 0 and abs(
+                time_s - self._count / self._rate_hz) <= self._ROUNDING_S:
+            time_s = self._count / self._rate_hz
+        if self._count:
+            self.step_s = time_s - self._time_s
+            self.longest_step_s = max(self.longest_step_s, self.step_s)
+        self._decoder_s, self._time_s = decoder_s, time_s
+        self._count += 1
+        return time_s
 
 
 class Throttle:

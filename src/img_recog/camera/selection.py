@@ -6,6 +6,7 @@ from typing import Callable, Sequence
 
 import cv2
 
+from img_recog import still_images
 from img_recog.camera.device_source import DeviceSource, list_devices
 from img_recog.camera.image_source import FolderSource, ImageSource, is_truncated, read_image
 from img_recog.camera.settings import CameraSettings
@@ -15,6 +16,7 @@ from img_recog.camera.url_source import open_url
 from img_recog.camera.video_source import VideoSource, not_playable
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
+_JPEG_VIDEOS = ('.mjpeg', '.mjpg')      # JPEG images one after the other, without a container
 DEFAULT_DEVICE = '/dev/video0'
 
 
@@ -67,8 +69,14 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     """
     if not os.access(path, os.R_OK):
         raise SourceError('cannot read {}: permission denied'.format(path))
+    if path.lower().endswith(_JPEG_VIDEOS):     # an image reader would read the first frame
+        return VideoSource(path, loop, warn, max_pixels)
     image = read_image(path, max_pixels)
     if image is not None:
+        count = still_images.count(path)
+        if count > 1:
+            warn('{} has {} images, only the first is used; convert it to a video, or write each '
+                 'to a file of a folder'.format(path, count))
         return ImageSource(path, convert(image, 'rgb8'), rate_hz)
     if is_truncated(path):
         raise SourceError('cannot read {}: the image is truncated'.format(path))

@@ -39,6 +39,8 @@ class FrameSource(abc.ABC):
     reconnects: whether to reopen it after `read` has failed.
     stall_timeout_s: a `read` that takes longer is a stall; None for no timeout.
     age_s: time from the capture of the last frame to the return of `read`.
+    time_s: when the last frame is due, counted from the first one; None: at `rate_hz`.
+    step_s: time between the last frame and the next one; None: the period of `rate_hz`.
     """
 
     description: str
@@ -53,6 +55,8 @@ class FrameSource(abc.ABC):
     reconnects: bool = False
     stall_timeout_s: Optional[float] = None
     age_s: float = 0.0
+    time_s: Optional[float] = None
+    step_s: Optional[float] = None
 
     @abc.abstractmethod
     def read(self) -> np.ndarray:

@@ -1,11 +1,15 @@
 """Frames of a video, read by OpenCV's ffmpeg."""
 import contextlib
+import math
+import os
+from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Callable, Iterator, Optional, Sequence, Tuple
+from typing import Callable, Deque, Iterator, Optional, Sequence, Tuple
 
 import cv2
 import numpy as np
 
+from img_recog.camera.pacing import FrameTimes
 from img_recog.camera.source import (FrameSource, SourceEnded, SourceError, check_size, convert,
                                      fourcc)
 from img_recog.camera.urls import redacted
@@ -32,12 +36,14 @@ def released_on_error(capture: cv2.VideoCapture) -> Iterator[None]:
 def open_capture(path: str, max_pixels: int, *options: Sequence[int]) -> cv2.VideoCapture:
     """Open a video by OpenCV's ffmpeg; it may not be open then.
 
+    Its frames are turned upright if it says how (display matrix); OpenCV does not by default.
     Raises SourceTooLarge when it states more than `max_pixels` pixels: no frame is decoded then.
     """
     capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG, *options)
     with released_on_error(capture):
         check_size('cannot play ' + redacted(path), capture.get(cv2.CAP_PROP_FRAME_WIDTH),
                    capture.get(cv2.CAP_PROP_FRAME_HEIGHT), max_pixels)
+        capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
     return capture
 
 
@@ -48,13 +54,17 @@ def not_playable(name: str) -> SourceError:
 
 
 class VideoSource(FrameSource):
-    """A video that plays at its own rate, once or in a loop.
+    """A video that plays at the times of its frames, once or in a loop.
 
-    rate_hz: the frame rate of the video.
+    rate_hz: the frame rate of the video; if it varies, that of the first two frames.
+    expected_hz: the same, None if it varies.
+    time_s: as the decoder gives it; number / rate_hz where it gives none.
     expected_frames: the frame count that its container states, 0 where it states none.
     """
 
     rate_hz: float
+    time_s: float = 0.0
+    step_s: float
     _unreadable = '{} can no longer be read: moved or replaced while it played'
     _incomplete = 'truncated or damaged'
     _opens_ahead = True
@@ -68,7 +78,9 @@ class VideoSource(FrameSource):
         max_pixels: a video whose frames have more pixels cannot be played.
         capture: if the video is open already.
         """
-        self._path, self._loop, self._warn, self._max_pixels = path, loop, warn, max_pixels
+        # ffmpeg takes what is before a colon for a protocol, but not in an absolute path
+        self._path = path if '://' in path else os.path.abspath(path)
+        self._loop, self._warn, self._max_pixels = loop, warn, max_pixels
         self.name = redacted(path)
         self._ahead: 'Optional[Future[_Opened]]' = None
         self._count = self._position = 0        # frames that were read; since the last start
@@ -77,33 +89,55 @@ class VideoSource(FrameSource):
             first = self._read_frame(self._capture)
             if first is None:
                 raise self._not_playable()
-            self.rate_hz = self.expected_hz = self._capture.get(cv2.CAP_PROP_FPS)
-            if not self.rate_hz > 0:
-                raise SourceError('cannot play {}: its frame rate is not known'.format(self.name))
+            stated_hz = self._capture.get(cv2.CAP_PROP_FPS)
+            self._times = FrameTimes(stated_hz if math.isfinite(stated_hz) else 0.0)
+            self._next: Deque[Optional[Tuple[np.ndarray, float]]] = deque()     # None: the end
+            self._append(first)
+            self._append(self._read_frame(self._capture))
+            self.step_s = self._times.step_s
+            if not self.step_s > 0:
+                raise SourceError('cannot play {}: neither its frame rate nor the times of its '
+                                  'frames are known'.format(self.name),
+                                  'convert it: ffmpeg -r RATE -i INPUT OUTPUT.mp4')
+        is_even = self._times.is_even()
+        self.rate_hz = stated_hz if is_even else 1.0 / self.step_s
+        self.expected_hz = stated_hz if is_even else None
         self.expected_frames = max(0, int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)))
-        self._next: Optional[np.ndarray] = first
+        self._expected_s = self.expected_frames / stated_hz if stated_hz > 0 else 0.0
         self.height, self.width = first.shape[:2]
-        self.description = 'video {}, {}x{}, {:g} Hz, played {}'.format(
-            self.name, self.width, self.height, self.rate_hz, 'in a loop' if loop else 'once')
+        self.description = 'video {}, {}x{}, {}, played {}'.format(
+            self.name, self.width, self.height,
+            '{:g} Hz'.format(stated_hz) if is_even else 'variable rate',
+            'in a loop' if loop else 'once')
 
     def read(self) -> np.ndarray:
-        frame = self._next
-        if frame is None:
+        following = self._next.popleft()
+        if following is None:
+            self._next.append(None)
             raise SourceEnded('the video {} has ended after {} frames'.format(
                 self.name, self._count))
-        self._next = self._read_frame(self._capture)
+        frame, self.time_s = following
         self._count += 1
         self._position += 1
-        if self._next is None:
+        if not self._next:
+            self._append(self._read_frame(self._capture))
+        if self._next[0] is None:
             self._check_length()
-            self._next = self._rewind() if self._loop else None
+            if self._loop:
+                self._next.clear()
+                self._append(self._rewind())
         elif self._loop and self._ahead is None and self._opens_ahead and (
                 0 <= self.expected_frames - self._position <= _AHEAD_S * self.rate_hz):
             # in a thread: it takes longer than a frame is shown
             executor = ThreadPoolExecutor(1)
             self._ahead = executor.submit(self._open_again)
             executor.shutdown(wait=False)
+        self.step_s = self._times.step_s
         return convert(frame, self.encoding)
+
+    def _append(self, image: Optional[np.ndarray]) -> None:
+        self._next.append(None if image is None else (
+            image, self._times.next_s(self._capture.get(cv2.CAP_PROP_POS_MSEC))))
 
     def _open(self) -> cv2.VideoCapture:
         return open_capture(self._path, self._max_pixels)
@@ -134,6 +168,7 @@ class VideoSource(FrameSource):
         ahead, self._ahead = self._ahead, None
         self._capture, image = ahead.result() if ahead else self._open_again()
         self._position = 0
+        self._times.restart()
         return image
 
     def _open_again(self) -> _Opened:
@@ -145,9 +180,12 @@ class VideoSource(FrameSource):
         return capture, image
 
     def _check_length(self) -> None:
+        # of some containers the frame count is that of their duration at a constant rate
         missing = self.expected_frames - self._count
+        missing_s = self._expected_s - self.time_s - self._times.longest_step_s
         is_first_end = self._count == self._position
-        if is_first_end and missing > max(_MISSING_FRAMES, _MISSING_SHARE * self.expected_frames):
+        if (is_first_end and missing > max(_MISSING_FRAMES, _MISSING_SHARE * self.expected_frames)
+                and missing_s > _MISSING_SHARE * self._expected_s):
             self._warn('the video {} breaks off after {} of {} frames: {}'.format(
                 self.name, self._count, self.expected_frames, self._incomplete))
 

@@ -29,10 +29,10 @@ def is_bag(path: str) -> bool:
 
 
 class VideoFrames:
-    """The frames of a video; the stamp of frame k is k / frame rate.
+    """The frames of a video, stamped with their times in it, from 0.
 
-    expected: the expected number of frames, 0 if unknown; period_ns: time between two frames;
-    warnings: messages for the user, complete after the last frame.
+    expected: the expected number of frames, 0 if unknown; period_ns: how long the last frame is
+    shown, complete after it; warnings: messages for the user, complete after the last frame.
     """
 
     def __init__(self, path: str, max_pixels: int = DEFAULT_MAX_PIXELS):
@@ -61,7 +61,8 @@ class VideoFrames:
         try:
             while True:
                 image = self._source.read()
-                stamp_ns = round(number * SECOND_NS / self._source.rate_hz)
+                stamp_ns = round(self._source.time_s * SECOND_NS)
+                self.period_ns = round(self._source.step_s * SECOND_NS)
                 header = Header(number, genpy.Time(*divmod(stamp_ns, SECOND_NS)), frame_id)
                 yield Frame(number, stamp_ns, header, image, self._source.encoding)
                 number += 1

@@ -48,6 +48,16 @@ def test_no_burst_after_a_frame_late_by_more_than_a_period(pacer, clock, missed)
     assert pacer.delay_s() == PERIOD_S
 
 
+def test_frames_with_times_are_due_at_them(pacer, clock):
+    start, due = clock.now_s, []
+    for time_s in (0.0, 0.5, 0.53125, 2.0):
+        clock.advance(pacer.delay_s(time_s))
+        due.append(clock.now_s - start)
+    assert due == [0.0, 0.5, 0.53125, 2.0]
+    clock.advance(1.03125)      # late by 8 periods: so are all after it
+    assert [pacer.delay_s(2.03125), pacer.delay_s(2.5)] == [0.0, 0.46875]
+
+
 def kept(intervals, rate_hz):
     """Return the numbers of the frames that are kept, given the intervals between all frames."""
     throttle, now_s, numbers = Throttle(rate_hz), 0.0, []

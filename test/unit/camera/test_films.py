@@ -1,0 +1,128 @@
+"""Films as phones, browsers and editors write them: times, rotation, several images in a file."""
+import subprocess
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from img_recog.camera.selection import open_file
+from img_recog.camera.source import SourceEnded
+from img_recog.camera.video_source import VideoSource
+from img_recog.replay.inputs import VideoFrames
+from img_recog_testing.fake_capture import FakeCapture
+
+# every third of 9 frames at 10 Hz, then all
+UNEVEN = ['-vf', "select='not(mod(n,3))+gt(n,8)'", '-vsync', 'vfr']
+UNEVEN_S = [0.0, 0.3, 0.6, 0.9, 1.0, 1.1]
+H264 = ['-c:v', 'libx264', '-pix_fmt', 'yuv420p']
+
+
+@pytest.fixture
+def make_film(tmp_path):
+    """A function that has ffmpeg write 1.2 s at 10 Hz to a file; it returns the path."""
+    def make(name, *options, source='testsrc2=size=96x64:rate=10:duration=1.2'):
+        path = str(tmp_path / name)
+        subprocess.run(['ffmpeg', '-v', 'error', '-f', 'lavfi', '-i', source, *options, path],
+                       check=True)
+        return path
+    return make
+
+
+def times(source, count=50):
+    """Return the times of the next frames of a source, at most `count`."""
+    found = []
+    try:
+        while len(found) < count:
+            source.read()
+            found.append(source.time_s)
+    except SourceEnded:
+        pass
+    finally:
+        source.close()
+    return found
+
+
+@pytest.mark.parametrize('name, options', [
+    ('a.mp4', H264), ('a.mkv', H264), ('a.webm', ['-c:v', 'libvpx', '-b:v', '200k'])])
+def test_a_film_plays_at_the_times_of_its_frames(make_film, name, options):
+    path, warnings = make_film(name, *UNEVEN, *options), []
+    source = open_file(path, 30.0, loop=False, warn=warnings.append)
+    assert 'variable rate' in source.description and source.expected_hz is None
+    assert times(source) == pytest.approx(UNEVEN_S, abs=1e-3) and not warnings
+    frames = VideoFrames(path)
+    assert [frame.stamp_ns / 1e9 for frame in frames] == pytest.approx(UNEVEN_S, abs=1e-3)
+    assert frames.period_ns / 1e9 == pytest.approx(0.1, abs=1e-3)
+    looped = [*UNEVEN_S, *(1.2 + time_s for time_s in UNEVEN_S), 2.4]
+    assert times(open_file(path, 30.0), len(looped)) == pytest.approx(looped, abs=1e-2)
+
+
+@pytest.mark.parametrize('name, options, rate_hz', [
+    ('a.mkv', H264, 10.0), ('a.mkv', H264, 30000 / 1001),
+    ('a.ts', H264, 10.0), ('a.h264', H264, 10.0), ('a.mjpeg', ['-c:v', 'mjpeg'], 25.0)])
+def test_times_at_a_constant_rate_are_exact(make_film, name, options, rate_hz):
+    made_hz = '30000/1001' if rate_hz == 30000 / 1001 else '10'
+    path = make_film(name, *options,
+                     source='testsrc2=size=96x64:rate={}:duration=1.2'.format(made_hz))
+    source = open_file(path, 30.0, loop=False)
+    assert source.rate_hz == source.expected_hz == rate_hz
+    found = times(source)
+    assert len(found) >= 12 and found == [number / rate_hz for number in range(len(found))]
+
+
+@pytest.mark.parametrize('stated_hz', [1000.0, 0.0, float('nan')])
+def test_a_rate_that_is_wrong_or_missing_is_not_used(clock, stated_hz):
+    capture = FakeCapture(clock, [True] * 4 + [False], FPS=stated_hz)
+    positions = iter([0.0, 33.0, 67.0, 133.0])
+    known = capture.get
+    capture.get = lambda number: next(positions) if number == cv2.CAP_PROP_POS_MSEC else known(
+        number)
+    source = VideoSource('film.webm', loop=False, capture=capture)
+    assert source.expected_hz is None and source.rate_hz == pytest.approx(1 / 0.033)
+    assert times(source) == pytest.approx([0.0, 0.033, 0.067, 0.133])
+
+
+@pytest.mark.parametrize('degrees', [90, 180, 270])
+def test_a_film_is_upright(make_film, tmp_path, degrees):
+    # red left, blue right, as the sensor of the phone sees it
+    film = make_film('sensor.mp4', *H264, source="color=red:size=96x64:rate=10:duration=0.5,"
+                     "drawbox=x=48:w=48:h=64:color=blue:t=fill")
+    turned, upright = str(tmp_path / 'turned.mp4'), str(tmp_path / 'upright.png')
+    for arguments in ([film, '-c', 'copy', '-metadata:s:v', 'rotate={}'.format(degrees), turned],
+                      [turned, '-frames:v', '1', upright]):     # ffmpeg turns it
+        subprocess.run(['ffmpeg', '-v', 'error', '-i', *arguments], check=True)
+    source = open_file(turned, 30.0)
+    expected = cv2.imread(upright)[..., ::-1]
+    assert (source.height, source.width) == expected.shape[:2]
+    assert np.abs(source.read().astype(int) - expected).max() < 30
+    source.close()
+
+
+def test_a_jpeg_is_upright(tmp_path):
+    path = str(tmp_path / 'phone.jpg')
+    image = Image.fromarray(np.zeros((48, 64, 3), np.uint8))
+    exif = image.getexif()
+    exif[0x112] = 6         # orientation: to be turned by 90 degrees
+    image.save(path, exif=exif)
+    assert open_file(path, 30.0).read().shape == (64, 48, 3)
+
+
+@pytest.mark.parametrize('name', ['a.webp', 'a.png', 'a.tif'])
+def test_of_several_images_in_a_file_the_first_is_used_with_a_warning(tmp_path, name):
+    path, warnings = str(tmp_path / name), []
+    first, *others = (Image.fromarray(np.full((48, 64, 3), 60 * number, np.uint8))
+                      for number in range(3))
+    first.save(path, save_all=True, append_images=others)
+    assert open_file(path, 30.0, warn=warnings.append).read().max() == 0
+    assert warnings == ['{} has 3 images, only the first is used; convert it to a video, or write '
+                        'each to a file of a folder'.format(path)]
+    first.save(path)
+    open_file(path, 30.0, warn=warnings.append)
+    assert len(warnings) == 1
+
+
+@pytest.mark.parametrize('name', ['10:30.avi', 'http:film.avi', 'topic:=film.avi'])
+def test_a_path_with_a_colon_is_a_file(make_video, tmp_path, monkeypatch, name):
+    make_video(name, frames=3)
+    monkeypatch.chdir(tmp_path)
+    assert len(list(VideoFrames(name))) == 3
