@@ -13,6 +13,9 @@ import sys
 
 def main(arguments):
     """Replace this process by the program; return the exit code if that cannot be."""
+    if arguments[:1] in (['-h'], ['--help']):
+        sys.stdout.write(__doc__)
+        return 0
     if len(arguments) < 2:
         sys.stderr.write('optional_window.py: expected PACKAGE PROGRAM [ARGUMENT ...]\n')
         return 2

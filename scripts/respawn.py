@@ -184,6 +184,9 @@ def main(words):
     """Run the command line; return the exit code."""
     required = words[:1] == ['--required']
     command = words[1:] if required else words
+    if command[:1] in (['-h'], ['--help']):
+        sys.stdout.write(__doc__)
+        return 0
     if not command:
         sys.stderr.write('usage: respawn.py [--required] NODE [ARGUMENT ...]\n')
         return 2

@@ -1,4 +1,5 @@
 """Reads the file of a robot: a URDF, or a xacro file, which is expanded to a URDF."""
+import argparse
 import contextlib
 import os
 import shutil
@@ -59,11 +60,11 @@ def read_any(path: str) -> Union[str, bytes]:
 
 def main() -> int:
     """Print the URDF of the file that is the program's argument; return the exit code."""
-    if len(sys.argv) != 2:
-        sys.stderr.write('usage: {} FILE\n'.format(os.path.basename(sys.argv[0])))
-        return 2
+    parser = argparse.ArgumentParser(description='Print the URDF of the file of a robot.')
+    parser.add_argument('file', metavar='FILE', help='a URDF, or a xacro file, which is expanded')
+    path = parser.parse_args().file
     try:
-        sys.stdout.write(read(sys.argv[1]))
+        sys.stdout.write(read(path))
     except UserError as error:
         sys.stderr.write('{}\n'.format(one_line(error)))
         return 1

@@ -150,11 +150,17 @@ def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
         shortened(full_name or name), advice)
 
 
-def _checked(field: dataclasses.Field, value: Any) -> Any:
+def allowed_text(field: dataclasses.Field) -> str:
+    """Return which values a field of a `Settings` class accepts, for a message."""
     value_type, allowed = field.metadata['kind'], field.metadata['allowed']
-    text = ' '.join(filter(None, (_TYPE_TEXTS[value_type], allowed.text)))
     if value_type is str:
-        text = allowed.text or _TYPE_TEXTS[value_type]
+        return allowed.text or _TYPE_TEXTS[value_type]
+    return ' '.join(filter(None, (_TYPE_TEXTS[value_type], allowed.text)))
+
+
+def _checked(field: dataclasses.Field, value: Any) -> Any:
+    value_type, allowed, text = (
+        field.metadata['kind'], field.metadata['allowed'], allowed_text(field))
     if value_type is float and isinstance(value, str):
         with contextlib.suppress(ValueError):       # YAML 1.1 does not read 1e-3 as a number
             value = float(value)

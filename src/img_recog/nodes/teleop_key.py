@@ -89,4 +89,5 @@ class TeleopKey:
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return lifecycle.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin())
+    return lifecycle.run('turtlebot3_teleop_keyboard', lambda: TeleopKey().spin(),
+                         {'~': (TeleopSettings,)})

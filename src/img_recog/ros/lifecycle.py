@@ -7,11 +7,13 @@ import signal
 import sys
 import threading
 import traceback
+from types import MappingProxyType
 from typing import Callable
 
 import rospy
 
 from img_recog.errors import UserError, one_line, shortened
+from img_recog.ros import node_help
 from img_recog.ros.log import console, log_files, log_handlers, log_records
 from img_recog.ros.master import master_watch
 from img_recog.ros.transport import handshakes, own_time, registration, rosout
@@ -25,9 +27,13 @@ _JOIN_TIMEOUT_S = 0.5
 _REASON_TIMEOUT_S = 5.0     # after the hooks of the node, and unregistering
 
 
-def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> int:
+def run(name: str, serve: Callable[[], None],
+        settings: node_help.SettingsClasses = MappingProxyType({}),
+        source_of_time: bool = False) -> int:
     """Start the node `name`, call `serve` until it returns, and return the exit code.
 
+    settings: the classes of its parameters, for --help: that prints them and the docstring of the
+    module of `serve`, and starts nothing.
     source_of_time: whether it publishes /clock itself; it then calls own_time.set_time too.
 
     An error that a user can fix ends the node with one line at FATAL and code 1; an unexpected
@@ -35,6 +41,9 @@ def run(name: str, serve: Callable[[], None], source_of_time: bool = False) -> i
     (a terminal that is closed) shut it down; `serve` still runs while the hooks of `on_shutdown`
     do.
     """
+    if node_help.is_wanted():
+        sys.stdout.write(node_help.text(sys.modules[serve.__module__].__doc__ or '', settings))
+        return 0
     log_records.install()
     log_files.install()
     # rospy's own handler shuts down inside the interrupted call; if that is a publish in the

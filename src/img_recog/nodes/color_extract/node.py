@@ -37,7 +37,7 @@ from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
 from img_recog.recognition import overlay, parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log import console
@@ -206,4 +206,5 @@ def main() -> int:
     """Run the node; return its exit code."""
     # the threads of OpenCV wait in a busy loop, which costs more CPU time than they save
     cv2.setNumThreads(1)
-    return lifecycle.run('color_extract', lambda: ColorExtract().spin())
+    return lifecycle.run('color_extract', lambda: ColorExtract().spin(),
+                         {'~': (InputSettings, with_colors())})

@@ -248,4 +248,7 @@ def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return lifecycle.run('gazebo', lambda: Gazebo().spin(), source_of_time=True)
+    return lifecycle.run(
+        'gazebo', lambda: Gazebo().spin(),
+        {'~': (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,
+               *robot_settings_classes())}, source_of_time=True)

@@ -230,4 +230,5 @@ def _urdf_of(robot: RobotRow, texts: Dict[str, str]) -> str:
 
 def main() -> int:
     """Run the node; return its exit code."""
-    return lifecycle.run('robots', lambda: RobotsNode().spin())
+    return lifecycle.run('robots', lambda: RobotsNode().spin(),
+                         {'~': (ManagerSettings, NodeSettings)})

@@ -28,6 +28,7 @@ from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.pacing import Stamps
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
+from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.usb_cam.calibration import CameraCalibration
 from img_recog.nodes.usb_cam.controls import CameraControls
@@ -181,7 +182,9 @@ def main() -> int:
     def serve() -> None:
         nodes.append(UsbCam())
         nodes[0].spin()
-    code = lifecycle.run('usb_cam', serve)
+    code = lifecycle.run('usb_cam', serve, {
+        '~': (CameraSettings, ControlSettings),
+        '~image_raw/compressed/': (CompressionSettings,)})
     if nodes and nodes[0].is_blocked:
         lifecycle.leave_blocked_threads(code)
     return code

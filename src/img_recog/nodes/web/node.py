@@ -171,4 +171,4 @@ def _wait_for_other_nodes() -> None:
 def main() -> int:
     """Run the node; return its exit code."""
     cv2.setNumThreads(1)
-    return lifecycle.run('web', lambda: Web().spin())
+    return lifecycle.run('web', lambda: Web().spin(), {'~': (WebSettings, VelocityLimits)})
