@@ -11,14 +11,14 @@ class TwistError(UserError):
     """A Twist has a number that is not finite."""
 
 
-def to_msg(linear_x: float, angular_z: float = 0.0) -> Twist:
-    """Return the message for linear_x m/s and angular_z rad/s; every other field is 0.
+def to_msg(linear_x: float, angular_z: float = 0.0, linear_y: float = 0.0) -> Twist:
+    """Return the message for m/s and rad/s; every other field is 0.
 
     >>> to_msg(0.2, -0.5).linear.x, to_msg(0.2, -0.5).angular.z
     (0.2, -0.5)
     """
     msg = Twist()
-    msg.linear.x, msg.angular.z = linear_x, angular_z
+    msg.linear.x, msg.angular.z, msg.linear.y = linear_x, angular_z, linear_y
     return msg
 
 

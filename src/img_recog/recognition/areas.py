@@ -16,6 +16,12 @@ _WHOLE = (0.0, 1.0)
 _BLACK = np.zeros(1, CELL)
 
 
+def bgr_copy(image: np.ndarray, encoding: str) -> np.ndarray:
+    """Return a new image in bgr8, uint8 of shape (height, width, 3); encoding: of ENCODINGS."""
+    conversion = _TO_BGR.get(encoding)
+    return image.copy() if conversion is None else cv2.cvtColor(image, conversion)
+
+
 class ColorExtractor:
     """Measures the colors of images, in buffers that are reused for the next image.
 

@@ -5,10 +5,11 @@ from img_recog.recognition.settings import RecognitionSettings
 
 
 class Command(NamedTuple):
-    """A velocity command for the robot: linear_x in m/s, angular_z in rad/s."""
+    """A velocity command for the robot: linear_x and linear_y in m/s, angular_z in rad/s."""
 
     linear_x: float
     angular_z: float = 0.0
+    linear_y: float = 0.0
 
 
 STOP = Command(0.0)
@@ -23,7 +24,7 @@ def commands_for(areas_px: Sequence[int], settings: RecognitionSettings) -> List
 
     >>> from img_recog.recognition.settings import with_colors
     >>> commands_for([1001, 1000], with_colors(['blue', 'red'])())
-    [Command(linear_x=10.0, angular_z=0.0)]
+    [Command(linear_x=10.0, angular_z=0.0, linear_y=0.0)]
     """
     return [Command(color.linear_x, color.angular_z)
             for color, area_px in zip(settings.colors, areas_px)

@@ -13,11 +13,13 @@ from std_msgs.msg import Header
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, one_line
+from img_recog.replay.camera_infos import CameraInfos, recorded
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.replay.inputs import DEFAULT_TOPICS, WANTED, is_bag
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 _MAX_GAP_S = 3600           # between two stamps
+_COMPRESSED = '/compressed'     # added by image_transport
 _MESSAGE_TYPES = {message_type._type: message_type for message_type in (Image, CompressedImage)}
 _RECORD_ADVICE = 'record one with images: rosbag record ' + DEFAULT_TOPICS[0]
 # raised by rosbag and genpy when they read a damaged file
@@ -74,6 +76,18 @@ class BagFrames:
                 if topic.msg_type in _MESSAGE_TYPES
                 and types[topic.msg_type] == _MESSAGE_TYPES[topic.msg_type]._md5sum}
 
+    def camera_infos(self) -> CameraInfos:
+        """Return those beside the images; without any, of a camera that is not calibrated.
+
+        To be called before iterating. Raises UserError if the bag is damaged.
+        """
+        images = self.topic[:-len(_COMPRESSED)] if self.topic.endswith(_COMPRESSED) else self.topic
+        topic = images.rpartition('/')[0] + '/camera_info'
+        try:
+            return recorded(self.bag.read_messages(topic, raw=True))
+        except DAMAGE_ERRORS as error:
+            raise damaged(self._path, error)
+
     def __iter__(self) -> Iterator[Frame]:
         """Yield the usable images, in the order of the recording.
 
@@ -101,8 +115,8 @@ class BagFrames:
     def _messages(self) -> Iterator[Tuple[Any, int]]:
         """Yield each message and its stamp in ns, or its time of recording if the stamp is 0."""
         try:
-            for _, msg, recorded in self.bag.read_messages(self.topic):
-                yield msg, (msg.header.stamp or recorded).to_nsec()
+            for _, msg, time in self.bag.read_messages(self.topic):
+                yield msg, (msg.header.stamp or time).to_nsec()
         except DAMAGE_ERRORS as error:
             raise damaged(self._path, error)
         finally:

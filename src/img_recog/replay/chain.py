@@ -39,7 +39,10 @@ class Frame(NamedTuple):
 
 
 class FrameMeasurement(NamedTuple):
-    """A frame, and the area and the centroid (x, y in pixels, or None) of each color in it."""
+    """A frame, and the area and the centroid (x, y in pixels, or None) of each color in it.
+
+    Without colors, both lists are empty.
+    """
 
     frame: Frame
     areas_px: List[int]
@@ -85,21 +88,64 @@ class Recorder:
         """Handle the reading of a sensor of the robot."""
 
 
-def measure(frames: Iterable[Frame], settings: RecognitionSettings) -> Iterator[FrameMeasurement]:
-    """Measure frames; independent of the chain, so it may run ahead of it."""
-    extractor, colors = ColorExtractor(settings), range(len(settings.colors))
-    for frame in frames:
-        areas_px = extractor.measure(frame.image, frame.encoding)
-        yield FrameMeasurement(frame, areas_px, [extractor.centroid(number) for number in colors])
+class Recognition:
+    """Base class of what decides on commands: measures no color, and decides on none.
+
+    warnings: messages for the user, complete after the last frame.
+    """
+
+    def __init__(self) -> None:
+        self.warnings: List[str] = []
+
+    def measure(self, frames: Iterable[Frame]) -> Iterator[FrameMeasurement]:
+        """Measure frames; independent of the chain, so it may run ahead of it."""
+        return (FrameMeasurement(frame, [], []) for frame in frames)
+
+    def decide(self, measurement: FrameMeasurement, time_s: float) -> List[Command]:
+        """Return what to publish for a frame; time_s: since the first one."""
+        return []
+
+    def wait(self, time_s: float) -> List[Command]:
+        """Return what to publish while no frame arrives."""
+        return []
+
+    def end(self) -> List[Command]:
+        """Return what to publish after the last frame."""
+        return []
+
+
+class ColorRecognition(Recognition):
+    """Decides on commands by the areas of colors, as the node color_extract does."""
+
+    def __init__(self, settings: RecognitionSettings):
+        super().__init__()
+        self._settings, self._commander = settings, Commander(settings, 0.0)
+
+    def measure(self, frames: Iterable[Frame]) -> Iterator[FrameMeasurement]:
+        extractor, colors = ColorExtractor(self._settings), range(len(self._settings.colors))
+        for frame in frames:
+            areas_px = extractor.measure(frame.image, frame.encoding)
+            yield FrameMeasurement(frame, areas_px,
+                                   [extractor.centroid(number) for number in colors])
+
+    def decide(self, measurement: FrameMeasurement, time_s: float) -> List[Command]:
+        return self._commander.decide(measurement.areas_px, time_s)
+
+    def wait(self, time_s: float) -> List[Command]:
+        return self._commander.wait(time_s)
+
+    def end(self) -> List[Command]:
+        return self._commander.end()
 
 
 class Chain:
     """Decides on the commands of measured frames and drives a simulated robot by them."""
 
-    def __init__(self, simulator: 'Simulator', settings: RecognitionSettings, teleop: bool,
+    def __init__(self, simulator: 'Simulator', recognition: Recognition, teleop: bool,
                  recorders: Sequence[Recorder]):
         """Drive the first vehicle of `simulator`, which must not have been advanced yet.
 
+        recognition: the one that has measured the frames.
         teleop: whether to send zeros at 10 Hz, like the idle teleop; at the time of a frame they
         are sent just before its commands.
         """
@@ -107,7 +153,7 @@ class Chain:
         self._step_ns = round(simulator.world.step_s * SECOND_NS)
         self._steps = 0
         self._recorders = recorders
-        self._commander = Commander(settings, 0.0)
+        self._recognition = recognition
         self._next_teleop_ns = 0 if teleop else _NEVER_NS
         self._next_poll_ns = _POLL_PERIOD_NS
 
@@ -139,17 +185,17 @@ class Chain:
                 self._send(due_ns, [STOP], TELEOP)
             else:
                 self._next_poll_ns += _POLL_PERIOD_NS
-                self._send(due_ns, self._commander.wait(due_ns / SECOND_NS), RECOGNITION)
+                self._send(due_ns, self._recognition.wait(due_ns / SECOND_NS), RECOGNITION)
         self._advance(until_ns)
 
     def end(self, time_ns: int) -> None:
         """Simulate until the end of the last frame and shut the recognition down."""
         self.simulate_until(time_ns - 1)
         self._advance(time_ns)
-        self._send(time_ns, self._commander.end(), RECOGNITION)
+        self._send(time_ns, self._recognition.end(), RECOGNITION)
 
     def _process_frame(self, measurement: FrameMeasurement, time_ns: int) -> None:
-        commands = self._commander.decide(measurement.areas_px, time_ns / SECOND_NS)
+        commands = self._recognition.decide(measurement, time_ns / SECOND_NS)
         result = FrameResult(measurement.frame, time_ns, measurement.areas_px,
                              measurement.centroids, commands, self._vehicle.robot.motion())
         for recorder in self._recorders:

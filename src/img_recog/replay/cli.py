@@ -13,7 +13,10 @@ _MAX_SECONDS = 1e6
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Return the options: those below, and the input and the initial pose."""
+    """Return the options: those below, and the input and the initial pose.
+
+    Raises UserError for some that make no sense together.
+    """
     parser = _parser()
     options = parser.parse_args(arguments)
     if bool(options.input) == bool(options.camera):
@@ -21,7 +24,20 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     if not 0 < options.seconds <= _MAX_SECONDS:
         parser.error('argument --seconds: got {:g}, allowed is more than 0 and at most {:g}'
                      .format(options.seconds, _MAX_SECONDS))
+    _check_recognize(options)
     return options
+
+
+def _check_recognize(options: argparse.Namespace) -> None:
+    """Raise UserError for options that make no sense together."""
+    if options.recognize and options.colors:
+        raise UserError('--colors is for the color recognition, and --recognize replaces it',
+                        'leave one of them out')
+    for name in ('strict', 'calibration'):
+        if getattr(options, name) and not options.recognize:
+            raise UserError('--{} is for --recognize, which is missing'.format(name))
+    if options.calibration and options.camera:
+        raise UserError('--calibration is for a recording, and --camera robot has its own one')
 
 
 def world_name(name: str) -> str:
@@ -57,6 +73,13 @@ def _parser() -> argparse.ArgumentParser:
     still_images.add_option(parser)
     parser.add_argument('--colors', default='', metavar='YAML',
                         help='parameter file of color_extract (default: the article\'s colors)')
+    parser.add_argument('--recognize', default='', metavar='MODULE:FUNCTION',
+                        help='a function in place of the color recognition; also '
+                        'FILE.py:FUNCTION')
+    parser.add_argument('--strict', action='store_true',
+                        help='with --recognize: end at the first frame for which it fails')
+    parser.add_argument('--calibration', default='', metavar='YAML',
+                        help='with --recognize: calibration of the camera of the recording')
     parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
                         help='where to write the files (default: NAME.replay.bag, .csv and .png '
                         'in the current folder)')

@@ -6,6 +6,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
 
@@ -31,11 +32,20 @@ class ReplayFigure:
         with _style():
             self.figure = Figure(figsize=_SIZE_IN, dpi=_DPI)
             # fixed positions: computing a layout takes as long as drawing
-            grid = self.figure.add_gridspec(4, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
-                                            hspace=0.32)
-            self._over_time = [self.figure.add_subplot(grid[row]) for row in range(4)]
+            self._over_time = [self.figure.add_subplot(row) for row in self._rows(4)]
             self._map = self.figure.add_axes((0.67, 0.43, 0.31, 0.49))
             self._close_up = self.figure.add_axes((0.67, 0.07, 0.31, 0.27))
+
+    def _rows(self, count: int) -> List[SubplotSpec]:
+        grid = self.figure.add_gridspec(count, 1, left=0.06, right=0.56, top=0.92, bottom=0.07,
+                                        hspace=0.32)
+        return [grid[row] for row in range(count)]
+
+    def _remove_areas(self) -> None:
+        areas, *others = self._over_time
+        areas.remove()
+        for axes, row in zip(others, self._rows(len(others))):
+            axes.set_position(row.get_position(self.figure))
 
     def draw(self, file: IO[bytes], title: str, data: PlotData) -> None:
         """Draw the data and write the figure as PNG; to be called only once."""
@@ -50,6 +60,8 @@ class ReplayFigure:
                 axes.set_xlim(0, max(data.end_s, 1e-3))
                 axes.tick_params(labelbottom=axes is position)
             position.set_xlabel('time (s)')
+            if not data.colors:
+                self._remove_areas()
             _draw_map(self._map, data)
             _draw_close_up(self._close_up, data)
             self.figure.savefig(file, format='png')

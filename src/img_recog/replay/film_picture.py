@@ -36,7 +36,10 @@ class FilmPicture:
     """
 
     def __init__(self, colors: Sequence[Color], outlines: Sequence[np.ndarray]):
-        """colors: that are recognized. outlines: (corners, 2) in m of what stands in the world."""
+        """colors: that are recognized; may be empty.
+
+        outlines: (corners, 2) in m of what stands in the world.
+        """
         self._colors, self._outlines = colors, list(outlines)
         self.asked = self.driven = 0.0
         self.pose: Optional[Tuple[float, float, float]] = None
@@ -58,19 +61,23 @@ class FilmPicture:
         self._remember(time_s, areas_px)
         picture = np.full((HEIGHT, WIDTH, 3), _PAGE, np.uint8)
         top = _MARGIN
-        put_image(picture, (_MARGIN, top, _LEFT, _ROW), 'camera, {:.2f} s'.format(time_s), image)
-        self._draw_masked(picture, masked, areas_px, image.shape[:2], 2 * _MARGIN + _LEFT, top)
         left = 3 * _MARGIN + _LEFT + _MASKS
+        width = left - 2 * _MARGIN      # of what is left of the map
+        put_image(picture, (_MARGIN, top, _LEFT if self._colors else width, _ROW),
+                  'camera, {:.2f} s'.format(time_s), image)
+        self._draw_masked(picture, masked, areas_px, image.shape[:2], 2 * _MARGIN + _LEFT, top)
         self._draw_map(picture, (left, top, WIDTH - left - _MARGIN, _ROW + TITLE_PX))
         lower = top + _ROW + TITLE_PX + _MARGIN
         height = HEIGHT - lower - _MARGIN
-        width = left - 2 * _MARGIN
-        put_chart(picture, (_MARGIN, lower, width, height),
-                  'areas of the colors (pixels; dashed: limit)',
-                  [(color.name, shown, [(row[0], row[1 + number]) for row in self._areas])
-                   for number, (color, shown) in enumerate(zip(self._colors, self._shown))],
-                  time_s, [(float(color.area_limit_px), shown)
-                           for color, shown in zip(self._colors, self._shown)])
+        if self._colors:
+            put_chart(picture, (_MARGIN, lower, width, height),
+                      'areas of the colors (pixels; dashed: limit)',
+                      [(color.name, shown, [(row[0], row[1 + number]) for row in self._areas])
+                       for number, (color, shown) in enumerate(zip(self._colors, self._shown))],
+                      time_s, [(float(color.area_limit_px), shown)
+                               for color, shown in zip(self._colors, self._shown)])
+        else:
+            left = _MARGIN
         asked, driven = ([(row[0], row[column]) for row in self._speeds] for column in (1, 2))
         name, asked = cut_off('asked', asked, driven)
         put_chart(picture, (left, lower, WIDTH - left - _MARGIN, height), 'speed (m/s)',

@@ -12,6 +12,7 @@ from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded, SourceError, SourceTooLarge
 from img_recog.camera.video_source import VideoSource
 from img_recog.errors import UserError
+from img_recog.replay.camera_infos import CameraInfos, of_calibration
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
@@ -54,6 +55,10 @@ class VideoFrames:
         self.expected = source.expected_frames
         self.period_ns = round(SECOND_NS / source.rate_hz)
         self.warnings: List[str] = []
+
+    def camera_infos(self) -> CameraInfos:
+        """Return those of a camera that is not calibrated."""
+        return of_calibration(None)
 
     def __iter__(self) -> Iterator[Frame]:
         """Yield all frames; raise UserError at the end if the video is truncated."""

@@ -6,7 +6,7 @@ import logging
 import os
 import sys
 import time
-from typing import TYPE_CHECKING, Iterable, List, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 from tqdm import tqdm
 
@@ -14,7 +14,8 @@ from img_recog import files
 from img_recog.errors import UserError
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.replay import cli, inputs, programs, scenario
-from img_recog.replay.chain import SECOND_NS, Chain, FrameMeasurement, Recorder, measure
+from img_recog.replay.chain import (SECOND_NS, Chain, ColorRecognition, FrameMeasurement,
+                                    Recognition, Recorder)
 from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
 from img_recog.replay.painter import Painter
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
@@ -57,13 +58,14 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     """
     recording = None if options.camera else _open_input(
         os.path.expanduser(options.input), options.topic, options.max_image_pixels)
-    settings = programs.recognition_settings(options.colors)
+    make_recognition, settings = _recognition(options)
     name = os.path.expanduser(options.input) or 'robot_in_' + os.path.basename(options.world)
     extensions = _EXTENSIONS + (('.mp4',) if options.film else ())
     paths = files.output_paths(name, os.path.expanduser(options.output), extensions)
     built = scenario.build(cli.world_name(options.world), os.path.expanduser(options.urdf),
                            cli.spawn_settings(options), options.allow_partial_world)
     frames = recording or _robot_frames(built, options.seconds)
+    recognition = make_recognition(frames)
     simulator = built.simulator
     vehicle = simulator.vehicles[0]
     plot = PlotRecorder(settings.colors)
@@ -81,9 +83,9 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
                 file, settings, footprints(simulator.world), path))
             recorders.append(films.FilmRecorder(film))
         start_s = time.perf_counter()
-        chain = Chain(simulator, settings, options.teleop, recorders)
+        chain = Chain(simulator, recognition, options.teleop, recorders)
         with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
-            progress = tqdm(_measurements(frames, settings, chain), unit=' frames',
+            progress = tqdm(_measurements(frames, recognition, chain), unit=' frames',
                             total=frames.expected or None, disable=None)
         with progress:
             last_ns = chain.run(progress)
@@ -99,7 +101,7 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
             film.close(end_ns / SECOND_NS)
         text.flush()
         png_file.write(painter.finish())
-    for warning in frames.warnings:
+    for warning in frames.warnings + recognition.warnings:
         _log.warning('%s', warning)
     whole_s = time.perf_counter() - begin_s
     return _summary(plot.frames, end_ns / SECOND_NS, loop_s, whole_s, vehicle.robot.motion(),
@@ -112,13 +114,32 @@ def _robot_frames(built: Assembly, seconds: float) -> 'RobotFrames':
     return RobotFrames(built, scenario.camera_settings(built), seconds)
 
 
-def _measurements(frames: Frames, settings: RecognitionSettings,
+def _recognition(options: argparse.Namespace
+                 ) -> Tuple[Callable[[Frames], Recognition], RecognitionSettings]:
+    """Return what makes the recognition of an input, and the settings of its colors."""
+    if not options.recognize:
+        settings = programs.recognition_settings(options.colors)
+        return lambda _: ColorRecognition(settings), settings
+    # imported here because few need it
+    from img_recog.camera import calibration
+    from img_recog.replay import camera_infos, function_recognition
+    path = os.path.expanduser(options.calibration)
+    try:
+        given = camera_infos.of_calibration(calibration.load(path)) if path else None
+    except FileNotFoundError:
+        raise UserError('--calibration: no file {}'.format(path))
+    function = function_recognition.load(options.recognize)
+    return lambda frames: function_recognition.FunctionRecognition(
+        function, given or frames.camera_infos(), options.strict), RecognitionSettings()
+
+
+def _measurements(frames: Frames, recognition: Recognition,
                   chain: Chain) -> Iterable[FrameMeasurement]:
     """Return the measurements of the frames, those of a recording ahead of the chain."""
     if hasattr(frames, 'follow'):
         frames.follow(chain.simulate_until)
-        return measure(frames, settings)
-    return prefetch(measure(frames, settings), _PREFETCHED_FRAMES)
+        return recognition.measure(frames)
+    return prefetch(recognition.measure(frames), _PREFETCHED_FRAMES)
 
 
 def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, motion: Motion,

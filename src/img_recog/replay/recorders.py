@@ -40,8 +40,10 @@ class BagRecorder(Recorder):
         self._start_ns = stamp_ns
 
     def on_frame(self, result: FrameResult) -> None:
-        self._write('/color_detection', color_detection_msgs.to_msg(
-            self._names, result.areas_px, result.centroids, result.frame.header), result.time_ns)
+        if self._names:
+            self._write('/color_detection', color_detection_msgs.to_msg(
+                self._names, result.areas_px, result.centroids, result.frame.header),
+                        result.time_ns)
 
     def on_command(self, sent: CommandSent) -> None:
         self._write('/cmd_vel', twist_msgs.to_msg(*sent.command), sent.time_ns)
@@ -112,7 +114,7 @@ class PlotRecorder(Recorder):
                            motion.yaw, motion.linear[0], motion.angular[2], *result.areas_px))
 
     def on_command(self, sent: CommandSent) -> None:
-        self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command))
+        self._sent[sent.sender].append((sent.time_ns / SECOND_NS, *sent.command[:2]))
 
     def data(self, end_s: float, outlines: Sequence[np.ndarray]) -> PlotData:
         """Return the collected data; end_s, outlines: as in PlotData."""

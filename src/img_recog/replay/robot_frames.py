@@ -8,6 +8,7 @@ from std_msgs.msg import Header
 from img_recog.conversions import robot_cameras
 from img_recog.rendering import lens_views, renderer
 from img_recog.rendering.noise import PixelNoise
+from img_recog.replay.camera_infos import CameraInfos, of_calibration
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.pictures import visual_scene
@@ -29,7 +30,7 @@ class RobotFrames:
     def __init__(self, built: Assembly, settings: CameraSettings, seconds: float):
         """Load the scene; UserError when it cannot be drawn or the robot has no such link."""
         self._parts = Parts(built.simulator)
-        self._camera = robot_cameras.camera_of(settings)
+        self._settings, self._camera = settings, robot_cameras.camera_of(settings)
         vehicle = built.simulator.vehicles[0]
         self._sensor = RobotCamera(vehicle.robot, settings, self._parts.poses)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
@@ -49,6 +50,10 @@ class RobotFrames:
     def follow(self, simulate_until: Callable[[int], None]) -> None:
         """Set the function that simulates until a time in ns; to be called before iterating."""
         self._simulate_until = simulate_until
+
+    def camera_infos(self) -> CameraInfos:
+        """Return those of the camera."""
+        return of_calibration(robot_cameras.calibration_of(self._settings))
 
     def __iter__(self) -> Iterator[Frame]:
         """Yield all frames."""

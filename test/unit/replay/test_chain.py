@@ -2,7 +2,7 @@
 import pytest
 
 from img_recog.recognition.settings import with_colors
-from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, measure
+from img_recog.replay.chain import RECOGNITION, TELEOP, Chain, ColorRecognition
 from img_recog_testing import robots
 from img_recog_testing.replaying import BLUE, RED, EventLog, frame
 
@@ -13,9 +13,9 @@ PERIOD = 40 * MS
 def replayed(frames, teleop=False, period_ns=PERIOD, **settings):
     """Run frames through a chain in the empty world; return the log and the simulator."""
     log, simulator = EventLog(), robots.simulator()
-    recognition = with_colors()(**settings)
+    recognition = ColorRecognition(with_colors()(**settings))
     chain = Chain(simulator, recognition, teleop, [log])
-    chain.end(chain.run(measure(frames, recognition)) + period_ns)
+    chain.end(chain.run(recognition.measure(frames)) + period_ns)
     return log, simulator
 
 

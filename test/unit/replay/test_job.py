@@ -47,7 +47,8 @@ def test_options_and_their_defaults():
         'input': 'a.bag', 'topic': '', 'colors': '', 'output': '', 'teleop': True,
         'world': 'turtlebot3_world', 'urdf': resources.burger(), 'x_pos': -2.0, 'y_pos': -0.5,
         'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000, 'allow_partial_world': False,
-        'camera': '', 'seconds': 60.0, 'film': False}
+        'camera': '', 'seconds': 60.0, 'film': False, 'recognize': '', 'strict': False,
+        'calibration': ''}
     assert vars(cli.parse(['a.bag'])) == defaults
     assert vars(cli.parse(
         'a.bag --topic t --colors c --output o --no-teleop --world w --urdf u --x-pos 1 --y-pos 2 '

@@ -11,7 +11,7 @@ import rosbag
 from img_recog.conversions import color_detection_msgs, robot_msgs, twist_msgs
 from img_recog.recognition.commands import Command
 from img_recog.recognition.settings import with_colors
-from img_recog.replay.chain import Chain, CommandSent, FrameResult, measure
+from img_recog.replay.chain import Chain, ColorRecognition, CommandSent, FrameResult
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.simulation.bodies.body import Motion
@@ -41,11 +41,12 @@ def replayed(start_ns=0, seen=PICTURE, world='turtlebot3_world', **odometry):
     plot = PlotRecorder(settings.colors)
     simulator = robots.simulator(world, -2.0, -0.5, odometry=OdometrySettings(**odometry))
     bag = BagRecorder(bag_file, settings.color_names, simulator.vehicles[0].settings.sensors)
-    chain = Chain(simulator, settings, True,
+    recognition = ColorRecognition(settings)
+    chain = Chain(simulator, recognition, True,
                   [log, bag, TableRecorder(csv_file, settings.color_names), plot])
     frames = (frame(number, start_ns + number * PERIOD_NS, *colors)
               for number, colors in enumerate(seen))
-    chain.end(PERIOD_NS + chain.run(measure(frames, settings)))
+    chain.end(PERIOD_NS + chain.run(recognition.measure(frames)))
     bag.close()
     ReplayFigure().draw(png_file, 'a test', plot.data(len(seen) * 0.04,
                                                       footprints(simulator.world)))
