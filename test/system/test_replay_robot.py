@@ -2,6 +2,7 @@
 import csv
 import os
 import re
+import textwrap
 
 import cv2
 import pytest
@@ -54,6 +55,21 @@ def test_two_runs_write_the_same_bytes(replay, tmp_path):
     first = contents(tmp_path)
     assert list(first) == FILES
     assert line.startswith('91 frames, 3.003 s simulated in ')
+    assert without_durations(replay(*options)) == without_durations(line)
+    assert contents(tmp_path) == first
+
+
+def test_the_function_in_the_documentation_drives_in_place_of_the_colors(replay, tmp_path):
+    with open(os.path.join(ROOT, 'doc', 'replay.md')) as page:
+        code = re.search(r'    import cv2\n(?:(?: {4}.*)?\n)+', page.read()).group()
+    (tmp_path / 'follow.py').write_text(textwrap.dedent(code))
+    options = ('--seconds', '3', '--no-teleop', '--recognize', 'follow:drive')
+    line = replay(*options)
+    first = contents(tmp_path)
+    assert list(first) == FILES
+    found = rows(tmp_path)
+    assert {row['commands_linear_x_m_per_s'] for row in found} == {'0.15'}
+    assert float(found[-1]['x_m']) == pytest.approx(-1.6, abs=0.1)
     assert without_durations(replay(*options)) == without_durations(line)
     assert contents(tmp_path) == first
 

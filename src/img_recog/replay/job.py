@@ -1,6 +1,7 @@
 """Runs the program replay: from its arguments to its files and its summary."""
 import argparse
 import contextlib
+import functools
 import io
 import logging
 import os
@@ -125,7 +126,8 @@ def _recognition(options: argparse.Namespace
     from img_recog.replay import camera_infos, function_recognition
     path = os.path.expanduser(options.calibration)
     try:
-        given = camera_infos.of_calibration(calibration.load(path)) if path else None
+        given = camera_infos.of_calibration(
+            calibration.load(path, functools.partial(_log.warning, '%s'))) if path else None
     except FileNotFoundError:
         raise UserError('--calibration: no file {}'.format(path))
     function = function_recognition.load(options.recognize)

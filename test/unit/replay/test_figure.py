@@ -2,6 +2,7 @@
 import io
 import os
 
+import cv2
 import numpy as np
 import pytest
 
@@ -28,6 +29,26 @@ def rows(colors, turns=True):
     way = np.arange(6) * (0.3 if turns else 0.0)
     areas = [500.0 * number * (1 + np.arange(6) % 3) for number in range(1, len(colors) + 1)]
     return np.stack([times, -2 + way, 0.5 * way, yaw, 0.5 * way, 0.2 * way, *areas], axis=1)
+
+
+def drawn(colors):
+    file, all_rows = io.BytesIO(), rows(TWO)
+    figure.ReplayFigure().draw(file, 'a test', PlotData(
+        colors, all_rows[:, :6], np.delete(all_rows, range(1, 6), 1)[:, :1 + len(colors)],
+        np.empty((0, 3)), np.empty((0, 3)), 0.24, []))
+    return cv2.imdecode(np.frombuffer(file.getvalue(), np.uint8), cv2.IMREAD_GRAYSCALE)
+
+
+def test_without_colors_the_other_charts_have_the_room_of_the_areas():
+    heights = []
+    for colors in ((), TWO):
+        # the dark left edges of the charts
+        edge = drawn(colors)[:, 83:86].min(axis=1) < 100
+        ends = np.flatnonzero(np.diff(np.concatenate(([0], edge, [0]))))
+        lengths = ends[1::2] - ends[::2]
+        heights.append(lengths[lengths > 50].tolist())      # the others are letters
+    assert [len(each) for each in heights] == [3, 4]
+    assert min(heights[0]) > 1.2 * max(heights[1])
 
 
 @pytest.mark.parametrize('name, colors, turns, recognition, teleop, outlines', [

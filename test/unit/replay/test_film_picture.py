@@ -13,6 +13,7 @@ from img_recog_testing.figures import assert_unchanged
 from img_recog_testing.films import BLUE, PATH, ROBOT, SQUARE, card, center_of, draw
 
 SETTINGS = with_colors()()
+PAGE = (246, 244, 243)
 
 
 def test_layout_is_as_it_was(tmp_path):
@@ -52,6 +53,16 @@ def test_masked_images_of_many_colors_have_columns(count, columns):
     assert picture.shape == (HEIGHT, WIDTH, 3)
     blue = (picture[34:394, 500:730] == BLUE).all(axis=2)
     assert blue.any() == bool(count)
+
+
+def test_without_colors_camera_and_speed_have_the_room_of_their_parts():
+    film = FilmPicture([], [SQUARE])
+    film.asked = 0.2
+    picture = draw(film, masked=[], areas_px=())
+    x, y = center_of(picture[34:394, 10:730], BLUE)
+    assert (x, y) == pytest.approx((360, 180), abs=2)
+    # both lower charts are one
+    assert (picture[560, 10:1270] != PAGE).any(axis=1).all()
 
 
 def test_lines_of_the_same_hue_have_different_colors():

@@ -1,4 +1,5 @@
 """The program replay without its process: options, files, summary, and what ends it."""
+import csv
 import gc
 import logging
 import os
@@ -6,14 +7,17 @@ import re
 import sys
 import time
 
+import cv2
 import pytest
 import rosbag
 
 from img_recog import resources
+from img_recog.camera import calibration
 from img_recog.errors import UserError
 from img_recog.replay import cli, job, main
 from img_recog.replay.plot_data import PlotData
 from img_recog.simulation.settings import SpawnSettings
+from img_recog_testing.calibrations import KNOWN
 
 
 class FakePainter:
@@ -158,6 +162,50 @@ def test_colors_of_a_file(run, make_video, tmp_path, caplog):
     (tmp_path / 'my.yaml').write_text('colors: [pink]\npink_hue_min: 1\npink_hue_max: 2\n')
     assert run('video.avi', '--colors', 'my.yaml', '--world', 'empty')[0] == 0
     assert 'pink_px' in (tmp_path / 'video.replay.csv').read_text()
+
+
+def test_a_function_in_place_of_the_colors(run, make_video, tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(sys, 'path', list(sys.path))
+    calibration.save('eye.yaml', KNOWN)
+    (tmp_path / 'users_drive.py').write_text(
+        'from geometry_msgs.msg import Twist, Vector3\n'
+        'def drive(image, stamp, camera_info):\n'
+        '    if stamp.to_nsec() == 0:\n        raise ValueError("too early")\n'
+        '    return Twist(Vector3(0.5, 0.25, 0.0), Vector3(0.0, 0.0, camera_info.K[0]))\n')
+    options = ('--world', 'empty', '--recognize', 'users_drive.py:drive', '--calibration',
+               'eye.yaml')
+    code, text, painter = run(make_video(frames=3, size=(128, 96)), *options, '--film')
+    assert code == 0 and text.startswith('3 frames, 0.240 s simulated')
+    assert caplog.messages == [
+        'users_drive.py:drive fails for 1 of 3 frames; the first is frame 0 at 0.000 s: '
+        'ValueError: too early (users_drive.py, line 4)']
+    with rosbag.Bag('video.replay.bag') as bag:
+        assert '/color_detection' not in bag.get_type_and_topic_info().topics
+        sent = [msg for _, msg, _ in bag.read_messages('/cmd_vel') if msg.linear.x]
+    assert [(msg.linear.y, msg.angular.z) for msg in sent] == [
+        (0.25, pytest.approx(KNOWN.camera_matrix[0] * 128 / 640))] * 2
+    with open('video.replay.csv') as table:
+        rows = list(csv.DictReader(table))
+    assert [row['commands_linear_x_m_per_s'] for row in rows] == ['', '0.5', '0.5']
+    assert not any(name.endswith('_px') for name in rows[0])
+    assert len(painter.data.colors) == 0 and painter.data.commands[:, 1].tolist() == [0.5, 0.5]
+    assert cv2.VideoCapture('video.replay.mp4').isOpened()
+    assert run('video.avi', *options, '--strict')[0] == 1
+    assert caplog.messages[-1].startswith('users_drive.py:drive fails for frame 0 at 0.000 s: ')
+
+
+@pytest.mark.parametrize('arguments, line', [
+    ('a --recognize m:f --colors c', '--colors is for the color recognition, and --recognize '
+     'replaces it; leave one of them out'),
+    ('a --strict', '--strict is for --recognize, which is missing'),
+    ('a --calibration c', '--calibration is for --recognize, which is missing'),
+    ('--camera robot --recognize m:f --calibration c', '--calibration is for a recording, and '
+     '--camera robot has its own one'),
+    ('video.avi --recognize m:f --calibration none.yaml', '--calibration: no file none.yaml')])
+def test_options_that_make_no_sense_together(run, make_video, caplog, arguments, line):
+    make_video()
+    assert run(*arguments.split())[:2] == (1, '')
+    assert caplog.messages == [line]
 
 
 @pytest.mark.parametrize('arguments, line', [
