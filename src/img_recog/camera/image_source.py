@@ -15,6 +15,7 @@ from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
 EXTENSIONS = ('.bmp', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm', '.tif', '.tiff',
               '.webp')
 
+_JPEG_VIDEOS = ('.mjpeg', '.mjpg')
 _START_OF_SCAN = 0xda       # a marker of JPEG
 
 
@@ -105,13 +106,21 @@ def image_paths(folder: str) -> List[str]:
     return [path for path in paths if os.path.isfile(path)]
 
 
+def is_jpeg_video(path: str) -> bool:
+    """Return whether a file is named as JPEG images one after the other, without a container.
+
+    An image reader would read the first one.
+    """
+    return path.lower().endswith(_JPEG_VIDEOS)
+
+
 def read_image(path: str, max_pixels: int = DEFAULT_MAX_PIXELS) -> Optional[np.ndarray]:
     """Return an image file as bgr8, or None when it cannot be read or is truncated.
 
     Raises SourceTooLarge for an image of more than `max_pixels` pixels.
     """
     try:
-        if not cv2.haveImageReader(path) or is_truncated(path):
+        if is_jpeg_video(path) or not cv2.haveImageReader(path) or is_truncated(path):
             return None
         return still_images.read(path, max_pixels)
     except ImageTooLarge as error:

@@ -8,7 +8,8 @@ import cv2
 
 from img_recog import still_images
 from img_recog.camera.device_source import DeviceSource, list_devices
-from img_recog.camera.image_source import FolderSource, ImageSource, is_truncated, read_image
+from img_recog.camera.image_source import (FolderSource, ImageSource, is_jpeg_video, is_truncated,
+                                           read_image)
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError, check_size, convert
 from img_recog.camera.synthetic import SyntheticSource
@@ -16,7 +17,6 @@ from img_recog.camera.url_source import open_url
 from img_recog.camera.video_source import VideoSource, not_playable
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
-_JPEG_VIDEOS = ('.mjpeg', '.mjpg')      # JPEG images one after the other, without a container
 DEFAULT_DEVICE = '/dev/video0'
 
 
@@ -69,7 +69,7 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     """
     if not os.access(path, os.R_OK):
         raise SourceError('cannot read {}: permission denied'.format(path))
-    if path.lower().endswith(_JPEG_VIDEOS):     # an image reader would read the first frame
+    if is_jpeg_video(path):
         return VideoSource(path, loop, warn, max_pixels)
     image = read_image(path, max_pixels)
     if image is not None:

@@ -125,6 +125,19 @@ def test_frames_of_a_video_are_paced(clock):
         ('frame', 0.0), ('frame', 0.125), ('frame', 0.25), ('frame', 0.375)]
 
 
+def test_frames_with_times_are_passed_on_at_them(clock):
+    times = [0.0, 0.5, 0.53125, 0.5625, 1.0, 1.5]
+
+    def read(number):
+        rig.opened[-1].time_s = times[number]
+        rig.opened[-1].step_s = times[number + 1] - times[number]
+        return 0.0078125      # decoding, before which subscribers get time to receive
+    rig = Rig(clock, video(*(partial(read, number) for number in range(5)), GONE, rate_hz=2.0))
+    begin_s = 0.0078125
+    assert [call for call in rig.run() if call[0] == 'frame'] == [
+        ('frame', begin_s + time_s) for time_s in times[:5]]
+
+
 def test_subscribers_get_a_frame_before_the_next_one_is_decoded(clock):
     begins = []
 

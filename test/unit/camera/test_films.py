@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from img_recog.camera.image_source import read_image
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceEnded
 from img_recog.camera.video_source import VideoSource
@@ -119,6 +120,10 @@ def test_of_several_images_in_a_file_the_first_is_used_with_a_warning(tmp_path, 
     first.save(path)
     open_file(path, 30.0, warn=warnings.append)
     assert len(warnings) == 1
+
+
+def test_a_raw_jpeg_video_is_no_image(make_film):
+    assert read_image(make_film('a.mjpeg', '-c:v', 'mjpeg')) is None
 
 
 @pytest.mark.parametrize('name', ['10:30.avi', 'http:film.avi', 'topic:=film.avi'])
