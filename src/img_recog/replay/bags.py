@@ -2,7 +2,7 @@
 import os
 import struct
 from functools import partial
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 import genpy
 import numpy as np
@@ -13,10 +13,12 @@ from std_msgs.msg import Header
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, one_line
-from img_recog.replay.camera_infos import CameraInfos, recorded
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.replay.inputs import DEFAULT_TOPICS, WANTED, is_bag
 from img_recog.still_images import DEFAULT_MAX_PIXELS
+
+if TYPE_CHECKING:
+    from img_recog.replay.camera_infos import CameraInfos
 
 _MAX_GAP_S = 3600           # between two stamps
 _COMPRESSED = '/compressed'     # added by image_transport
@@ -76,11 +78,13 @@ class BagFrames:
                 if topic.msg_type in _MESSAGE_TYPES
                 and types[topic.msg_type] == _MESSAGE_TYPES[topic.msg_type]._md5sum}
 
-    def camera_infos(self) -> CameraInfos:
+    def camera_infos(self) -> 'CameraInfos':
         """Return those beside the images; without any, of a camera that is not calibrated.
 
         To be called before iterating. Raises UserError if the bag is damaged.
         """
+        # imported here because few need it
+        from img_recog.replay.camera_infos import recorded
         images = self.topic[:-len(_COMPRESSED)] if self.topic.endswith(_COMPRESSED) else self.topic
         topic = images.rpartition('/')[0] + '/camera_info'
         try:

@@ -2,7 +2,7 @@
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any, Iterable, Iterator, List, TypeVar
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, TypeVar
 
 import genpy
 from std_msgs.msg import Header
@@ -12,9 +12,11 @@ from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded, SourceError, SourceTooLarge
 from img_recog.camera.video_source import VideoSource
 from img_recog.errors import UserError
-from img_recog.replay.camera_infos import CameraInfos, of_calibration
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.still_images import DEFAULT_MAX_PIXELS
+
+if TYPE_CHECKING:
+    from img_recog.replay.camera_infos import CameraInfos
 
 WANTED = 'give a video that OpenCV plays, or a bag with images'
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
@@ -56,8 +58,10 @@ class VideoFrames:
         self.period_ns = round(SECOND_NS / source.rate_hz)
         self.warnings: List[str] = []
 
-    def camera_infos(self) -> CameraInfos:
+    def camera_infos(self) -> 'CameraInfos':
         """Return those of a camera that is not calibrated."""
+        # imported here because few need it
+        from img_recog.replay.camera_infos import of_calibration
         return of_calibration(None)
 
     def __iter__(self) -> Iterator[Frame]:

@@ -45,13 +45,14 @@ def written(path, image_topic, infos, info_topic='/eye/camera_info'):
     return BagFrames(str(path))
 
 
+@pytest.mark.parametrize('topic', ['/eye/image_raw', '/eye/image_raw/compressed'])
 @pytest.mark.parametrize('infos, lengths', [
     ([(1, 7.0), (2, 7.0), (2.5, 8.0)], [7.0, 7.0, 8.0]),
     ([(2.5, 8.0), (1, 7.0)], [7.0, 7.0, 8.0]),      # recorded in another order
     ([(2, 9.0)], [9.0, 9.0, 9.0]),
     ([], [0.0, 0.0, 0.0])])
-def test_those_of_a_bag_have_the_stamp_of_the_image_or_the_last_before(tmp_path, infos, lengths):
-    frames = written(tmp_path / 'a.bag', '/eye/image_raw', infos)
+def test_those_of_a_bag_are_the_last_ones_before_the_image(tmp_path, infos, lengths, topic):
+    frames = written(tmp_path / 'a.bag', topic, infos)
     camera_info = frames.camera_infos()
     found = [camera_info(each) for each in frames]
     assert [info.K[0] for info in found] == lengths
