@@ -14,7 +14,7 @@ CAMERA_CASES = {
     'no video': ('_video_device:=' + BURGER, 'turtlebot3_burger.urdf: neither a video nor',
                  'synthetic'),
     'pixel format': ('_pixel_format:=mjpg', "/usb_cam/pixel_format: got 'mjpg'",
-                     'grey, mjpeg, rgb24, uyvy, yuvmono10, yuyv'),
+                     'grey, h264, mjpeg, rgb24, uyvy, yu12, yuvmono10, yuyv'),
     'io method': ('_io_method:=dma', "/usb_cam/io_method: got 'dma'", 'mmap, read, userptr'),
     'width': ('_image_width:=0', '/usb_cam/image_width: got 0', 'from 1 to'),
     'type': ('_image_height:=tall', "/usb_cam/image_height: got 'tall'", 'a whole number'),

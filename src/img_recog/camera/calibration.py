@@ -216,16 +216,14 @@ def _parse(content: Mapping[str, Any]) -> Calibration:
     name = content.get('camera_name')
     if isinstance(name, (list, dict, set)):
         raise _problem('camera_name', 'a text', name)
+    width, height = (_entry(content, key, int, 'a whole number')
+                     for key in ('image_width', 'image_height'))
     values = {field: _values(content, *matrix) for field, matrix in _MATRICES.items()}
     model = _model_of(len(values['distortion']))
     if 'distortion_model' in content:
         model = _entry(content, 'distortion_model', str, 'a text')
-    return Calibration(
-        camera_name='' if name is None else str(name),
-        width=_entry(content, 'image_width', int, 'a whole number'),
-        height=_entry(content, 'image_height', int, 'a whole number'),
-        distortion_model=model,
-        **values)
+    return Calibration(camera_name='' if name is None else str(name), width=width, height=height,
+                       distortion_model=model, **values)
 
 
 def _entry(content: Mapping[str, Any], key: str, wanted_type: type, wanted: str) -> Any:

@@ -5,8 +5,8 @@ from img_recog.simulation.bodies.body import Motion
 
 # m/s and rad/s: above the first a robot has started to move, below the second it has stopped
 _STARTS, _STOPS = (0.02, 0.05), (0.005, 0.01)
-# m: a robot that turns on the spot drifts, so it drives only if its path has a larger radius;
-# while it drives, three quarters of that are enough
+# m: a robot that turns on the spot drifts, the burger with a radius of 8 mm. So it drives only if
+# its path has a larger radius; while it drives, three quarters of that are enough
 _SPOT_RADIUS, _STILL_DRIVES = 0.02, 0.75
 
 
