@@ -17,7 +17,7 @@ from img_recog.recognition import parameter_file
 from img_recog.recognition.commands import STOP
 from img_recog.recognition.settings import with_colors
 from img_recog.replay import scenario
-from img_recog.replay.chain import SECOND_NS, Chain, Recorder, measure
+from img_recog.replay.chain import SECOND_NS, Chain, ColorRecognition, Recorder
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.settings import SpawnSettings
@@ -54,8 +54,9 @@ class Drive(Recorder):
         self.results, self.contacts = [], set()
         self._watch_contacts(built.simulator.world)
         self._built, self._size, self._delays = built, size, itertools.cycle(delays)
-        self._settings = parameter_file.read(colors) if colors else with_colors()()
-        self._chain = Chain(built.simulator, self._settings, teleop, [self])
+        self._recognition = ColorRecognition(
+            parameter_file.read(colors) if colors else with_colors()())
+        self._chain = Chain(built.simulator, self._recognition, teleop, [self])
 
     def _watch_contacts(self, world):
         names = {body.body_id: body.name for body in world.bodies}
@@ -80,7 +81,7 @@ class Drive(Recorder):
                                      camera_height=height)
         frames = RobotFrames(self._built, camera, seconds)
         frames.follow(self._chain.simulate_until)
-        self._chain.run(measure(self._late(frames, at_frame), self._settings))
+        self._chain.run(self._recognition.measure(self._late(frames, at_frame)))
         return self
 
     def _late(self, frames, at_frame):
