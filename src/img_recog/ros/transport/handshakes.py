@@ -8,6 +8,7 @@ from typing import Deque, Optional
 
 import rospy
 from rosgraph import network
+from rosgraph.xmlrpc import ThreadingXMLRPCServer
 from rospy.impl import tcpros_base
 
 from img_recog.errors import one_line, shortened
@@ -17,6 +18,7 @@ from img_recog.ros.transport.switch import is_plain
 _TIME_LIMIT_S = 5.0     # the other end may be on a busy machine, and may not try again
 _MAX_HEADER_BYTES = 1 << 20     # it contains the definition of the message
 _MAX_WAITING = 128              # connections without a complete header
+_PAUSE_S = 0.1          # after a connection that could not be accepted
 _LENGTH = struct.Struct('<I')
 
 
@@ -75,12 +77,41 @@ class Handshakes:
                 self._waiting.remove(sock)
 
 
+class _Listener(socket.socket):
+    """Waits for connections; without file descriptors (EMFILE) it tries again later.
+
+    rospy's thread ends with any error but a timeout, and no subscriber can connect again.
+    """
+
+    def accept(self):
+        try:
+            return super().accept()
+        except OSError as error:
+            if self.fileno() < 0:       # closed
+                raise
+            time.sleep(_PAUSE_S)
+            raise socket.timeout(str(error)) from error
+
+
 def install() -> None:
-    """Use Handshakes in this process. Call it before rospy.init_node."""
+    """Use Handshakes and _Listener in this process. Call it before rospy.init_node."""
     if not is_plain('handshakes'):
         handshakes = Handshakes()
         tcpros_base.TCPROSServer._tcp_server_callback = (
             lambda server, sock, address: handshakes.accept(server, sock, address))
+        create = tcpros_base.TCPServer._create_server_sock
+        tcpros_base.TCPServer._create_server_sock = (
+            lambda server: _Listener(fileno=create(server).detach()))
+        ThreadingXMLRPCServer.get_request = _get_request
+
+
+def _get_request(server: ThreadingXMLRPCServer):
+    """Accept a connection of XML-RPC. socketserver tries again at once, with all of a core."""
+    try:
+        return server.socket.accept()
+    except OSError:
+        time.sleep(_PAUSE_S)
+        raise
 
 
 def _read_header(sock: socket.socket) -> dict:

@@ -1,12 +1,16 @@
 """Connections to the port of rospy's real server that send a header late, never or a wrong one."""
 import socket
 import struct
+import subprocess
+import sys
 import threading
 import time
+import xmlrpc.client
 
 import pytest
 from rosgraph import network
-from rospy.impl.tcpros_base import TCPROSServer
+from rosgraph.xmlrpc import ThreadingXMLRPCServer
+from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
 from img_recog.ros.transport import handshakes, switch
 from img_recog.ros.transport.handshakes import Handshakes
@@ -20,6 +24,8 @@ def server(fast, monkeypatch):
     """rospy's server; `accepted` has the headers of its subscribers, `lines` the warnings."""
     monkeypatch.setenv('ROS_HOSTNAME', '127.0.0.1')
     monkeypatch.setattr(TCPROSServer, '_tcp_server_callback', TCPROSServer._tcp_server_callback)
+    monkeypatch.setattr(TCPServer, '_create_server_sock', TCPServer._create_server_sock)
+    monkeypatch.setattr(ThreadingXMLRPCServer, 'get_request', ThreadingXMLRPCServer.get_request)
     monkeypatch.setattr(handshakes, 'ThrottledWarning',
                         lambda: lambda text, *values: lines.append(text % values))
     lines = []
@@ -177,3 +183,43 @@ def test_without_threads_the_connection_is_closed(monkeypatch):
     with ours:
         Handshakes().accept(None, theirs, ('127.0.0.1', 1))
         assert is_closed(ours)
+
+
+CHILD = """
+import resource, sys, threading
+from rosgraph.xmlrpc import ThreadingXMLRPCServer
+from rospy.impl.tcpros_base import TCPROSServer
+from img_recog.ros.transport import handshakes
+handshakes.install()
+server = TCPROSServer()
+server.topic_connection_handler = lambda sock, address, header: sock.sendall(b'welcome')
+server.start_server()
+xmlrpc = ThreadingXMLRPCServer(('127.0.0.1', 0), 0)
+xmlrpc.register_function(lambda: 'pong', 'ping')
+threading.Thread(target=xmlrpc.serve_forever, daemon=True).start()
+resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+print(server.get_address()[1], xmlrpc.server_address[1], flush=True)
+sys.stdin.read()
+"""
+
+
+def test_after_too_many_connections_a_node_accepts_again(monkeypatch):
+    monkeypatch.setenv('ROS_HOSTNAME', '127.0.0.1')
+    with subprocess.Popen([sys.executable, '-c', CHILD], stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as child:
+        ports = [int(word) for word in child.stdout.readline().split()]
+        for port in ports:
+            socks = []
+            for _ in range(100):
+                try:
+                    socks.append(socket.create_connection(('127.0.0.1', port), 1))
+                except socket.timeout:      # nobody accepts
+                    break
+            for sock in socks:
+                sock.close()
+        with socket.create_connection(('127.0.0.1', ports[0]), DEADLINE_S) as sock:
+            sock.sendall(HEADER)
+            assert sock.recv(7) == b'welcome'
+        with xmlrpc.client.ServerProxy('http://127.0.0.1:{}'.format(ports[1])) as node:
+            assert node.ping() == 'pong'
+        child.stdin.close()
