@@ -191,7 +191,7 @@ def test_the_colors_of_the_article_drive_to_blue_until_it_is_out_of_the_picture(
     drive = Drive(-2.0, -0.5, 0.0, colors='', teleop=True, size=(640, 480)).run(6.0)
     seen = [result for result in drive.results if result.areas_px[0] > 1000]
     assert seen == drive.results[:len(seen)] and len(seen) > 60
-    assert all(result.commands == [(10.0, 0.0)] for result in seen)
+    assert all(result.commands == [(10.0, 0.0, 0.0)] for result in seen)
     assert all(result.commands == [] for result in drive.results[len(seen):])
     areas_px = [result.areas_px[0] for result in seen]
     places = [result.motion.position[0] for result in seen]
@@ -205,7 +205,7 @@ def test_the_colors_of_the_article_drive_away_from_red_until_it_is_small():
     drive = Drive(-2.0, -0.5, math.pi, colors='', teleop=True, size=(640, 480)).run(3.3)
     seen = [result for result in drive.results if result.areas_px[1] > 1000]
     assert seen == drive.results[:len(seen)] and len(seen) > 60
-    assert all(result.commands == [(-10.0, 0.0)] for result in seen)
+    assert all(result.commands == [(-10.0, 0.0, 0.0)] for result in seen)
     assert all(result.commands == [] for result in drive.results[len(seen):])
     assert np.all(np.diff([result.motion.position[0] for result in seen[10:]]) > 0)
     assert seen[0].areas_px[1] > 4000 and seen[-1].motion.position[0] > -0.6

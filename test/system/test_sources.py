@@ -31,7 +31,8 @@ def test_every_launch_argument_is_documented():
             'gui', 'image_view', 'world', 'allow_partial_world', 'urdf', 'x_pos', 'y_pos', 'z_pos',
             'yaw', 'real_time_factor', 'use_sim_time', 'view', 'colors', 'cmd_vel_timeout',
             'safe', 'respawn', 'robot_camera_frame', 'web', 'web_host', 'web_port', 'record',
-            'record_size', 'rviz', 'rqt_graph', 'rqt_reconfigure'} == names == set(documented)
+            'record_size', 'rviz', 'rqt_graph', 'rqt_reconfigure', 'lockstep', 'lockstep_sensors',
+            'lockstep_timeout', 'lockstep_at_timeout', 'paused'} == names == set(documented)
     assert all(len(words) > 10 for words in documented.values()), documented
 
 
