@@ -18,10 +18,9 @@ import time
 
 import demo_master
 import demo_values
-import launch_output
-import process_tree
 from demo_arguments import ArgumentError, Arguments
 
+from img_recog import launch_output, process_tree
 from img_recog.errors import UserError
 
 PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_windows.py')

@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 
-import process_tree
+from img_recog import process_tree
 
 SIMULATOR = 'Bullet Physics'
 IMAGES = ('/usb_cam/image_raw', '/blue_image', '/red_image')

@@ -3,9 +3,10 @@ import ast
 import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
-GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'lenses', 'markup',
-                'mesh_file', 'mesh_formats', 'resources', 'robot_file', 'rotations', 'settings',
-                'signals', 'still_images', 'textures', 'timed_xmlrpc', 'visuals')
+GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
+                'markup', 'mesh_file', 'mesh_formats', 'process_tree', 'resources', 'robot_file',
+                'rotations', 'settings', 'signals', 'still_images', 'textures', 'timed_xmlrpc',
+                'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -28,8 +29,9 @@ ALLOWED = {
                 'rotations', 'settings', 'still_images', 'textures', 'visuals')
        for folder in PURE},
     'bag_recording': ('errors',), 'markup': ('errors',),
-    '__init__': (), 'errors': (), 'helper_process': (), 'lenses': (), 'rotations': (),
-    'signals': (), 'timed_xmlrpc': (), 'visuals': (), 'textures': ('errors',),
+    '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
+    'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (), 'visuals': (),
+    'textures': ('errors',),
     'mesh_file': ('errors', 'mesh_formats', 'textures', 'visuals'),
     'mesh_formats': ('visuals',),
     'files': ('errors',), 'settings': ('errors',),
@@ -41,6 +43,7 @@ ALLOWED = {
     'checks': PURE + GROUND_FLOOR + ('conversions',),
     'graph': ('errors', 'files', 'signals', 'timed_xmlrpc'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
+    'testing': GROUND_FLOOR + ('conversions', 'recognition', 'replay', 'ros'),
 }
 WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('checks', 'conversions', 'graph', 'replay')
 

@@ -69,6 +69,8 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('replay/deeper/a.py', 'from rospy import Time', 'replay runs without a node'),
     ('replay/a.py', 'from img_recog.nodes import color_parameters', 'replay may use'),
     ('replay/a.py', 'from img_recog.ros.queues import LatestValue', 'replay may use'),
+    ('testing/a.py', 'from img_recog.nodes.gazebo import node', 'testing may use'),
+    ('nodes/gazebo/a.py', 'from img_recog.testing import Simulation', 'nodes may use'),
     ('graph/a.py', 'import rospy', 'graph runs without a node'),
     ('graph/a.py', 'from img_recog.ros import queues', 'graph may use'),
     ('conversions/a.py', 'import rospy.rostime', 'conversions runs without a node'),

@@ -1,5 +1,5 @@
 """Which connections between running nodes are still missing."""
-from typing import Any, Dict, List, Optional, Set, Tuple
+from typing import Any, Collection, Dict, List, Optional, Set, Tuple
 
 from img_recog import timed_xmlrpc
 from img_recog.ros.master.calls import Master
@@ -15,15 +15,18 @@ class Connections:
         """node: the name of this node."""
         self._master, self._node = Master(master_uri, node, _TIMEOUT_S), node
 
-    def missing(self, topics: List[str]) -> List[str]:
+    def missing(self, topics: List[str], others: Collection[str] = ()) -> List[str]:
         """Return what is missing until this node hears of some topics, a phrase each.
 
         That is a publisher of each, its connection to this node, and its connections to all that
-        it subscribes to. Nodes that do not answer do not count.
+        it subscribes to. Nodes that do not answer do not count. others: nodes that must be there
+        and be connected to all that they subscribe to, too.
         Raises OSError when the master does not answer.
         """
-        published, subscribed, _ = self._master.ask('getSystemState') or ((), (), ())
+        state = self._master.ask('getSystemState') or ((), (), ())
+        published, subscribed, _ = state
         publishers = dict(published)
+        known = {node for kind in state for _, users in kind for node in users}
         made: Dict[str, Optional[Set[Tuple[str, str]]]] = {}
 
         def alive(topic: str) -> List[str]:
@@ -31,11 +34,12 @@ class Connections:
             made.update((node, self._made_by(node)) for node in found if node not in made)
             return [node for node in found if made[node] is not None]
 
-        nodes = {node for topic in topics for node in alive(topic)}
+        nodes = {node for topic in topics for node in alive(topic)}.union(others)
         wanted = [(self._node, topic) for topic in topics]
         wanted += [(node, topic) for topic, subscribers in subscribed for node in subscribers
                    if node in nodes]
-        missing = ['a publisher of ' + topic for topic in topics if not alive(topic)]
+        missing = ['the node ' + node for node in others if node not in known]
+        missing += ['a publisher of ' + topic for topic in topics if not alive(topic)]
         for node, topic in wanted:
             missing += ['a connection of {} to {} of {}'.format(node, topic, publisher)
                         for publisher in alive(topic)

@@ -27,8 +27,9 @@ Names that are used
     redelivery.py
         `impl` of a Publisher: connections.
     settled_subscriber.py
-        `impl` of a Subscriber: c_lock, connections; add_connection, which is replaced. A
-        connection's socket, done and read_buff; receive_once, which is replaced.
+        `impl` of a Subscriber: c_lock, connections; add_connection, which is replaced, and
+        `watch`, which is added. A connection's socket, done and read_buff; receive_once, which is
+        replaced.
     own_time.py
         rospy.rostime: _set_rostime, _rostime_cond.
     registration.py

@@ -4,7 +4,7 @@ import socket
 import struct
 import termios
 import threading
-from typing import Any, Callable, List, Mapping, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Tuple
 
 import rospy
 from rospy.impl.tcpros_base import TCPROSTransport
@@ -29,22 +29,14 @@ class SettledSubscriber:
         The header of a connection has the callerid of the publisher, the type of the messages and
         its message_definition. buff_size: at least that of a message.
         """
-        self._lock = threading.Lock()
-        self._connections: List[Tuple[TCPROSTransport, threading.Event]] = []
         self._subscriber = rospy.Subscriber(
             name, data_class, lambda msg: callback(msg, msg._connection_header),
             buff_size=buff_size, tcp_nodelay=True)
+        self._watch: Optional[_Watch] = None
         if not is_plain('settled_subscriber'):
             topic = self._subscriber.impl
-            with topic.c_lock:
-                ordinary = topic.add_connection
-
-                def add_connection(connection: TCPROSTransport) -> bool:
-                    self._watch(connection)
-                    return ordinary(connection)
-                topic.add_connection = add_connection
-                for connection in topic.connections:
-                    self._watch(connection)
+            with topic.c_lock:      # all subscribers of this process share the topic
+                self._watch = vars(topic).get('watch') or _Watch(topic)
 
     def get_num_connections(self) -> int:
         """Return the number of publishers."""
@@ -56,6 +48,27 @@ class SettledSubscriber:
 
     def is_settled(self) -> bool:
         """Return whether the callback has returned for all messages that had arrived."""
+        return self._watch is None or self._watch.is_settled()
+
+
+class _Watch:
+    """Knows of all connections of a topic whether they are at work."""
+
+    def __init__(self, topic: Any):
+        """topic: `impl` of a Subscriber, whose c_lock is held."""
+        topic.watch = self
+        self._lock = threading.Lock()
+        self._connections: List[Tuple[TCPROSTransport, threading.Event]] = []
+        ordinary = topic.add_connection
+
+        def add_connection(connection: TCPROSTransport) -> bool:
+            self._add(connection)
+            return ordinary(connection)
+        topic.add_connection = add_connection
+        for connection in topic.connections:
+            self._add(connection)
+
+    def is_settled(self) -> bool:
         with self._lock:
             connections = self._connections = [
                 each for each in self._connections if not each[0].done]
@@ -63,7 +76,7 @@ class SettledSubscriber:
         return not any(_has_unread(connection) or is_busy.is_set()
                        for connection, is_busy in connections)
 
-    def _watch(self, connection: TCPROSTransport) -> None:
+    def _add(self, connection: TCPROSTransport) -> None:
         is_busy, ordinary = threading.Event(), connection.receive_once
 
         def receive_once() -> List[Any]:

@@ -41,3 +41,16 @@ def test_a_message_that_has_not_come_whole(name, publish_to):
     end.sock.sendall(data[-1:])
     wait_for(lambda: received == ['whole'] and subscriber.is_settled(), 'the message')
     subscriber.unregister()
+
+
+def test_two_subscribers_of_a_topic(name, publish_to):
+    received = []
+    before = SettledSubscriber(name, String, lambda msg, _: received.append(msg.data))
+    subscriber = SettledSubscriber(name, String, lambda msg, _: received.append(msg.data))
+    end = publish_to(name, String)
+    for count in (2, 4):
+        end.sock.sendall(packet(String('a')))
+        wait_for(lambda: len(received) == count, 'the message in both callbacks')
+        wait_for(lambda: subscriber.is_settled() and before.is_settled(), 'their ends')
+    before.unregister()
+    subscriber.unregister()

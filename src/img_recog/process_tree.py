@@ -2,11 +2,12 @@
 import ctypes
 import os
 import signal
+from typing import Dict, Iterable, List
 
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 
-def adopt_orphans():
+def adopt_orphans() -> None:
     """Become the parent of descendants whose parent ends, in place of init.
 
     roslaunch starts each node in a separate session: without this, the nodes of a roslaunch that
@@ -15,20 +16,20 @@ def adopt_orphans():
     _prctl(PR_SET_CHILD_SUBREAPER, 1)
 
 
-def end_with_parent():
+def end_with_parent() -> None:
     """Have the kernel send this process SIGTERM when its parent ends, even if killed."""
     _prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
-def _prctl(option, value):
+def _prctl(option: int, value: int) -> None:
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.prctl(option, ctypes.c_ulong(value), 0, 0, 0) != 0:
         raise OSError(ctypes.get_errno(), 'prctl')
 
 
-def descendants():
+def descendants() -> List[int]:
     """Return the ids of all descendants: children first, then grandchildren and so on."""
-    children = {}
+    children: Dict[int, List[int]] = {}
     for name in filter(str.isdigit, os.listdir('/proc')):
         try:
             # the kernel may cut a name within a character
@@ -39,14 +40,15 @@ def descendants():
             continue
         if state not in 'ZX':
             children.setdefault(int(parent), []).append(int(name))
-    found, generation = [], [os.getpid()]
+    found: List[int] = []
+    generation = [os.getpid()]
     while generation:
         generation = [child for pid in generation for child in children.get(pid, ())]
         found += generation
     return found
 
 
-def send(signum, pids):
+def send(signum: int, pids: Iterable[int]) -> None:
     """Send a signal to those of the processes that still exist."""
     for pid in pids:
         try:
@@ -55,9 +57,9 @@ def send(signum, pids):
             pass
 
 
-def reap():
+def reap() -> Dict[int, int]:
     """Return the exit codes of all children that have ended, by process id."""
-    codes = {}
+    codes: Dict[int, int] = {}
     while True:
         try:
             pid, status = os.waitpid(-1, os.WNOHANG)

@@ -1,8 +1,8 @@
 """Find in the output of roslaunch which node has ended with an error, and why."""
-import collections
 import os
 import re
 import signal
+from typing import NamedTuple, Optional
 
 PARTS = {'master': 'the ROS master', 'gazebo': 'the simulator', 'usb_cam': 'the camera',
          'color_extract': 'the recognition',
@@ -28,23 +28,29 @@ _LOGGED = re.compile(r'^\[rosout\]\[(?:CRITICAL|ERROR)\] \S+ \S+ (.*)')
 _ON_SCREEN = re.compile(r'^\[(?:FATAL|ERROR)\] \[[^]]*\]: (.*)')
 _EXCEPTION = re.compile(r'^[\w.]*(?:Error|Exception|Interrupt)\b.*')
 
-Death = collections.namedtuple('Death', 'node required reason is_over', defaults=(True,))
+
+class Death(NamedTuple):
+    """The end of a node. required: whether roslaunch ends with it; is_over: whether the node is
+    not started again.
+    """
+
+    node: str
+    required: bool
+    reason: str
+    is_over: bool = True
 
 
 class LaunchOutput:
-    """Reads the output line by line and finds the nodes that have ended with an error.
+    """Reads the output line by line and finds the nodes that have ended with an error."""
 
-    A Death whose `is_over` is False is one after which the node is started again.
-    """
-
-    def __init__(self):
+    def __init__(self) -> None:
         self.launching = False      # whether roslaunch has started a process
-        self._required = None
+        self._required: Optional[str] = None
         self._exception = ''
 
-    def read(self, line):
+    def read(self, line: str) -> Optional[Death]:
         """Return the Death that a line reports, or None."""
-        line = _COLOR.sub('', line).rstrip()
+        line = plain(line)
         self.launching = self.launching or line.startswith('process[')
         if _EXCEPTION.match(line):
             self._exception = line
@@ -61,13 +67,13 @@ class LaunchOutput:
         died = _DIED.search(line)
         node = _NODE.match(line)
         if died and (node or self._required):
-            name = node.group(1) if node else self._required
+            name = node.group(1) if node else self._required or ''
             return self._death(name, not node, int(died.group(1)), died.group(2))
         if self._required and line == _FINISHED:
             return self._death(self._required, True, 0, '')
         return None
 
-    def _read_respawn(self, line):
+    def _read_respawn(self, line: str) -> Optional[Death]:
         """Return the Death that a line of respawn.py, or of roslaunch's respawn, reports."""
         gave_up = _GAVE_UP.match(line)
         if gave_up:
@@ -88,7 +94,7 @@ class LaunchOutput:
             return Death(restarting.group(1), False, 'its process died', False)
         return None
 
-    def _death(self, node, required, code, command):
+    def _death(self, node: str, required: bool, code: int, command: str) -> Death:
         log = re.search(r'__log:=(\S+)', command)
         reason = _described(code)
         if code >= 0:       # else its own messages are not the reason
@@ -97,7 +103,12 @@ class LaunchOutput:
         return Death(node, required, reason)
 
 
-def last_error(path):
+def plain(line: str) -> str:
+    """Return a line without colors and without the space at its end."""
+    return _COLOR.sub('', line).rstrip()
+
+
+def last_error(path: str) -> str:
     """Return the last message at ERROR or above in the log file of a node, or ''."""
     if not os.path.isfile(path):
         return ''
@@ -106,14 +117,14 @@ def last_error(path):
     return next((match.group(1) for match in reversed(found) if match), '')
 
 
-def _described(code):
+def _described(code: int) -> str:
     if code < 0:
         names = {signum.value: signum.name for signum in signal.Signals}
         return 'killed by {}'.format(names.get(-code, 'signal {}'.format(-code)))
     return 'exit code {}'.format(code)
 
 
-def describe(death):
+def describe(death: Death) -> str:
     """Return one line about which part is missing, and why."""
     return '{} ({}) has ended: {}'.format(
         PARTS.get(death.node, 'a node'), death.node, death.reason.rstrip('.'))

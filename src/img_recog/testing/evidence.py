@@ -1,0 +1,108 @@
+"""What is kept of a simulation whose test has failed: pictures, a film, and the log."""
+import os
+import re
+import sys
+from collections import deque
+from typing import Deque, List, NamedTuple, Optional, Sequence
+
+import cv2
+import numpy as np
+from sensor_msgs.msg import Image
+
+from img_recog import files
+from img_recog.conversions import image_msgs
+from img_recog.errors import UserError, one_line
+from img_recog.recognition.settings import with_colors
+from img_recog.replay.film import Film
+from img_recog.testing.topics import Pose
+
+_PERIOD_S, _FILM_S = 0.1, 30.0      # simulated, between two samples, and of a film
+_MAX_WIDTH = 320
+_RESULT_OPTIONS = ('--gtest_output=xml:', '--junitxml=', '--junit-xml=')
+_ADVICE = 'give Simulation another folder: results='
+results_file = ''       # of pytest, if the plugin fixtures.py has found it
+
+
+def folder(given: str) -> str:
+    """Return the folder for files: as given, or that of the file for results, or the current one.
+
+    It is made. Raises UserError if it cannot be.
+    """
+    options = (word[len(option):] for word in sys.argv for option in _RESULT_OPTIONS
+               if word.startswith(option))
+    path = os.path.abspath(os.path.expanduser(
+        given or os.path.dirname(results_file or next(options, '')) or '.'))
+    try:
+        os.makedirs(path, exist_ok=True)
+    except OSError as error:
+        raise UserError('cannot make {}: {}'.format(path, one_line(error)), _ADVICE)
+    return path
+
+
+def name(given: str) -> str:
+    """Return the beginning of the names of files: as given, or the name of the test that runs."""
+    test = os.environ.get('PYTEST_CURRENT_TEST', '').rpartition(' ')[0].rpartition('::')[2]
+    program = os.path.splitext(os.path.basename(sys.argv[0] if sys.argv else ''))[0]
+    return re.sub(r'[^\w.-]+', '_', given or test or program).strip('_') or 'simulation'
+
+
+class Sample(NamedTuple):
+    """What a film shows at a time. asked: speed in m/s; jpeg: the image of the camera."""
+
+    pose: Pose
+    asked: float
+    jpeg: Optional[np.ndarray]
+
+
+class Samples:
+    """Keeps the last samples for a film."""
+
+    def __init__(self) -> None:
+        self._samples: Deque[Sample] = deque(maxlen=round(_FILM_S / _PERIOD_S))
+
+    def add(self, pose: Pose, asked: float, msg: Optional[Image]) -> None:
+        """Keep a sample, if its time has come. msg: the image of the camera."""
+        if self._samples and 0 <= pose.time_s - self._samples[-1].pose.time_s < _PERIOD_S - 0.001:
+            return
+        jpeg = None
+        if msg is not None:
+            image = image_msgs.from_msg(msg)
+            scale = min(1.0, _MAX_WIDTH / image.shape[1])
+            small = cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+            jpeg = cv2.imencode('.jpg', small)[1]
+        self._samples.append(Sample(pose, asked, jpeg))
+
+    def write_film(self, path: str, outlines: Sequence[np.ndarray]) -> None:
+        """Write a film. Raises UserError, also if there are no samples.
+
+        outlines: of what stands in the world, (corners, 2) in m.
+        """
+        samples = list(self._samples)
+        # time has been reset, or gone back, since then
+        start = max((number for number in range(1, len(samples))
+                     if samples[number].pose.time_s < samples[number - 1].pose.time_s), default=0)
+        samples = samples[start:]
+        if not samples:
+            raise UserError('no film: there was no odometry')
+        image = np.zeros((240, _MAX_WIDTH, 3), np.uint8)
+        with files.atomic_write([path], _ADVICE) as (file,), \
+                Film(file, with_colors()(), outlines, path) as film:
+            for pose, asked, jpeg in samples:
+                if jpeg is not None:
+                    image = cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
+                film.picture.pose = pose[:3]
+                film.picture.asked, film.picture.driven = asked, pose.linear
+                film.add(pose.time_s - samples[0].pose.time_s, image, 'bgr8')
+            film.close(samples[-1].pose.time_s - samples[0].pose.time_s)
+
+
+def write_picture(path: str, msg: Image) -> None:
+    """Write a PNG of an image. Raises UserError."""
+    with files.atomic_write([path], _ADVICE) as (file,):
+        file.write(cv2.imencode('.png', image_msgs.from_msg(msg))[1].tobytes())
+
+
+def write_log(path: str, lines: List[str]) -> None:
+    """Write lines of the nodes. Raises UserError."""
+    with files.atomic_write([path], _ADVICE) as (file,):
+        file.write(''.join(line + '\n' for line in lines).encode())

@@ -1,0 +1,184 @@
+"""The simulator, the user's nodes and the test in one ROS graph, from their start to their end."""
+import concurrent.futures
+import os
+import tempfile
+import threading
+import time
+from typing import Any, Callable, Dict, List, Sequence
+
+import rospy
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+
+from img_recog import timed_xmlrpc
+from img_recog.errors import UserError, one_line
+from img_recog.ros.master.connections import Connections
+from img_recog.testing import session
+from img_recog.testing.launching import Launch, LaunchFile
+from img_recog.testing.topics import Topics
+
+_SIMULATOR, _ROBOTS = '/gazebo', '/robots'
+_STEP, _STEP_PERIOD, _RELOAD = '/gazebo/step', '/gazebo/step_period', '/robots/reload'
+_CLOCK = '/clock'
+_WAITS = 'simulated time stands at'     # of the lines that say for whom
+_POLL_PERIOD_S, _SETTLING_PERIOD_S, _SETTLING_S = 0.05, 0.001, 5.0      # of wall time
+_MAX_STEP_S = 3600.0        # of ~step_period
+_active: List['Running'] = []
+
+
+class Running:
+    """Starts all, lets time pass, and ends all. topics: what the test has subscribed to."""
+
+    def __init__(self, files: Sequence[LaunchFile], wall_timeout_s: float):
+        """Start; return when all nodes are there, and time stands at 0.
+
+        wall_timeout_s: how long nothing may happen before it is an error, of wall time.
+        Raises UserError for what the user gave, AssertionError if a node dies or does not come.
+        """
+        if _active:
+            raise UserError('another Simulation runs in this process', 'end it before: one uses '
+                            'the names of the nodes of the other')
+        self._wall_timeout_s = wall_timeout_s
+        self._session = session.get()
+        self._known = set(self._session.nodes())
+        if _SIMULATOR in self._known:
+            raise UserError('the master {} has a node {} already'.format(
+                self._session.uri, _SIMULATOR), 'leave demo.launch out of the .test file: '
+                'Simulation starts it')
+        self._parameters = self._session.parameters()
+        self._folder = tempfile.TemporaryDirectory(prefix='img_recog_')
+        self.topics = Topics()
+        self._arrived = threading.Condition()
+        self._now_s, self._period_s = 0.0, 0.0
+        # first: it is settled only where it has seen the beginning of a connection
+        self.topics.subscribe(_CLOCK, Clock, self._take_time)
+        # a call that has no answer ends with the simulator
+        self._caller = concurrent.futures.ThreadPoolExecutor(1)
+        self.launch = Launch(files, os.path.join(self._folder.name, 'simulation.launch'))
+        _active.append(self)
+        self._step = rospy.ServiceProxy(_STEP, Trigger, persistent=True)
+
+    def wait_ready(self) -> None:
+        """Wait until all nodes are there and connected. Raises AssertionError if that fails."""
+        connections = Connections(self._session.uri, rospy.get_name())
+        self._wait(lambda: '' if self.launch.is_complete else 'roslaunch to start all nodes')
+        services = [_STEP] + ([_RELOAD] if _ROBOTS in self.launch.nodes else [])
+        self._wait(lambda: ', '.join('the service ' + name for name in services
+                                     if not self._session.master.ask('lookupService', name)))
+        self._wait(lambda: '; '.join(connections.missing(self.topics.names, self.launch.nodes)))
+
+    def _take_time(self, msg: Clock) -> None:
+        self._now_s = msg.clock.to_sec()
+        with self._arrived:
+            self._arrived.notify_all()
+
+    @property
+    def time_s(self) -> float:
+        """The simulated time in s."""
+        return self._now_s
+
+    def publishers(self, topic: str) -> List[str]:
+        """Return the nodes that publish a topic."""
+        return dict(self._session.master.call('getSystemState')[0]).get(topic, [])
+
+    def types(self) -> Dict[str, str]:
+        """Return the types of all topics that are published, by their names."""
+        return dict(self._session.master.call('getPublishedTopics', ''))
+
+    def reason_without(self, topic: str, data_class: Any) -> str:
+        """Return why no message of a topic comes."""
+        publishers = self.publishers(topic)
+        if publishers:
+            return '{} has sent none'.format(', '.join(publishers))
+        return 'nobody publishes it; of its type there is {}'.format(', '.join(sorted(
+            name for name, kind in self.types().items() if kind == data_class._type)) or 'none')
+
+    def wait_connected(self) -> None:
+        """Wait until what was subscribed to comes from those who publish it."""
+        connections = Connections(self._session.uri, rospy.get_name())
+        names = [name for name in self.topics.names if self.publishers(name)]
+        self._wait(lambda: '; '.join(connections.missing(names)))
+
+    def _wait(self, missing: Callable[[], str]) -> None:
+        """Wait until nothing is missing; the time starts again when that changes."""
+        last, began_s = '', time.monotonic()
+        while True:
+            self.launch.check()
+            try:
+                found = missing()
+            except timed_xmlrpc.ERRORS as error:
+                found = 'the master, which does not answer: ' + one_line(error)
+            if not found:
+                return
+            if found != last:
+                last, began_s = found, time.monotonic()
+            elif time.monotonic() > began_s + self._wall_timeout_s:
+                raise AssertionError('after {:g} s on the clock it still waits for: {}\n{}'.format(
+                    self._wall_timeout_s, found, self.launch.tail()))
+            with self._arrived:
+                self._arrived.wait(_POLL_PERIOD_S)
+
+    def step(self, seconds: float) -> None:
+        """Let simulated time pass, and wait until what was sent in it has come."""
+        if not seconds > 0:
+            raise UserError('step: got {:g} s'.format(seconds), 'give a time above 0')
+        left_s = seconds
+        while left_s > 1e-9:
+            self._step_once(min(left_s, _MAX_STEP_S))
+            left_s -= _MAX_STEP_S
+        self._settle()
+
+    def _step_once(self, seconds: float) -> None:
+        seconds = round(seconds, 9)
+        if seconds != self._period_s:
+            rospy.set_param(_STEP_PERIOD, seconds)
+            self._period_s = seconds
+        call = self._caller.submit(self._step)
+        began_s, now_s = time.monotonic(), self._now_s
+        while not concurrent.futures.wait([call], _POLL_PERIOD_S).done:
+            self.launch.check()
+            if now_s != self._now_s:
+                began_s, now_s = time.monotonic(), self._now_s
+            elif time.monotonic() > began_s + self._wall_timeout_s:
+                raise AssertionError('simulated time has not passed for {:g} s on the clock: {}\n'
+                                     '{}'.format(self._wall_timeout_s, self._standing(),
+                                                 self.launch.tail()))
+        try:
+            answer = call.result()
+        except (rospy.ServiceException, rospy.ROSException, OSError) as error:
+            self.launch.check(is_end_near=True)
+            raise AssertionError('the simulator does not answer: {}\n{}'.format(
+                one_line(error), self.launch.tail()))
+        if not answer.success:
+            raise UserError('step: {}'.format(answer.message))
+
+    def _standing(self) -> str:
+        line = self.launch.find(_WAITS)
+        return line[line.index(_WAITS):] if line else 'it is {:.3f} s'.format(self._now_s)
+
+    def _settle(self) -> None:
+        end_s = time.monotonic() + _SETTLING_S
+        while not self.topics.is_settled() and time.monotonic() < end_s:
+            with self._arrived:
+                self._arrived.wait(_SETTLING_PERIOD_S)
+
+    def wait_while_standing(self, condition: Callable[[], Any], timeout_s: float) -> None:
+        """Wait for a condition in wall time. Raises AssertionError if a node dies."""
+        end_s = time.monotonic() + timeout_s
+        while not condition() and time.monotonic() < end_s:
+            self.launch.check()
+            with self._arrived:
+                self._arrived.wait(_POLL_PERIOD_S)
+
+    def end(self) -> None:
+        """End all nodes; the master forgets them and their parameters."""
+        try:
+            self.launch.end()
+            self.topics.close()
+            self._step.close()
+            self._caller.shutdown()
+            self._session.forget(set(self._session.nodes()) - self._known)
+            self._session.restore(self._parameters)
+        finally:
+            self._folder.cleanup()
+            _active.remove(self)
