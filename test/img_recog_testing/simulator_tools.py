@@ -17,6 +17,7 @@ from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 # what these warn of, each test notices by itself if it matters: images or messages are missing
 _OF_A_BUSY_MACHINE = ('this machine is too slow', 'the simulation waits for images',
+                      'waits for: the process that draws',
                       'it has sent no complete header')
 _POLL_S = 0.02
 _numbers_of_nodes = itertools.count()
