@@ -4,9 +4,9 @@ import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
-                'markup', 'mesh_file', 'mesh_formats', 'process_tree', 'resources', 'robot_file',
-                'rotations', 'settings', 'signals', 'still_images', 'textures', 'timed_xmlrpc',
-                'visuals')
+                'markup', 'mesh_file', 'mesh_formats', 'new_package', 'process_tree', 'resources',
+                'robot_file', 'rotations', 'settings', 'signals', 'still_images', 'textures',
+                'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -28,7 +28,7 @@ ALLOWED = {
     **{folder: ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file',
                 'rotations', 'settings', 'still_images', 'textures', 'visuals')
        for folder in PURE},
-    'bag_recording': ('errors',), 'markup': ('errors',),
+    'bag_recording': ('errors',), 'markup': ('errors',), 'new_package': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
     'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (), 'visuals': (),
     'textures': ('errors',),

@@ -1,0 +1,2 @@
+"""The fixture `simulation`."""
+pytest_plugins = ['img_recog.testing.fixtures']
