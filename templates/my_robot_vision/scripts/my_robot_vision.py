@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Turn until the camera sees blue, drive there, stop in front of it: one command for each image."""
+"""Turn until the camera sees blue, drive there and stop: one command for each image."""
 import numpy
 import rospy
 from geometry_msgs.msg import Twist
