@@ -47,7 +47,7 @@ def launch_files(given: Given) -> List[LaunchFile]:
 
 
 def _launch_file(given: Any) -> LaunchFile:
-    words = (given,) if isinstance(given, (str, os.PathLike)) else tuple(given)
+    words = given if isinstance(given, tuple) else (given,)
     arguments: Mapping[str, Any] = {}
     if len(words) > 1 and isinstance(words[-1], Mapping):
         words, arguments = words[:-1], words[-1]

@@ -192,10 +192,11 @@ class Simulation:
         raises AssertionError then, and UserError if the topic has another type.
         """
         running, name = self._all, rosgraph.names.resolve_name(topic, '/')
-        if name not in running.topics.names:
-            kind, wanted = running.types().get(name), getattr(data_class, '_type')
-            if kind not in (None, '*', wanted):
-                raise UserError('the topic {} has the type {}, not {}'.format(name, kind, wanted))
+        known, wanted = running.topics.types, getattr(data_class, '_type')
+        kind = known[name] if name in known else running.types().get(name)
+        if kind not in (None, '*', wanted):
+            raise UserError('the topic {} has the type {}, not {}'.format(name, kind, wanted))
+        if name not in known:
             running.topics.subscribe(name, data_class)
             running.wait_connected()
         end_s = self.time_s + _FIRST_MESSAGE_S

@@ -1,5 +1,5 @@
 """The newest messages of topics, and what they say about a robot."""
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, NamedTuple, Optional
 
 import numpy as np
 from nav_msgs.msg import Odometry
@@ -44,11 +44,15 @@ def pose_from_msg(msg: Odometry) -> Pose:
 
 
 class Topics:
-    """Keeps the newest message of each topic that was subscribed to."""
+    """Keeps the newest message of each topic that was subscribed to.
+
+    types: of these topics, by their names.
+    """
 
     def __init__(self) -> None:
         self._subscribers: Dict[str, SettledSubscriber] = {}
         self._newest: Dict[str, Any] = {}
+        self.types: Dict[str, str] = {}
 
     def subscribe(self, name: str, data_class: type,
                   notify: Callable[[Any], None] = lambda msg: None) -> None:
@@ -59,16 +63,12 @@ class Topics:
         def keep(msg: Any, _: object) -> None:
             self._newest[name] = msg
             notify(msg)
+        self.types[name] = getattr(data_class, '_type')
         self._subscribers[name] = SettledSubscriber(name, data_class, keep, _BUFFER_BYTES)
 
     def newest(self, name: str) -> Optional[Any]:
         """Return the newest message, None if there is none."""
         return self._newest.get(name)
-
-    @property
-    def names(self) -> List[str]:
-        """The topics that were subscribed to."""
-        return list(self._subscribers)
 
     def is_settled(self) -> bool:
         """Return whether all messages that have arrived are kept."""

@@ -55,7 +55,7 @@ class Stepping:
                     done.result(_POLL_PERIOD_S)))
             except FutureTimeoutError:
                 continue
-        return TriggerResponse(False, 'the node ends')
+        raise rospy.ServiceException('the node ends')
 
     def _begin(self, period_s: float) -> 'Future[float]':
         if not self._pace.is_paused:

@@ -1,0 +1,209 @@
+"""img_recog.testing as tests of another package use it: by pytest, and in a rostest."""
+import os
+import pathlib
+import signal
+import sys
+import xml.etree.ElementTree as ET
+
+import pytest
+
+from img_recog_testing import process_table
+from img_recog_testing.processes import Ros
+from img_recog_testing.waiting import wait_for
+
+PACKAGE = '''<package format="2"><name>{}</name><version>0.0.0</version><license>none</license>
+<description>of a test</description><maintainer email="a@b.c">a</maintainer></package>'''
+LAUNCH = '''<launch><arg name="type" default="driver.py"/>
+<node name="driver" pkg="my_driver" type="$(arg type)"/></launch>'''
+DRIVER = '''#!{}
+import rospy
+from geometry_msgs.msg import Twist, Vector3
+from sensor_msgs.msg import Image
+from std_msgs.msg import Header
+
+rospy.init_node('driver')
+velocity = rospy.Publisher('cmd_vel', Twist, queue_size=1)
+rospy.Publisher('silent', Header, queue_size=1)
+rospy.Subscriber('usb_cam/image_raw', Image, lambda msg: velocity.publish(
+    Twist(Vector3(0.2, 0, 0), Vector3(0, 0, msg.data[0] / 1000))), buff_size=1 << 20)
+rospy.spin()
+'''.format(sys.executable)
+BROKEN = '''#!{}
+raise ValueError('no wheels')
+'''.format(sys.executable)
+SMALL = 'image_width=64, image_height=48'
+DRIVE = "launch=('my_driver', 'drive.launch'), lockstep='cmd_vel', " + SMALL
+
+
+@pytest.fixture
+def workspace(tmp_path):
+    """The folder of a package, and a function that starts a program which finds it."""
+    package = tmp_path / 'my_driver'
+    package.mkdir()
+    for name, text in (('package.xml', PACKAGE.format('my_driver')), ('drive.launch', LAUNCH),
+                       ('driver.py', DRIVER), ('broken.py', BROKEN),
+                       ('conftest.py', "pytest_plugins = ['img_recog.testing.fixtures']\n")):
+        (package / name).write_text(text)
+        (package / name).chmod(0o755)
+    with Ros(tmp_path) as ros:
+        env = dict(ros.env, ROS_PACKAGE_PATH='{}:{}'.format(
+            package, os.environ['ROS_PACKAGE_PATH']))
+        del env['ROS_MASTER_URI']
+
+        def start(*command):
+            return ros.start(*command, env=env, cwd=str(package))
+        start.marker = ros.marker
+        yield package, start
+
+
+def run_pytest(workspace, text):
+    """Run a test file; return the outcome of each test: its message, or '' if it has passed."""
+    package, start = workspace
+    (package / 'test_it.py').write_text(text)
+    process = start(sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider',
+                    '--junitxml=results/junit.xml', 'test_it.py')
+    process.wait()
+    results = package / 'results' / 'junit.xml'
+    assert results.exists(), process.output
+    return {case.get('name'): ''.join(each.get('message') for each in case)
+            for case in ET.parse(str(results)).iter('testcase')}
+
+
+def test_each_simulation_of_a_process_drives_the_same_path(workspace):
+    outcomes = run_pytest(workspace, '''
+import pytest, rospy
+from img_recog.testing import Simulation
+rows = []
+
+@pytest.mark.parametrize('period_s', [0.1, 0.25])
+def test_path(simulation, period_s):
+    sim = simulation({drive})
+    assert sim.time_s == 0.0 and rospy.get_param('/gazebo/world') == 'color_posts'
+    assert sim.step(0.5) == 0.5
+    picture = sim.image()
+    assert picture.pixels.shape == (48, 64, 3) and abs(picture.time_s - 0.495) < 1e-6
+    sim.wait_until(lambda: sim.pose().x > -1.9, period_s=period_s)
+    sim.step(2.0 - sim.time_s)
+    rows.append(sim.pose())
+
+def test_same():
+    assert rows[0] == rows[1] and abs(rows[0].time_s - 1.98) < 1e-6 and rows[0].yaw != 0.0
+    assert rospy.get_param('/gazebo', None) is None
+
+def test_without_a_camera_and_node():
+    with Simulation(camera='none', world='empty', x_pos=1.0) as sim:
+        pose = sim.pose()
+        assert abs(pose.x - 1.0) < 1e-3 and sim.time_s == 0.1 and pose.time_s == 0.099
+        with pytest.raises(AssertionError, match='no message on /usb_cam/image_raw in 2 s of '
+                           'simulated time: nobody publishes it'):
+            sim.image()
+'''.format(drive=DRIVE))
+    assert outcomes == dict.fromkeys(
+        ['test_path[0.1]', 'test_path[0.25]', 'test_same', 'test_without_a_camera_and_node'], '')
+
+
+def test_what_is_wrong_is_said(workspace):
+    outcomes = run_pytest(workspace, '''
+import pytest
+from img_recog.testing import Simulation
+from std_msgs.msg import Header, String
+
+@pytest.mark.parametrize('arguments', [
+    dict(launch='no.launch'), dict(launch=('my_driver', 'no.launch')),
+    dict(launch=('no_package', 'a.launch')), dict(launch=3), dict(robot='no.urdf'),
+    dict(no_argument=1), dict(launch=('my_driver', 'drive.launch', {{'no_argument': 1}})),
+    dict(launch=('my_driver', 'drive.launch', {{'type': 'broken.py'}}), camera='none'),
+    dict(launch=('my_driver', 'drive.launch', {{'type': 'none.py'}}), camera='none'),
+    dict(camera='none', world='no_world')])
+def test_start(simulation, arguments):
+    simulation(**arguments)
+
+def test_outside():
+    Simulation().step(0.1)
+
+def test_it_stands(simulation):
+    simulation({drive}, wall_timeout_s=7.0).step(0.1)
+
+def test_does_not_answer(simulation):
+    simulation(launch=('my_driver', 'drive.launch'), lockstep='/silent', {small},
+               lockstep_timeout=0.5).step(1.0)
+
+def test_other(simulation):
+    sim = simulation({good})
+    for call, words in ((lambda: sim.step(0), 'got 0 s'), (lambda: sim.step(0.0005), 'not divide'),
+                        (lambda: sim.pose('a'), "give one of ''"),
+                        (lambda: sim.message('cmd_vel', String), 'has the type geometry_msgs/Tw'),
+                        (lambda: Simulation().start(), 'another Simulation runs')):
+        with pytest.raises(Exception, match=words):
+            call()
+    with pytest.raises(AssertionError, match='in 2 s of simulated time: /driver has sent none'):
+        sim.message('silent', Header)
+    sim.wait_until(lambda: sim.pose().x > 9.0, timeout_s=0.2)
+'''.format(drive=DRIVE.replace("'cmd_vel'", "'/nobody'"), small=SMALL, good=DRIVE))
+    for name, *words in (
+            ('start[arguments0]', 'there is no file /', 'no.launch'),
+            ('start[arguments1]', 'no.launch', 'my_driver'),
+            ('start[arguments2]', 'no_package'),
+            ('start[arguments3]', 'launch: got 3'),
+            ('start[arguments4]', 'robot: there is no file'),
+            ('start[arguments5]', 'unused args [no_argument]'),
+            ('start[arguments6]', 'unused args [no_argument]', 'drive.launch'),
+            ('start[arguments7]', 'the node driver has ended: ValueError: no wheels'),
+            ('start[arguments8]', 'cannot launch node of type [my_driver/none.py]'),
+            ('start[arguments9]', 'the node gazebo has ended: ', 'no_world'),
+            ('outside', 'the simulation does not run'),
+            ('it_stands', 'simulated time stands at 0.000 s and waits for: a publisher of '
+             '/nobody'),
+            ('does_not_answer', 'the node gazebo has ended: lockstep: no answer in 0.5 s'),
+            ('other', 'not within 0.2 s of simulated time: sim.wait_until(lambda: sim.pose().x > '
+             '9.0', '/odom: x -', 'the last lines of the nodes:')):
+        for word in words:
+            assert word in outcomes.get('test_' + name, ''), outcomes
+    kept = pathlib.Path(workspace[0], 'results')
+    assert sorted(path.name for path in kept.glob('test_other*')) == [
+        'test_other.above.png', 'test_other.camera.png', 'test_other.log', 'test_other.mp4']
+
+
+def test_in_a_rostest(workspace):
+    package, start = workspace
+    (package / 'drive_test.py').write_text('''#!{python}
+import unittest, rostest
+from img_recog.testing import Simulation
+
+class Drive(unittest.TestCase):
+    def test_drives(self):
+        with Simulation({drive}) as sim:
+            sim.wait_until(lambda: sim.pose().x > -1.9)
+
+    def test_fails(self):
+        with Simulation(camera='none', world='empty', name='failed') as sim:
+            self.fail('as it should')
+
+rostest.rosrun('my_driver', 'drive_test', Drive)
+'''.format(python=sys.executable, drive=DRIVE))
+    (package / 'drive_test.py').chmod(0o755)
+    (package / 'drive.test').write_text(
+        '<launch><test test-name="drive_test" pkg="my_driver" type="drive_test.py" '
+        'time-limit="300"/></launch>')
+    process = start('rostest', '--results-base-dir', package, '--text', 'drive.test')
+    process.wait()
+    assert 'as it should' in process.output and 'FAILED (failures=1)' in process.output
+    assert list(package.rglob('failed.log')), process.output
+
+
+@pytest.mark.parametrize('signum', [signal.SIGINT, signal.SIGKILL])
+def test_nothing_is_left(workspace, signum):
+    package, start = workspace
+    (package / 'test_it.py').write_text('''
+def test_endless(simulation):
+    sim = simulation({drive})
+    sim.step(0.1)
+    open('begun', 'w').close()
+    while sim.step(0.1):
+        pass
+'''.format(drive=DRIVE))
+    process = start(sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', 'test_it.py')
+    wait_for((package / 'begun').exists, lambda: process.output)
+    process.send_signal(signum)
+    process.wait()
+    wait_for(lambda: not process_table.marked(start.marker), 'the end of all nodes')
