@@ -71,7 +71,7 @@ def run_pytest(workspace, text):
 
 def test_each_simulation_of_a_process_drives_the_same_path(workspace):
     outcomes = run_pytest(workspace, '''
-import pytest, rospy
+import pytest, rospy, time
 from img_recog.testing import Simulation
 rows = []
 
@@ -91,12 +91,15 @@ def test_same():
     assert rospy.get_param('/gazebo', None) is None
 
 def test_without_a_camera_and_node():
-    with Simulation(camera='none', world='empty', x_pos=1.0) as sim:
+    with Simulation(camera='none', world='empty', x_pos=1.0, real_time_factor=5) as sim:
         pose = sim.pose()
         assert abs(pose.x - 1.0) < 1e-3 and sim.time_s == 0.1 and pose.time_s == 0.099
         with pytest.raises(AssertionError, match='no message on /usb_cam/image_raw in 2 s of '
                            'simulated time: nobody publishes it'):
             sim.image()
+        began_s = time.monotonic()
+        sim.step(1.0)
+        assert time.monotonic() - began_s > 0.15
 '''.format(drive=DRIVE))
     assert outcomes == dict.fromkeys(
         ['test_path[0.1]', 'test_path[0.25]', 'test_same', 'test_without_a_camera_and_node'], '')

@@ -144,12 +144,10 @@ class Gazebo:
                     if self._pace.is_paused:
                         self._pace.restart()
                     self._clock.count(0.0)
-                elif end is None:
+                elif end is None or self._simulator.steps < end:
                     simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
                     self._clock.count(simulated_s)
                     self._wait(self._pace.delay_s(simulated_s))
-                elif self._simulator.steps < end:
-                    self._clock.count(self._advance(self._free_run_periods))
                 elif self._images.is_complete():
                     self._stepping.finish()
                 else:
