@@ -29,12 +29,16 @@ def pytest_runtest_makereport(item: Any, call: Any) -> None:
 
 @pytest.fixture
 def simulation(request: Any) -> Iterator[Callable[..., Simulation]]:
-    """Return a function that starts a Simulation, with its arguments, which ends with the test."""
+    """Return a function that starts a Simulation, with its arguments.
+
+    It ends with the test, or when the function is called again.
+    """
     with contextlib.ExitStack() as stack:
         def end(running: Simulation) -> None:
             running.end(request.node.nodeid in _failed)
 
         def start(*args: Any, **kwargs: Any) -> Simulation:
+            stack.close()
             running = Simulation(*args, **kwargs)
             running.start()
             stack.callback(end, running)

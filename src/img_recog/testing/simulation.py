@@ -180,9 +180,9 @@ class Simulation:
                 ', '.join(repr(topic.rpartition('/')[0][1:]) for topic in topics) or 'none'))
         return pose_from_msg(self.message(found[0], Odometry))
 
-    def image(self, topic: str = _CAMERA) -> Picture:
-        """Return the newest image; see `message`."""
-        msg = self.message(topic, Image)
+    def image(self, topic: str = '') -> Picture:
+        """Return the newest image, by default of the camera; see `message`."""
+        msg = self.message(topic or _CAMERA, Image)
         return Picture(image_msgs.from_msg(msg), msg.header.stamp.to_sec())
 
     def message(self, topic: str, data_class: type) -> Any:
