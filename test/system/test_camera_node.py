@@ -2,6 +2,7 @@
 import contextlib
 import re
 import socket
+import subprocess
 import time
 
 import cv2
@@ -26,7 +27,7 @@ def test_interrupt_ends_it_while_its_source_blocks(roscore, interrupt):
         for _ in range(10):
             camera = start(roscore, '_video_device:=http://me:secret@127.0.0.1:{}/live'.format(
                 server.getsockname()[1]))
-            call, _ = server.accept()       # now OpenCV waits for an answer
+            call, _ = server.accept()       # now FFmpeg waits for an answer
             begin = time.monotonic()
             with contextlib.suppress(ValueError):       # it has ended, and has no thread
                 interrupt(camera)
@@ -34,7 +35,7 @@ def test_interrupt_ends_it_while_its_source_blocks(roscore, interrupt):
             took_s = time.monotonic() - begin
             call.close()
             if 'or not within' not in camera.output:
-                break       # else the machine was so busy that OpenCV has given up before
+                break       # else the machine was so busy that FFmpeg has given up before
     assert code == 0, camera.output
     assert took_s < 20.0 * stretch()
     assert 'secret' not in camera.output and 'terminate' not in camera.output
@@ -81,6 +82,19 @@ def test_source_that_is_missing_at_the_start_ends_the_node_with_one_line(roscore
     camera = start(roscore, '_video_device:={}/still.png'.format(tmp_path))
     assert camera.wait() == 1
     assert len(re.findall(r'\[FATAL\].*/still.png: no such file or device', camera.output)) == 1
+
+
+def test_a_video_whose_size_changes_is_one_line(roscore, tmp_path):
+    with open(str(tmp_path / 'joined.ts'), 'wb') as joined:
+        for size in ('96x64', '128x96'):
+            subprocess.run(['ffmpeg', '-v', 'error', '-f', 'lavfi', '-i',
+                            'testsrc2=size={}:rate=10:duration=1'.format(size), '-c:v', 'libx264',
+                            '-pix_fmt', 'yuv420p', '-f', 'mpegts', '-'], check=True, stdout=joined)
+    camera = start(roscore, '_video_device:={}'.format(joined.name), '_loop:=false')
+    assert camera.wait() == 0, camera.output
+    assert len(re.findall(r'\[WARN\].*joined.ts is 128x96: the images have this size',
+                          camera.output)) == 1
+    assert 'ERROR' not in camera.output, camera.output
 
 
 class Recognition:

@@ -3,7 +3,6 @@ import os
 import subprocess
 import sys
 import textwrap
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -15,10 +14,12 @@ from img_recog.camera.image_source import FolderSource, read_image
 from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, SourceError
+from img_recog.camera.video_source import VideoSource
 from img_recog.conversions import image_msgs
 from img_recog.conversions.compressed_image_msgs import from_msg
 from img_recog.conversions.image_msgs import ImageError
 from img_recog_testing import bombs
+from img_recog_testing.fake_decoder import FakeDecoder
 
 HEADERS = bombs.headers()
 TOO_LARGE = '20000x20000 are 400000000 pixels, more than max_image_pixels = 50000000'
@@ -70,13 +71,11 @@ def test_a_video_that_states_a_large_size_is_not_decoded(tmp_path):
     assert open_source(CameraSettings(video_device=path, max_image_pixels=307200)).width == 640
 
 
-def test_a_video_that_grows_midway_ends(make_video, monkeypatch):
-    source = open_source(CameraSettings(video_device=make_video(), max_image_pixels=96 * 64))
-    assert source.read().shape == (64, 96, 3)
-    grown = SimpleNamespace(read=lambda: (True, np.zeros((65, 96, 3), np.uint8)),
-                            release=lambda: None)
-    monkeypatch.setattr(source, '_capture', grown)
-    with pytest.raises(SourceError, match='video.avi: 96x65 are 6240 pixels, more than max_image'):
+def test_a_video_that_grows_midway_ends(clock):
+    decoder = FakeDecoder(clock, [True, True, np.zeros((49, 64, 3), np.uint8)], rate_hz=10.0)
+    source = VideoSource('video.avi', max_pixels=64 * 48, decoder=decoder)
+    source.read()
+    with pytest.raises(SourceError, match='video.avi: 64x49 are 3136 pixels, more than max_image'):
         source.read()
 
 

@@ -22,6 +22,9 @@ class Listener:
     def opened(self, source: FrameSource) -> None:
         """A source is open; also called when a lost source is back."""
 
+    def resized(self, source: FrameSource) -> None:
+        """The next frame has another size than the one before."""
+
     def frame(self, source: FrameSource, image: np.ndarray) -> None:
         """A frame was captured, `source.age_s` ago."""
 
@@ -170,7 +173,7 @@ class Capture:
             pacer = Pacer(source.rate_hz, self._now) if source.rate_hz else None
             throttle = Throttle(source.max_hz) if source.max_hz else None
             period_s = 1.0 / source.rate_hz if source.rate_hz else 0.0
-            read_s = 0.0
+            read_s, size = 0.0, (source.width, source.height)
             while not self._stopping.is_set():
                 if (_NOTHING_S < read_s < _MAX_READING_SHARE * period_s
                         and self._pause(_RECEIVING_SHARE * period_s)):
@@ -188,6 +191,9 @@ class Capture:
                 if image is not None:
                     any_frame = True
                     self._clear_lost(source)
+                    if size != (source.width, source.height):
+                        size = source.width, source.height
+                        self._listener.resized(source)
                     self._listener.frame(source, image)
         except SourceEnded as end:
             self._request_stop()

@@ -1,5 +1,4 @@
 """When frames are due, are kept and were captured: pacing, a limit of the rate, and stamps."""
-import math
 import time
 from typing import Callable, Optional
 
@@ -44,25 +43,25 @@ class FrameTimes:
     """Times of the frames of a film, from those that its decoder gives, if it gives any.
 
     A time within 1 ms of the multiple of the period is this multiple: containers round to 1 ms. A
-    decoder time that does not increase, or jumps by more than an hour, is none: the frame
+    decoder time that does not increase, or jumps by more than an hour, counts as none: the frame
     then follows the one before as that has followed its own.
 
     step_s: between the last two frames; before, the stated period, 0 if there is none.
     longest_step_s: the longest so far.
 
     >>> times = FrameTimes(8.0)
-    >>> [times.next_s(decoder_ms) for decoder_ms in (0.0, 125.4, 375.0, 375.0, 20.0)]
+    >>> [times.next_s(decoder_s) for decoder_s in (0.0, 0.1254, 0.375, None, 0.02)]
     [0.0, 0.125, 0.375, 0.625, 0.875]
     """
 
     _ROUNDING_S, _MAX_STEP_S = 1e-3, 3600.0
-    _MAX_TIME_S = 1e9       # more is a time that ffmpeg does not know
 
     def __init__(self, rate_hz: float):
         """Begin before the first frame of a film that states the rate `rate_hz`, 0 if none."""
         self._rate_hz = rate_hz
         self._count, self._time_s = 0, 0.0
-        self._decoder_s = self._offset_s = 0.0
+        self._decoder_s: Optional[float] = None
+        self._offset_s = 0.0        # of the decoder's times
         self.step_s = 1.0 / rate_hz if rate_hz > 0 else 0.0
         self.longest_step_s = self.step_s
 
@@ -72,17 +71,16 @@ class FrameTimes:
 
     def restart(self) -> None:
         """Say that the next frame is the first one of the film again: it is due a step later."""
-        self._decoder_s = math.inf
+        self._decoder_s = None
 
-    def next_s(self, decoder_ms: float) -> float:
-        """Return the time of the next frame, which increases, by that of the decoder."""
-        decoder_s = decoder_ms / 1e3
-        if self._count and abs(decoder_s) <= self._MAX_TIME_S and (
+    def next_s(self, decoder_s: Optional[float]) -> float:
+        """Return the time of the next frame, which increases, by that of the decoder, if any."""
+        if decoder_s is not None and self._decoder_s is not None and (
                 0.0 < decoder_s - self._decoder_s <= self._MAX_STEP_S):
             time_s = decoder_s - self._offset_s
         else:
             time_s = self._time_s + self.step_s if self._count else 0.0
-            self._offset_s = decoder_s - time_s
+            self._offset_s = (decoder_s or 0.0) - time_s
         if self._rate_hz > 0 and abs(
                 time_s - self._count / self._rate_hz) <= self._ROUNDING_S:
             time_s = self._count / self._rate_hz

@@ -26,11 +26,12 @@ class FrameSkipped(Exception):
 
 
 class FrameSource(abc.ABC):
-    """A stream of frames of one size and encoding.
+    """A stream of frames of one encoding.
 
     description: the origin of the frames and their format, one line for the log.
     name: the origin of the frames as the user named it.
-    width, height: size of all frames, in pixels.
+    width, height: size of the last frame, before it of the first, in pixels. It changes if that of
+    a video or stream does.
     encoding: encoding of all frames, `rgb8` or `mono8` (sensor_msgs/image_encodings.h).
     differs: whether the format or size is not the one that was requested.
     rate_hz: the rate at which to play the frames, or None when `read` waits for the device.

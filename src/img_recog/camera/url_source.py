@@ -1,25 +1,22 @@
-"""A live stream, a video or an image at a URL, read by OpenCV's ffmpeg."""
+"""A live stream, a video or an image at a URL, decoded by FFmpeg."""
 import time
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional
 
-import cv2
 import numpy as np
 
 from img_recog.camera import urls
+from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
 from img_recog.camera.image_source import EXTENSIONS, ImageSource
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceError, SourceTooLarge,
-                                     check_size, convert, fourcc)
-from img_recog.camera.video_source import VideoSource, open_capture, released_on_error
+                                     check_size)
+from img_recog.camera.video_source import VideoSource
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 # When a read times out, ffmpeg may return a frame made from the data that has arrived.
 _OPEN_TIMEOUT_S, _READ_TIMEOUT_S = 5.0, 2.0
 # Longer than for a camera: servers may send whole groups of pictures (GOP) at once.
 _STALL_TIMEOUT_S = 1.8
-# OpenCV reports a damaged frame and the end of a stream alike, but at the end its reads fail
-# immediately, again and again.
-_FAST_FAILURE_S, _MAX_FAST_FAILURES = 0.005, 4
 # Videos whose container does not state the frame count, such as a recording by a browser.
 _VIDEO_EXTENSIONS = ('.avi', '.m4v', '.mkv', '.mov', '.mp4', '.mpeg', '.mpg', '.ogv', '.webm')
 
@@ -35,26 +32,24 @@ def open_url(settings: CameraSettings, warn: Callable[[str], None]) -> FrameSour
     if scheme not in urls.SCHEMES:
         raise SourceError('cannot open {}: the URL of a stream begins with one of {}'.format(
             name, ', '.join(known + '://' for known in urls.SCHEMES)))
-    capture = _open_capture(url, max_pixels)
-    with released_on_error(capture):
-        if not capture.isOpened():
-            raise SourceError('cannot open {}: no stream that OpenCV plays, or not within {:g} s'
-                              .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
+    decoder = _open(url, max_pixels)
+    if decoder is None:
+        raise SourceError('cannot open {}: no stream that FFmpeg plays, or not within {:g} s'
+                          .format(name, _OPEN_TIMEOUT_S), 'is its server running?')
+    with released_on_error(decoder):
         is_http = scheme.startswith('http')     # the other protocols send at the video's rate
-        # the frame count of a video is known; for a live stream ffmpeg gives 0 or less
-        count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        # the frame count of a video is known, that of a live stream is not
+        count = decoder.frame_count
         if is_http and (count > 1 or urls.ends_with(url, _VIDEO_EXTENSIONS)):
-            return RemoteVideoSource(url, capture, settings.loop, warn, max_pixels=max_pixels)
-        stream = StreamSource(name, capture, announces_rate=not is_http, max_pixels=max_pixels)
+            return RemoteVideoSource(url, decoder, settings.loop, warn, max_pixels=max_pixels)
+        stream = StreamSource(name, decoder, announces_rate=not is_http, max_pixels=max_pixels)
         if is_http and (count == 1 or urls.ends_with(url, EXTENSIONS)):
             return _image_or_stream(stream, settings.framerate)
         return stream
 
 
-def _open_capture(url: str, max_pixels: int) -> cv2.VideoCapture:
-    return open_capture(url, max_pixels, [
-        cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, int(1000 * _OPEN_TIMEOUT_S),
-        cv2.CAP_PROP_READ_TIMEOUT_MSEC, int(1000 * _READ_TIMEOUT_S)])
+def _open(url: str, max_pixels: int) -> Optional[Decoder]:
+    return open_decoder(url, max_pixels, (_OPEN_TIMEOUT_S, _READ_TIMEOUT_S))
 
 
 def _image_or_stream(stream: 'StreamSource', rate_hz: float) -> FrameSource:
@@ -80,27 +75,27 @@ class RemoteVideoSource(VideoSource):
     _incomplete = 'truncated or damaged, or its server closed the connection'
     _opens_ahead = False        # a server may allow one connection
 
-    def __init__(self, url: str, capture: cv2.VideoCapture, loop: bool,
+    def __init__(self, url: str, decoder: Decoder, loop: bool,
                  warn: Callable[[str], None], now: Callable[[], float] = time.monotonic,
                  max_pixels: int = DEFAULT_MAX_PIXELS):
-        """Play the video that `capture` has just opened at `url`."""
+        """Play the video that `decoder` has just opened at `url`."""
         self._now = now
         self.reconnects = loop      # a video that plays once must not start again
         self.stall_timeout_s = _STALL_TIMEOUT_S if loop else None
-        super().__init__(url, loop, warn, max_pixels, capture)
+        super().__init__(url, loop, warn, max_pixels, decoder)
 
-    def _open(self) -> cv2.VideoCapture:
-        return _open_capture(self._path, self._max_pixels)
+    def _open(self) -> Optional[Decoder]:
+        return _open(self._path, self._max_pixels)
 
     def _not_playable(self) -> SourceError:
         return SourceError(
-            'cannot play {}: OpenCV decodes no frame of it (codec {}): it has no decoder for '
+            'cannot play {}: FFmpeg decodes no frame of it (codec {}): it has no decoder for '
             'that, or the server has no range requests and the index of the .mp4 is at its end'
-            .format(self.name, fourcc(self._capture)))
+            .format(self.name, self._decoder.codec))
 
-    def _read_frame(self, capture: cv2.VideoCapture) -> Optional[np.ndarray]:
+    def _read_frame(self, decoder: Decoder) -> Optional[np.ndarray]:
         begin_s = self._now()
-        image = super()._read_frame(capture)
+        image = super()._read_frame(decoder)
         silent_s = self._now() - begin_s
         if silent_s >= _READ_TIMEOUT_S:
             raise SourceError('the video {} stalls: its server has sent nothing for {:.1f} s'
@@ -111,70 +106,59 @@ class RemoteVideoSource(VideoSource):
 class StreamSource(FrameSource):
     """A live stream; `read` waits for the next frame, for at most two seconds.
 
-    A damaged frame is skipped. Four reads that fail immediately, or 1.8 s without a good frame,
-    are the end of the stream.
+    A damaged frame is skipped. 1.8 s without a good frame are the end of the stream.
     """
 
     reconnects = True
     stall_timeout_s = _STALL_TIMEOUT_S
 
-    def __init__(self, name: str, capture: cv2.VideoCapture, announces_rate: bool = False,
+    def __init__(self, name: str, decoder: Decoder, announces_rate: bool = False,
                  now: Callable[[], float] = time.monotonic,
                  max_pixels: int = DEFAULT_MAX_PIXELS):
-        """Play the stream that `capture` has just opened; it stays open if that fails.
+        """Play the stream that `decoder` has just opened; it stays open if that fails.
 
-        announces_rate: whether its protocol announces the rate; otherwise OpenCV's is a guess.
+        announces_rate: whether its protocol announces the rate; otherwise FFmpeg's is a guess.
         max_pixels: a frame with more pixels ends the stream.
         """
-        self.name, self._capture, self._now, self._max_pixels = name, capture, now, max_pixels
+        self.name, self._decoder, self._now, self._max_pixels = name, decoder, now, max_pixels
         self._count = 0
-        try:
-            first, self._damaged_count = self._read_good_frame()
-        except SourceTooLarge:
-            raise
-        except SourceError:
-            raise SourceError('cannot open {}: no frame arrives that OpenCV decodes (codec {})'
-                              .format(name, fourcc(capture)))
-        self._next: Optional[np.ndarray] = first
-        self.height, self.width = first.shape[:2]
-        rate_hz = capture.get(cv2.CAP_PROP_FPS)
+        self._last_s = now()        # when there was a good frame
+        self._next: Optional[np.ndarray] = None
+        while self._next is None:
+            try:
+                self._next = self.read()
+            except FrameSkipped:
+                continue
+            except SourceTooLarge:
+                raise
+            except SourceError:
+                raise SourceError('cannot open {}: no frame arrives that FFmpeg decodes (codec {})'
+                                  .format(name, decoder.codec))
+        rate_hz = decoder.rate_hz
         self.expected_hz = rate_hz if announces_rate and 0 < rate_hz <= 1000 else None
         self.description = 'stream {}, {}x{}'.format(name, self.width, self.height)
 
     def read(self) -> np.ndarray:
-        frame = self._next
-        if frame is None:
-            frame, self._damaged_count = self._read_good_frame()
-            self._next = frame
-        if self._damaged_count > 0:
-            self._damaged_count -= 1
-            raise FrameSkipped('{} gave an empty or damaged frame'.format(self.name))
-        self._next = None
-        if frame.shape[:2] != (self.height, self.width):
-            raise SourceError('{} has changed its size to {}x{}'.format(
-                self.name, frame.shape[1], frame.shape[0]))
-        return convert(frame, self.encoding)
-
-    def _read_good_frame(self) -> Tuple[np.ndarray, int]:
-        """Return the next good frame, and the number of damaged frames before it."""
-        begin_s = now_s = self._now()
-        damaged_count = fast_failures = 0
-        while fast_failures < _MAX_FAST_FAILURES and now_s - begin_s < _STALL_TIMEOUT_S:
-            before_s = now_s
-            decoded, frame = self._capture.read()
-            now_s = self._now()
-            in_time = now_s - before_s < _READ_TIMEOUT_S
-            if decoded and in_time and frame is not None and frame.size > 0:
-                check_size('cannot play ' + self.name, frame.shape[1], frame.shape[0],
-                           self._max_pixels)
-                self._count += 1
-                return frame, damaged_count
-            damaged_count += 1
-            fast_failures += now_s - before_s < _FAST_FAILURE_S
-        problem = '{} gives no more frames: ended or silent'.format(self.name)
-        if self._count == 1:
-            raise SourceError(problem + ' after the first', 'give a stream, not an image')
-        raise SourceError(problem)
+        frame, self._next = self._next, None
+        if frame is not None:
+            return frame
+        begin_s = self._now()
+        try:
+            frame = self._decoder.read()
+        except FrameSkipped:
+            if self._now() - self._last_s < _STALL_TIMEOUT_S:
+                raise
+        now_s = self._now()
+        if frame is None or now_s - begin_s >= _READ_TIMEOUT_S:
+            problem = '{} gives no more frames: ended or silent'.format(self.name)
+            if self._count == 1:
+                raise SourceError(problem + ' after the first', 'give a stream, not an image')
+            raise SourceError(problem)
+        check_size('cannot play ' + self.name, frame.shape[1], frame.shape[0], self._max_pixels)
+        self._count += 1
+        self._last_s = now_s
+        self.height, self.width = frame.shape[:2]
+        return frame
 
     def close(self) -> None:
-        self._capture.release()
+        self._decoder.release()

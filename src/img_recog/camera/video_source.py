@@ -1,17 +1,16 @@
-"""Frames of a video, read by OpenCV's ffmpeg."""
+"""Frames of a video, decoded by FFmpeg."""
 import contextlib
-import math
 import os
 from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Callable, Deque, Iterator, Optional, Sequence, Tuple
+from typing import Callable, Deque, Optional, Tuple
 
-import cv2
 import numpy as np
 
+from img_recog.camera.decoder import Decoder, open_decoder, released_on_error
 from img_recog.camera.pacing import FrameTimes
-from img_recog.camera.source import (FrameSource, SourceEnded, SourceError, check_size, convert,
-                                     fourcc)
+from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
+                                     check_size)
 from img_recog.camera.urls import redacted
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
@@ -20,41 +19,19 @@ _MISSING_SHARE = 0.02
 _MISSING_FRAMES = 2
 _AHEAD_S = 1.0          # before its end, a video that plays in a loop is opened again
 
-_Opened = Tuple[cv2.VideoCapture, np.ndarray]       # and the first frame
+_MAX_DAMAGED_FRAMES = 4096      # in a row; then it is a video no longer
 
-
-@contextlib.contextmanager
-def released_on_error(capture: cv2.VideoCapture) -> Iterator[None]:
-    """Release `capture` if the block raises anything."""
-    try:
-        yield
-    except BaseException:
-        capture.release()
-        raise
-
-
-def open_capture(path: str, max_pixels: int, *options: Sequence[int]) -> cv2.VideoCapture:
-    """Open a video by OpenCV's ffmpeg; it may not be open then.
-
-    Its frames are turned upright if it says how (display matrix); OpenCV does not by default.
-    Raises SourceTooLarge when it states more than `max_pixels` pixels: no frame is decoded then.
-    """
-    capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG, *options)
-    with released_on_error(capture):
-        check_size('cannot play ' + redacted(path), capture.get(cv2.CAP_PROP_FRAME_WIDTH),
-                   capture.get(cv2.CAP_PROP_FRAME_HEIGHT), max_pixels)
-        capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
-    return capture
+_Opened = Tuple[Decoder, np.ndarray]        # and the first frame
 
 
 def not_playable(name: str) -> SourceError:
-    """Return the error for a file that OpenCV cannot read."""
+    """Return the error for a file that is neither a video nor an image."""
     return SourceError('cannot play {}: neither a video nor an image that OpenCV reads'.format(
         name), 'set video_device to one, or to synthetic')
 
 
 class VideoSource(FrameSource):
-    """A video that plays at the times of its frames, once or in a loop.
+    """A video that plays at the times of its frames, once or in a loop; damaged ones are skipped.
 
     rate_hz: the frame rate of the video; if it varies, that of the first two frames.
     expected_hz: the same, None if it varies.
@@ -71,12 +48,12 @@ class VideoSource(FrameSource):
 
     def __init__(self, path: str, loop: bool = True, warn: Callable[[str], None] = lambda _: None,
                  max_pixels: int = DEFAULT_MAX_PIXELS,
-                 capture: Optional[cv2.VideoCapture] = None):
+                 decoder: Optional[Decoder] = None):
         """Open a video; raise SourceError when it cannot be played.
 
         warn: called with one line when the video turns out to be incomplete.
         max_pixels: a video whose frames have more pixels cannot be played.
-        capture: if the video is open already.
+        decoder: if the video is open already.
         """
         # ffmpeg takes what is before a colon for a protocol, but not in an absolute path
         self._path = path if '://' in path else os.path.abspath(path)
@@ -84,16 +61,19 @@ class VideoSource(FrameSource):
         self.name = redacted(path)
         self._ahead: 'Optional[Future[_Opened]]' = None
         self._count = self._position = 0        # frames that were read; since the last start
-        self._capture = capture or self._open()
-        with released_on_error(self._capture):
-            first = self._read_frame(self._capture)
+        opened = decoder or self._open()
+        if opened is None:
+            raise not_playable(self.name)
+        self._decoder = opened
+        with released_on_error(self._decoder):
+            first = self._read_frame(self._decoder)
             if first is None:
                 raise self._not_playable()
-            stated_hz = self._capture.get(cv2.CAP_PROP_FPS)
-            self._times = FrameTimes(stated_hz if math.isfinite(stated_hz) else 0.0)
+            stated_hz = self._decoder.rate_hz
+            self._times = FrameTimes(stated_hz)
             self._next: Deque[Optional[Tuple[np.ndarray, float]]] = deque()     # None: the end
             self._append(first)
-            self._append(self._read_frame(self._capture))
+            self._append(self._read_frame(self._decoder))
             self.step_s = self._times.step_s
             if not self.step_s > 0:
                 raise SourceError('cannot play {}: neither its frame rate nor the times of its '
@@ -102,9 +82,9 @@ class VideoSource(FrameSource):
         is_even = self._times.is_even()
         self.rate_hz = stated_hz if is_even else 1.0 / self.step_s
         self.expected_hz = stated_hz if is_even else None
-        self.expected_frames = max(0, int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)))
+        self.expected_frames = self._decoder.frame_count
         self._expected_s = self.expected_frames / stated_hz if stated_hz > 0 else 0.0
-        self.height, self.width = first.shape[:2]
+        self._first_size = self.height, self.width = first.shape[:2]
         self.description = 'video {}, {}x{}, {}, played {}'.format(
             self.name, self.width, self.height,
             '{:g} Hz'.format(stated_hz) if is_even else 'variable rate',
@@ -120,7 +100,7 @@ class VideoSource(FrameSource):
         self._count += 1
         self._position += 1
         if not self._next:
-            self._append(self._read_frame(self._capture))
+            self._append(self._read_frame(self._decoder))
         if self._next[0] is None:
             self._check_length()
             if self._loop:
@@ -133,51 +113,50 @@ class VideoSource(FrameSource):
             self._ahead = executor.submit(self._open_again)
             executor.shutdown(wait=False)
         self.step_s = self._times.step_s
-        return convert(frame, self.encoding)
+        self.height, self.width = frame.shape[:2]
+        return frame
 
     def _append(self, image: Optional[np.ndarray]) -> None:
         self._next.append(None if image is None else (
-            image, self._times.next_s(self._capture.get(cv2.CAP_PROP_POS_MSEC))))
+            image, self._times.next_s(self._decoder.time_s)))
 
-    def _open(self) -> cv2.VideoCapture:
-        return open_capture(self._path, self._max_pixels)
+    def _open(self) -> Optional[Decoder]:
+        return open_decoder(self._path, self._max_pixels)
 
     def _not_playable(self) -> SourceError:
-        # without decoding, OpenCV opens also what it has no decoder for
-        packets = open_capture(self._path, self._max_pixels, [cv2.CAP_PROP_FORMAT, -1])
-        try:
-            if not packets.grab():
-                return not_playable(self.name)
-            return SourceError(
-                'cannot play {}: OpenCV decodes no frame of it (codec {}): it has no decoder for '
-                'that, or the file is damaged'.format(self.name, fourcc(packets)),
-                'convert it: ffmpeg -i INPUT -c:v libx264 OUTPUT.mp4')
-        finally:
-            packets.release()
+        return SourceError(
+            'cannot play {}: FFmpeg decodes no frame of it (codec {}): it has no decoder for '
+            'that, or the file is damaged'.format(self.name, self._decoder.codec),
+            'convert it: ffmpeg -i INPUT -c:v libx264 OUTPUT.mp4')
 
-    def _read_frame(self, capture: cv2.VideoCapture) -> Optional[np.ndarray]:
-        decoded, image = capture.read()
-        if not decoded:
-            return None
-        check_size('cannot play ' + self.name, image.shape[1], image.shape[0], self._max_pixels)
-        return image
+    def _read_frame(self, decoder: Decoder) -> Optional[np.ndarray]:
+        for _ in range(_MAX_DAMAGED_FRAMES):
+            with contextlib.suppress(FrameSkipped):
+                image = decoder.read()
+                if image is not None:
+                    check_size('cannot play ' + self.name, image.shape[1], image.shape[0],
+                               self._max_pixels)
+                return image
+        return None
 
     def _rewind(self) -> np.ndarray:
         # reopened, because seeking is inexact in many containers
-        self._capture.release()
+        self._decoder.release()
         ahead, self._ahead = self._ahead, None
-        self._capture, image = ahead.result() if ahead else self._open_again()
+        self._decoder, image = ahead.result() if ahead else self._open_again()
         self._position = 0
         self._times.restart()
         return image
 
     def _open_again(self) -> _Opened:
-        capture = self._open()
-        with released_on_error(capture):
-            image = self._read_frame(capture)
-            if image is None or image.shape[:2] != (self.height, self.width):
+        decoder = self._open()
+        if decoder is None:
+            raise SourceError(self._unreadable.format(self.name))
+        with released_on_error(decoder):
+            image = self._read_frame(decoder)
+            if image is None or image.shape[:2] != self._first_size:
                 raise SourceError(self._unreadable.format(self.name))
-        return capture, image
+        return decoder, image
 
     def _check_length(self) -> None:
         # of some containers the frame count is that of their duration at a constant rate
@@ -194,4 +173,4 @@ class VideoSource(FrameSource):
         if ahead is not None:
             with contextlib.suppress(Exception):    # what would have ended the video
                 ahead.result()[0].release()
-        self._capture.release()
+        self._decoder.release()

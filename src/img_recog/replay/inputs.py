@@ -18,7 +18,7 @@ from img_recog.still_images import DEFAULT_MAX_PIXELS
 if TYPE_CHECKING:
     from img_recog.replay.camera_infos import CameraInfos
 
-WANTED = 'give a video that OpenCV plays, or a bag with images'
+WANTED = 'give a video that FFmpeg plays, or a bag with images'
 DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
 _MAGIC = b'#ROSBAG'
 _END: Any = object()     # after the last item
@@ -67,9 +67,16 @@ class VideoFrames:
     def __iter__(self) -> Iterator[Frame]:
         """Yield all frames; raise UserError at the end if the video is truncated."""
         number, frame_id = 0, CameraSettings().camera_frame_id
+        first = '{0.width}x{0.height}'.format(self._source)
         try:
             while True:
                 image = self._source.read()
+                size = '{0.width}x{0.height}'.format(self._source)
+                if size != first and not self.warnings:
+                    self.warnings.append(
+                        'the video {} changes its size from {} to {} after {:g} s: all frames are '
+                        'used, each with its size'.format(self._path, first, size,
+                                                          self._source.time_s))
                 stamp_ns = round(self._source.time_s * SECOND_NS)
                 self.period_ns = round(self._source.step_s * SECOND_NS)
                 header = Header(number, genpy.Time(*divmod(stamp_ns, SECOND_NS)), frame_id)

@@ -79,19 +79,11 @@ def with_codec_qqqq(make_video):
     return path
 
 
-@pytest.mark.parametrize('encoder', ['libaom-av1', None])
-def test_codec_without_a_decoder_is_named(make_video, tmp_path, encoder):
-    path, codec = with_codec_qqqq(make_video), 'qqqq'
-    if encoder is not None:
-        source, path, codec = make_video('video.avi'), str(tmp_path / 'other.webm'), 'AV01'
-        made = subprocess.run(['ffmpeg', '-v', 'error', '-i', source, '-c:v', encoder,
-                               '-cpu-used', '8', path], check=False)
-        if made.returncode:
-            pytest.skip('this ffmpeg has no encoder ' + encoder)
+def test_codec_without_a_decoder_is_named(make_video):
+    path = with_codec_qqqq(make_video)
     assert refusal(path) == (
-        'cannot play {}: OpenCV decodes no frame of it (codec {}): it has no decoder for that, or '
-        'the file is damaged; convert it: ffmpeg -i INPUT -c:v libx264 OUTPUT.mp4'.format(
-            path, codec))
+        'cannot play {}: FFmpeg decodes no frame of it (codec qqqq): it has no decoder for that, '
+        'or the file is damaged; convert it: ffmpeg -i INPUT -c:v libx264 OUTPUT.mp4'.format(path))
 
 
 # the log levels are read when the libraries are loaded

@@ -137,7 +137,7 @@ def test_video_with_its_index_at_the_end_is_refused(make_video, serve):
     with pytest.raises(SourceError) as refused:
         opened('http://{}video.mp4'.format(serve))
     assert str(refused.value) == (
-        'cannot play http://{}video.mp4: OpenCV decodes no frame of it (codec FMP4): it has no '
+        'cannot play http://{}video.mp4: FFmpeg decodes no frame of it (codec mpeg4): it has no '
         'decoder for that, or the server has no range requests and the index of the .mp4 is at '
         'its end'.format(serve))
 

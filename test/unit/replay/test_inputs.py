@@ -79,7 +79,7 @@ def test_files_that_are_not_videos(tmp_path):
         path = tmp_path / name
         path.write_bytes(content)
         line = refusal(VideoFrames, str(path))
-        assert str(path) in line and line.endswith('give a video that OpenCV plays, or a bag with '
+        assert str(path) in line and line.endswith('give a video that FFmpeg plays, or a bag with '
                                                    'images'), line
     path = str(tmp_path / 'image.png')
     assert cv2.imwrite(path, image())

@@ -209,9 +209,9 @@ def test_options_that_make_no_sense_together(run, make_video, caplog, arguments,
 
 
 @pytest.mark.parametrize('arguments, line', [
-    (['no.avi'], 'cannot replay no.avi: no such file; give a video that OpenCV plays, or a bag '
+    (['no.avi'], 'cannot replay no.avi: no such file; give a video that FFmpeg plays, or a bag '
      'with images'),
-    (['.'], 'cannot replay .: it is not a file; give a video that OpenCV plays, or a bag with '
+    (['.'], 'cannot replay .: it is not a file; give a video that FFmpeg plays, or a bag with '
      'images'),
     (['video.avi', '--topic', 'x'],
      'cannot replay video.avi: --topic is for a bag, and it is not a bag')])

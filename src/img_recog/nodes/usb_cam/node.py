@@ -112,6 +112,11 @@ class UsbCam(Listener):
         self._diagnostics.opened(source)
         self._opened_or_ended.set()
 
+    def resized(self, source: FrameSource) -> None:
+        self._warn('camera: from here on, %s is %dx%d: the images have this size, too',
+                   source.name, source.width, source.height)
+        self._calibration.set_image_size(source.width, source.height)
+
     def frame(self, source: FrameSource, image: np.ndarray) -> None:
         begin_s = time.perf_counter()
         if source.age_s:

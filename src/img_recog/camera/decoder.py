@@ -1,0 +1,170 @@
+"""Decodes the frames of a video or stream, by FFmpeg through PyAV.
+
+OpenCV's VideoCapture converts all frames by the size of the first one: after a change of the size
+on the way it gives old pictures or green borders, and does not tell the new size.
+"""
+import contextlib
+import logging
+import re
+import threading
+from collections import deque
+from typing import Deque, Iterator, Optional, Tuple
+
+import av
+import av.logging
+import cv2
+import numpy as np
+from av.error import FFmpegError
+from av.video.reformatter import VideoReformatter
+
+from img_recog.camera.source import FrameSkipped, check_size
+from img_recog.camera.urls import redacted
+
+# An RTSP server sends by UDP otherwise, and frames whose packets are lost are damaged.
+_OPTIONS = {'rtsp_transport': 'tcp'}
+# as OpenCV does, clockwise
+_TURNS = {90: cv2.ROTATE_90_CLOCKWISE, 180: cv2.ROTATE_180, 270: cv2.ROTATE_90_COUNTERCLOCKWISE}
+
+# From 12.0 on, PyAV drops FFmpeg's lines unless asked; earlier ones pass them to Python's logging.
+_QUIET = None if av.logging.get_level() is None else av.logging.PANIC
+_description_lock = threading.Lock()
+logging.getLogger('libav').setLevel(logging.CRITICAL + 1)
+av.logging.set_level(_QUIET)
+
+
+class Decoder:
+    """An open video or stream.
+
+    width, height: size of the frames as stated, in pixels, before they are turned upright; 0 if
+    unknown. Each frame has its own.
+    rate_hz: the rate that is stated or guessed from the first frames, 0 if none.
+    frame_count: as stated, or of the duration at this rate; 0 if unknown, as of a live stream.
+    codec: its name.
+    time_s: time of the last frame as FFmpeg gives it, None if it gives none.
+    """
+
+    def __init__(self, url: str, timeouts_s: Optional[Tuple[float, float]] = None):
+        """Open a file or URL; raise FFmpegError or ValueError when there is no video.
+
+        timeouts_s: for opening and for a read, None for no limit.
+        """
+        self._container = av.open(url, options=_OPTIONS, metadata_errors='replace',
+                                  timeout=timeouts_s)
+        streams = self._container.streams.video
+        if not streams:
+            self._container.close()
+            raise ValueError('no video')
+        self._stream = stream = streams[0]
+        self._context = stream.codec_context        # None if there is no decoder
+        self._frames: Deque[av.VideoFrame] = deque()
+        self._reformatter = VideoReformatter()
+        self._packets: Optional[Iterator[av.Packet]] = None
+        self.width = self.height = 0
+        if self._context is not None:
+            self._context.thread_type = 'AUTO'
+            self.width, self.height = self._context.width, self._context.height
+        self.codec, self._turn = _description(self._container, stream.index)
+        self.rate_hz = float(stream.average_rate or stream.guessed_rate or 0.0)
+        duration_s = ((self._container.duration or 0) / av.time_base
+                      or float((stream.duration or 0) * stream.time_base))
+        self.frame_count = stream.frames or max(0, int(duration_s * self.rate_hz + 0.5))
+        self.time_s: Optional[float] = None
+
+    def read(self) -> Optional[np.ndarray]:
+        """Return the next frame, rgb8 of its own size, upright; None at the end or a timeout.
+
+        Raises FrameSkipped for a damaged frame.
+        """
+        try:
+            if not self._fill():
+                return None
+            frame = self._frames.popleft()
+            ticks = frame.dts if frame.pts is None else frame.pts
+            self.time_s = None if ticks is None else float(ticks * self._stream.time_base)
+            # what OpenCV asks for
+            image = _array(self._reformatter.reformat(
+                frame, format='rgb24', interpolation='BICUBIC'))
+        except (FFmpegError, ValueError) as error:
+            raise FrameSkipped('{} gave an empty or damaged frame'.format(
+                redacted(self._container.name))) from error
+        return image if self._turn is None else cv2.rotate(image, self._turn)
+
+    def release(self) -> None:
+        """Close it; no effect when it is closed already."""
+        if self._context is not None:
+            # PyAV 10 waits for the threads of the decoder with the GIL, which they need for each
+            # line that they log: an empty packet lets them finish before
+            with contextlib.suppress(FFmpegError):
+                self._context.decode(av.Packet())
+        self._context = self._packets = None
+        self._frames.clear()
+        self._container.close()
+
+    def _fill(self) -> bool:
+        """Decode until there is a frame; return whether there is one."""
+        while not self._frames and self._context is not None:
+            if self._packets is None:
+                self._packets = self._container.demux(self._stream)
+            try:
+                packet = next(self._packets)
+            except StopIteration:
+                return False
+            except FFmpegError:         # a timeout, or the connection is lost
+                self._packets = None
+                return False
+            self._frames.extend(packet.decode())
+        return bool(self._frames)
+
+
+def open_decoder(path: str, max_pixels: int,
+                 timeouts_s: Optional[Tuple[float, float]] = None) -> Optional[Decoder]:
+    """Open a video or stream; return None when FFmpeg finds no video there.
+
+    timeouts_s: for opening and for a read, None for no limit.
+    Raises SourceTooLarge when it states more than `max_pixels` pixels: no frame is decoded then.
+    """
+    try:
+        decoder = Decoder(path, timeouts_s)
+    except (FFmpegError, ValueError):
+        return None
+    with released_on_error(decoder):
+        check_size('cannot play ' + redacted(path), decoder.width, decoder.height, max_pixels)
+    return decoder
+
+
+@contextlib.contextmanager
+def released_on_error(decoder: Decoder) -> Iterator[None]:
+    """Release `decoder` if the block raises anything."""
+    try:
+        yield
+    except BaseException:
+        decoder.release()
+        raise
+
+
+def _array(frame: 'av.VideoFrame') -> np.ndarray:
+    plane = frame.planes[0]
+    # no copy, unless the rows are padded
+    return np.ascontiguousarray(np.ndarray(
+        (frame.height, frame.width, 3), np.uint8, plane, strides=(plane.line_size, 3, 1)))
+
+
+def _description(container: 'av.container.InputContainer',
+                 index: int) -> Tuple[str, Optional[int]]:
+    """Return the name of a stream's codec, and how to turn its frames (cv2.rotate), None if not.
+
+    From FFmpeg's text: PyAV 10 gives no display matrix, and no name where there is no decoder.
+    """
+    with _description_lock:
+        av.logging.set_level(av.logging.INFO)
+        try:
+            text = container.dumps_format()
+        finally:
+            av.logging.set_level(_QUIET)
+    text = text.partition('Stream #0:{}'.format(index))[2].partition('Stream #')[0]
+    codec = re.search(r'Video: (\w+)(?:.*?\((\w+) / 0x)?', text)
+    name = '' if codec is None else codec.group(1)
+    turned = re.search(r'displaymatrix: rotation of (\S+) degrees', text)
+    # counterclockwise there
+    degrees = 0 if turned is None else round(-float(turned.group(1))) % 360
+    return codec.group(2) or name if codec and name == 'none' else name, _TURNS.get(degrees)
