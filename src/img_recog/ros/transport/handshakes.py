@@ -8,11 +8,11 @@ from typing import Deque, Optional
 
 import rospy
 from rosgraph import network
-from rosgraph.xmlrpc import ThreadingXMLRPCServer
 from rospy.impl import tcpros_base
 
 from img_recog.errors import one_line, shortened
 from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.ros.transport import xmlrpc_requests
 from img_recog.ros.transport.switch import is_plain
 
 _TIME_LIMIT_S = 5.0     # the other end may be on a busy machine, and may not try again
@@ -94,7 +94,7 @@ class _Listener(socket.socket):
 
 
 def install() -> None:
-    """Use Handshakes and _Listener in this process. Call it before rospy.init_node."""
+    """Limit the connections to both ports of this process. Call it before rospy.init_node."""
     if not is_plain('handshakes'):
         handshakes = Handshakes()
         tcpros_base.TCPROSServer._tcp_server_callback = (
@@ -102,16 +102,7 @@ def install() -> None:
         create = tcpros_base.TCPServer._create_server_sock
         tcpros_base.TCPServer._create_server_sock = (
             lambda server: _Listener(fileno=create(server).detach()))
-        ThreadingXMLRPCServer.get_request = _get_request
-
-
-def _get_request(server: ThreadingXMLRPCServer):
-    """Accept a connection of XML-RPC. socketserver tries again at once, with all of a core."""
-    try:
-        return server.socket.accept()
-    except OSError:
-        time.sleep(_PAUSE_S)
-        raise
+        xmlrpc_requests.install()
 
 
 def _read_header(sock: socket.socket) -> dict:

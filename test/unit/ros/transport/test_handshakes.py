@@ -9,10 +9,9 @@ import xmlrpc.client
 
 import pytest
 from rosgraph import network
-from rosgraph.xmlrpc import ThreadingXMLRPCServer
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
-from img_recog.ros.transport import handshakes, switch
+from img_recog.ros.transport import handshakes, switch, xmlrpc_requests
 from img_recog.ros.transport.handshakes import Handshakes
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
@@ -25,7 +24,7 @@ def server(fast, monkeypatch):
     monkeypatch.setenv('ROS_HOSTNAME', '127.0.0.1')
     monkeypatch.setattr(TCPROSServer, '_tcp_server_callback', TCPROSServer._tcp_server_callback)
     monkeypatch.setattr(TCPServer, '_create_server_sock', TCPServer._create_server_sock)
-    monkeypatch.setattr(ThreadingXMLRPCServer, 'get_request', ThreadingXMLRPCServer.get_request)
+    monkeypatch.setattr(xmlrpc_requests, 'install', lambda: None)
     monkeypatch.setattr(handshakes, 'ThrottledWarning',
                         lambda: lambda text, *values: lines.append(text % values))
     lines = []
