@@ -15,7 +15,6 @@ def path_to_the_post(simulation):
 
     sim = simulation(launch=('my_robot_vision', 'my_robot_vision.launch'), lockstep='cmd_vel')
     sim.wait_until(is_near, timeout_s=30)
-    sim.end()
     return path
 
 
