@@ -27,7 +27,12 @@ get() {
 
 build() {
   "$img_recog/run" -y setup
-  ln -sfn "$package" "$ws/src/$name"
+  # not one link: roslaunch would find ws/ in it, and so each file many times
+  rm -rf "${ws:?}/src/$name"
+  mkdir "$ws/src/$name"
+  for path in "$package"/*; do
+    [ "$path" = "$ws" ] || ln -s "$path" "$ws/src/$name/"
+  done
   cd "$ws"
   catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3
 }
