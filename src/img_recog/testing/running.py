@@ -30,10 +30,10 @@ class Running:
     """Starts all, lets time pass, and ends all. topics: what the test has subscribed to."""
 
     def __init__(self, files: Sequence[LaunchFile], wall_timeout_s: float):
-        """Start; return when all nodes are there, and time stands at 0.
+        """Start roslaunch.
 
         wall_timeout_s: how long nothing may happen before it is an error, of wall time.
-        Raises UserError for what the user gave, AssertionError if a node dies or does not come.
+        Raises UserError for what the user gave.
         """
         if _active:
             raise UserError('another Simulation runs in this process', 'end it before: one uses '
@@ -52,10 +52,15 @@ class Running:
         self._now_s, self._period_s = 0.0, 0.0
         # first: it is settled only where it has seen the beginning of a connection
         self.topics.subscribe(_CLOCK, Clock, self._take_time)
+        try:
+            self.launch = Launch(files, os.path.join(self._folder.name, 'simulation.launch'))
+        except BaseException:
+            self.topics.close()
+            self._folder.cleanup()
+            raise
+        _active.append(self)
         # a call that has no answer ends with the simulator
         self._caller = concurrent.futures.ThreadPoolExecutor(1)
-        self.launch = Launch(files, os.path.join(self._folder.name, 'simulation.launch'))
-        _active.append(self)
         self._step = rospy.ServiceProxy(_STEP, Trigger, persistent=True)
 
     def wait_ready(self) -> None:

@@ -73,10 +73,12 @@ class Session:
         return {name: self.master.ask('lookupNode', name) for name in names}
 
     def forget(self, names: Iterable[str]) -> None:
-        """Have the master forget nodes that were killed."""
+        """Have the master forget those of the nodes that were killed: they do not answer."""
         published, subscribed, services = self.master.call('getSystemState')
         for name in names:
             uri = self.master.ask('lookupNode', name) or ''
+            if _answers(uri):
+                continue
             for kind, method in ((published, 'unregisterPublisher'),
                                  (subscribed, 'unregisterSubscriber')):
                 for topic, users in kind:
@@ -104,3 +106,11 @@ class Session:
                 self.master.call('deleteParam', '/' + name)
             if name in before:
                 self.master.call('setParam', '/' + name, before[name])
+
+
+def _answers(uri: str) -> bool:
+    try:
+        timed_xmlrpc.server(uri).getPid('/' + _NODE)
+    except timed_xmlrpc.ERRORS:
+        return False
+    return True
