@@ -5,6 +5,7 @@ on the way it gives old pictures or green borders, and does not tell the new siz
 """
 import contextlib
 import logging
+import os
 import re
 import threading
 from collections import deque
@@ -61,6 +62,8 @@ class Decoder:
         self._packets: Optional[Iterator[av.Packet]] = None
         self.width = self.height = 0
         if self._context is not None:
+            # not one thread more than processors, the default: each delays a stream by a frame
+            self._context.thread_count = len(os.sched_getaffinity(0))
             self._context.thread_type = 'AUTO'
             self.width, self.height = self._context.width, self._context.height
         self.codec, self._turn = _description(self._container, stream.index)
@@ -96,6 +99,9 @@ class Decoder:
             # line that they log: an empty packet lets them finish before
             with contextlib.suppress(FFmpegError):
                 self._context.decode(av.Packet())
+            # else it keeps its frames until Python collects garbage; PyAV 14 frees them at once
+            if hasattr(self._context, 'close'):
+                self._context.close(strict=False)
         self._context = self._packets = None
         self._frames.clear()
         self._container.close()

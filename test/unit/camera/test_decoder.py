@@ -1,6 +1,8 @@
 """The decoder of videos and streams: OpenCV's pixels, and sizes that change on the way."""
 import contextlib
+import gc
 import http.server
+import os
 import subprocess
 import threading
 
@@ -107,6 +109,26 @@ def test_damaged_frames_do_not_stop_it_nor_its_release(make_film, cut):
         decoder.release()
         decoder.release()
         assert good > 0
+
+
+def resident_mb():
+    with open('/proc/self/statm') as file:
+        return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE') / 1e6
+
+
+def test_release_frees_the_memory_at_once(make_film):
+    path = make_film('a.mp4', *H264, size=(640, 480))
+    gc.disable()
+    try:
+        for number in range(25):
+            if number == 5:
+                begin_mb = resident_mb()
+            decoder = open_decoder(path, 1 << 28)
+            assert all(decoder.read() is not None for _ in range(5))
+            decoder.release()
+        assert resident_mb() - begin_mb < 30
+    finally:
+        gc.enable()
 
 
 class Record(Listener):
