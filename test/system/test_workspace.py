@@ -52,3 +52,60 @@ def test_devel_and_install_space_run_the_demo(ros, tmp_path):
         assert status_of(origin + '/static/live.js', Cookie=cookie)[0] == 200
         assert demo.interrupt() == 0
         assert 'Traceback' not in demo.output, demo.output
+
+
+GREETER = {
+    'package.xml': '<package format="2"><name>greeter</name><version>1.0.0</version>'
+                   '<description>-</description>'
+                   '<maintainer email="nobody@example.com">nobody</maintainer><license>-</license>'
+                   '<buildtool_depend>catkin</buildtool_depend></package>',
+    'CMakeLists.txt': """cmake_minimum_required(VERSION 3.5)
+project(greeter)
+find_package(catkin REQUIRED COMPONENTS genpy message_generation)
+add_message_files(FILES Greeting.msg)
+generate_messages()
+catkin_package()
+add_executable(greet greet.cpp)
+add_dependencies(greet ${PROJECT_NAME}_generate_messages_cpp)
+target_include_directories(greet PRIVATE ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
+""",
+    'msg/Greeting.msg': 'string text\n',
+    'greet.cpp': """#include <iostream>
+#include <greeter/Greeting.h>
+int main() {
+  greeter::Greeting greeting;
+  greeting.text = "hello from C++";
+  std::cout << greeting.text << std::endl;
+}
+"""}
+ASKED = """rosrun greeter greet
+python3 -c 'from greeter.msg import Greeting; print(Greeting(text="hello from Python").text)'
+rospack find img_recog
+rosrun img_recog plot.py --help
+echo "CMAKE_PREFIX_PATH=$CMAKE_PREFIX_PATH LD_LIBRARY_PATH=$LD_LIBRARY_PATH"
+"""
+
+
+def test_a_workspace_that_was_sourced_before_run_is_kept(tmp_path):
+    workspace = tmp_path / 'greeter_ws'
+    for name, text in GREETER.items():
+        path = workspace / 'src' / 'greeter' / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    env = {'HOME': str(tmp_path), 'PATH': '/usr/sbin:/usr/bin:/sbin:/bin'}
+    noetic = '/opt/ros/noetic/setup.bash'
+    before = 'source {}; '.format(noetic) if os.path.exists(noetic) else ''
+    bash('{}cd {} && catkin_make'.format(before, workspace), env)
+    # what many ~/.bashrc do: it undoes what was sourced before
+    other = tmp_path / 'other_ws'
+    bash('{}mkdir -p {}/src && cd {} && catkin_make'.format(before, other, other), env)
+    (tmp_path / '.bashrc').write_text('source {}/devel/setup.bash\n'.format(other))
+    sourced = 'source {}/devel/setup.bash; cd {}; '.format(workspace, ROOT)
+    for shell in ('./run shell bash -e {}', './run shell <{}'):
+        (tmp_path / 'asked').write_text(ASKED)
+        output = bash(sourced + shell.format(tmp_path / 'asked'), env)
+        for line in ('hello from C++', 'hello from Python', ROOT):
+            assert '\n{}\n'.format(line) in '\n' + output, output
+        assert 'usage: plot.py' in output, output
+        assert 'CMAKE_PREFIX_PATH={0}/devel:{1}/devel'.format(ROOT, workspace) in output, output
+        assert '{}/devel/lib'.format(workspace) in output.rpartition('LD_LIBRARY_PATH=')[2], output
