@@ -143,7 +143,8 @@ class VideoSource(FrameSource):
         # reopened, because seeking is inexact in many containers
         self._decoder.release()
         ahead, self._ahead = self._ahead, None
-        self._decoder, image = ahead.result() if ahead else self._open_again()
+        is_open = ahead is not None and ahead.exception() is None
+        self._decoder, image = ahead.result() if ahead and is_open else self._open_again()
         self._position = 0
         self._times.restart()
         return image
