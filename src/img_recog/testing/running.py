@@ -70,7 +70,7 @@ class Running:
         services = [_STEP] + ([_RELOAD] if _ROBOTS in self.launch.nodes else [])
         self._wait(lambda: ', '.join('the service ' + name for name in services
                                      if not self._session.master.ask('lookupService', name)))
-        self._wait(lambda: '; '.join(connections.missing(list(self.topics.types),
+        self._wait(lambda: '; '.join(connections.missing(self.topics.types,
                                                          self.launch.nodes)))
 
     def _take_time(self, msg: Clock) -> None:
@@ -102,8 +102,8 @@ class Running:
     def wait_connected(self) -> None:
         """Wait until what was subscribed to comes from those who publish it."""
         connections = Connections(self._session.uri, rospy.get_name())
-        names = [name for name in self.topics.types if self.publishers(name)]
-        self._wait(lambda: '; '.join(connections.missing(names)))
+        types = {name: kind for name, kind in self.topics.types.items() if self.publishers(name)}
+        self._wait(lambda: '; '.join(connections.missing(types)))
 
     def _wait(self, missing: Callable[[], str]) -> None:
         """Wait until nothing is missing; the time starts again when that changes."""

@@ -1,7 +1,7 @@
 """The topics of the cameras on a simulated robot."""
 import threading
 import zlib
-from typing import Dict, Iterable, Optional
+from typing import Any, Dict, Iterable, Optional, Set, Union
 
 import cv2
 import numpy as np
@@ -19,6 +19,7 @@ from img_recog.nodes.gazebo.names import topic_fields
 from img_recog.rendering import rays
 from img_recog.rendering.noise import PixelNoise
 from img_recog.rendering.server import Picture, Shot
+from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.ros.transport.image_publisher import ImagePublisher
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.settings import SettingError
@@ -59,10 +60,10 @@ class CameraTopics:
 
         redelivery: sends the images.
         """
-        latch = redelivery is not None
         self.settings = settings
         self._lock, self._is_closed = threading.Lock(), False
-        self._is_kept, self._was_wanted = latch, False
+        self._is_kept = redelivery is not None
+        self._used: Set[Any] = set()        # the publishers that had a subscriber
         self.camera = robot_cameras.camera_of(settings)
         self._calibration = robot_cameras.calibration_of(settings)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
@@ -71,35 +72,34 @@ class CameraTopics:
         # first: it fails if its parameters are wrong
         self._compressed = CompressedImages(settings.camera_image_topic, redelivery)
         self._images = ImagePublisher(settings.camera_image_topic, redelivery)
-        self._infos = [rospy.Publisher(settings.camera_info_topic, CameraInfo, latch=latch,
-                                       queue_size=_INFO_QUEUE_SIZE)]
+        self._infos = [_publisher(settings.camera_info_topic, CameraInfo, _INFO_QUEUE_SIZE,
+                                  redelivery)]
         self._depths = self._points = None
         if settings.camera_depth_topic:
             self._depths = ImagePublisher(settings.camera_depth_topic, redelivery)
-            self._infos.append(rospy.Publisher(settings.camera_depth_info_topic, CameraInfo,
-                                               latch=latch, queue_size=_INFO_QUEUE_SIZE))
+            self._infos.append(_publisher(settings.camera_depth_info_topic, CameraInfo,
+                                          _INFO_QUEUE_SIZE, redelivery))
         if settings.camera_points_topic:
-            self._points = rospy.Publisher(settings.camera_points_topic, PointCloud2, latch=latch,
-                                           queue_size=1)
+            self._points = _publisher(settings.camera_points_topic, PointCloud2, 1, redelivery)
         if self._calibration is None:
             rospy.logwarn('the camera info on %s has no calibration: no distortion model can say '
                           'what its lens does', settings.camera_info_topic)
 
     def is_wanted(self) -> bool:
         """Return whether a topic has a subscriber, or had one that may come back."""
-        is_wanted = (self._images.get_num_connections() > 0 or self._compressed.is_wanted()
-                     or self._wants_depth()
-                     or any(publisher.get_num_connections() > 0 for publisher in self._infos))
-        self._was_wanted |= is_wanted
-        return is_wanted or (self._is_kept and self._was_wanted)
+        return self._compressed.is_wanted() or self._is_used(
+            self._images, self._depths, self._points, *self._infos)
 
-    def _wants_depth(self) -> bool:
-        return any(publisher is not None and publisher.get_num_connections() > 0
-                   for publisher in (self._depths, self._points))
+    def _is_used(self, *publishers: Any) -> bool:
+        used = {each for each in publishers if each is not None and (
+            each in self._used or each.get_num_connections() > 0)}
+        if self._is_kept:
+            self._used |= used
+        return bool(used)
 
     def shot(self, exposure: Exposure) -> Shot:
         """Return what is to be drawn of an exposure."""
-        return Shot(self.camera, exposure.camera_pose, self._wants_depth())
+        return Shot(self.camera, exposure.camera_pose, self._is_used(self._depths, self._points))
 
     def publish(self, picture: Picture, time_s: float) -> None:
         """Publish what was drawn of the exposure at a simulated time; may change the image."""
@@ -129,7 +129,7 @@ class CameraTopics:
         if self._depths is not None:
             encoding = settings.camera_depth_encoding
             self._depths.publish(depth_msgs.to_bytes(depth, encoding), encoding, header)
-        if self._points is not None and self._points.get_num_connections() > 0:
+        if self._points is not None and self._is_used(self._points):
             self._points.publish(depth_msgs.to_msg(
                 depth, image, rays.directions(self.camera),
                 (settings.camera_points_min, settings.camera_points_max), header))
@@ -148,6 +148,12 @@ class CameraTopics:
         for publisher in (self._depths, self._points, *self._infos):
             if publisher is not None:
                 publisher.unregister()
+
+
+def _publisher(topic: str, data_class: type, queue_size: int, redelivery: Optional[Redelivery]
+               ) -> Union[rospy.Publisher, DirectPublisher]:
+    return (rospy.Publisher(topic, data_class, queue_size=queue_size) if redelivery is None
+            else DirectPublisher(topic, data_class, redelivery=redelivery))
 
 
 def optical_transform(settings: CameraSettings) -> TransformStamped:

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from functools import partial
 from typing import (Any, Callable, Collection, Dict, FrozenSet, List, Mapping, Optional, Sequence,
-                    Tuple)
+                    Set, Tuple)
 
 import rosgraph
 import rospy
@@ -97,6 +97,7 @@ class Lockstep:
         self._others: Dict[str, SettledSubscriber] = {}
         self.redelivery = Redelivery()
         self._connections = Connections(rosgraph.get_master_uri(), rospy.get_name())
+        self._namespaces: Set[str] = set()      # of all robots, also of those that were removed
         self._lock = threading.Lock()       # of what follows, and of the answers
         self._is_sent, self._sent_s = False, 0.0
         self._is_ready, self._is_settled = False, True
@@ -118,6 +119,16 @@ class Lockstep:
             self._others.pop(name).unregister()
         self._commands[name] = SettledSubscriber(name, data_class, receive)
         return self._commands[name]
+
+    def forget(self, namespace: str) -> None:
+        """Expect no answers from the namespace of a robot that is removed."""
+        place = rospy.resolve_name(namespace)
+        self._commands = {topic: each for topic, each in self._commands.items()
+                          if not _is_within(topic, place)}
+        with self._lock:
+            for topic, answers in self._answers.items():
+                if _is_within(topic, place):
+                    answers.expected = None
 
     def check(self, kinds: Collection[str]) -> None:
         """Raise SimulationError if a robot with sensors of these kinds has none to answer."""
@@ -145,6 +156,9 @@ class Lockstep:
             answers = self._answers[topic]
             expected, now = answers.expected, rospy.get_rostime()
             answers.newest, answers.nodes[node] = stamp, None
+            if len(answers.nodes) > 1:      # some may have ended
+                answers.nodes = {each: None for each in self._publishers(topic) | {node}
+                                 if each in answers.nodes}
             is_answer = expected is not None and (
                 self._is_sent if stamp is None else stamp >= expected)
             if is_answer:
@@ -175,6 +189,10 @@ class Lockstep:
     def _missing(self) -> List[str]:
         return [topic for topic, each in self._answers.items() if each.expected is not None]
 
+    def _publishers(self, topic: str) -> Set[str]:
+        subscriber = self._commands.get(topic) or self._others.get(topic)
+        return set() if subscriber is None else subscriber.publishers()
+
     def expect(self, time_s: float, namespaces: Collection[str],
                all_namespaces: Collection[str]) -> None:
         """Expect answers to messages that are sent next.
@@ -182,12 +200,14 @@ class Lockstep:
         time_s: their stamp; namespaces: of the robots that have measured, and of all. A topic in
         the namespace of a robot answers the sensors of this robot, any other one those of all.
         """
+        self.redelivery.clear()
+        measured = set(map(rospy.resolve_name, filter(None, namespaces)))
+        self._namespaces.update(map(rospy.resolve_name, filter(None, all_namespaces)))
         with self._lock:
             self._is_sent = False
             for topic, answers in self._answers.items():
-                owners = [each for each in all_namespaces
-                          if each and topic.startswith('/{}/'.format(each))]
-                if not answers.is_given_up and (not owners or set(owners) & set(namespaces)):
+                owners = {each for each in self._namespaces if _is_within(topic, each)}
+                if not answers.is_given_up and (not owners or owners & measured):
                     answers.expected = robot_msgs.stamp_of(time_s)
             self._is_settled = False
 
@@ -203,7 +223,7 @@ class Lockstep:
         Raises UserError when no answer came in time and lockstep_at_timeout is end.
         """
         if not self._is_ready:
-            if not self._are_connected(time_s):
+            if not self._are_connected(time_s, self._answers):
                 return True
             self._is_ready = True
             with contextlib.suppress(OSError):
@@ -214,7 +234,7 @@ class Lockstep:
             missing, sent_s = self._missing(), self._sent_s if self._is_sent else None
         if missing and sent_s is not None:
             if time.monotonic() < sent_s + self._settings.lockstep_timeout:
-                if self.redelivery.is_needed() and self._are_connected(time_s):
+                if self.redelivery.is_needed() and self._are_connected(time_s, missing):
                     self.redelivery.deliver()       # to a node that came back
                 self.report(time_s, 'an answer on ' + ', '.join(missing), sent_s)
             else:
@@ -223,6 +243,11 @@ class Lockstep:
         if not missing and not self._is_settled:
             self._settle()
         return bool(missing)
+
+    def restart(self) -> None:
+        """Let the time without an answer begin now."""
+        with self._lock:
+            self._sent_s = time.monotonic()
 
     def _settle(self) -> None:
         """Wait until all commands are taken that were sent before the answers."""
@@ -248,8 +273,7 @@ class Lockstep:
     def _reason(self, topic: str) -> str:
         """Return what there is on a topic in place of an answer."""
         answers = self._answers[topic]
-        subscriber = self._commands.get(topic) or self._others.get(topic)
-        if subscriber is None or not subscriber.get_num_connections():
+        if not self._publishers(topic):
             known = ', '.join(answers.nodes)
             return '{} is published by nobody{}'.format(
                 topic, ' any more (before: {})'.format(known) if known else '')
@@ -259,10 +283,12 @@ class Lockstep:
             topic, ', '.join(answers.nodes), 'came before' if answers.newest is None
             else 'has the stamp {:.3f} s'.format(answers.newest.to_sec()))
 
-    def _are_connected(self, time_s: float) -> bool:
+    def _are_connected(self, time_s: float, topics: Collection[str]) -> bool:
         """Return whether the nodes get all that they subscribe to, and can answer; report."""
         try:
-            missing = self._connections.missing(list(self._answers))
+            missing = self._connections.missing({
+                name: each.type for name, each in {**self._others, **self._commands}.items()
+                if name in topics})
         except OSError as error:
             missing = ['the master, which does not answer: ' + one_line(error)]
         if missing:
@@ -279,6 +305,10 @@ class Lockstep:
             self._reported_s = now_s
             rospy.logwarn('lockstep: simulated time stands at %.3f s and waits for: %s', time_s,
                           missing)
+
+
+def _is_within(topic: str, namespace: str) -> bool:
+    return topic.startswith(namespace + '/')
 
 
 def _stamp_in(data: bytes, type_name: str, definition: str) -> Optional[rospy.Time]:

@@ -139,10 +139,13 @@ class Gazebo:
             while not rospy.is_shutdown():
                 self._show()
                 end = self._stepping.end
-                if (self._pace.is_paused and end is None) or self._waiting.must_stand():
+                is_paused = self._pace.is_paused and end is None
+                if is_paused or self._waiting.must_stand():
                     self._calls.process(_POLL_PERIOD_S)
                     if self._pace.is_paused:
                         self._pace.restart()
+                    if is_paused:
+                        self._waiting.restart()
                     self._clock.count(0.0)
                 elif end is None or self._simulator.steps < end:
                     simulated_s = self._advance(1 if self._pace.wanted else self._free_run_periods)
@@ -181,7 +184,8 @@ class Gazebo:
         self._waiting.expect(readings)
         self._robots.publish(readings)
         self._images.draw(readings)
-        self._diagnostics.steps.add((time.perf_counter() - begin_s) / periods)
+        self._diagnostics.steps.add(
+            (time.perf_counter() - begin_s) * self._clock_steps / (end - begin))
         return (end - begin) * self._simulator.world.step_s
 
     def _wait(self, delay_s: float) -> None:

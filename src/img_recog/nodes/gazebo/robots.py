@@ -127,6 +127,8 @@ class Robots:
         if self._diagnostics is not None and robot.plan.names.namespace:
             self._diagnostics.remove(name)
         robot.topics.close()
+        if self._lockstep is not None and robot.plan.names.namespace:
+            self._lockstep.forget(robot.plan.names.namespace)
         self._statics.remove('world of ' + name)
         self._images.remove_cameras(robot.vehicle)
         self._models.remove_vehicle(robot.vehicle)

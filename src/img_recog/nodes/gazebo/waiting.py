@@ -64,6 +64,11 @@ class Waiting:
         self._robots.discard_commands()
         self._is_reset = self._lockstep is not None
 
+    def restart(self) -> None:
+        """Let the time without an answer begin now, as after a pause."""
+        if self._lockstep is not None:
+            self._lockstep.restart()
+
     def end_of(self, end: int) -> int:
         """Return the step at which to stop, at most `end`: where answers are expected."""
         if self._lockstep is None:

@@ -1,5 +1,5 @@
 """Which connections between running nodes are still missing."""
-from typing import Any, Collection, Dict, List, Optional, Set, Tuple
+from typing import Any, Collection, Dict, List, Mapping, Optional, Set, Tuple
 
 from img_recog import timed_xmlrpc
 from img_recog.ros.master.calls import Master
@@ -14,13 +14,18 @@ class Connections:
     def __init__(self, master_uri: str, node: str):
         """node: the name of this node."""
         self._master, self._node = Master(master_uri, node, _TIMEOUT_S), node
+        self._heard: Set[str] = set()       # topics that were published when nothing was missing
 
-    def missing(self, topics: List[str], others: Collection[str] = ()) -> List[str]:
+    def missing(self, topics: Mapping[str, str], others: Collection[str] = ()) -> List[str]:
         """Return what is missing until this node hears of some topics, a phrase each.
 
+        topics: the names, with the type that this node subscribes to, * for any.
+
         That is a publisher of each, its connection to this node, and its connections to all that
-        it subscribes to. Nodes that do not answer do not count. others: nodes that must be there
-        and be connected to all that they subscribe to, too.
+        it subscribes to; the same of the nodes that publish that, and so on. A topic of these
+        that was published when nothing was missing must be published again. Nodes that do not
+        answer do not count. others: nodes that must be there and be connected to all that they
+        subscribe to, too.
         Raises OSError when the master does not answer.
         """
         state = self._master.ask('getSystemState') or ((), (), ())
@@ -34,17 +39,34 @@ class Connections:
             made.update((node, self._made_by(node)) for node in found if node not in made)
             return [node for node in found if made[node] is not None]
 
-        nodes = {node for topic in topics for node in alive(topic)}.union(others)
+        nodes = {self._node}
         wanted = [(self._node, topic) for topic in topics]
-        wanted += [(node, topic) for topic, subscribers in subscribed for node in subscribers
-                   if node in nodes]
+
+        def follow(new: Set[str]) -> None:
+            wanted.extend((node, topic) for topic, subscribers in subscribed
+                          for node in subscribers if node in new - nodes)
+            nodes.update(new)
+        follow(set(others))
+        for _, topic in wanted:         # it grows
+            if topic not in _SHARED:
+                follow(set(alive(topic)))
         missing = ['the node ' + node for node in others if node not in known]
-        missing += ['a publisher of ' + topic for topic in topics if not alive(topic)]
+        missing += ['a publisher of ' + topic for topic in dict.fromkeys(
+            topic for _, topic in wanted if topic in topics or topic in self._heard)
+            if not alive(topic)]
         for node, topic in wanted:
             missing += ['a connection of {} to {} of {}'.format(node, topic, publisher)
+                        + (self._contradiction(topic, topics[topic]) if node == self._node else '')
                         for publisher in alive(topic)
                         if (topic, node) not in (made[publisher] or ())]
+        if not missing:
+            self._heard.update(topic for _, topic in wanted if alive(topic))
         return missing
+
+    def _contradiction(self, topic: str, expected: str) -> str:
+        found = dict(self._master.ask('getTopicTypes') or ()).get(topic, expected)
+        return '' if expected in ('*', found) else ', which publishes {}, not {}'.format(
+            found, expected)
 
     def shared(self) -> List[Tuple[str, List[str]]]:
         """Return the topics that this node and others publish, apart from those made for it.

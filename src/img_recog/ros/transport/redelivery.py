@@ -29,6 +29,13 @@ class Redelivery:
             self._last[topic] = packet, set(connections)
             send(packet, connections)
 
+    def clear(self) -> None:
+        """Keep nothing that was sent until now."""
+        with self._lock:
+            for packet, _ in self._last.values():
+                packet.release()
+            self._last = {}
+
     def is_needed(self) -> bool:
         """Return whether there are subscribers that the last packet of a topic was not sent to."""
         with self._lock:

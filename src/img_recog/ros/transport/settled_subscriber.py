@@ -4,7 +4,7 @@ import socket
 import struct
 import termios
 import threading
-from typing import Any, Callable, List, Mapping, Optional, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Set, Tuple
 
 import rospy
 from rospy.impl.tcpros_base import TCPROSTransport
@@ -16,6 +16,8 @@ _WAITING = struct.Struct('i')
 
 class SettledSubscriber:
     """Calls a function with each message and the header of its connection.
+
+    type: the name of the type of the messages, * for any.
 
     What a publisher has sent on one topic before a message on another one is received by another
     thread, maybe later. `is_settled` tells when it was, if the publisher is on this computer: then
@@ -29,6 +31,7 @@ class SettledSubscriber:
         The header of a connection has the callerid of the publisher, the type of the messages and
         its message_definition. buff_size: at least that of a message.
         """
+        self.type: str = getattr(data_class, '_type')
         self._subscriber = rospy.Subscriber(
             name, data_class, lambda msg: callback(msg, msg._connection_header),
             buff_size=buff_size, tcp_nodelay=True)
@@ -38,9 +41,15 @@ class SettledSubscriber:
             with topic.c_lock:      # all subscribers of this process share the topic
                 self._watch = vars(topic).get('watch') or _Watch(topic)
 
-    def get_num_connections(self) -> int:
-        """Return the number of publishers."""
-        return self._subscriber.get_num_connections()
+    def publishers(self) -> Set[str]:
+        """Return the names of the nodes that are connected.
+
+        Unlike `get_num_connections`, without those that were killed: rospy tries to reach them
+        until another node of that name registers.
+        """
+        topic = self._subscriber.impl
+        return {each.callerid_pub for each in (topic.connections if topic else None) or ()
+                if each.socket is not None and not each.done}
 
     def unregister(self) -> None:
         """Unsubscribe."""

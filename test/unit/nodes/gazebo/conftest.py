@@ -43,5 +43,6 @@ def publishers(monkeypatch):
     for module in (camera_topics, view):
         monkeypatch.setattr(module, 'ImagePublisher', FakePublisher)
     monkeypatch.setattr(camera_topics, 'CompressedImages', FakeCompressed)
+    monkeypatch.setattr(camera_topics, 'DirectPublisher', FakePublisher)
     monkeypatch.setattr(camera_topics.rospy, 'Publisher', FakePublisher)
     return FakePublisher.made

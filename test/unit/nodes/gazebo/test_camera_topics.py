@@ -9,6 +9,7 @@ from img_recog.conversions import depth_msgs
 from img_recog.errors import UserError
 from img_recog.nodes.gazebo import camera_topics
 from img_recog.nodes.gazebo.camera_topics import CameraTopics, optical_transform
+from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.simulation.sensors.robot_camera import Exposure
 from img_recog.simulation.settings import CameraSettings
 
@@ -178,3 +179,12 @@ def test_topics_of_two_cameras_must_differ():
 def test_a_topic_needs_a_valid_name(topic):
     assert 'camera_info_topic: got {!r}, allowed is a valid topic name'.format(topic) == refusal(
         settings(camera_info_topic=topic))
+
+
+def test_in_lockstep_what_was_used_once_stays_in_use(publishers):
+    topics = CameraTopics(settings(**DEPTH), Redelivery())
+    assert not topics.is_wanted() and not topics.shot(exposure()).depth
+    publishers['eye/depth'].subscribers = 1
+    assert topics.is_wanted() and topics.shot(exposure()).depth
+    publishers['eye/depth'].subscribers = 0
+    assert topics.is_wanted() and topics.shot(exposure()).depth

@@ -19,25 +19,26 @@ class FakeSubscriber:
     made = {}
 
     def __init__(self, name, data_class, callback, buff_size=0):
-        self.data_class, self.callback, self.connections = data_class, callback, 1
+        self.type, self.callback, self.nodes = data_class._type, callback, {'/node'}
         self.made[name] = self
 
     def send(self, msg, node='/node'):
+        self.nodes.add(node)
         header = {'callerid': node, 'type': msg._type, 'message_definition': msg._full_text}
-        if self.data_class is rospy.AnyMsg:
+        if self.type == '*':
             buffer = io.BytesIO()
             msg.serialize(buffer)
             msg = rospy.AnyMsg().deserialize(buffer.getvalue())
         self.callback(msg, header)
 
-    def get_num_connections(self):
-        return self.connections
+    def publishers(self):
+        return self.nodes
 
     def is_settled(self):
         return True
 
     def unregister(self):
-        self.connections = 0
+        self.nodes = None
 
 
 @pytest.fixture
@@ -66,7 +67,11 @@ def rig(monkeypatch):
     monkeypatch.setattr(FakeSubscriber, 'made', {})
     monkeypatch.setattr(lockstep, 'SettledSubscriber', FakeSubscriber)
     monkeypatch.setattr(lockstep, 'Connections', lambda *_: found)
-    found.missing = lambda topics: found.unconnected
+
+    def missing(topics):
+        found.asked = topics
+        return found.unconnected
+    found.missing = missing
     found.shared, found.unconnected, found.others = lambda: found.others, [], []
     monkeypatch.setattr(lockstep.time, 'monotonic', lambda: found.wall_s)
     monkeypatch.setattr(rospy, 'get_rostime', lambda: rospy.Time.from_sec(found.now_s))
@@ -94,6 +99,20 @@ def test_a_message_without_a_header_answers_what_was_sent_before(rig):
     rig.send['/cmd_vel'](Twist())
     assert not made.waits(0.1) and rig.woken == 1 and len(rig.commands) == 2
     assert len(rig.said) == 1 and '/node publishes more than one message' in rig.said[0]
+
+
+def test_a_node_that_replaces_another_one(rig):
+    made = rig.make('cmd_vel')
+    rig.expect(made, 0.1)
+    rig.send['/cmd_vel'](Twist(), '/node_1')
+    FakeSubscriber.made['/cmd_vel'].nodes.clear()       # it was killed
+    rig.expect(made, 0.2)
+    rig.send['/cmd_vel'](Twist(), '/node_2')
+    assert rig.said == []
+    FakeSubscriber.made['/cmd_vel'].nodes.add('/node_1')
+    rig.expect(made, 0.3)
+    rig.send['/cmd_vel'](Twist(), '/node_1')
+    assert '/node_1, /node_2 publish on /cmd_vel' in rig.said[0]
 
 
 @pytest.mark.parametrize('topic, kind', [('/image', Image), ('/marker', Marker), (
@@ -141,6 +160,35 @@ def test_a_topic_of_a_robot_answers_only_its_sensors(rig):
     assert not made.waits(0.2)
 
 
+def test_a_topic_of_a_robot_of_a_simulator_in_a_namespace(rig, monkeypatch):
+    monkeypatch.setattr(rospy, 'resolve_name', lambda name: '/sim/' + name)
+    made = rig.make('a/answer')
+    assert not rig.expect(made, 0.1, ['b'], ['a', 'b'])
+    assert rig.expect(made, 0.2, ['a'], ['a', 'b'])
+
+
+def test_a_robot_that_is_removed_does_not_answer(rig):
+    made = rig.make('a/answer b/answer')
+    rig.expect(made, 0.1, ['a', 'b'], ['a', 'b'])
+    rig.send['/a/answer'](Twist())
+    made.forget('b')
+    assert not made.waits(0.1)
+    assert rig.expect(made, 0.2, ['a'], ['a'])
+    rig.send['/a/answer'](Twist())
+    assert not made.waits(0.2) and rig.said == []
+    assert rig.expect(made, 0.3, ['b'], ['a', 'b'])
+
+
+def test_a_pause_is_no_time_without_an_answer(rig):
+    made = rig.make('cmd_vel')
+    rig.expect(made, 0.1)
+    rig.wall_s += 100.0
+    made.restart()
+    assert made.waits(0.1)
+    rig.wall_s += 5.0
+    assert not made.waits(0.1)
+
+
 def test_time_goes_on_after_the_timeout_and_waits_again_after_an_answer(rig):
     made = rig.make('cmd_vel', lockstep_timeout=12.0)
     rig.expect(made, 0.1)
@@ -159,7 +207,7 @@ def test_time_goes_on_after_the_timeout_and_waits_again_after_an_answer(rig):
     assert rig.said[3] == ('lockstep: /node answers on /cmd_vel again: simulated time waits for '
                            'it') and len(rig.said) == 4
     assert rig.expect(made, 0.3)
-    FakeSubscriber.made['/cmd_vel'].connections = 0
+    FakeSubscriber.made['/cmd_vel'].nodes.clear()
     rig.wall_s = 2000.0
     assert not made.waits(0.3)
     assert '/cmd_vel is published by nobody any more (before: /node)' in rig.said[4]
@@ -184,11 +232,19 @@ def test_time_begins_when_all_are_connected(rig):
     assert not made.waits(0.0)
 
 
+@pytest.mark.parametrize('topics, asked', [
+    ('answer', {'/answer': '*'}),
+    ('cmd_vel answer', {'/cmd_vel': 'geometry_msgs/Twist', '/answer': '*'})])
+def test_only_publishers_of_answers_are_needed(rig, topics, asked):
+    rig.make(topics).waits(0.0)
+    assert rig.asked == asked
+
+
 def test_a_command_topic_of_a_robot_that_is_added_later(rig):
     made = rig.make('late/cmd_vel')
     other = FakeSubscriber.made['/late/cmd_vel']
     made.subscribe_commands('late/cmd_vel', Twist, rig.commands.append)
-    assert other.connections == 0 and rig.expect(made, 0.1)
+    assert other.nodes is None and rig.expect(made, 0.1)
     FakeSubscriber.made['/late/cmd_vel'].send(Twist())
     assert not made.waits(0.1) and len(rig.commands) == 1
 

@@ -11,16 +11,19 @@ DEAD = 'http://127.0.0.1:9/'
 def system():
     """What the master knows, and what nodes say; /dead does not answer."""
     state = {'publishers': {}, 'subscribers': {}, 'sent': []}
+    state['type'] = 'std_msgs/String'
     roscpp = XmlRpcServer(getBusInfo=lambda caller: [1, 'bus info', state['sent']])
     rospy = XmlRpcServer(getBusInfo=lambda caller: [1, 'bus info', [
         [1, roscpp.uri, 'i', 'TCPROS', '/image', True, ''], *state['sent']]])
-    uris = {'/dead': DEAD, '/camera': roscpp.uri, '/node': rospy.uri}
+    uris = {'/dead': DEAD, '/camera': roscpp.uri, '/node': rospy.uri, '/me': rospy.uri}
     master = XmlRpcServer(
         getSystemState=lambda caller: [1, '', [list(state['publishers'].items()),
                                                list(state['subscribers'].items()), []]],
+        getTopicTypes=lambda caller: [1, '', [['/answer', state['type']]]],
         lookupNode=lambda caller, node: [1, '', uris[node]] if node in uris else [-1, '', ''])
-    state['missing'] = lambda: Connections(master.uri, '/me').missing(['/answer'])
-    state['shared'] = Connections(master.uri, '/me').shared
+    connections = Connections(master.uri, '/me')
+    state['missing'] = lambda: connections.missing({'/answer': 'std_msgs/String'})
+    state['shared'] = connections.shared
     yield state
     for server in (roscpp, rospy, master):
         server.stop()
@@ -44,6 +47,26 @@ def test_what_the_publisher_subscribes_to(system):
     assert system['missing']() == ['a connection of /node to /image of /camera']
     system['sent'].append([4, '/node', 'o', 'TCPROS', '/image', True, ''])
     assert system['missing']() == []
+
+
+def test_what_the_publisher_hears_through_others(system):
+    system['publishers'] = {'/answer': ['/node'], '/color': ['/camera'], '/image': ['/me']}
+    system['subscribers'] = {'/color': ['/node'], '/image': ['/camera']}
+    sent = system['sent']
+    sent += [[2, '/me', 'o', 'TCPROS', '/answer', True, ''],
+             [3, '/node', 'o', 'TCPROS', '/color', True, '']]
+    assert system['missing']() == ['a connection of /camera to /image of /me']
+    sent.append([4, '/camera', 'o', 'TCPROS', '/image', True, ''])
+    assert system['missing']() == []
+    del system['publishers']['/color']      # it comes back, and has not advertised yet
+    assert system['missing']() == ['a publisher of /color']
+
+
+def test_a_publisher_of_another_type(system):
+    system['publishers'] = {'/answer': ['/node']}
+    system['type'] = 'std_msgs/Header'
+    assert system['missing']() == ['a connection of /me to /answer of /node, which publishes '
+                                   'std_msgs/Header, not std_msgs/String']
 
 
 def test_what_others_publish_too(system):

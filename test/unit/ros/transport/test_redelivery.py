@@ -40,3 +40,15 @@ def test_an_image_that_was_published_before_anybody_subscribed(name, subscribe):
     redelivery.deliver()
     assert end.receive()[-48:] == image.tobytes() and end.is_idle()
     publisher.unregister()
+
+
+def test_what_was_sent_before_is_not_delivered(name, subscribe):
+    redelivery = Redelivery()
+    publisher = DirectPublisher(name, String, redelivery=redelivery)
+    publisher.publish(String('old'))
+    redelivery.clear()
+    end = subscribe(name, String)
+    assert not redelivery.is_needed()
+    redelivery.deliver()
+    assert end.is_idle()
+    publisher.unregister()

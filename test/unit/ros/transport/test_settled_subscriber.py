@@ -54,3 +54,12 @@ def test_two_subscribers_of_a_topic(name, publish_to):
         wait_for(lambda: subscriber.is_settled() and before.is_settled(), 'their ends')
     before.unregister()
     subscriber.unregister()
+
+
+def test_a_publisher_that_was_killed(name, publish_to):
+    subscriber = SettledSubscriber(name, String, lambda msg, _: None)
+    end = publish_to(name, String)
+    wait_for(lambda: len(subscriber.publishers()) == 1, 'a connection')
+    end.sock.close()
+    wait_for(lambda: subscriber.publishers() == set(), 'the end of the connection')
+    subscriber.unregister()
