@@ -67,7 +67,9 @@ class Decoder:
             self._context.thread_type = 'AUTO'
             self.width, self.height = self._context.width, self._context.height
         self.codec, self._turn = _description(self._container, stream.index)
-        self.rate_hz = float(stream.average_rate or stream.guessed_rate or 0.0)
+        # without times, the average is 25 Hz from FFmpeg 6 on
+        average_hz = None if stream.start_time is None else stream.average_rate
+        self.rate_hz = float(average_hz or stream.guessed_rate or 0.0)
         duration_s = ((self._container.duration or 0) / av.time_base
                       or float((stream.duration or 0) * stream.time_base))
         self.frame_count = stream.frames or max(0, int(duration_s * self.rate_hz + 0.5))
