@@ -1,12 +1,14 @@
 """Requests to the XML-RPC server of a node, each with a limit of its time and size."""
+import http
 import io
 import socket
 import time
+from typing import Optional
 
 from rosgraph import xmlrpc
 
 _TIME_LIMIT_S = 60.         # also without a request: callers keep connections, and connect again
-_MAX_REQUEST_BYTES = 4 << 20
+_MAX_REQUEST_BYTES = 1 << 18       # values take 20 times their text, and memory stays in use
 _PAUSE_S = 0.1              # after a connection that could not be accepted
 
 
@@ -62,9 +64,17 @@ class LimitedRequestHandler(xmlrpc.SilenceableXMLRPCRequestHandler):
         self._input.begin()
         super().handle_one_request()
 
-    def decode_request_content(self, data: bytes) -> bytes:
-        """Return the request as it is: no ROS client packs it, and it could unpack to 20 MB."""
-        return data
+    def decode_request_content(self, data: bytes) -> Optional[bytes]:
+        """Return the request as it is; answer one that could expand, and return None.
+
+        No ROS client packs its requests, or uses a DOCTYPE with entities.
+        """
+        if b'<!' not in data.replace(b'\0', b''):       # also as UTF-16
+            return data
+        self.send_response(http.HTTPStatus.BAD_REQUEST)
+        self.send_header('Content-Length', '0')
+        self.end_headers()
+        return None
 
 
 def install() -> None:
