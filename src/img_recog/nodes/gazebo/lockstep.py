@@ -1,66 +1,25 @@
 """Lockstep: simulated time stands after each image until other nodes have answered it."""
 import contextlib
-import struct
 import threading
 import time
-from dataclasses import dataclass
 from functools import partial
-from typing import (Any, Callable, Collection, Dict, FrozenSet, List, Mapping, Optional, Sequence,
-                    Set, Tuple)
+from typing import Any, Callable, Collection, Dict, List, Mapping, Optional, Sequence, Set
 
 import rosgraph
 import rospy
 
-from img_recog.conversions import robot_msgs
+from img_recog.conversions import headers, robot_msgs
 from img_recog.errors import UserError, one_line
+from img_recog.nodes.gazebo.lockstep_settings import END, KINDS, LockstepSettings
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master.connections import Connections
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.settled_subscriber import SettledSubscriber
-from img_recog.settings import Allowed, Settings, above, one_of, setting
 from img_recog.simulation.settings import SimulationError
-from img_recog.simulation.vehicle import CAMERA
 
-_KINDS = {'image': CAMERA, 'scan': 'scan', 'odom': 'odometry', 'imu': 'imu',
-          'joint_states': 'joint_states'}
-_END = 'end'
 _REPORT_PERIOD_S = 5.0      # of wall time, between two lines that say for whom time stands
 _POLL_S, _MAX_SETTLING_S = 0.0001, 1.0
 _BUFFER_BYTES = 1 << 24     # an answer may be an image
-_SEQ_AND_STAMP = struct.Struct('<III')      # at the beginning of a serialized header
-_HEADER_TYPES = ('Header header', 'std_msgs/Header header')
-
-
-@dataclass(frozen=True)
-class LockstepSettings(Settings):
-    """For whom simulated time waits.
-
-    lockstep: topics, with spaces or commas between them; after a message of the sensors in
-    lockstep_sensors, time stands until an answer has come on each. lockstep_timeout: wall s
-    without one, after which the node does what lockstep_at_timeout says.
-    """
-
-    lockstep: str = setting('', Allowed('names of topics', lambda text: all(
-        rosgraph.names.is_legal_name(name) for name in _words(text))))
-    lockstep_sensors: str = setting('image', Allowed(
-        'some of ' + ', '.join(_KINDS),
-        lambda text: bool(_words(text)) and set(_words(text)) <= set(_KINDS)))
-    lockstep_timeout: float = setting(5.0, above(0))
-    lockstep_at_timeout: str = setting('continue', one_of('continue', _END))
-
-    @property
-    def topics(self) -> Tuple[str, ...]:
-        """The resolved names of the topics."""
-        return tuple(dict.fromkeys(rospy.resolve_name(name) for name in _words(self.lockstep)))
-
-    @property
-    def kinds(self) -> FrozenSet[str]:
-        """The kinds of sensors whose messages are answered."""
-        return frozenset(_KINDS[name] for name in _words(self.lockstep_sensors))
-
-
-def _words(text: str) -> List[str]:
-    return text.replace(',', ' ').split()
 
 
 class _Answers:
@@ -137,7 +96,7 @@ class Lockstep:
                 'lockstep waits for answers to {}, but the robot has no such sensor'.format(
                     self._settings.lockstep_sensors),
                 'start with camera:=robot, or set lockstep_sensors to some of {}'.format(
-                    ', '.join(name for name, kind in _KINDS.items() if kind in kinds)))
+                    ', '.join(name for name, kind in KINDS.items() if kind in kinds)))
 
     def subscribe(self) -> None:
         """Subscribe to the topics that are no command topics of the robots that are there."""
@@ -147,9 +106,9 @@ class Lockstep:
                     name, rospy.AnyMsg, partial(self._receive_any, name), _BUFFER_BYTES)
 
     def _receive_any(self, topic: str, msg: rospy.AnyMsg, header: Mapping[str, str]) -> None:
-        self._receive(topic, _stamp_in(msg._buff, header.get('type', ''),
-                                       header.get('message_definition', '')),
-                      header.get('callerid', ''))
+        stamp = headers.stamp_in(msg._buff, header.get('type', ''),
+                                 header.get('message_definition', ''))
+        self._receive(topic, stamp, header.get('callerid', ''))
 
     def _receive(self, topic: str, stamp: Optional[rospy.Time], node: str) -> None:
         with self._lock:
@@ -261,7 +220,7 @@ class Lockstep:
         reasons = [self._reason(topic) for topic in topics]
         line = 'lockstep: no answer in {:g} s to what was measured at {:.3f} s: {}'.format(
             self._settings.lockstep_timeout, time_s, '; '.join(reasons))
-        if self._settings.lockstep_at_timeout == _END:
+        if self._settings.lockstep_at_timeout == END:
             raise UserError(line, 'see why, set lockstep_timeout higher, or leave the topic out '
                                   'of lockstep')
         rospy.logwarn('%s. Time goes on, and waits for it again when it answers', line)
@@ -309,12 +268,3 @@ class Lockstep:
 
 def _is_within(topic: str, namespace: str) -> bool:
     return topic.startswith(namespace + '/')
-
-
-def _stamp_in(data: bytes, type_name: str, definition: str) -> Optional[rospy.Time]:
-    """Return the stamp in a serialized message, None if its type has no header as first field."""
-    lines = (line.split('#')[0].strip() for line in definition.splitlines())
-    first = next((line for line in lines if line and '=' not in line), '')
-    if type_name != 'std_msgs/Header' and ' '.join(first.split()) not in _HEADER_TYPES:
-        return None
-    return rospy.Time(*_SEQ_AND_STAMP.unpack_from(data)[1:])

@@ -39,7 +39,8 @@ from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
 from img_recog.nodes.gazebo.images import Images
-from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
+from img_recog.nodes.gazebo.lockstep import Lockstep
+from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.model_services import ModelServices
 from img_recog.nodes.gazebo.outlines import Outlines
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings, ServiceCalls, serve_physics

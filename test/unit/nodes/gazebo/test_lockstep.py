@@ -9,7 +9,8 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from img_recog.nodes.gazebo import lockstep
-from img_recog.nodes.gazebo.lockstep import Lockstep, LockstepSettings
+from img_recog.nodes.gazebo.lockstep import Lockstep
+from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.settings import SettingError
 
 
