@@ -11,7 +11,7 @@ from typing import Callable, List
 
 from fastapi import FastAPI, Request
 from fastapi.staticfiles import StaticFiles
-from nicegui import run, ui
+from nicegui import Client, run, ui
 
 from img_recog.nodes.web import texts
 from img_recog.nodes.web.tabs import TABS
@@ -20,6 +20,7 @@ from img_recog.nodes.web.visit import System, Visit
 
 _STATIC = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'static')
 _POLL_S = 0.4           # of values that other pages or nodes may change
+_MAX_WAITING = 20       # pages whose browser has not opened a WebSocket yet
 _PATIENCE_S = 5.0       # with a robot that is gone: a new master knows its nodes one by one
 
 
@@ -29,6 +30,7 @@ def build(app: FastAPI, system: System) -> None:
     for tab in TABS:
         if tab.serve is not None:
             tab.serve(app)
+    waiting: List[Client] = []
 
     @ui.page('/')
     async def index(request: Request) -> None:
@@ -36,8 +38,20 @@ def build(app: FastAPI, system: System) -> None:
         robot = await run.io_bound(system.robots.get, request.query_params.get('robot', ''))
         pictures = await run.io_bound(robot.picture_topics)
         _Page(Visit(system, robot, texts_in(language), pictures))
+        _keep_few(waiting, ui.context.client)
 
     ui.run_with(app, title='img_recog', dark=None, tailwind=False, reconnect_timeout=5.0)
+
+
+def _keep_few(waiting: List[Client], client: Client) -> None:
+    """Delete the oldest page if too many wait; NiceGUI keeps each for a minute, with 0.5 MB."""
+    def connected() -> None:
+        if client in waiting:
+            waiting.remove(client)
+    client.on_connect(connected)
+    waiting[:] = [each for each in waiting if each.id in Client.instances] + [client]
+    if len(waiting) > _MAX_WAITING:
+        waiting.pop(0).delete()
 
 
 def texts_in(language: str) -> Texts:

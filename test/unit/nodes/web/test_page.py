@@ -1,9 +1,10 @@
 """The page as a browser gets it, with stand-ins for the robot and the system."""
 from types import SimpleNamespace
 
+import pytest
 from fastapi import FastAPI
 from fastapi.testclient import TestClient
-from nicegui import ui
+from nicegui import Client, ui
 
 from img_recog.nodes.web import page
 from img_recog.nodes.web.shown_robot import PictureTopic
@@ -26,8 +27,9 @@ SONAR = Tab('sonar', {'sonar': ('Sonar', 'ソナー'), 'distance': ('Distance', 
             serve=serve_sonar)
 
 
-def test_a_tab_is_a_row_of_the_table(monkeypatch):
-    monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR))
+@pytest.fixture(scope='module')
+def client():
+    """A client of an application with the page and SONAR; NiceGUI can serve only one."""
     limits = VelocityLimits()
     robot = SimpleNamespace(
         name='tb3_1', pose=None, colors=SimpleNamespace(revision=0, values=dict),
@@ -35,9 +37,21 @@ def test_a_tab_is_a_row_of_the_table(monkeypatch):
         driving=SimpleNamespace(settings=limits, limits=vars(limits), limit=print))
     robots = SimpleNamespace(names=['tb3_1'], get=lambda name: robot)
     app = FastAPI()
-    page.build(app, System(robots, robot.colors, SimpleNamespace(path='')))
-    with TestClient(app) as client:
-        text = client.get('/', headers={'accept-language': 'ja'}).text
-        assert client.get('/sonar.svg').json() == 'echo'
+    with pytest.MonkeyPatch().context() as monkeypatch:
+        monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR))
+        page.build(app, System(robots, robot.colors, SimpleNamespace(path='')))
+        with TestClient(app) as client:
+            yield client
+
+
+def test_a_tab_is_a_row_of_the_table(client):
+    text = client.get('/', headers={'accept-language': 'ja'}).text
+    assert client.get('/sonar.svg').json() == 'echo'
     for words in ('/static/sonar.js', 'ソナー', '距離 of tb3_1', '/static/live.js'):
         assert words in text
+
+
+def test_only_the_newest_pages_wait_for_their_browser(client):
+    for _ in range(30):
+        assert client.get('/').status_code == 200
+    assert len(Client.instances) in (20, 21)        # with that of NiceGUI itself, if it has one
