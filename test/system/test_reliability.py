@@ -7,8 +7,8 @@ import sys
 import pytest
 
 from img_recog.ros.transport.switch import is_plain
-from img_recog_testing.reliability import (chaos, cutting, endings, figures, images, long_tests,
-                                           soak, surroundings, twists)
+from img_recog_testing.reliability import (chaos, cutting, endings, figures, files, images,
+                                           long_tests, siege, soak, surroundings, twists)
 from img_recog_testing.reliability.demo import NODES, START_LIMIT_S, STOP_LIMIT_S, Demo
 from img_recog_testing.reliability.faults import KINDS, Fault, possible
 from img_recog_testing.reliability.parts import PARTS, Options
@@ -77,6 +77,12 @@ def test_a_short_chaos(demo):
     assert len(table.splitlines()) == len(kinds) + 2
 
 
+@NOT_PLAIN
+def test_a_short_siege(demo):
+    result = siege.xmlrpc(demo, 3.0, SEED, factor())
+    assert result['attacks'] > 3
+
+
 def test_a_full_disk_is_not_repeated(demo, disk):
     result = surroundings.endure_full_disk(demo, disk, 2.0, factor())
     assert result['tracebacks'] == 0
@@ -91,6 +97,10 @@ def test_hostile_twists_and_images_in_process():
     assert min(counted.values()) > 1000
     counted = images.in_process(3000, SEED)
     assert min(counted[name] for name in ('accepted', 'refused', 'undecodable')) > 100
+
+
+def test_hostile_files():
+    assert sum(count for count, _, _ in files.run(60, SEED)) >= 60
 
 
 @NOT_PLAIN

@@ -140,7 +140,7 @@ def idle(demo: Demo, fault: Fault) -> Undo:
     """Connect to both ports of a node and say nothing; the chain has to work meanwhile."""
     (count,) = fault.details
     with contextlib.ExitStack() as stack:
-        for address in _addresses(demo, fault.node) * count:
+        for address in addresses(demo, fault.node) * count:
             stack.enter_context(socket.create_connection(address, DEADLINE_S))
         yield time.monotonic()
 
@@ -154,7 +154,7 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
               b'GET / HTTP/1.0\r\n\r\n', b'\xff\xff\xff\xff', b'\x00\x00\x00\x00',
               b'\x04\x00\x00\x00\xff\xff\xff\x7f')
     with contextlib.ExitStack() as stack:
-        for address in _addresses(demo, fault.node) * count:
+        for address in addresses(demo, fault.node) * count:
             sock = stack.enter_context(socket.create_connection(address, DEADLINE_S))
             with contextlib.suppress(OSError):      # it may hang up at once
                 sock.sendall(rng.choice(starts) + bytes(
@@ -164,7 +164,7 @@ def garbage(demo: Demo, fault: Fault) -> Undo:
         yield time.monotonic()
 
 
-def _addresses(demo: Demo, node: str) -> List[Tuple[str, int]]:
+def addresses(demo: Demo, node: str) -> List[Tuple[str, int]]:
     """Return the addresses of the XML-RPC server and of the data of a node."""
     stream = _TOPICS[node]
     host, _, port = wire.node_uri(demo.master_uri, stream.node).strip('/').rpartition('/')[2] \
