@@ -6,7 +6,7 @@ set -eu
 repository=${IMG_RECOG_REPOSITORY:-REPOSITORY}     # the address of img_recog
 version=${IMG_RECOG_VERSION:-HEAD}
 name=my_robot_vision
-export PATH=/usr/bin:/bin:$PATH     # the Python of the distribution, not of pyenv or conda
+export PATH="/usr/bin:/bin:$PATH"     # the Python of the distribution, not of pyenv or conda
 package=$(cd "$(dirname "$0")" && pwd)
 ws=${CI_WORKSPACE:-$package/ws}
 img_recog=$ws/src/img_recog

@@ -96,7 +96,7 @@ class SeveralRobotsTest(unittest.TestCase):
                 self.assertEqual(name + frame, recorder.wait()[0].header.frame_id)
                 recorder.close()
             joints = Recorder('/{}/joint_states'.format(name), JointState)
-            self.assertEqual(['wheel_left_joint', 'wheel_right_joint'], joints.wait()[0].name)
+            self.assertEqual(['wheel_right_joint', 'wheel_left_joint'], joints.wait()[0].name)
             joints.close()
         published = {topic for topic, _ in rosgraph.Master('/test').getPublishedTopics('')}
         self.assertFalse(published & {'/odom', '/scan', '/imu', '/joint_states', '/cmd_vel',
