@@ -4,9 +4,9 @@ import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
-                'markup', 'mesh_file', 'mesh_formats', 'new_package', 'process_tree', 'resources',
-                'robot_file', 'rotations', 'settings', 'signals', 'still_images', 'textures',
-                'timed_xmlrpc', 'visuals')
+                'markup', 'mesh_file', 'mesh_formats', 'new_package', 'option_types',
+                'process_tree', 'resources', 'robot_file', 'rotations', 'settings', 'signals',
+                'still_images', 'textures', 'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
                     'pictures', 'models', 'places', 'pacing', 'assembly')
@@ -30,7 +30,8 @@ ALLOWED = {
        for folder in PURE},
     'bag_recording': ('errors',), 'markup': ('errors',), 'new_package': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
-    'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (), 'visuals': (),
+    'option_types': (), 'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (),
+    'visuals': (),
     'textures': ('errors',),
     'mesh_file': ('errors', 'mesh_formats', 'textures', 'visuals'),
     'mesh_formats': ('visuals',),
@@ -41,7 +42,7 @@ ALLOWED = {
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
     'checks': PURE + GROUND_FLOOR + ('conversions',),
-    'graph': ('errors', 'files', 'signals', 'timed_xmlrpc'),
+    'graph': ('errors', 'files', 'option_types', 'signals', 'timed_xmlrpc'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
     'testing': GROUND_FLOOR + ('conversions', 'recognition', 'replay', 'ros'),
 }

@@ -13,6 +13,7 @@ from img_recog.errors import UserError, one_line
 from img_recog.graph import dot
 from img_recog.graph.reader import SystemReader
 from img_recog.graph.system import visible
+from img_recog.option_types import allowed
 from img_recog.signals import Interrupts
 
 _SECONDS = 2.0          # in which rates are measured
@@ -53,7 +54,9 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog='graph.py', description='Draw the nodes and topics of the running system to a file, '
         'like rqt_graph with "Nodes/Topics (all)", with the rate of each topic.')
-    parser.add_argument('output', metavar='FILE', type=_path,
+    parser.add_argument('output', metavar='FILE', type=allowed(
+                            str, lambda path: _kind(path) in dot.FORMATS,
+                            'a path that ends in .' + ', .'.join(dot.FORMATS)),
                         help='where to write the picture: FILE.svg, FILE.png, or FILE.dot for '
                         'graphviz')
     parser.add_argument('--leaves', action='store_true',
@@ -62,28 +65,12 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--all', action='store_true',
                         help='also show these, /rosout, /clock, the topics of dynamic_reconfigure '
                         'and nodes that do not answer')
-    parser.add_argument('--seconds', type=_seconds, default=_SECONDS, metavar='S',
+    parser.add_argument('--seconds', default=_SECONDS, metavar='S', type=allowed(
+                            float, lambda seconds: 0 <= seconds < 3600,
+                            'a number of seconds, 0 or more and below an hour'),
                         help='how long to measure rates; 0: draw none (default: %(default)g)')
     return parser.parse_args(arguments)
 
 
 def _kind(path: str) -> str:
     return os.path.splitext(path)[1].lower()[1:]
-
-
-def _path(text: str) -> str:
-    if _kind(text) not in dot.FORMATS:
-        raise argparse.ArgumentTypeError('got {!r}, expected a path that ends in .{}'.format(
-            text, ', .'.join(dot.FORMATS)))
-    return text
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 <= value < 3600:
-        raise argparse.ArgumentTypeError(
-            'got {!r}, expected a number of seconds, 0 or more and below an hour'.format(text))
-    return value

@@ -19,6 +19,7 @@ from img_recog.conversions import plane_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
 from img_recog.errors import UserError, one_line
+from img_recog.option_types import allowed
 from img_recog.replay import programs
 from img_recog.replay.bag_messages import Messages
 from img_recog.replay.bags import BagFrames, check_bag
@@ -146,15 +147,10 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
         'and charts side by side.', allow_abbrev=False)
     parser.add_argument('bag', metavar='BAG', help='a bag with images, as of ./run demo '
                         'record:=FILE')
-    parser.add_argument('output', metavar='FILE.mp4', type=_mp4, help='where to write the film')
+    parser.add_argument('output', metavar='FILE.mp4', help='where to write the film',
+                        type=allowed(str, lambda path: path.lower().endswith('.mp4'), 'FILE.mp4'))
     parser.add_argument('--colors', default='', metavar='YAML',
                         help='parameter file of color_extract (default: the article\'s colors)')
     parser.add_argument('--topic', default='', help='topic of the images, if there are several')
     still_images.add_option(parser)
     return parser.parse_args(arguments)
-
-
-def _mp4(text: str) -> str:
-    if not text.lower().endswith('.mp4'):
-        raise argparse.ArgumentTypeError('got {!r}, expected FILE.mp4'.format(text))
-    return text

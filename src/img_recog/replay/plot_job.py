@@ -14,6 +14,7 @@ from tqdm import tqdm
 from img_recog import files, timed_xmlrpc
 from img_recog.bag_recording import BagRecording
 from img_recog.errors import UserError, one_line, shortened
+from img_recog.option_types import allowed
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.replay import programs
@@ -142,8 +143,11 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
         allow_abbrev=False)
     parser.add_argument('bag', metavar='BAG', nargs='?', default='',
                         help='a bag with odometry; without it, the running system is recorded')
-    parser.add_argument('output', metavar='FILE.png', type=_png, help='where to write the picture')
-    parser.add_argument('--duration', type=_seconds, default=_SECONDS, metavar='S',
+    parser.add_argument('output', metavar='FILE.png', help='where to write the picture',
+                        type=allowed(str, lambda path: path.lower().endswith('.png'), 'FILE.png'))
+    parser.add_argument('--duration', default=_SECONDS, metavar='S', type=allowed(
+                            float, lambda seconds: 0 < seconds <= _MAX_SECONDS,
+                            'more than 0 and at most {:g}'.format(_MAX_SECONDS)),
                         help='how long to record the running system, s; Ctrl-C ends it earlier '
                         '(default: %(default)g)')
     parser.add_argument('--robot', default='', metavar='NAME',
@@ -152,20 +156,3 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
                         help='parameter file of color_extract, for the limits (default: those of '
                         'the running node, or of the article)')
     return parser.parse_args(arguments)
-
-
-def _png(text: str) -> str:
-    if not text.lower().endswith('.png'):
-        raise argparse.ArgumentTypeError('got {!r}, expected FILE.png'.format(text))
-    return text
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 < value <= _MAX_SECONDS:
-        raise argparse.ArgumentTypeError('got {!r}, expected more than 0 and at most {:g}'.format(
-            text, _MAX_SECONDS))
-    return value

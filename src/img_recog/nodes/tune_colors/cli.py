@@ -4,10 +4,9 @@ For a file it is not a node and needs no master; for a topic it is an anonymous 
 TuneColorsNode.
 """
 import argparse
-import contextlib
 import os
 import sys
-from typing import Any, Callable, Optional, Sequence
+from typing import Optional, Sequence
 
 import cv2
 import numpy as np
@@ -21,6 +20,7 @@ from img_recog.camera.source import SourceEnded, SourceError, SourceTooLarge
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.tune_colors.node import TuneColorsNode
 from img_recog.nodes.tune_colors.output import PictureOutput
+from img_recog.option_types import allowed
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import with_colors
 from img_recog.ros import image_topics, lifecycle
@@ -94,7 +94,7 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('image_or_topic', metavar='IMAGE_OR_TOPIC',
                         help='an image file, a video file, or a topic with images (a window '
                         'shows its newest image)')
-    parser.add_argument('--frame', metavar='N', type=_allowed(
+    parser.add_argument('--frame', metavar='N', type=allowed(
                             int, lambda number: number >= 0, 'a whole number of at least 0'),
                         help='frame of a video, counted from 0 (default: 0)')
     colors = parser.add_mutually_exclusive_group()
@@ -102,11 +102,11 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     colors.add_argument('--node', metavar='NAME', help='for a topic: the node whose '
                         'parameters define the colors (default: /color_extract; without '
                         'parameters, the article\'s colors)')
-    parser.add_argument('--timeout', default=_TIMEOUT_S, metavar='S', type=_allowed(
+    parser.add_argument('--timeout', default=_TIMEOUT_S, metavar='S', type=allowed(
                             float, lambda seconds: seconds > 0, 'a number of seconds above 0'),
                         help='how long to wait for an image on a topic (default: %(default)g s)')
     still_images.add_option(parser)
-    parser.add_argument('--output', default=_OUTPUT, metavar='PATH.png', type=_allowed(
+    parser.add_argument('--output', default=_OUTPUT, metavar='PATH.png', type=allowed(
                             str, lambda path: path.lower().endswith('.png'),
                             'a path that ends in .png'),
                         help='where to write the picture (default: %(default)s)')
@@ -115,17 +115,6 @@ def _options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--no-window', action='store_true',
                         help='only write the picture, do not show it')
     return parser.parse_args(arguments)
-
-
-def _allowed(kind: Callable[[str], Any], is_allowed: Callable[[Any], bool],
-             expected: str) -> Callable[[str], Any]:
-    """Return a type of an option for argparse: a kind of value, of which not all are allowed."""
-    def value(text: str) -> Any:
-        with contextlib.suppress(ValueError):
-            if is_allowed(kind(text)):
-                return kind(text)
-        raise argparse.ArgumentTypeError('got {!r}, expected {}'.format(text, expected))
-    return value
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
