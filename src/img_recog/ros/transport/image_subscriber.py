@@ -1,8 +1,6 @@
 """A subscriber for large images."""
-import fcntl
 import socket
 import struct
-import termios
 from collections import deque
 from typing import Callable, Deque, Optional
 
@@ -14,9 +12,10 @@ from sensor_msgs.msg import Image
 
 from img_recog.errors import one_line, shortened
 from img_recog.ros.log.throttle import ThrottledWarning
+from img_recog.ros.transport.sockets import waiting_bytes
 from img_recog.ros.transport.switch import is_plain
 
-_LENGTH, _WAITING = struct.Struct('<I'), struct.Struct('i')
+_LENGTH = struct.Struct('<I')
 # sizes of the fields of a serialized Image before its strings and its data, bytes
 _STAMP_END, _SIZE_BYTES, _STEP_BYTES = 12, 8, 5
 _EMPTY = np.empty(0, np.uint8)
@@ -123,7 +122,7 @@ class ImageSubscriber:
                 self._free.append(memory)
                 self._drop(connection, length, 'no sensor_msgs/Image: ' + one_line(error))
             else:
-                msg.waiting = _waiting_bytes(sock) // (len(msg.data) or 1)
+                msg.waiting = waiting_bytes(sock) // (len(msg.data) or 1)
                 self._deliver(msg, view, connection, messages)
         protocol.read_messages = read_messages
 
@@ -154,14 +153,6 @@ class ImageSubscriber:
             return memory
         # not cleared: a wrong length in a message then uses no physical memory
         return np.empty(size, np.uint8)
-
-
-def _waiting_bytes(sock: socket.socket) -> int:
-    """Return how many bytes wait in a socket; 0 after the connection is closed."""
-    try:
-        return _WAITING.unpack(fcntl.ioctl(sock, termios.FIONREAD, _WAITING.pack(0)))[0]
-    except (OSError, ValueError):
-        return 0
 
 
 def _fill(sock: socket.socket, view: memoryview) -> None:

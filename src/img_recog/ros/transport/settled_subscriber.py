@@ -1,17 +1,13 @@
 """A subscriber that knows whether it has passed on all that has arrived."""
-import fcntl
 import socket
-import struct
-import termios
 import threading
 from typing import Any, Callable, List, Mapping, Optional, Set, Tuple
 
 import rospy
 from rospy.impl.tcpros_base import TCPROSTransport
 
+from img_recog.ros.transport.sockets import waiting_bytes
 from img_recog.ros.transport.switch import is_plain
-
-_WAITING = struct.Struct('i')
 
 
 class SettledSubscriber:
@@ -105,8 +101,4 @@ class _Watch:
 
 def _has_unread(connection: TCPROSTransport) -> bool:
     sock = connection.socket
-    try:
-        return sock is not None and _WAITING.unpack(
-            fcntl.ioctl(sock, termios.FIONREAD, _WAITING.pack(0)))[0] > 0
-    except (OSError, ValueError):       # closed meanwhile
-        return False
+    return sock is not None and waiting_bytes(sock) > 0
