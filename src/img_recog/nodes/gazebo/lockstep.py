@@ -11,13 +11,13 @@ import rospy
 from img_recog.conversions import headers, robot_msgs
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.gazebo.lockstep_settings import END, KINDS, LockstepSettings
+from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master.connections import Connections
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.settled_subscriber import SettledSubscriber
 from img_recog.simulation.settings import SimulationError
 
-_REPORT_PERIOD_S = 5.0      # of wall time, between two lines that say for whom time stands
 _POLL_S, _MAX_SETTLING_S = 0.0001, 1.0
 _BUFFER_BYTES = 1 << 24     # an answer may be an image
 
@@ -60,7 +60,7 @@ class Lockstep:
         self._lock = threading.Lock()       # of what follows, and of the answers
         self._is_sent, self._sent_s = False, 0.0
         self._is_ready, self._is_settled = False, True
-        self._reported_s = time.monotonic()
+        self._report = StandingReport('lockstep: ')
         self._warn_of_extra, self._warn_of_nodes = ThrottledWarning(), ThrottledWarning()
         self._warn_of_future = ThrottledWarning()
 
@@ -195,7 +195,7 @@ class Lockstep:
             if time.monotonic() < sent_s + self._settings.lockstep_timeout:
                 if self.redelivery.is_needed() and self._are_connected(time_s, missing):
                     self.redelivery.deliver()       # to a node that came back
-                self.report(time_s, 'an answer on ' + ', '.join(missing), sent_s)
+                self._report(time_s, 'an answer on ' + ', '.join(missing), sent_s)
             else:
                 self._give_up(missing, time_s)
                 missing = []
@@ -251,19 +251,8 @@ class Lockstep:
         except OSError as error:
             missing = ['the master, which does not answer: ' + one_line(error)]
         if missing:
-            self.report(time_s, '; '.join(missing))
+            self._report(time_s, '; '.join(missing))
         return not missing
-
-    def report(self, time_s: float, missing: str, since_s: float = 0.0) -> None:
-        """Log for what time stands, not more often than every 5 s of wall time.
-
-        since_s: when that began, as of time.monotonic.
-        """
-        now_s = time.monotonic()
-        if now_s >= max(self._reported_s, since_s) + _REPORT_PERIOD_S:
-            self._reported_s = now_s
-            rospy.logwarn('lockstep: simulated time stands at %.3f s and waits for: %s', time_s,
-                          missing)
 
 
 def _is_within(topic: str, namespace: str) -> bool:

@@ -1,16 +1,12 @@
 """For whom simulated time stands: for images at the start, and in lockstep for other nodes."""
-import time
 from typing import Optional, Sequence
-
-import rospy
 
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.robots import Robots
+from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import CAMERA, Reading
-
-_REPORT_PERIOD_S = 5.0      # of wall time
 
 
 class Waiting:
@@ -25,7 +21,7 @@ class Waiting:
         self._simulator, self._images, self._robots = simulator, images, robots
         self._lockstep = lockstep
         self._has_begun, self._is_reset = False, False
-        self._reported_s = time.monotonic()
+        self._report = StandingReport()
         self._is_due = lockstep is None
 
     def must_stand(self) -> bool:
@@ -34,7 +30,7 @@ class Waiting:
         Raises UserError when no answer came, and the node is to end then.
         """
         if (self._lockstep is not None or not self._has_begun) and self._images.is_loading():
-            self._report('the process that draws to load the world')
+            self._report(self._simulator.time_s, 'the process that draws to load the world')
             return True
         if self._lockstep is None:
             self._has_begun = True
@@ -46,8 +42,8 @@ class Waiting:
             return True
         self._images.enable_cameras()
         if self._simulator.next_reading(self._lockstep.kinds) is None:
-            self._report('a sensor that is answered; no robot has one, or nobody subscribes to '
-                         'the images')
+            self._report(self._simulator.time_s, 'a sensor that is answered; no robot has one, or '
+                         'nobody subscribes to the images')
             return True
         return False
 
@@ -89,10 +85,3 @@ class Waiting:
             self._robots.namespaces())
         if all(each.kind != CAMERA for each in answered):
             self._lockstep.notify_sent()
-
-    def _report(self, missing: str) -> None:
-        now_s = time.monotonic()
-        if now_s >= self._reported_s + _REPORT_PERIOD_S:
-            self._reported_s = now_s
-            rospy.logwarn('simulated time stands at %.3f s and waits for: %s',
-                          self._simulator.time_s, missing)
