@@ -44,15 +44,16 @@ def pose_from_msg(msg: Odometry) -> Pose:
 
 
 class Topics:
-    """Keeps the newest message of each topic that was subscribed to.
-
-    types: of these topics, by their names.
-    """
+    """Keeps the newest message of each topic that was subscribed to."""
 
     def __init__(self) -> None:
         self._subscribers: Dict[str, SettledSubscriber] = {}
         self._newest: Dict[str, Any] = {}
-        self.types: Dict[str, str] = {}
+
+    @property
+    def types(self) -> Dict[str, str]:
+        """The types of these topics, by their names."""
+        return {name: each.type for name, each in self._subscribers.items()}
 
     def subscribe(self, name: str, data_class: type,
                   notify: Callable[[Any], None] = lambda msg: None) -> None:
@@ -63,7 +64,6 @@ class Topics:
         def keep(msg: Any, _: object) -> None:
             self._newest[name] = msg
             notify(msg)
-        self.types[name] = getattr(data_class, '_type')
         self._subscribers[name] = SettledSubscriber(name, data_class, keep, _BUFFER_BYTES)
 
     def newest(self, name: str) -> Optional[Any]:
