@@ -210,6 +210,7 @@ def stop_after_the_images(ros, count, seed, deadline_s):
     camera = ros.start_node('usb_cam_node.py', '_video_device:=synthetic')
     nodes = [ros.start_node('color_img_recog.py',
                             '__name:=color_extract_{}'.format(number)) for number in range(count)]
+    camera.wait_output('camera: ')
     for node in nodes:
         node.wait_output('blue=')
     assert camera.interrupt() == 0, camera.output

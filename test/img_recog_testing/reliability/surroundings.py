@@ -69,7 +69,10 @@ def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> Lis
         for each in scripts:
             assert each.is_running() and 'Traceback' not in each.output, each.output[-3000:]
     finally:
+        for each in scripts:        # their images and their clock are not for what comes next
+            each.close()
         clock.close()
+        nodes.set_parameters('/use_sim_time', False)
     return times_s
 
 
