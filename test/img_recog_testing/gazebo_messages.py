@@ -26,12 +26,16 @@ DEFINITIONS = {
                                       'geometry_msgs/Twist twist\nstring reference_frame\n',
     'gazebo_msgs/msg/ModelStates.msg': 'string[] name\ngeometry_msgs/Pose[] pose\n'
                                        'geometry_msgs/Twist[] twist\n',
+    'gazebo_msgs/msg/LinkState.msg': 'string link_name\ngeometry_msgs/Pose pose\n'
+                                     'geometry_msgs/Twist twist\nstring reference_frame\n',
     'gazebo_msgs/srv/GetModelState.srv': 'string model_name\nstring relative_entity_name\n---\n'
                                          'Header header\ngeometry_msgs/Pose pose\n'
                                          'geometry_msgs/Twist twist\nbool success\n'
                                          'string status_message\n',
     'gazebo_msgs/srv/SetModelState.srv': 'gazebo_msgs/ModelState model_state\n---\n'
                                          'bool success\nstring status_message\n',
+    'gazebo_msgs/srv/SetLinkState.srv': 'gazebo_msgs/LinkState link_state\n---\n'
+                                        'bool success\nstring status_message\n',
     'gazebo_msgs/srv/SpawnModel.srv': 'string model_name\nstring model_xml\n'
                                       'string robot_namespace\n'
                                       'geometry_msgs/Pose initial_pose\n'

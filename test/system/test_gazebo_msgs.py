@@ -2,6 +2,7 @@
 import copy
 import math
 import os
+import re
 import sys
 
 import pytest
@@ -18,6 +19,7 @@ NAMES = ['ground_plane', 'turtlebot3_world', MODEL]
 SUMS = {'msg.ModelStates': '48c080191eb15c41858319b4d8a609c2',
         'msg.ContactsState': 'acbcb1601a8e525bf72509f18e6f668d',
         'msg.ModelState': '9330fd35f2fcd82d457e54bd54e10593',
+        'msg.LinkState': '0818ebbf28ce3a08d48ab1eaa7309ebe',
         'srv.GetModelStateResponse': 'ccd51739bb00f0141629e87b792e92b9',
         'srv.SetModelStateRequest': 'cb042b0e91880f4661b29ea5b6234350',
         'srv.SpawnModelRequest': '6d0eba5753761cd57e6263a056b79930',
@@ -33,7 +35,7 @@ def gazebo(roscore, tmp_path_factory):
     if not INSTALLED:
         for name, path in write_package(tmp_path_factory.mktemp('messages')).items():
             ros.env[name] = os.pathsep.join(filter(None, [path, ros.env.get(name)]))
-    node = simulate(ros)
+    ros.simulator = node = simulate(ros)
     ros.services = ServiceCalls(ros)
     yield ros
     ros.services.close()
@@ -217,6 +219,46 @@ def names(ros):
     answer = call(ros, 'get_world_properties', {})
     assert (answer['success'], answer['rendering_enabled']) == (True, True)
     return answer['model_names']
+
+
+def publish(ros, topic, kind, **fields):
+    """Publish a message, until the simulator has had the time to get it."""
+    return ros.start('rostopic', 'pub', '-r', '5', '/gazebo/' + topic, 'gazebo_msgs/' + kind,
+                     yaml.safe_dump(fields))
+
+
+@pytest.mark.parametrize('topic, kind, field, name', [
+    ('set_model_state', 'ModelState', 'model_name', MODEL),
+    ('set_link_state', 'LinkState', 'link_name', MODEL + '::base_footprint')])
+def test_states_are_set_by_topics_too(gazebo, topic, kind, field, name):
+    assert set_state(gazebo, -2.0, -0.5)['success'] is True
+    publisher = publish(gazebo, topic, kind, pose=pose(0.5, 0.5, 1.0), reference_frame='world',
+                        **{field: name})
+    wait_for(lambda: abs(get_state(gazebo)['pose']['position']['x'] - 0.5) < 0.01,
+             lambda: publisher.output)
+    assert_at(get_state(gazebo), 0.5, 0.5, 1.0)
+    publisher.interrupt()
+
+
+@pytest.mark.parametrize('topic, kind, fields, problem', [
+    ('set_model_state', 'ModelState', {'model_name': 'waffle'}, "no model 'waffle' (models: "),
+    ('set_link_state', 'LinkState', {'link_name': MODEL},
+     "link_name: got '{}', expected MODEL::LINK".format(MODEL))])
+def test_a_bad_message_is_one_line_of_the_log(gazebo, topic, kind, fields, problem):
+    publisher = publish(gazebo, topic, kind, **fields)
+    gazebo.simulator.wait_output(r'\[WARN\].*ignored a message on /gazebo/{}: {}'.format(
+        topic, re.escape(problem)))
+    publisher.interrupt()
+    assert 'Traceback' not in gazebo.simulator.output
+
+
+def test_the_services_of_links(gazebo):
+    for name, status in ((MODEL + '::wheel_left_link', 'model {0} has no link \'wheel_left_link\' '
+                          'without a joint above it (such links: base_footprint)'.format(MODEL)),
+                         (MODEL + '::base_footprint', '')):
+        assert call(gazebo, 'set_link_state', {'link_state': {
+            'link_name': name, 'pose': pose(-2.0, -0.5, 0.0)}}) == {
+                'success': not status, 'status_message': status}
 
 
 def has_red(image):

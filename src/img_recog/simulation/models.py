@@ -14,6 +14,7 @@ from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
 WORLD = 'world'
+LINK_SEPARATOR = '::'
 # m, m/s: far beyond this PyBullet computes NaN, and the floor carries nothing from then on
 _MAX_VALUE = 1e6
 
@@ -120,12 +121,14 @@ class Models:
     def set_state(self, name: str, state: State, frame: str = WORLD) -> None:
         """Move a model to `state`, given in `frame`; its joints stay as they are.
 
+        name: also MODEL::LINK, of a link without a joint above it: it is moved with all that is
+        joined to it, and the other links of the model stay.
         Velocities are relative to the world, along the axes of `frame`; a static model has none.
         Raises SimulationError when there is no such model or frame, the model is the floor, or the
         state has a number that is not finite.
         """
         model, origin = self._model(name), _transform(self._frame(frame))
-        if name == self._floor:
+        if name.partition(LINK_SEPARATOR)[0] == self._floor:
             raise SimulationError('model {} cannot be moved'.format(name))
         _check(state)
         model.place(origin @ _transform(state), origin.rotation @ state.linear,
@@ -169,9 +172,19 @@ class Models:
         del self._models[name]
 
     def _model(self, name: str) -> _Model:
-        if name not in self._models:
-            raise SimulationError('no model {!r} (models: {})'.format(name, ', '.join(self.names)))
-        return self._models[name]
+        """Return a model, or of MODEL::LINK what is joined to that link."""
+        model_name, _, link = name.partition(LINK_SEPARATOR)
+        if model_name not in self._models:
+            raise SimulationError('no model {!r} (models: {})'.format(
+                model_name, ', '.join(self.names)))
+        model = self._models[model_name]
+        if not link:
+            return model
+        links = {body.root: body for body in model.bodies}
+        if link not in links:
+            raise SimulationError('model {} has no link {!r} without a joint above it (such '
+                                  'links: {})'.format(model_name, link, ', '.join(links)))
+        return _Model([links[link]], vehicle=model.vehicle)
 
     def _frame(self, name: str) -> State:
         return _REST if name == WORLD else self._state_in_world(name)

@@ -186,6 +186,10 @@ def test_model_with_loose_links_is_one_model_that_moves_rigidly(tmp_path):
     assert models.state('pair').linear == close((1, 0, 0))
     # in their own frames, which are turned to the left; the model turns about its origin
     assert a.linear == close((-1, -1, 0)) and b.linear == close((1, -1, 0))
+    models.set_state('pair::b', State((0.0, 0.0, 3.0), UPRIGHT, (1.0, 0.0, 0.0), REST), 'pair::a')
+    a, b = (body.motion() for body in sim.world.bodies)
+    assert a.position == close((4, 0, 2)) and b.position == close((4, 0, 5))
+    assert b.linear == close((1, 0, 0))
     models.remove('pair')
     assert models.names == ['ground_plane', ROBOT] and sim.world.bodies == []
 
@@ -281,7 +285,9 @@ def test_floor_and_robot_cannot_be_deleted(name):
     (ROBOT, GOOD._replace(position=(-1e300, 0.0, 0.0)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, 0.0, 1e200)), 'world', 'from -1e+06 to 1e+06'),
     (ROBOT, GOOD._replace(orientation=(0.0, 0.0, NAN, 1.0)), 'world', 'finite numbers'),
-    ('ground_plane', GOOD, 'world', 'model ground_plane cannot be moved')])
+    ('ground_plane', GOOD, 'world', 'model ground_plane cannot be moved'),
+    (ROBOT + '::wheel_left_link', GOOD, 'world', "has no link 'wheel_left_link' without a joint "
+     'above it (such links: base_footprint)')])
 def test_refusals_leave_everything_where_it_is(name, state, frame, words):
     sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
     models = Models(sim)

@@ -15,16 +15,17 @@ from img_recog.errors import UserError, one_line
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.simulation.descriptions import model_file, names
-from img_recog.simulation.models import WORLD, Models, State
+from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models, State
 from img_recog.simulation.pacing import Pace
 from img_recog.simulation.settings import SimulationError, SpawnSettings
 from img_recog.simulation.simulator import Simulator
 
 try:
-    from gazebo_msgs.msg import ModelStates
+    from gazebo_msgs.msg import LinkState, ModelState, ModelStates
     from gazebo_msgs.srv import (DeleteModel, GetModelState, GetPhysicsProperties,
-                                 GetWorldProperties, SetModelState, SpawnModel)
+                                 GetWorldProperties, SetLinkState, SetModelState, SpawnModel)
     MISSING = ''
 except ImportError as error:
     MISSING = 'gazebo_msgs cannot be loaded: {}'.format(one_line(error))
@@ -39,6 +40,9 @@ Response = Dict[str, Any]       # fields of a response by name; rospy makes the 
 class ModelServices:
     """Publishes ~model_states, and serves what `services` in the constructor names.
 
+    Like gazebo_ros, it takes the states to set on topics, too; a line of the log says why one is
+    refused.
+
     Must be created only when nothing is MISSING.
     """
 
@@ -48,8 +52,12 @@ class ModelServices:
         self._simulator, self._models, self._robots = simulator, models, robots
         self._plans, self._calls, self._pace = plans, calls, pace
         self._states = rospy.Publisher('~model_states', ModelStates, queue_size=10)
+        self._warn = ThrottledWarning()
         services = {'get_model_state': (GetModelState, self._get),
-                    'set_model_state': (SetModelState, self._set),
+                    'set_model_state': (
+                        SetModelState, lambda request: self._set_model(request.model_state)),
+                    'set_link_state': (
+                        SetLinkState, lambda request: self._set_link(request.link_state)),
                     'spawn_sdf_model': (SpawnModel, self._spawn),
                     'spawn_urdf_model': (SpawnModel, self._spawn),
                     'delete_model': (DeleteModel, self._delete),
@@ -57,6 +65,10 @@ class ModelServices:
                     'get_physics_properties': (GetPhysicsProperties, self._describe_physics)}
         for name, (kind, handler) in services.items():
             rospy.Service('~' + name, kind, partial(_respond, handler))
+        for name, kind, set_state in (('set_model_state', ModelState, self._set_model),
+                                      ('set_link_state', LinkState, self._set_link)):
+            rospy.Subscriber('~' + name, kind, partial(self._take, name, set_state),
+                             queue_size=10, tcp_nodelay=True)
 
     def update(self) -> None:
         """Publish the states of all models; to be called by the loop."""
@@ -76,11 +88,24 @@ class ModelServices:
         return {'header': Header(stamp=robot_msgs.stamp_of(time_s), frame_id=frame),
                 'pose': _pose_of(state), 'twist': _twist_of(state)}
 
-    def _set(self, request: Any) -> Response:
-        wanted = request.model_state
+    def _take(self, name: str, set_state: Callable[[Any], Response], msg: Any) -> None:
+        try:
+            set_state(msg)
+        except UserError as error:
+            self._warn('ignored a message on %s: %s', rospy.resolve_name('~' + name), error)
+
+    def _set_model(self, wanted: Any) -> Response:
+        return self._set(wanted.model_name, wanted)
+
+    def _set_link(self, wanted: Any) -> Response:
+        if LINK_SEPARATOR not in wanted.link_name:
+            raise SimulationError('link_name: got {!r}, expected MODEL{}LINK'.format(
+                wanted.link_name, LINK_SEPARATOR))
+        return self._set(wanted.link_name, wanted)
+
+    def _set(self, name: str, wanted: Any) -> Response:
         self._calls.call(lambda: self._models.set_state(
-            wanted.model_name, _state_of(wanted.pose, wanted.twist),
-            _frame_of(wanted.reference_frame)))
+            name, _state_of(wanted.pose, wanted.twist), _frame_of(wanted.reference_frame)))
         return {}
 
     def _spawn(self, request: Any) -> Response:

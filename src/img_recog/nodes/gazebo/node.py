@@ -4,7 +4,8 @@ With several_robots it simulates those of the parameter ~robots: the topics of e
 namespace of its name, its ~set_pose is ~NAME/set_pose, and its frames begin with NAME/.
 
 Subscribes: cmd_vel (geometry_msgs/Twist; a command holds until the next one), ~set_pose
-(geometry_msgs/PoseStamped; moves the robot).
+(geometry_msgs/PoseStamped; moves the robot), and if gazebo_msgs is installed, ~set_model_state
+(gazebo_msgs/ModelState) and ~set_link_state (gazebo_msgs/LinkState).
 Publishes: what the sensors measure, each on its topic (conversions/sensor_table.py), /clock
 (rosgraph_msgs/Clock, 100 Hz of simulated time), /tf odom -> base_footprint (30 Hz),
 ~real_time_factor (std_msgs/Float64, measured, 1 Hz of wall time), ~view/image_raw
@@ -19,8 +20,8 @@ camera/depth/camera_info (sensor_msgs/CameraInfo), camera/depth/points (sensor_m
 Serves: ~pause_physics, ~unpause_physics, ~reset_world, ~reset_simulation (std_srvs/Empty), ~step
 (std_srvs/Trigger: goes on for ~step_period while paused),
 ~update_robots (std_srvs/Trigger; with several_robots: adds and removes robots), and if gazebo_msgs
-is installed, ~get_model_state, ~set_model_state, ~spawn_sdf_model, ~spawn_urdf_model,
-~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
+is installed, ~get_model_state, ~set_model_state, ~set_link_state, ~spawn_sdf_model,
+~spawn_urdf_model, ~delete_model, ~get_world_properties, ~get_physics_properties (gazebo_msgs).
 Served by dynamic_reconfigure (~set_parameters, ~parameter_descriptions, ~parameter_updates):
 real_time_factor and view.
 Reads: robot_description, NAME/robot_description, NAME/tf_prefix, ~robots, and the fields of all

@@ -60,9 +60,9 @@ class Body:
     """A body in a physics client.
 
     body_id, physics_client_id: PyBullet's; fixed: whether the root link never moves; links: link
-    indices, -1 for the base; joints: index of each movable joint by name; name: of the model;
-    start: where `reset` moves it; is_terrain: whether it is a heightmap, whose shape PyBullet does
-    not tell.
+    indices, -1 for the base; joints: index of each movable joint by name; root: name of the root
+    link; name: of the model; start: where `reset` moves it; is_terrain: whether it is a
+    heightmap, whose shape PyBullet does not tell.
     """
 
     is_terrain = False
@@ -73,8 +73,8 @@ class Body:
         self.fixed = fixed
         self.links = range(-1, pybullet.getNumJoints(body_id, physicsClientId=physics_client_id))
         self.joints = self._movable_joints()
-        self.name: str = pybullet.getBodyInfo(
-            body_id, physicsClientId=physics_client_id)[1].decode()
+        self.root, self.name = (name.decode() for name in pybullet.getBodyInfo(
+            body_id, physicsClientId=physics_client_id))
         self.mass_in_root = pybullet.getDynamicsInfo(
             body_id, -1, physicsClientId=physics_client_id)[3:5]
         self._root_in_mass = pybullet.invertTransform(*self.mass_in_root)

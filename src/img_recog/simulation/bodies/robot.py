@@ -47,7 +47,7 @@ class Motors(NamedTuple):
 class SimulatedRobot(Body):
     """The body of a description, with motors.
 
-    root: name of its root link; spawn: where `reset` moves it.
+    spawn: where `reset` moves it.
     """
 
     def __init__(self, description: Description, motors: Motors, spawn: SpawnSettings,
@@ -63,7 +63,7 @@ class SimulatedRobot(Body):
                        if name.endswith(tyres.SUFFIX)]
         self.name = description.name
         self.spawn = spawn
-        self.root, self._frames = description.root, description.frames
+        self._frames = description.frames
         self._mounts: Dict[str, Frame] = {}
         self._surfaces = description.surfaces
         self._link_indices = link_indices(self.body_id, physics_client_id)
