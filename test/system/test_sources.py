@@ -4,6 +4,8 @@ import re
 import subprocess
 import xml.etree.ElementTree as ElementTree
 
+import pytest
+
 from img_recog_testing.pages import ROOT
 
 PROGRAMS = os.path.join(os.environ['CMAKE_PREFIX_PATH'].split(':')[0], 'lib', 'img_recog')
@@ -28,12 +30,24 @@ def test_every_launch_argument_is_documented():
     documented = dict(re.findall(r'(?m)^  (\w+)(?: \(default .*?\))?: (.+)$', output))
     assert {'camera', 'image_width', 'image_height', 'framerate', 'pixel_format',
             'camera_frame_id', 'camera_info_url', 'recognition', 'robots', 'simulator', 'teleop',
-            'gui', 'image_view', 'world', 'allow_partial_world', 'urdf', 'x_pos', 'y_pos', 'z_pos',
-            'yaw', 'real_time_factor', 'use_sim_time', 'view', 'colors', 'cmd_vel_timeout',
-            'safe', 'respawn', 'robot_camera_frame', 'web', 'web_host', 'web_port', 'record',
-            'record_size', 'rviz', 'rqt_graph', 'rqt_reconfigure', 'lockstep', 'lockstep_sensors',
-            'lockstep_timeout', 'lockstep_at_timeout', 'paused'} == names == set(documented)
+            'gui', 'image_view', 'world', 'allow_partial_world', 'urdf', 'x_pos', 'y_pos',
+            'z_pos', 'yaw', 'real_time_factor', 'use_sim_time', 'view', 'colors',
+            'cmd_vel_timeout', 'safe', 'respawn', 'robot_camera_frame', 'web', 'web_host',
+            'web_port', 'record', 'record_size', 'rviz', 'rqt_graph', 'rqt_reconfigure',
+            'lockstep', 'lockstep_sensors', 'lockstep_timeout', 'lockstep_at_timeout', 'paused',
+            'vision'} == names == set(documented)
     assert all(len(words) > 10 for words in documented.values()), documented
+
+
+@pytest.mark.parametrize('arguments, nodes', [
+    (['vision:=false'], {'gazebo', 'robot_state_publisher'}),
+    (['vision:=false', 'camera:=synthetic'], {'gazebo', 'robot_state_publisher', 'usb_cam'}),
+    ([], {'gazebo', 'robot_state_publisher', 'usb_cam', 'color_extract',
+          'turtlebot3_teleop_keyboard', 'image_view', 'image_view_blue', 'image_view_red'})])
+def test_nodes_of_the_demo_with_a_display(arguments, nodes):
+    code, output = run('env', 'DISPLAY=:9', 'roslaunch', '--nodes', 'img_recog', 'demo.launch',
+                       *arguments)
+    assert (code, {line.strip('/') for line in output.split()}) == (0, nodes)
 
 
 def test_cmake_lists_is_short():
