@@ -51,7 +51,9 @@ def _check_setting(name, value):
 
 def _check_lockstep(name, value, given):
     from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
-    LockstepSettings(**{name: _typed(value)})
+    settings = LockstepSettings(**{name: _typed(value)})
+    if name == 'lockstep' and not settings.topics:
+        return
     if given.get('simulator', '').lower() in ('0', 'false'):
         raise UserError('{}: it is the simulator that waits, and simulator is false'.format(name),
                         'set simulator to true, or leave out {}'.format(name))

@@ -1,4 +1,6 @@
 """The exception for problems that the user can fix, and safe texts for messages."""
+import difflib
+from typing import Iterable
 
 MAX_FOREIGN, MAX_LINE = 200, 2000       # characters of a text from outside, and of a whole line
 _GAP = ' ... '
@@ -26,6 +28,16 @@ def one_line(error: object) -> str:
     text = getattr(error, 'strerror', None) or str(error)
     return shortened(' '.join(text.split()) or type(error).__name__,
                      MAX_LINE if isinstance(error, UserError) else MAX_FOREIGN)
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return a question for the most similar of the known names, empty if none is similar.
+
+    >>> suggestion('/cmdvel', ['/odom', '/cmd_vel'])
+    'did you mean /cmd_vel?'
+    """
+    similar = difflib.get_close_matches(shortened(name), sorted(known), 1)
+    return 'did you mean {}?'.format(similar[0]) if similar else ''
 
 
 def shortened(value: object, limit: int = MAX_FOREIGN) -> str:

@@ -1,12 +1,11 @@
 """Base of all settings: frozen dataclasses that check the values of their fields."""
 import contextlib
 import dataclasses
-import difflib
 import math
 from typing import (Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional, Tuple, Type,
                     TypeVar)
 
-from img_recog.errors import UserError, shortened
+from img_recog.errors import UserError, shortened, suggestion
 
 
 class SettingError(UserError):
@@ -143,9 +142,8 @@ def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
 
     known: the names that exist; full_name: the name to show in place of `name`.
     """
-    similar = difflib.get_close_matches(shortened(name), sorted(known), 1)
-    advice = ('did you mean {}?'.format(similar[0]) if similar else
-              'known are {}'.format(', '.join(sorted(known)) or 'none'))
+    known = sorted(known)
+    advice = suggestion(name, known) or 'known are {}'.format(', '.join(known) or 'none')
     return 'parameter {} is unknown to this node: {}'.format(
         shortened(full_name or name), advice)
 

@@ -27,7 +27,7 @@ def test_every_launch_argument_is_documented():
     names = {arg.get('name') for arg in launch.iterfind('.//arg[@default]')}
     code, output = run('roslaunch', '--ros-args', 'img_recog', 'demo.launch')
     assert code == 0, output
-    documented = dict(re.findall(r'(?m)^  (\w+)(?: \(default .*?\))?: (.+)$', output))
+    documented = dict(re.findall(r'(?m)^  (\w+) \(default .*?\): (.+)$', output))
     assert {'camera', 'image_width', 'image_height', 'framerate', 'pixel_format',
             'camera_frame_id', 'camera_info_url', 'recognition', 'robots', 'simulator', 'teleop',
             'gui', 'image_view', 'world', 'allow_partial_world', 'urdf', 'x_pos', 'y_pos',

@@ -166,6 +166,18 @@ def test_other(simulation):
     kept = pathlib.Path(workspace[0], 'results')
     assert sorted(path.name for path in kept.glob('test_other*')) == [
         'test_other.above.png', 'test_other.camera.png', 'test_other.log', 'test_other.mp4']
+    shown = (kept / 'junit.xml').read_text()
+    assert 'img_recog/testing/' not in shown and 'During handling' not in shown, shown
+
+    (kept / 'test_mine.log').write_text('')
+    assert run_pytest(workspace, '''
+import pytest
+
+@pytest.mark.parametrize('name', ['test_other', 'test_mine'])
+def test_passes(simulation, name):
+    simulation(camera='none', name=name)
+''') == {'test_passes[test_other]': '', 'test_passes[test_mine]': ''}
+    assert not [*kept.glob('test_other*')] and (kept / 'test_mine.log').exists()
 
 
 def test_in_a_rostest(workspace):

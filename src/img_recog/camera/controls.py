@@ -3,7 +3,6 @@
 Ids, structures and names are those of linux/v4l2-controls.h and linux/videodev2.h. Controls are
 set by id because the kernel has renamed some of them.
 """
-import difflib
 import fcntl
 import os
 import re
@@ -11,6 +10,7 @@ import struct
 from typing import Iterable, List, Mapping, NamedTuple, Optional
 
 from img_recog.camera.settings import ControlSettings
+from img_recog.errors import suggestion
 
 BRIGHTNESS, CONTRAST, SATURATION = 0x00980900, 0x00980901, 0x00980902
 AUTO_WHITE_BALANCE, GAIN = 0x0098090c, 0x00980913
@@ -179,10 +179,8 @@ def _automatic_exposure(device: ControlDevice, control: Optional[Control]) -> in
 
 
 def _missing(name: str, names: Iterable[str]) -> str:
-    similar = difflib.get_close_matches(name, names, 1)
     return 'the camera has no control {}; {}'.format(
-        name, 'did you mean {}?'.format(similar[0]) if similar else
-        'v4l2-ctl --list-ctrls lists its controls')
+        name, suggestion(name, names) or 'v4l2-ctl --list-ctrls lists its controls')
 
 
 def _set(device: ControlDevice, name: str, control: Control, value: int) -> str:

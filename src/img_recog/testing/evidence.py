@@ -1,7 +1,9 @@
 """What is kept of a simulation whose test has failed: pictures, a film, and the log."""
+import contextlib
 import os
 import re
 import sys
+import time
 from collections import deque
 from typing import Deque, List, NamedTuple, Optional, Sequence
 
@@ -19,7 +21,10 @@ from img_recog.testing.topics import Pose
 _PERIOD_S, _FILM_S = 0.1, 30.0      # simulated, between two samples, and of a film
 _MAX_WIDTH = 320
 _RESULT_OPTIONS = ('--gtest_output=xml:', '--junitxml=', '--junit-xml=')
+_BEGAN_S = time.time()       # a test that has failed in this process is not over
+_HEAD = b'the last lines of the nodes of a test that has failed\n'
 _ADVICE = 'give Simulation another folder: results='
+SUFFIXES = '.log', '.camera.png', '.above.png', '.mp4'
 results_file = ''       # of pytest, if the plugin fixtures.py has found it
 
 
@@ -35,7 +40,7 @@ def folder(given: str) -> str:
     try:
         os.makedirs(path, exist_ok=True)
     except OSError as error:
-        raise UserError('cannot make {}: {}'.format(path, one_line(error)), _ADVICE)
+        raise UserError('cannot make {}: {}'.format(path, one_line(error)), _ADVICE) from None
     return path
 
 
@@ -44,6 +49,17 @@ def name(given: str) -> str:
     test = os.environ.get('PYTEST_CURRENT_TEST', '').rpartition(' ')[0].rpartition('::')[2]
     program = os.path.splitext(os.path.basename(sys.argv[0] if sys.argv else ''))[0]
     return re.sub(r'[^\w.-]+', '_', given or test or program).strip('_') or 'simulation'
+
+
+def remove_old(path: str) -> None:
+    """Remove the files of an earlier process whose paths begin so; not others of these names."""
+    with contextlib.suppress(OSError):
+        with open(path + SUFFIXES[0], 'rb') as log:
+            is_ours = log.read(len(_HEAD)) == _HEAD
+        if is_ours and os.path.getmtime(log.name) < _BEGAN_S:
+            for suffix in reversed(SUFFIXES):       # last the one that tells whose they are
+                with contextlib.suppress(FileNotFoundError):
+                    os.remove(path + suffix)
 
 
 class Sample(NamedTuple):
@@ -105,4 +121,4 @@ def write_picture(path: str, msg: Image) -> None:
 def write_log(path: str, lines: List[str]) -> None:
     """Write lines of the nodes. Raises UserError."""
     with files.atomic_write([path], _ADVICE) as (file,):
-        file.write(''.join(line + '\n' for line in lines).encode())
+        file.write(_HEAD + ''.join(line + '\n' for line in lines).encode())

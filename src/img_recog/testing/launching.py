@@ -16,7 +16,9 @@ import roslaunch.rlutil
 
 from img_recog.errors import UserError, one_line
 from img_recog.launch_output import Death, LaunchOutput, plain
+from img_recog.testing.tracebacks import of_reasons
 
+__tracebackhide__, __unittest = of_reasons, True
 Given = Union[None, str, Tuple, List]
 
 _SUPERVISOR = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'supervisor.py')
@@ -65,7 +67,7 @@ def _launch_file(given: Any) -> LaunchFile:
         return LaunchFile(roslaunch.rlutil.resolve_launch_arguments(list(words))[0], arguments)
     except roslaunch.RLException as error:
         raise UserError('launch: {}'.format(one_line(error)), 'is the package built, and its '
-                        'setup.bash sourced?')
+                        'setup.bash sourced?') from None
 
 
 def _text(value: Any) -> str:
@@ -99,7 +101,7 @@ class Launch:
             config = roslaunch.config.load_config_default([path], None, assign_machines=False)
         except roslaunch.RLException as error:
             raise UserError('the launch files cannot be used: {}'.format(one_line(error)),
-                            'try them with roslaunch')
+                            'try them with roslaunch') from None
         errors = ', '.join(map(str, config.config_errors))
         if errors:
             raise UserError('the launch files cannot be used: {}'.format(one_line(errors)))
@@ -185,6 +187,8 @@ class Launch:
             self._process.kill()
             self._process.wait()
         self._reader.join(_END_TIMEOUT_S)
+        assert self._process.stdout is not None
+        self._process.stdout.close()
 
 
 def _name(node: Any) -> str:

@@ -16,7 +16,9 @@ from img_recog.ros.master.connections import Connections
 from img_recog.testing import session
 from img_recog.testing.launching import Launch, LaunchFile
 from img_recog.testing.topics import Topics
+from img_recog.testing.tracebacks import of_reasons
 
+__tracebackhide__, __unittest = of_reasons, True
 _SIMULATOR, _ROBOTS = '/gazebo', '/robots'
 _STEP, _STEP_PERIOD, _RELOAD = '/gazebo/step', '/gazebo/step_period', '/robots/reload'
 _CLOCK = '/clock'
@@ -149,12 +151,12 @@ class Running:
                 raise AssertionError('simulated time has not passed for {:g} s on the clock: {}\n'
                                      '{}'.format(self._wall_timeout_s, self._standing(),
                                                  self.launch.tail()))
-        try:
-            answer = call.result()
-        except (rospy.ServiceException, rospy.ROSException, OSError) as error:
+        error = call.exception()
+        if isinstance(error, (rospy.ServiceException, rospy.ROSException, OSError)):
             self.launch.check(is_end_near=True)
             raise AssertionError('the simulator does not answer: {}\n{}'.format(
                 one_line(error), self.launch.tail()))
+        answer = call.result()
         if not answer.success:
             raise UserError('step: {}'.format(answer.message))
 

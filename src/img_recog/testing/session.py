@@ -49,7 +49,7 @@ class Session:
             self.master.call('setParam', '/use_sim_time', True)
         except timed_xmlrpc.ERRORS:
             raise UserError('no master answers at {}'.format(self.uri), 'start the test by '
-                            'rostest or pytest')
+                            'rostest or pytest') from None
         if not rospy.core.is_initialized():
             # signals are for pytest and unittest
             rospy.init_node(_NODE, anonymous=not is_started, disable_signals=True)

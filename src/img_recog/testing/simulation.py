@@ -18,7 +18,9 @@ from img_recog.testing import evidence, launching
 from img_recog.testing.launching import Given, LaunchFile
 from img_recog.testing.running import Running
 from img_recog.testing.topics import Picture, Pose, pose_from_msg
+from img_recog.testing.tracebacks import of_reasons
 
+__tracebackhide__, __unittest = of_reasons, True     # as pytest and unittest know them
 _CAMERA, _VIEW = '/usb_cam/image_raw', '/gazebo/view/image_raw'
 _OUTLINES = '/gazebo/world_outlines'
 _ODOMETRY, _IMAGE = 'nav_msgs/Odometry', 'sensor_msgs/Image'
@@ -38,7 +40,7 @@ class Simulation:
     """
 
     def __init__(self, launch: Given = None, camera: str = 'robot', world: str = 'color_posts',
-                 robot: Optional[str] = None, lockstep: str = '', recognition: bool = False,
+                 robot: Optional[str] = None, lockstep: str = 'none', recognition: bool = False,
                  real_time_factor: float = 0, name: str = '', results: str = '',
                  wall_timeout_s: float = 60.0, **demo_arguments: Any):
         """Start nothing yet.
@@ -84,6 +86,7 @@ class Simulation:
 
         Raises UserError for what the user gave, AssertionError if a node dies or does not come.
         """
+        evidence.remove_old(self._evidence)
         self._running = running = Running(self._files, self._wall_timeout_s)
         try:
             running.wait_ready()
@@ -213,18 +216,22 @@ class Simulation:
         command, image = topics.newest(self._commands), topics.newest(_CAMERA)
         self._samples.add(pose_from_msg(msg), command.linear.x if command else 0.0, image)
 
+    @property
+    def _evidence(self) -> str:
+        """The beginning of the paths of the files for a test that has failed."""
+        return os.path.join(evidence.folder(self._results), evidence.name(self._name))
+
     def _keep(self) -> None:
         """Write the files for a test that has failed; log their names, or why there is none."""
-        topics, folder = self._all.topics, evidence.folder(self._results)
-        path = os.path.join(folder, evidence.name(self._name))
+        topics, path = self._all.topics, self._evidence
         log, image = self.log, topics.newest(_CAMERA)
         view, outlines = self._view(), topics.newest(_OUTLINES)
         kept = []
-        for suffix, write in (
-                ('.log', lambda path: evidence.write_log(path, log)),
-                ('.camera.png', image and (lambda path: evidence.write_picture(path, image))),
-                ('.above.png', view and (lambda path: evidence.write_picture(path, view))),
-                ('.mp4', lambda path: self._samples.write_film(
+        for suffix, write in zip(evidence.SUFFIXES, (
+                lambda path: evidence.write_log(path, log),
+                image and (lambda path: evidence.write_picture(path, image)),
+                view and (lambda path: evidence.write_picture(path, view)),
+                lambda path: self._samples.write_film(
                     path, plane_msgs.outlines_from_msg(outlines) if outlines else []))):
             try:
                 if write:

@@ -182,6 +182,7 @@ class Lockstep:
         Raises UserError when no answer came in time and lockstep_at_timeout is end.
         """
         if not self._is_ready:
+            self._check_answers()
             if not self._are_connected(time_s, self._answers):
                 return True
             self._is_ready = True
@@ -202,6 +203,15 @@ class Lockstep:
         if not missing and not self._is_settled:
             self._settle()
         return bool(missing)
+
+    def _check_answers(self) -> None:
+        """Raise UserError if a topic would be answered by this node itself."""
+        with contextlib.suppress(OSError):
+            own = sorted(self._connections.own() & set(self._answers))
+            if own:
+                raise UserError(
+                    'lockstep: {} is published by the simulator itself'.format(', '.join(own)),
+                    'name topics that are published by the nodes to wait for, such as cmd_vel')
 
     def restart(self) -> None:
         """Let the time without an answer begin now."""

@@ -18,13 +18,13 @@ END = 'end'
 class LockstepSettings(Settings):
     """For whom simulated time waits.
 
-    lockstep: topics, with spaces or commas between them; after a message of the sensors in
+    lockstep: topics, with spaces or commas between them, or none; after a message of the sensors in
     lockstep_sensors, time stands until an answer has come on each. lockstep_timeout: wall s
     without one, after which the node does what lockstep_at_timeout says.
     """
 
-    lockstep: str = setting('', Allowed('names of topics', lambda text: all(
-        rosgraph.names.is_legal_name(name) for name in _words(text))))
+    lockstep: str = setting('none', Allowed('names of topics, or none', lambda text: bool(
+        _words(text)) and all(map(rosgraph.names.is_legal_name, _words(text)))))
     lockstep_sensors: str = setting('image', Allowed(
         'some of ' + ', '.join(KINDS),
         lambda text: bool(_words(text)) and set(_words(text)) <= set(KINDS)))
@@ -34,7 +34,8 @@ class LockstepSettings(Settings):
     @property
     def topics(self) -> Tuple[str, ...]:
         """The resolved names of the topics."""
-        return tuple(dict.fromkeys(rospy.resolve_name(name) for name in _words(self.lockstep)))
+        names = [] if self.lockstep == 'none' else _words(self.lockstep)
+        return tuple(dict.fromkeys(map(rospy.resolve_name, names)))
 
     @property
     def kinds(self) -> FrozenSet[str]:

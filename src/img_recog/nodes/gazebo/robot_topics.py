@@ -20,7 +20,7 @@ from img_recog.simulation.sensors.sensor import SensorKind
 from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.vehicle import Reading, Vehicle
 
-_LOG_PERIOD_S = 0.1             # of wall time: minimum between two lines about the motion
+_LOG_PERIOD_S = 0.1             # minimum between two lines about the motion
 _WORLD_FRAMES = ('', 'world')
 
 
@@ -85,6 +85,7 @@ class RobotTopics:
         lockstep: waits for answers, which commands may be.
         """
         self._vehicle, self._names, self._calls = vehicle, names, calls
+        self._is_lockstep = lockstep is not None
         self._counts = CommandCounts()
         self._motion_state, self._log_throttle = MotionState(), Throttle(_LOG_PERIOD_S)
         self._warn = ThrottledWarning()
@@ -193,7 +194,8 @@ class RobotTopics:
         self._timed_out = timed_out
 
     def _log_motion_change(self, reading: Reading) -> None:
-        if self._log_throttle.ready():
+        # in lockstep, the lines of equal runs are the same
+        if self._log_throttle.ready(reading.time_s if self._is_lockstep else None):
             change = self._motion_state.update(reading.value)
             if change is not None:
                 rospy.loginfo('%s %s, at x %.2f m, y %.2f m', self._names.words, change,

@@ -1,6 +1,7 @@
 """Limits on how often something is done or logged."""
+import math
 import time
-from typing import Callable, Dict
+from typing import Callable, Dict, Optional
 
 import rospy
 
@@ -15,14 +16,18 @@ class Throttle:
 
     def __init__(self, period_s: float, now: Callable[[], float] = time.monotonic):
         self._period_s, self._now = period_s, now
-        self._next = now()
+        self._last = -math.inf
 
-    def ready(self) -> bool:
-        """Return True at most once in each period."""
-        now = self._now()
-        if now < self._next:
+    def ready(self, now_s: Optional[float] = None) -> bool:
+        """Return True at most once in each period, and when time has gone back.
+
+        now_s: the time, for another than that of the wall.
+        """
+        if now_s is None:
+            now_s = self._now()
+        if 0 <= now_s - self._last < self._period_s:
             return False
-        self._next = now + self._period_s
+        self._last = now_s
         return True
 
 

@@ -1,7 +1,8 @@
 """Which connections between running nodes are still missing."""
-from typing import Any, Collection, Dict, List, Mapping, Optional, Set, Tuple
+from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from img_recog import timed_xmlrpc
+from img_recog.errors import suggestion
 from img_recog.ros.master.calls import Master
 
 _TIMEOUT_S = 1.0        # of a call to a node or the master
@@ -51,7 +52,7 @@ class Connections:
             if topic not in _SHARED:
                 follow(set(alive(topic)))
         missing = ['the node ' + node for node in others if node not in known]
-        missing += ['a publisher of ' + topic for topic in dict.fromkeys(
+        missing += [self._without_publisher(topic, publishers) for topic in dict.fromkeys(
             topic for _, topic in wanted if topic in topics or topic in self._heard)
             if not alive(topic)]
         for node, topic in wanted:
@@ -63,19 +64,30 @@ class Connections:
             self._heard.update(topic for _, topic in wanted if alive(topic))
         return missing
 
+    def _without_publisher(self, topic: str, publishers: Mapping[str, Sequence[str]]) -> str:
+        question = '' if topic in self._heard else suggestion(
+            topic, (each for each, nodes in publishers.items() if each != topic and self._node not in nodes))
+        return 'a publisher of {}{}'.format(topic, question and ' ({})'.format(question))
+
     def _contradiction(self, topic: str, expected: str) -> str:
         found = dict(self._master.ask('getTopicTypes') or ()).get(topic, expected)
         return '' if expected in ('*', found) else ', which publishes {}, not {}'.format(
             found, expected)
+
+    def own(self) -> Set[str]:
+        """Return the topics that this node publishes. Raises OSError as `missing` does."""
+        return {topic for topic, nodes in self._published() if self._node in nodes}
+
+    def _published(self) -> Sequence[Tuple[str, List[str]]]:
+        return (self._master.ask('getSystemState') or [()])[0]
 
     def shared(self) -> List[Tuple[str, List[str]]]:
         """Return the topics that this node and others publish, apart from those made for it.
 
         Raises OSError when the master does not answer.
         """
-        published, *_ = self._master.ask('getSystemState') or ((),)
         return [(topic, [each for each in nodes if each != self._node])
-                for topic, nodes in published
+                for topic, nodes in self._published()
                 if self._node in nodes and len(nodes) > 1 and topic not in _SHARED]
 
     def _made_by(self, publisher: str) -> Optional[Set[Tuple[str, str]]]:

@@ -8,6 +8,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
+from img_recog.errors import UserError
 from img_recog.nodes.gazebo import lockstep
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
@@ -74,6 +75,7 @@ def rig(monkeypatch):
         return found.unconnected
     found.missing = missing
     found.shared, found.unconnected, found.others = lambda: found.others, [], []
+    found.own = lambda: {'/odom', '/scan'}
     monkeypatch.setattr(lockstep.time, 'monotonic', lambda: found.wall_s)
     monkeypatch.setattr(rospy, 'get_rostime', lambda: rospy.Time.from_sec(found.now_s))
     for log in ('logwarn', 'loginfo'):
@@ -250,8 +252,20 @@ def test_a_command_topic_of_a_robot_that_is_added_later(rig):
     assert not made.waits(0.1) and len(rig.commands) == 1
 
 
+def test_a_topic_that_the_simulator_publishes_is_refused(rig):
+    made = rig.make('cmd_vel odom')
+    with pytest.raises(UserError, match='lockstep: /odom is published by the simulator itself'):
+        made.waits(0.0)
+
+
+def test_no_topic():
+    assert LockstepSettings().topics == LockstepSettings('none').topics == ()
+    assert LockstepSettings('a, b').topics == ('/a', '/b')
+
+
 @pytest.mark.parametrize('wrong, allowed', [
-    ({'lockstep': 'cmd_vel 3rd'}, 'names of topics'),
+    ({'lockstep': ''}, 'names of topics, or none'),
+    ({'lockstep': 'cmd_vel 3rd'}, 'names of topics, or none'),
     ({'lockstep_sensors': 'image sonar'}, 'some of image, scan, odom, imu, joint_states'),
     ({'lockstep_sensors': ' '}, 'some of image')])
 def test_wrong_settings(wrong, allowed):

@@ -12,6 +12,12 @@ def test_ready_once_in_a_period(clock):
     assert throttle.ready() and not throttle.ready()
 
 
+def test_ready_once_in_a_period_of_another_time(clock):
+    throttle = Throttle(5.0, clock)
+    assert [throttle.ready(time_s) for time_s in (10.0, 14.9, 15.0, 19.9, 0.0, 4.9)] == [
+        True, False, True, False, True, False]      # time was reset to 0
+
+
 def test_each_warning_once_in_five_seconds_and_three_different_ones(clock):
     lines = []
     warn = ThrottledWarning(clock, lambda text, line: lines.append(text % line))

@@ -23,7 +23,7 @@ def system():
         lookupNode=lambda caller, node: [1, '', uris[node]] if node in uris else [-1, '', ''])
     connections = Connections(master.uri, '/me')
     state['missing'] = lambda: connections.missing({'/answer': 'std_msgs/String'})
-    state['shared'] = connections.shared
+    state['shared'], state['own'] = connections.shared, connections.own
     yield state
     for server in (roscpp, rospy, master):
         server.stop()
@@ -37,6 +37,12 @@ def test_a_publisher_that_answers(system):
     assert system['missing']() == ['a connection of /me to /answer of /node']
     system['sent'] = [[2, '/me', 'o', 'TCPROS', '/answer', True, '']]
     assert system['missing']() == []
+
+
+def test_a_topic_with_a_similar_name(system):
+    system['publishers'] = {'/answr': ['/dead'], '/answers': ['/me'], '/image': ['/me']}
+    assert system['missing']() == ['a publisher of /answer (did you mean /answr?)']
+    assert system['own']() == {'/answers', '/image'}
 
 
 def test_what_the_publisher_subscribes_to(system):
