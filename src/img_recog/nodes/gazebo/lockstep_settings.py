@@ -18,8 +18,8 @@ END = 'end'
 class LockstepSettings(Settings):
     """For whom simulated time waits.
 
-    lockstep: topics, with spaces or commas between them, or none; after a message of the sensors in
-    lockstep_sensors, time stands until an answer has come on each. lockstep_timeout: wall s
+    lockstep: topics, with spaces or commas between them, or none; after a message of the sensors
+    in lockstep_sensors, time stands until an answer has come on each. lockstep_timeout: wall s
     without one, after which the node does what lockstep_at_timeout says.
     """
 

@@ -65,8 +65,9 @@ class Connections:
         return missing
 
     def _without_publisher(self, topic: str, publishers: Mapping[str, Sequence[str]]) -> str:
-        question = '' if topic in self._heard else suggestion(
-            topic, (each for each, nodes in publishers.items() if each != topic and self._node not in nodes))
+        others = [each for each, nodes in publishers.items()
+                  if each != topic and self._node not in nodes]
+        question = '' if topic in self._heard else suggestion(topic, others)
         return 'a publisher of {}{}'.format(topic, question and ' ({})'.format(question))
 
     def _contradiction(self, topic: str, expected: str) -> str:
