@@ -118,15 +118,13 @@ install_packages() {
     plan_packages
     need_space /var/cache/apt "${download_mb:-0}" /usr "${disk_mb:-0}"
   fi
-  # Of its own, a file: what apt runs may make its stderr non-blocking, and others fail to write to a
-  # full pipe then. cat empties the pipe of stdout faster than show_apt.
-  # shellcheck disable=SC2086
-  as_root env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=1 \
-    -o DPkg::Lock::Timeout=600 $missing 2>"$build/apt.err" | cat | show_apt "$build/apt.log" || {
-    cat "$build/apt.err" >>"$build/apt.log"
+  # apt closes the Status-Fd for dpkg, whose scripts need their output, so it is another one; sudo
+  # would close it
+  # shellcheck disable=SC2016,SC2086
+  as_root env DEBIAN_FRONTEND=noninteractive sh -c 'exec apt-get "$@" 3>&1' apt-get \
+    install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=3 \
+    -o DPkg::Lock::Timeout=600 $missing 2>&1 | show_apt "$build/apt.log" ||
     failed apt-get apt.log "$by_administrator"
-  }
 }
 
 # Says what will be installed. Estimate: a minute per 200 packages (on two cores) and per 300 MB.

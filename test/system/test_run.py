@@ -261,9 +261,13 @@ case "$*" in
     echo 'Conf tzdata (2.0-1 Debian:12 [all])' ;;
   install*)
     [ -z "$APT_ERROR" ] || {{ echo "$APT_ERROR" >&2; exit 100; }}
-    echo dlstatus:1:3.1:Retrieving file 1 of 312
-    echo pmstatus:shellcheck:57.9:Unpacking shellcheck
-    echo Setting up shellcheck ;;
+    status=${{*##*Status-Fd=}}
+    status=${{status%% *}}
+    echo dlstatus:1:3.1:Retrieving file 1 of 312 >&$status
+    echo pmstatus:shellcheck:57.9:Unpacking shellcheck >&$status
+    # closed like by apt for what it runs
+    eval "exec $status>&-"
+    echo Setting up shellcheck || exit 100 ;;
 esac
 """
 # of two sources; the second one has only one of the packages
@@ -284,7 +288,7 @@ def bare(checkout, env, tmp_path):
     programs = tmp_path / 'bin'
     programs.mkdir()
     for name, text in (('apt-get', APT.format(log=log)), ('apt-cache', APT_CACHE),
-                       ('sudo', '#!/bin/sh\necho sudo >>{}\nexec "$@"\n'.format(log)),
+                       ('sudo', '#!/bin/sh\necho sudo >>{}\nexec "$@" 3>&-\n'.format(log)),
                        ('dpkg-query', '#!/bin/sh\n')):
         (programs / name).write_text(text)
         (programs / name).chmod(0o755)
