@@ -28,8 +28,18 @@ def answer(msg):
         velocity.publish(command)
 
 rospy.init_node('{name}')
-velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+velocity = rospy.Publisher('{topic}', Twist, queue_size=10)
 rospy.Subscriber('image_raw', Image, answer, queue_size=1, buff_size=1 << {buffer_bits})
+rospy.spin()
+'''
+# passes on what another one has found
+CONTROLLER = '''
+import rospy
+from geometry_msgs.msg import Twist
+
+rospy.init_node('controller')
+velocity = rospy.Publisher('cmd_vel', Twist, queue_size=10)
+rospy.Subscriber('found', Twist, velocity.publish)
 rospy.spin()
 '''
 # the same in C++
@@ -83,10 +93,15 @@ def compiled(folder):
     return None if done.returncode else program
 
 
-def driver(ros, name='driver', delay='0', count=1, buffer_bits=24):
+def driver(ros, name='driver', delay='0', count=1, buffer_bits=24, topic='cmd_vel'):
     """Start the node. delay: an expression, s for each image; count: of commands for each."""
     return ros.start(sys.executable, '-c', NODE.format(name=name, delay=delay, count=count,
-                                                       buffer_bits=buffer_bits))
+                                                       buffer_bits=buffer_bits, topic=topic))
+
+
+def controller(ros):
+    """Start the node that passes commands on from the topic found."""
+    return ros.start(sys.executable, '-c', CONTROLLER)
 
 
 def path(ros, *parameters, start=driver, images=60, disturb=lambda node, process, rows: None):

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from img_recog_testing.lockstep import CAMERA, compiled, driver, path
+from img_recog_testing.lockstep import CAMERA, compiled, controller, driver, path
 from img_recog_testing.simulator_tools import Echo, burger, complaints, drawing
 from img_recog_testing.waiting import wait_for
 
@@ -33,6 +33,20 @@ def test_the_path_does_not_depend_on_speed_language_buffers_and_killed_programs(
         ros, delay='0.1 * numpy.random.random()', buffer_bits=16)) == first
     assert path(ros, fast, disturb=kill_drawing) == first
     assert path(ros, fast, disturb=come_back) == first
+    second = []
+
+    def chain(ros):
+        second.append(controller(ros))
+        return driver(ros, topic='found')
+
+    def second_comes_back(node, process, rows):
+        wait_for(lambda: len(rows) > 20, lambda: node.output)
+        second[-1].send_signal(signal.SIGKILL)
+        second[-1].wait()
+        second.append(controller(ros))
+
+    assert path(ros, fast, start=chain, disturb=second_comes_back) == first
+    second[-1].close()
     program = compiled(tmp_path)
     if program is None:
         pytest.skip('no compiler or headers for a node in C++')

@@ -1,19 +1,17 @@
 """Lockstep: simulated time stands after each image until other nodes have answered it."""
-import contextlib
 import threading
 import time
 from functools import partial
 from typing import Any, Callable, Collection, Dict, List, Mapping, Optional, Sequence, Set
 
-import rosgraph
 import rospy
 
 from img_recog.conversions import headers, robot_msgs
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError
+from img_recog.nodes.gazebo.chain import Chain
 from img_recog.nodes.gazebo.lockstep_settings import END, KINDS, LockstepSettings
 from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.ros.log.throttle import ThrottledWarning
-from img_recog.ros.master.connections import Connections
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.settled_subscriber import SettledSubscriber
 from img_recog.simulation.settings import SimulationError
@@ -55,12 +53,12 @@ class Lockstep:
         self._commands: Dict[str, SettledSubscriber] = {}
         self._others: Dict[str, SettledSubscriber] = {}
         self.redelivery = Redelivery()
-        self._connections = Connections(rosgraph.get_master_uri(), rospy.get_name())
+        self._report = StandingReport('lockstep: ')
+        self._chain = Chain(self.redelivery, self._report)
         self._namespaces: Set[str] = set()      # of all robots, also of those that were removed
         self._lock = threading.Lock()       # of what follows, and of the answers
         self._is_sent, self._sent_s = False, 0.0
         self._is_ready, self._is_settled = False, True
-        self._report = StandingReport('lockstep: ')
         self._warn_of_extra, self._warn_of_nodes = ThrottledWarning(), ThrottledWarning()
         self._warn_of_future = ThrottledWarning()
 
@@ -159,7 +157,7 @@ class Lockstep:
         time_s: their stamp; namespaces: of the robots that have measured, and of all. A topic in
         the namespace of a robot answers the sensors of this robot, any other one those of all.
         """
-        self.redelivery.clear()
+        self._chain.clear()
         measured = set(map(rospy.resolve_name, filter(None, namespaces)))
         self._namespaces.update(map(rospy.resolve_name, filter(None, all_namespaces)))
         with self._lock:
@@ -182,20 +180,14 @@ class Lockstep:
         Raises UserError when no answer came in time and lockstep_at_timeout is end.
         """
         if not self._is_ready:
-            self._check_answers()
-            if not self._are_connected(time_s, self._answers):
+            self._is_ready = self._chain.begins(time_s, self._types(self._answers))
+            if not self._is_ready:
                 return True
-            self._is_ready = True
-            with contextlib.suppress(OSError):
-                for topic, others in self._connections.shared():
-                    rospy.logwarn('lockstep: %s is published by %s too: nodes answer their '
-                                  'messages as well; stop them', topic, ', '.join(others))
         with self._lock:
             missing, sent_s = self._missing(), self._sent_s if self._is_sent else None
         if missing and sent_s is not None:
             if time.monotonic() < sent_s + self._settings.lockstep_timeout:
-                if self.redelivery.is_needed() and self._are_connected(time_s, missing):
-                    self.redelivery.deliver()       # to a node that came back
+                self._chain.deliver_again(time_s, self._types(missing), sent_s)
                 self._report(time_s, 'an answer on ' + ', '.join(missing), sent_s)
             else:
                 self._give_up(missing, time_s)
@@ -204,14 +196,9 @@ class Lockstep:
             self._settle()
         return bool(missing)
 
-    def _check_answers(self) -> None:
-        """Raise UserError if a topic would be answered by this node itself."""
-        with contextlib.suppress(OSError):
-            own = sorted(self._connections.own() & set(self._answers))
-            if own:
-                raise UserError(
-                    'lockstep: {} is published by the simulator itself'.format(', '.join(own)),
-                    'name topics that are published by the nodes to wait for, such as cmd_vel')
+    def _types(self, topics: Collection[str]) -> Dict[str, str]:
+        return {name: each.type for name, each in {**self._others, **self._commands}.items()
+                if name in topics}
 
     def restart(self) -> None:
         """Let the time without an answer begin now."""
@@ -251,18 +238,6 @@ class Lockstep:
         return 'the last message on {}, of {}, {}'.format(
             topic, ', '.join(answers.nodes), 'came before' if answers.newest is None
             else 'has the stamp {:.3f} s'.format(answers.newest.to_sec()))
-
-    def _are_connected(self, time_s: float, topics: Collection[str]) -> bool:
-        """Return whether the nodes get all that they subscribe to, and can answer; report."""
-        try:
-            missing = self._connections.missing({
-                name: each.type for name, each in {**self._others, **self._commands}.items()
-                if name in topics})
-        except OSError as error:
-            missing = ['the master, which does not answer: ' + one_line(error)]
-        if missing:
-            self._report(time_s, '; '.join(missing))
-        return not missing
 
 
 def _is_within(topic: str, namespace: str) -> bool:

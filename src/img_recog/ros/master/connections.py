@@ -13,7 +13,12 @@ class Connections:
     """Asks the master who publishes and subscribes, and the publishers whom they send to."""
 
     def __init__(self, master_uri: str, node: str):
-        """node: the name of this node."""
+        """node: the name of this node.
+
+        uris: of the publishers that `missing` has followed when it found nothing, by their names;
+        one that was started again has another.
+        """
+        self.uris: Dict[str, str] = {}
         self._master, self._node = Master(master_uri, node, _TIMEOUT_S), node
         self._heard: Set[str] = set()       # topics that were published when nothing was missing
 
@@ -34,10 +39,16 @@ class Connections:
         publishers = dict(published)
         known = {node for kind in state for _, users in kind for node in users}
         made: Dict[str, Optional[Set[Tuple[str, str]]]] = {}
+        uris: Dict[str, str] = {}
 
         def alive(topic: str) -> List[str]:
             found = publishers.get(topic, ())
-            made.update((node, self._made_by(node)) for node in found if node not in made)
+            for node in found:
+                if node not in made:
+                    uri = self._master.ask('lookupNode', node) or ''
+                    made[node] = self._made_by(uri)
+                    if made[node] is not None:
+                        uris[node] = uri
             return [node for node in found if made[node] is not None]
 
         nodes = {self._node}
@@ -61,6 +72,7 @@ class Connections:
                         for publisher in alive(topic)
                         if (topic, node) not in (made[publisher] or ())]
         if not missing:
+            self.uris = uris
             self._heard.update(topic for _, topic in wanted if alive(topic))
         return missing
 
@@ -91,14 +103,13 @@ class Connections:
                 for topic, nodes in self._published()
                 if self._node in nodes and len(nodes) > 1 and topic not in _SHARED]
 
-    def _made_by(self, publisher: str) -> Optional[Set[Tuple[str, str]]]:
+    def _made_by(self, uri: str) -> Optional[Set[Tuple[str, str]]]:
         """Return the topics on which a node sends, each with the node that it sends to.
 
         None if it does not answer.
         """
         try:
-            answer = timed_xmlrpc.server(self._master.ask('lookupNode', publisher) or '',
-                                         _TIMEOUT_S).getBusInfo(self._node)
+            answer = timed_xmlrpc.server(uri, _TIMEOUT_S).getBusInfo(self._node)
         except timed_xmlrpc.ERRORS:
             return None
         return {(each[4], each[1]) for each in _rows(answer) if each[2] == 'o'}

@@ -41,13 +41,13 @@ class Redelivery:
         with self._lock:
             return any(self._others(topic) for topic in self._last)
 
-    def deliver(self) -> None:
-        """Send the last packet of each topic to these subscribers."""
+    def deliver(self, to_all: bool = False) -> None:
+        """Send the last packet of each topic to these subscribers, or again to all."""
         with self._lock:
             for topic, (packet, reached) in self._last.items():
-                others = self._others(topic)
-                reached.update(others)
-                send(packet, others)
+                found = list(topic.connections or ()) if to_all else self._others(topic)
+                reached.update(found)
+                send(packet, found)
 
     def _others(self, topic: _PublisherImpl) -> List[TCPROSTransport]:
         reached = self._last[topic][1]

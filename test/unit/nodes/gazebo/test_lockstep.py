@@ -9,7 +9,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
 from img_recog.errors import UserError
-from img_recog.nodes.gazebo import lockstep
+from img_recog.nodes.gazebo import chain, lockstep
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.settings import SettingError
@@ -68,14 +68,14 @@ def rig(monkeypatch):
     found = Rig()
     monkeypatch.setattr(FakeSubscriber, 'made', {})
     monkeypatch.setattr(lockstep, 'SettledSubscriber', FakeSubscriber)
-    monkeypatch.setattr(lockstep, 'Connections', lambda *_: found)
+    monkeypatch.setattr(chain, 'Connections', lambda *_: found)
 
     def missing(topics):
         found.asked = topics
         return found.unconnected
     found.missing = missing
     found.shared, found.unconnected, found.others = lambda: found.others, [], []
-    found.own = lambda: {'/odom', '/scan'}
+    found.own, found.uris = lambda: {'/odom', '/scan'}, {'/node': 'http://a:1'}
     monkeypatch.setattr(lockstep.time, 'monotonic', lambda: found.wall_s)
     monkeypatch.setattr(rospy, 'get_rostime', lambda: rospy.Time.from_sec(found.now_s))
     for log in ('logwarn', 'loginfo'):
@@ -250,6 +250,24 @@ def test_a_command_topic_of_a_robot_that_is_added_later(rig):
     assert other.nodes is None and rig.expect(made, 0.1)
     FakeSubscriber.made['/late/cmd_vel'].send(Twist())
     assert not made.waits(0.1) and len(rig.commands) == 1
+
+
+def test_a_node_that_hears_only_from_others_and_comes_back(rig):
+    made, delivered = rig.make('cmd_vel', lockstep_timeout=9.0), []
+    made.redelivery.deliver = lambda to_all=False: to_all and delivered.append(
+        rig.wall_s - began_s)
+    for begin_s, again in ((0.1, [3.0]), (0.2, [])):
+        began_s = rig.wall_s
+        assert rig.expect(made, begin_s)
+        for _ in range(12):
+            rig.wall_s += 0.5
+            if rig.wall_s >= began_s + 1.5 and again:
+                rig.uris = {'/node': 'http://a:2'}      # it was started again
+            assert made.waits(begin_s)
+        assert delivered == again
+        rig.send['/cmd_vel'](Twist())
+        assert not made.waits(begin_s)
+        delivered.clear()
 
 
 def test_a_topic_that_the_simulator_publishes_is_refused(rig):

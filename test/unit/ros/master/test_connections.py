@@ -24,6 +24,7 @@ def system():
     connections = Connections(master.uri, '/me')
     state['missing'] = lambda: connections.missing({'/answer': 'std_msgs/String'})
     state['shared'], state['own'] = connections.shared, connections.own
+    state['uris'] = lambda: connections.uris == {'/node': rospy.uri}
     yield state
     for server in (roscpp, rospy, master):
         server.stop()
@@ -35,8 +36,9 @@ def test_a_publisher_that_answers(system):
     assert system['missing']() == ['a publisher of /answer']
     system['publishers'] = {'/answer': ['/dead', '/node']}
     assert system['missing']() == ['a connection of /me to /answer of /node']
+    assert not system['uris']()
     system['sent'] = [[2, '/me', 'o', 'TCPROS', '/answer', True, '']]
-    assert system['missing']() == []
+    assert system['missing']() == [] and system['uris']()
 
 
 def test_a_topic_with_a_similar_name(system):

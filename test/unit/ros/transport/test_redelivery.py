@@ -26,6 +26,8 @@ def test_messages(name, subscribe):
     assert [first.receive(), first.receive(), second.receive()] == [
         packet(String(text)) for text in ('old', 'last', 'last')]
     assert first.is_idle() and second.is_idle()
+    redelivery.deliver(to_all=True)
+    assert first.receive() == second.receive() == packet(String('last'))
     publisher.unregister()
 
 
