@@ -71,6 +71,14 @@ def main() -> int:
     return 0
 
 
+def xacro_command() -> int:
+    """Run the xacro of pip, with ROS 1's packages, on the program's arguments; return 0."""
+    import xacro
+    with _package_index([]):
+        xacro.main()
+    return 0
+
+
 def _text(content: bytes) -> str:
     """Return what is UTF-8, or else Latin-1; ValueError for what is no text."""
     if b'\0' in content:
@@ -109,7 +117,9 @@ def _expanded(path: str) -> str:
 def _ros_command() -> Optional[str]:
     """Return the path of ROS 1's command xacro, None when that package is not installed."""
     try:
-        rospkg.RosPack().get_path('xacro')
+        with open(os.path.join(rospkg.RosPack().get_path('xacro'), 'package.xml')) as file:
+            if '<exec_depend>img_recog<' in file.read():      # that of our devel space
+                return None
     except (rospkg.ResourceNotFound, OSError):
         return None
     folders = os.environ.get('PATH', os.defpath).split(os.pathsep)

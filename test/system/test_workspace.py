@@ -69,6 +69,17 @@ add_executable(greet greet.cpp)
 add_dependencies(greet ${PROJECT_NAME}_generate_messages_cpp)
 target_include_directories(greet PRIVATE ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS})
 """,
+    'greet.launch': """<launch>
+  <arg name="robot" value="$(find xacro)/xacro --inorder '$(find greeter)/greeter.xacro'"/>
+  <param name="robot_description" command="$(arg robot)"/>
+</launch>""",
+    'greeter.xacro': """<robot name="greeter" xmlns:xacro="http://ros.org/wiki/xacro">
+  <xacro:include filename="$(find greeter)/links.xacro"/>
+  <xacro:part part_name="hand"/>
+</robot>""",
+    'links.xacro': """<robot xmlns:xacro="http://ros.org/wiki/xacro">
+  <xacro:macro name="part" params="part_name"><link name="${part_name}_link"/></xacro:macro>
+</robot>""",
     'msg/Greeting.msg': 'string text\n',
     'greet.cpp': """#include <iostream>
 #include <greeter/Greeting.h>
@@ -109,3 +120,23 @@ def test_a_workspace_that_was_sourced_before_run_is_kept(tmp_path):
         assert 'usage: plot.py' in output, output
         assert 'CMAKE_PREFIX_PATH={0}/devel:{1}/devel'.format(ROOT, workspace) in output, output
         assert '{}/devel/lib'.format(workspace) in output.rpartition('LD_LIBRARY_PATH=')[2], output
+
+
+def test_a_workspace_on_top_of_this_one_finds_xacro_as_on_noetic(tmp_path):
+    """Descriptions such as turtlebot3_description want it from catkin, their launch files too."""
+    package = tmp_path / 'robot_ws' / 'src' / 'greeter'
+    for name in ('package.xml', 'greet.launch', 'greeter.xacro', 'links.xacro'):
+        package.mkdir(parents=True, exist_ok=True)
+        (package / name).write_text(GREETER[name].replace(
+            '</buildtool_depend>', '</buildtool_depend><depend>xacro</depend>'))
+    (package / 'CMakeLists.txt').write_text("""cmake_minimum_required(VERSION 3.5)
+project(greeter)
+find_package(catkin REQUIRED COMPONENTS xacro)
+catkin_package(CATKIN_DEPENDS xacro)
+""")
+    env = {'HOME': str(tmp_path), 'PATH': '/usr/sbin:/usr/bin:/sbin:/bin'}
+    bash('source {}/devel/setup.bash; cd {} && catkin_make'.format(ROOT, tmp_path / 'robot_ws'),
+         env)
+    output = bash('source {}/robot_ws/devel/setup.bash; '
+                  'roslaunch --dump-params greeter greet.launch'.format(tmp_path), env)
+    assert '<link name="hand_link"/>' in output.replace('\\', ''), output

@@ -1,6 +1,7 @@
 """Files of robots: URDF as it is, xacro expanded by ROS 1's command, by Python's package, or not.
 """
 import os
+import pathlib
 import stat
 import subprocess
 import sys
@@ -94,6 +95,16 @@ def test_file_that_is_not_text(tmp_path):
 def test_command_of_ros_1_is_used_where_it_is_installed(box, command):
     command('echo "<robot name=\\"$(basename $1)\\"/>"')
     assert robot_file.read(box).strip() == '<robot name="box.urdf.xacro"/>'
+
+
+@needs_module
+def test_package_xacro_of_this_one_is_not_that_of_ros_1(box, command):
+    """Then a xacro in PATH may be any other, which does not find ROS 1's packages."""
+    command('exit 1')
+    manifest = pathlib.Path(os.environ['ROS_PACKAGE_PATH'], 'xacro', 'package.xml')
+    source = pathlib.Path(__file__).parents[2] / 'cmake' / 'xacro' / 'package.xml'
+    manifest.write_text(source.read_text())
+    assert '<sphere radius="0.2"/>' in robot_file.read(box)
 
 
 def test_command_has_a_minute(box, command, monkeypatch):
