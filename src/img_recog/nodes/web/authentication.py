@@ -13,9 +13,11 @@ from starlette.responses import HTMLResponse, PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
+from img_recog.nodes.web.token_bucket import TokenBucket
+
 MAX_BODY_BYTES = 1 << 16        # of a request; also of a message on a WebSocket
 MAX_CONNECTIONS = 200
-_MESSAGES_HZ, _MESSAGES_BURST = 200.0, 400.0    # of one WebSocket
+_MESSAGES_BURST, _MESSAGES_HZ = 400.0, 200.0    # of one WebSocket
 _TOO_MANY = 1008                # a close code of RFC 6455
 _SAFE_METHODS = ('GET', 'HEAD')
 # of NiceGUI's socket.io, which could also poll by requests, where messages are not limited
@@ -153,26 +155,20 @@ class _Visit:
     def __init__(self, scope: Scope, receive: Receive):
         self._receive, self._is_http = receive, scope['type'] == 'http'
         self._body_bytes = 0
-        # of a token bucket: at most a burst at once, and _MESSAGES_HZ in the long run
-        self._messages_left, self._time_s = _MESSAGES_BURST, time.monotonic()
+        self._messages = TokenBucket(_MESSAGES_BURST, _MESSAGES_HZ)
         self.has_ended = False
 
     async def receive(self) -> Message:
         """Return the next message, for the application."""
+        begin_s = time.monotonic()
         message = await self._receive()
+        # not the time between: what has come while the application was busy came at once
+        waited_s = time.monotonic() - begin_s
         if self._is_http:
             self._body_bytes += len(message.get('body', b''))
             if self._body_bytes > MAX_BODY_BYTES:
                 message = {'type': 'http.disconnect'}
-        elif message['type'] == 'websocket.receive' and not self._take():
+        elif message['type'] == 'websocket.receive' and not self._messages.take(1, waited_s):
             message = {'type': 'websocket.disconnect', 'code': _TOO_MANY}
         self.has_ended = self.has_ended or message['type'].endswith('.disconnect')
         return message
-
-    def _take(self) -> bool:
-        """Count a message of a WebSocket; return whether it is allowed."""
-        now_s = time.monotonic()
-        self._messages_left = min(
-            _MESSAGES_BURST, self._messages_left + (now_s - self._time_s) * _MESSAGES_HZ) - 1
-        self._time_s = now_s
-        return self._messages_left >= 0

@@ -10,7 +10,7 @@ import uvicorn
 
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web.authentication import MAX_BODY_BYTES
-from img_recog.nodes.web.http_protocol import LimitedHttp
+from img_recog.nodes.web.http_protocol import LimitedHttp, LimitedWebSocket
 
 _PORTS = 11             # tried, from the first one on
 _MAX_PORT = 65535
@@ -65,8 +65,8 @@ class Server:
         """Start to serve; failed: is called with an error that ends the server."""
         # JPEG images do not get smaller
         self._server = uvicorn.Server(uvicorn.Config(
-            app, http=LimitedHttp, log_level='error', access_log=False, lifespan='on',
-            server_header=False, headers=_HEADERS, ws_max_size=MAX_BODY_BYTES,
+            app, http=LimitedHttp, ws=LimitedWebSocket, log_level='error', access_log=False,
+            lifespan='on', server_header=False, headers=_HEADERS, ws_max_size=MAX_BODY_BYTES,
             ws_per_message_deflate=False, timeout_keep_alive=30, timeout_graceful_shutdown=1))
         self._sock, self._failed = sock, failed
         self._thread = threading.Thread(target=self._run, daemon=True)
