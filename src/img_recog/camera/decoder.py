@@ -16,6 +16,7 @@ import av.logging
 import cv2
 import numpy as np
 from av.error import FFmpegError
+from av.sidedata.sidedata import SideDataContainer
 from av.video.reformatter import VideoReformatter
 
 from img_recog.camera.source import FrameSkipped, check_size
@@ -23,8 +24,9 @@ from img_recog.camera.urls import redacted
 
 # An RTSP server sends by UDP otherwise, and frames whose packets are lost are damaged.
 _OPTIONS = {'rtsp_transport': 'tcp'}
-# as OpenCV does, clockwise
-_TURNS = {90: cv2.ROTATE_90_CLOCKWISE, 180: cv2.ROTATE_180, 270: cv2.ROTATE_90_COUNTERCLOCKWISE}
+_Turn = Tuple[int, int, int, int]
+# The part of a display matrix that turns, by the degrees clockwise.
+_TURNS = {90: (0, 1, -1, 0), 180: (-1, 0, 0, -1), 270: (0, -1, 1, 0)}
 
 # From 12.0 on, PyAV drops FFmpeg's lines unless asked; earlier ones pass them to Python's logging.
 _QUIET = None if av.logging.get_level() is None else av.logging.PANIC
@@ -92,7 +94,7 @@ class Decoder:
         except (FFmpegError, ValueError) as error:
             raise FrameSkipped('{} gave an empty or damaged frame'.format(
                 redacted(self._container.name))) from error
-        return image if self._turn is None else cv2.rotate(image, self._turn)
+        return _upright(image, _turn_of(frame) or self._turn)
 
     def release(self) -> None:
         """Close it; no effect when it is closed already."""
@@ -157,9 +159,31 @@ def _array(frame: 'av.VideoFrame') -> np.ndarray:
         (frame.height, frame.width, 3), np.uint8, plane, strides=(plane.line_size, 3, 1)))
 
 
+def _turn_of(frame: 'av.VideoFrame') -> Optional[_Turn]:
+    """Return how to turn one frame, as the EXIF data of a JPEG say; None if nothing says it."""
+    # not frame.side_data, which refers to the frame and back: it would wait for the collector
+    data = SideDataContainer(frame).get('DISPLAYMATRIX')
+    if data is None:
+        return None
+    matrix = np.sign(np.frombuffer(bytes(data), np.int32))
+    return matrix[0], matrix[1], matrix[3], matrix[4]
+
+
+def _upright(image: np.ndarray, turn: Optional[_Turn]) -> np.ndarray:
+    """Return an image turned and mirrored by a display matrix."""
+    if turn is None:
+        return image
+    a, b, c, d = turn       # of libavutil/display.h: x' = a x + c y, y' = b x + d y
+    if b and c:
+        image, a, d = cv2.transpose(image), c, b
+    if a < 0 or d < 0:
+        image = cv2.flip(image, -1 if a < 0 and d < 0 else 1 if a < 0 else 0)
+    return image
+
+
 def _description(container: 'av.container.InputContainer',
-                 index: int) -> Tuple[str, Optional[int]]:
-    """Return the name of a stream's codec, and how to turn its frames (cv2.rotate), None if not.
+                 index: int) -> Tuple[str, Optional[_Turn]]:
+    """Return the name of a stream's codec, and how to turn its frames, None if not.
 
     From FFmpeg's text: PyAV 10 gives no display matrix, and no name where there is no decoder.
     """

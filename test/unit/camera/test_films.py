@@ -1,5 +1,8 @@
 """Films as phones, browsers and editors write them: times, rotation, several images in a file."""
+import functools
+import http.server
 import subprocess
+import threading
 
 import cv2
 import numpy as np
@@ -7,11 +10,13 @@ import pytest
 from PIL import Image
 
 from img_recog.camera.image_source import read_image
-from img_recog.camera.selection import open_file
+from img_recog.camera.selection import open_file, open_source
+from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded
 from img_recog.camera.video_source import VideoSource
 from img_recog.replay.inputs import VideoFrames
 from img_recog_testing.fake_decoder import FakeDecoder
+from img_recog_testing.waiting import DEADLINE_S
 
 # every third of 9 frames at 10 Hz, then all
 UNEVEN = ['-vf', "select='not(mod(n,3))+gt(n,8)'", '-vsync', 'vfr']
@@ -96,13 +101,40 @@ def test_a_film_is_upright(make_film, tmp_path, degrees):
     source.close()
 
 
-def test_a_jpeg_is_upright(tmp_path):
-    path = str(tmp_path / 'phone.jpg')
-    image = Image.fromarray(np.zeros((48, 64, 3), np.uint8))
+@pytest.fixture
+def served(tmp_path):
+    """The URL of a folder, and the folder."""
+    server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), functools.partial(
+        http.server.SimpleHTTPRequestHandler, directory=str(tmp_path)))
+    thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
+    thread.start()
+    yield 'http://127.0.0.1:{}/'.format(server.server_port), tmp_path
+    server.shutdown()
+    server.server_close()
+    thread.join()
+
+
+@pytest.mark.parametrize('orientation, red', [
+    (1, 'top left'), (2, 'top right'), (3, 'bottom right'), (4, 'bottom left'),
+    (5, 'top left'), (6, 'top right'), (7, 'bottom right'), (8, 'bottom left')])
+def test_a_jpeg_is_upright(served, monkeypatch, orientation, red):
+    for name in ('_OPEN_TIMEOUT_S', '_READ_TIMEOUT_S', '_STALL_TIMEOUT_S'):
+        monkeypatch.setattr('img_recog.camera.url_source.' + name, DEADLINE_S)
+    url, folder = served
+    image = Image.new('RGB', (64, 48))
+    image.paste((255, 0, 0), (0, 0, 32, 24))
     exif = image.getexif()
-    exif[0x112] = 6         # orientation: to be turned by 90 degrees
-    image.save(path, exif=exif)
-    assert open_file(path, 30.0).read().shape == (64, 48, 3)
+    exif[0x112] = orientation       # Exif 2.3, 4.6.4: where the first row and column are
+    image.save(str(folder / 'phone.jpg'), exif=exif)
+    for device in (str(folder / 'phone.jpg'), url + 'phone.jpg'):
+        source = open_source(CameraSettings(video_device=device))
+        read = source.read()
+        assert read.shape == ((48, 64, 3) if orientation < 5 else (64, 48, 3))
+        row, column = red.split()
+        quarter = read[:20] if row == 'top' else read[-20:]
+        quarter = quarter[:, :20] if column == 'left' else quarter[:, -20:]
+        assert quarter[..., 0].mean() > 230 and read[..., 0].mean() < 80, device
+        source.close()
 
 
 @pytest.mark.parametrize('name', ['a.webp', 'a.png', 'a.tif'])
