@@ -12,6 +12,7 @@ import io
 import os
 import struct
 import warnings
+import zlib
 from typing import IO, Any, Callable, Iterator, Optional, Union
 
 import cv2
@@ -127,10 +128,11 @@ def _opened(file: Union[str, IO[bytes]]) -> Iterator[Any]:
         yield image
 
 
-def _has_its_chunks(file: IO[bytes]) -> bool:
-    """Return whether no chunk of a PNG ends after the file.
+def _is_whole_png(file: IO[bytes]) -> bool:
+    """Return whether no chunk of a PNG ends after the file, or is damaged and needed.
 
-    OpenCV 4.11 allocates the length that a chunk states, 2 GB at most, before it reads it.
+    OpenCV 4.11 allocates the length that a chunk states, 2 GB at most, before it reads it. libpng
+    prints a line for a wrong checksum.
     """
     size, position = file.seek(0, os.SEEK_END), _PNG_SIGNATURE_BYTES
     while position + _PNG_CHUNK.size <= size:
@@ -139,7 +141,12 @@ def _has_its_chunks(file: IO[bytes]) -> bool:
         if kind == b'IEND':
             return True
         position += _PNG_CHUNK.size + length + _PNG_CHECKSUM_BYTES
-    return position <= size
+        if position > size:
+            return False
+        if kind[:1].isupper() and zlib.crc32(file.read(length), zlib.crc32(
+                kind)) != int.from_bytes(file.read(_PNG_CHECKSUM_BYTES), 'big'):
+            return False
+    return True
 
 
 def _by_opencv(header: Any, decode_it: Callable[[], Any]) -> Optional[np.ndarray]:
@@ -148,7 +155,7 @@ def _by_opencv(header: Any, decode_it: Callable[[], Any]) -> Optional[np.ndarray
     header: the image as opened by Pillow.
     OpenCV turns an image as its EXIF data say, so width and height may be exchanged.
     """
-    if header.format == 'PNG' and not _has_its_chunks(header.fp):
+    if header.format == 'PNG' and not _is_whole_png(header.fp):
         return None
     image = decode_it()
     if image is None or sorted(image.shape[:2]) != sorted(header.size):

@@ -156,6 +156,17 @@ def test_png_whose_chunk_states_an_enormous_length_is_not_given_to_opencv(
         from_msg(CompressedImage(data=path.read_bytes()))
 
 
+def test_a_damaged_png_is_refused_without_a_line_of_libpng(tmp_path, capfd):
+    noise = np.random.default_rng(1).integers(0, 255, (40, 60, 3), np.uint8)
+    data = bytearray(cv2.imencode('.png', noise)[1].tobytes())
+    path = tmp_path / 'damaged.png'
+    data[-1000] ^= 255
+    path.write_bytes(data)
+    assert still_images.read(str(path), 1 << 20) is None
+    assert still_images.decode(bytes(data), 1 << 20) is None
+    assert capfd.readouterr().err == ''
+
+
 @pytest.mark.parametrize('end', [b'', b'\xff' * 100])
 def test_png_of_many_chunks_is_decoded_whatever_follows_its_end(tmp_path, end):
     noise = RNG.randint(0, 256, (200, 300, 3)).astype(np.uint8)
