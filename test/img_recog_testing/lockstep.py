@@ -93,10 +93,11 @@ def compiled(folder):
     return None if done.returncode else program
 
 
-def driver(ros, name='driver', delay='0', count=1, buffer_bits=24, topic='cmd_vel'):
+def driver(ros, name='driver', delay='0', count=1, buffer_bits=24, topic='cmd_vel', robot=''):
     """Start the node. delay: an expression, s for each image; count: of commands for each."""
-    return ros.start(sys.executable, '-c', NODE.format(name=name, delay=delay, count=count,
-                                                       buffer_bits=buffer_bits, topic=topic))
+    return ros.start(sys.executable, '-c', NODE.format(
+        name=name, delay=delay, count=count, buffer_bits=buffer_bits, topic=topic),
+        '__ns:=/' + robot)
 
 
 def controller(ros):
@@ -119,14 +120,44 @@ def path(ros, *parameters, start=driver, images=60, disturb=lambda node, process
         process = start(ros)
         disturb(node, process, echo.rows)
         wait_for(lambda: len(echo.rows) > images, lambda: node.output[-800:] + process.output)
-    process.close()
-    assert node.interrupt() == 0
-    for each in (process, node):
+    _end(ros, process, node)
+    return _checked(echo.rows[:images], -2.0, -0.5)
+
+
+def paths_of_two(ros, *delays, images=30):
+    """Return where two robots were, each with a node that drives; delays: of the nodes."""
+    places = {'tb3_0': (-2.0, -0.5), 'tb3_1': (-1.0, 0.3)}
+    ros.set_parameters('/gazebo', {'robots': {
+        name: {'x_pos': x, 'y_pos': y} for name, (x, y) in places.items()}})
+    ros.set_parameters('/robot_description', burger())
+    node = ros.start_node('pybullet_sim.py', *CAMERA, '_several_robots:=true',
+                          '_lockstep:=tb3_0/cmd_vel tb3_1/cmd_vel', '_real_time_factor:=0')
+    with contextlib.ExitStack() as stack:
+        echoes = [stack.enter_context(contextlib.closing(Path(ros, '/{}/odom'.format(name))))
+                  for name in places]
+        for echo in echoes:
+            wait_for(echo.is_connected.is_set, lambda: node.output)
+        drivers = [driver(ros, delay=delay, robot=name) for name, delay in zip(places, delays)]
+        wait_for(lambda: all(len(echo.rows) > images for echo in echoes),
+                 lambda: node.output[-800:] + drivers[0].output)
+    _end(ros, *drivers, node)
+    return [_checked(echo.rows[:images], *place) for echo, place in zip(echoes, places.values())]
+
+
+def _end(ros, *processes):
+    """End processes, the simulator last."""
+    for each in processes[:-1]:
+        each.close()
+    assert processes[-1].interrupt() == 0
+    for each in processes:
         ros.processes.remove(each)
-    rows = echo.rows[:images]
-    assert [row[0] for row in rows] == [33000000 * number for number in range(1, images + 1)]
-    x, y = rows[-1][1:3]
-    assert (x + 2.0) ** 2 + (y + 0.5) ** 2 > 0.01       # it has driven
+
+
+def _checked(rows, x, y):
+    """Return the rows of a path, which must be complete and begin at a place."""
+    assert [row[0] for row in rows] == [33000000 * number for number in range(1, len(rows) + 1)]
+    assert (rows[0][1] - x) ** 2 + (rows[0][2] - y) ** 2 < 1e-4
+    assert max(abs(value) for value in rows[-1][4:]) > 0.1       # it drives or turns
     return rows
 
 

@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from img_recog_testing.lockstep import CAMERA, compiled, controller, driver, path
+from img_recog_testing.lockstep import CAMERA, compiled, controller, driver, path, paths_of_two
 from img_recog_testing.simulator_tools import Echo, burger, complaints, drawing
 from img_recog_testing.waiting import wait_for
 
@@ -51,6 +51,11 @@ def test_the_path_does_not_depend_on_speed_language_buffers_and_killed_programs(
     if program is None:
         pytest.skip('no compiler or headers for a node in C++')
     assert path(ros, fast, start=lambda ros: ros.start(program)) == first
+
+
+def test_the_paths_of_two_robots_do_not_depend_on_who_answers_first(ros):
+    first = paths_of_two(ros, '0', '0.02')
+    assert first[0] != first[1] and paths_of_two(ros, '0.02', '0') == first
 
 
 def test_what_does_not_answer_is_named_once(simulate, ros):
