@@ -66,6 +66,7 @@ class Vehicle:
         for each in sensors:
             self._mount(each, self.settings.sensors[each.name])
         self._enabled = list(self._sensors.values())
+        self._steps: Optional[int] = None       # the last ones that it was told of
 
     def _lift(self) -> None:
         self.lift = standing.lift(self.robot, self._world.floor, self._world.bodies)
@@ -109,13 +110,18 @@ class Vehicle:
     def set_sensor_enabled(self, sensor: str, enabled: bool) -> None:
         """Enable or disable a sensor; does nothing when the robot does not have it.
 
-        Sensors do not influence how the robot moves.
+        Sensors do not influence how the robot moves. The noise of a reading is the same whether
+        the sensor was enabled before or not.
         """
         scheduled = self._sensors.get(sensor)
         if scheduled is None or scheduled.enabled == enabled:
             return
         if enabled:
             scheduled.sensor.restart()
+        if self._steps is not None:
+            if enabled:
+                scheduled.skip_until(self._steps)
+            scheduled.skipped_from = self._steps
         scheduled.enabled = enabled
         self._enabled = [each for each in self._sensors.values() if each.enabled]
 
@@ -141,11 +147,22 @@ class Vehicle:
 
     def before_step(self, steps: int) -> None:
         """Let the drive move the robot if it is due after `steps` steps of the physics."""
+        if self._steps is None or steps < self._steps:
+            self._begin(steps)
         if steps % self._drive_steps == 0:
             self.drive.update(self.robot)
 
+    def _begin(self, steps: int) -> None:
+        """Count the readings that are not made from a step on: the first, or after a reset."""
+        for scheduled in self._sensors.values():
+            if self._steps is not None and not scheduled.enabled:
+                scheduled.skip_until(self._steps)
+            scheduled.skipped_from = steps
+        self._steps = steps
+
     def due_sensors(self, steps: int) -> List[ScheduledSensor]:
         """Return the sensors that are to be read after `steps` steps."""
+        self._steps = steps
         return [scheduled for scheduled in self._enabled if steps % scheduled.period_steps == 0]
 
     def next_event(self, steps: int) -> int:

@@ -185,6 +185,16 @@ def test_other_sensors_and_enabling_it_again_do_not_change_the_noise(sensor, cou
     assert usual == other and len(usual) == count
 
 
+@pytest.mark.parametrize('sensor, first, off', [
+    ('scan', 10, {}), ('imu', 401, {}), ('scan', 10, {0: {'scan': False}}),
+    ('imu', 401, {0: {'imu': False}})])
+def test_noise_of_a_reading_does_not_depend_on_when_the_sensor_was_enabled(sensor, first, off):
+    usual = seen_by(sensor, drive_with({})[1])[first:]
+    late = seen_by(sensor, drive_with({**off, 1: {sensor: False}, 2: {sensor: True}})[1])
+    # the first acceleration is that of the robot at rest
+    assert repr(late[-len(usual):]) == repr(usual)
+
+
 def test_imu_that_is_enabled_again_measures_no_acceleration_of_what_it_missed():
     sim = simulator()
     sim.advance(1000)

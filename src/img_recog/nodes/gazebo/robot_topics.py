@@ -97,10 +97,13 @@ class RobotTopics:
         settings = vehicle.settings.sensors
         self._publishers: Dict[str, DirectPublisher] = {}
         self._outputs: Dict[str, _Output] = {}
+        self._always_read = {'odometry'}        # it is also for tf and the log
         for each in vehicle.sensors:
             topic = names.topic(each.kind.topic(settings[each.name]))
+            is_answered = lockstep is not None and each.kind.name in lockstep.kinds
+            if is_answered:
+                self._always_read.add(each.name)
             if topic not in self._publishers:
-                is_answered = lockstep is not None and each.kind.name in lockstep.kinds
                 self._publishers[topic] = DirectPublisher(
                     topic, each.kind.msg_type,
                     redelivery=lockstep.redelivery if lockstep and is_answered else None)
@@ -156,7 +159,7 @@ class RobotTopics:
     def disable_unused(self) -> None:
         """Disable the sensors that have no subscriber."""
         for sensor, output in self._outputs.items():
-            if sensor != 'odometry':        # it is also for tf and the log
+            if sensor not in self._always_read:
                 self._vehicle.set_sensor_enabled(
                     sensor, output.publisher.get_num_connections() > 0)
 

@@ -144,13 +144,9 @@ class Robots:
             robot.topics.apply_command()
 
     def disable_unused(self) -> None:
-        """Disable the sensors that have no subscriber.
-
-        In lockstep all are read, so that their noise does not depend on who subscribes when.
-        """
-        if self._lockstep is None:
-            for robot in self._robots.values():
-                robot.topics.disable_unused()
+        """Disable the sensors that have no subscriber."""
+        for robot in self._robots.values():
+            robot.topics.disable_unused()
 
     def namespaces(self, names: Optional[Collection[str]] = None) -> List[str]:
         """Return the namespaces of the robots with some names, or of all."""

@@ -81,6 +81,11 @@ class Imu(Sensor):
         """Measure no acceleration where the robot was moved from outside."""
         self.restart()
 
+    def skip_noise(self, readings: int) -> None:
+        """Pass over the noise of readings that are not made."""
+        for _ in range(readings):
+            next(self._noise)
+
     def read(self) -> ImuReading:
         """Return what the unit measures now; to be called once a period."""
         # written out: this is called 200 times a second, and loops take several times as long

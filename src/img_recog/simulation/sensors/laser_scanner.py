@@ -94,6 +94,11 @@ class LaserScanner(RaySensor):
         self._at = _positions(settings)
         self._settings, self._noise = settings, mount.noise
 
+    def skip_noise(self, readings: int) -> None:
+        """Pass over the noise of readings that are not made."""
+        for _ in range(readings):
+            self._noise.standard_normal(self._settings.scan_samples)
+
     def measure(self, distances: np.ndarray) -> np.ndarray:
         """Return the ranges; noise is added to hits, which stay within the allowed ranges."""
         settings = self._settings

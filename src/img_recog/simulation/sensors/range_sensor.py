@@ -82,6 +82,11 @@ class RangeSensor(RaySensor):
                                         settings.range_pitch_max)), settings.range_max)
         self._settings, self._noise = settings, mount.noise
 
+    def skip_noise(self, readings: int) -> None:
+        """Pass over the noise of readings that are not made."""
+        for _ in range(readings):
+            self._noise.standard_normal()
+
     def measure(self, distances: np.ndarray) -> float:
         """Return the range of the nearest hit, with noise, within the allowed ranges."""
         settings = self._settings

@@ -23,6 +23,9 @@ class Sensor(abc.ABC):
     def notify_teleported(self) -> None:
         """Call after the robot was moved from outside."""
 
+    def skip_noise(self, readings: int) -> None:
+        """Pass over the noise of readings that are not made; does nothing where there is none."""
+
 
 class Mount(NamedTuple):
     """What a sensor is made for.
@@ -126,8 +129,17 @@ def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> L
 
 
 class ScheduledSensor:
-    """A sensor with its name, its kind and its period; it is read only while it is enabled."""
+    """A sensor with its name, its kind and its period; it is read only while it is enabled.
+
+    skipped_from: the step of the physics from which on its readings were not made.
+    """
 
     def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor):
         self.name, self.kind, self.period_steps, self.sensor = name, kind, period_steps, sensor
-        self.enabled = True
+        self.enabled, self.skipped_from = True, 0
+
+    def skip_until(self, steps: int) -> None:
+        """Let the next noise be the one that it is if all readings up to a step were made."""
+        missed = steps // self.period_steps - self.skipped_from // self.period_steps
+        self.sensor.skip_noise(missed)
+        self.skipped_from = steps
