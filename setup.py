@@ -4,4 +4,4 @@ from catkin_pkg.python_setup import generate_distutils_setup
 
 setup(**generate_distutils_setup(
     packages=find_packages('src'), package_dir={'': 'src'},
-    package_data={'img_recog.nodes.web': ['static/*']}))
+    package_data={'img_recog': ['messages_ja.txt'], 'img_recog.nodes.web': ['static/*']}))

@@ -4,7 +4,7 @@ import pathlib
 
 PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
-                'markup', 'mesh_file', 'mesh_formats', 'new_package', 'option_types',
+                'markup', 'mesh_file', 'mesh_formats', 'messages', 'new_package', 'option_types',
                 'process_tree', 'resources', 'robot_file', 'rotations', 'settings', 'signals',
                 'still_images', 'textures', 'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
@@ -30,6 +30,7 @@ ALLOWED = {
        for folder in PURE},
     'bag_recording': ('errors',), 'markup': ('errors',), 'new_package': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
+    'messages': (),
     'option_types': (), 'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (),
     'visuals': (),
     'textures': ('errors',),
@@ -42,11 +43,12 @@ ALLOWED = {
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
     'checks': PURE + GROUND_FLOOR + ('conversions',),
+    'doctor': ('errors', 'messages', 'ros', 'timed_xmlrpc'),
     'graph': ('errors', 'files', 'option_types', 'signals', 'timed_xmlrpc'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
     'testing': GROUND_FLOOR + ('conversions', 'recognition', 'replay', 'ros'),
 }
-WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('checks', 'conversions', 'graph', 'replay')
+WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('checks', 'conversions', 'doctor', 'graph', 'replay')
 
 
 def violations(package):

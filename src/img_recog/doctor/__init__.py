@@ -1,0 +1,1 @@
+"""What is wrong with the machine and the running system, and what to do; doctor.py."""

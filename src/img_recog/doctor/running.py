@@ -1,0 +1,197 @@
+"""What is wrong with the running system: its master and nodes are asked; nothing is changed."""
+import contextlib
+import difflib
+import importlib
+import io
+import os
+import socket
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
+
+from img_recog import timed_xmlrpc
+from img_recog.doctor.finding import Finding
+from img_recog.doctor.machine import DEFAULT_MASTER, missing_packages
+from img_recog.errors import one_line, shortened
+from img_recog.messages import message
+from img_recog.ros.master.calls import Master
+
+_NAME = '/img_recog_doctor'
+_TIMEOUT_S = 2.0
+_THREADS = 8
+# of sensors: a node that subscribes to them waits for them
+_SENSOR_PACKAGES = ('nav_msgs/', 'sensor_msgs/')
+_ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
+
+
+class System(NamedTuple):
+    """Nodes and topics as the master and the nodes tell them.
+
+    published, subscribed: the nodes of each topic. types: of each topic, by the node.
+    dead: of each node that does not answer its address and the error.
+    uris: of the others their addresses. is_sim_time: the parameter use_sim_time.
+    """
+
+    published: Dict[str, List[str]]
+    subscribed: Dict[str, List[str]]
+    types: Dict[str, Dict[str, str]]
+    dead: Dict[str, Tuple[str, Exception]]
+    uris: Dict[str, str]
+    is_sim_time: bool
+
+    def publishers(self, topic: str) -> List[str]:
+        """Return the nodes that publish a topic and answer."""
+        return [node for node in self.published.get(topic, ()) if node not in self.dead]
+
+
+def check_running() -> Iterator[Finding]:
+    """Report what is wrong with the running system, or that there is none."""
+    uri = os.environ.get('ROS_MASTER_URI') or DEFAULT_MASTER
+    try:
+        system = _read(uri)
+    except _ERRORS as error:
+        yield Finding(
+            message('no master answers at {}: {}', shortened(uri), one_line(error)),
+            message('start "./run demo", roslaunch or roscore, or set ROS_MASTER_URI to the '
+                    'master that runs; "./run shell" finds the demo of its folder'))
+        return
+    for check in (_dead_nodes, _clock, _types, _definitions, _missing_publishers):
+        yield from check(system)
+    names = {kind.split('/')[0] for kinds in system.types.values() for kind in kinds.values()}
+    yield from missing_packages(names)
+
+
+def _read(uri: str) -> System:
+    with Master(uri, _NAME, _TIMEOUT_S) as master:
+        published, subscribed, services = master.call('getSystemState')
+        nodes = {node for part in (published, subscribed, services)
+                 for _, users in part for node in users}
+        uris = {node: str(master.ask('lookupNode', node) or '') for node in nodes}
+        is_sim_time = bool(master.ask('getParam', '/use_sim_time'))
+    types: Dict[str, Dict[str, str]] = {}
+    dead = {}
+    with ThreadPoolExecutor(_THREADS) as pool:
+        answers = pool.map(_topics_of, [uris[node] for node in sorted(nodes)])
+        for node, answer in zip(sorted(nodes), answers):
+            if isinstance(answer, Exception):
+                dead[node] = uris.pop(node), answer
+                continue
+            for topic, kind in answer:
+                if kind != '*':
+                    types.setdefault(topic, {})[node] = kind
+    return System(dict(published), dict(subscribed), types, dead, uris, is_sim_time)
+
+
+def _topics_of(uri: Any) -> Any:
+    """Return the topics of a node with their types, or why it does not answer."""
+    try:
+        return [(str(topic), str(kind)) for method in ('getPublications', 'getSubscriptions')
+                for topic, kind in _ask(uri, method)]
+    except _ERRORS as error:
+        return error
+
+
+def _ask(uri: str, method: str, *arguments: Any) -> Any:
+    with timed_xmlrpc.server(uri, _TIMEOUT_S) as node:
+        answer: Any = getattr(node, method)(_NAME, *arguments)
+        return answer[2]
+
+
+def _dead_nodes(system: System) -> Iterator[Finding]:
+    for node, (uri, error) in sorted(system.dead.items()):
+        if isinstance(error, socket.gaierror):
+            advice = message('set ROS_IP on the computer of that node to its address and start '
+                             'the node again, or add the name to /etc/hosts here')
+        elif isinstance(error, ConnectionRefusedError):
+            advice = message('it has ended without telling the master: "rosnode cleanup" '
+                             'removes it')
+        else:
+            advice = message('it may be stopped, its computer switched off, or its ports closed '
+                             'by a firewall; check ROS_IP there')
+        yield Finding(message('the node {} does not answer at {}: {}', shortened(node),
+                              shortened(uri), one_line(error)), advice)
+
+
+def _clock(system: System) -> Iterator[Finding]:
+    clocks = system.publishers('/clock')
+    if system.is_sim_time and not clocks:
+        yield Finding(
+            message('use_sim_time is set and nothing publishes /clock: time stands still'),
+            message('start the simulator, or run "rosparam set use_sim_time false" and start the '
+                    'nodes again'))
+    if len(clocks) > 1:
+        yield Finding(message('several simulators publish /clock: {}', ', '.join(sorted(clocks))),
+                      message('stop all but one: "rosnode kill {}"', sorted(clocks)[-1]))
+
+
+def _types(system: System) -> Iterator[Finding]:
+    for topic, by_node in sorted(system.types.items()):
+        kinds = sorted(set(by_node.values()))
+        if len(kinds) > 1:
+            yield Finding(
+                message('the types of {} differ: {}', shortened(topic), '; '.join(
+                    '{} ({})'.format(shortened(kind), ', '.join(sorted(
+                        node for node in by_node if by_node[node] == kind))) for kind in kinds)),
+                message('give one of these topics another name: NAME:=OTHER after rosrun, '
+                        '<remap> in a launch file'))
+
+
+def _definitions(system: System) -> Iterator[Finding]:
+    """Compare the MD5 sum of publishers that have subscribers with that of the type here."""
+    for topic, by_node in sorted(system.types.items()):
+        if not system.subscribed.get(topic) or len(set(by_node.values())) > 1:
+            continue
+        for node in system.publishers(topic):
+            here = _sum_here(by_node.get(node, ''))
+            there = _sum_of_publisher(system.uris[node], topic) if here else ''
+            if there and there != here:
+                yield Finding(
+                    message('{} publishes {} with another definition of {} than the one here '
+                            '(MD5 sums {} and {})', *map(shortened, (
+                                node, topic, by_node[node], there, here))),
+                    message('build the package of the message again on both sides, from the same '
+                            'version, and start the nodes again'))
+
+
+def _sum_here(kind: str) -> str:
+    package, _, name = kind.partition('/')
+    with contextlib.suppress(Exception):        # of any kind: the module is of others
+        return getattr(importlib.import_module(package + '.msg'), name)._md5sum
+    return ''
+
+
+def _sum_of_publisher(uri: str, topic: str) -> str:
+    """Return what a publisher says in its header; '' if it says nothing.
+
+    The connection is closed before a message is read.
+    """
+    try:
+        from rosgraph import network
+        _, host, port = _ask(uri, 'requestTopic', topic, [['TCPROS']])
+        with socket.create_connection((host, port), _TIMEOUT_S) as sock:
+            network.write_ros_handshake_header(sock, {
+                'callerid': _NAME, 'topic': topic, 'type': '*', 'md5sum': '*'})
+            header = network.read_ros_handshake_header(sock, io.BytesIO(), 4096)
+        return str(header.get('md5sum', ''))
+    except Exception:       # of several types; what does not answer is reported elsewhere
+        return ''
+
+
+def _missing_publishers(system: System) -> Iterator[Finding]:
+    for topic, nodes in sorted(system.subscribed.items()):
+        kinds: Set[str] = set(system.types.get(topic, {}).values())
+        if system.publishers(topic) or not kinds or topic == '/clock':
+            continue
+        others = [other for other, by_node in system.types.items()
+                  if system.publishers(other) and not system.subscribed.get(other)
+                  and kinds.intersection(by_node.values())]
+        similar = difflib.get_close_matches(topic, others, 1)
+        if similar:
+            advice = message('did you mean {}? Add {}:={} after rosrun, or <remap> in a launch '
+                             'file', *map(shortened, (similar[0], topic, similar[0])))
+        else:
+            advice = message('start the node that publishes it; "rostopic info {}" shows who '
+                             'waits', shortened(topic))
+        yield Finding(
+            message('nothing publishes {}, which {} waits for', shortened(topic),
+                    ', '.join(sorted(nodes))), advice,
+            is_note=not similar and not any(kind.startswith(_SENSOR_PACKAGES) for kind in kinds))

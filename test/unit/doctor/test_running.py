@@ -1,0 +1,107 @@
+"""Each thing that can be wrong with a running system is caused, and found."""
+import socket
+import threading
+
+import pytest
+from sensor_msgs.msg import Imu
+
+from img_recog.doctor.running import check_running
+from img_recog_testing.waiting import DEADLINE_S
+from img_recog_testing.xmlrpc_server import XmlRpcServer
+
+POSE, TWIST = 'geometry_msgs/Pose', 'geometry_msgs/Twist'
+IMU, SCAN = 'sensor_msgs/Imu', 'sensor_msgs/LaserScan'
+CLOCK = {'/clock': 'rosgraph_msgs/Clock'}
+
+
+@pytest.fixture
+def findings(monkeypatch):
+    """A function that starts a master with nodes and returns what is wrong.
+
+    nodes: by their names, what they publish and subscribe to: dicts of types by topics; or the
+    address of a node that does not answer. sums: of the definitions that publishers have.
+    """
+    monkeypatch.setenv('LANG', 'C')
+    servers = []
+
+    def serve(**methods):
+        servers.append(XmlRpcServer(**methods))
+        return servers[-1].uri
+
+    def call(nodes, is_sim_time=False, md5sum=Imu._md5sum):
+        uris = {name: parts if isinstance(parts, str) else serve(
+            getPublications=lambda _, parts=parts: [1, '', list(map(list, parts[0].items()))],
+            getSubscriptions=lambda _, parts=parts: [1, '', list(map(list, parts[1].items()))],
+            requestTopic=lambda *_: [1, '', ['TCPROS', '127.0.0.1', publisher(md5sum)]])
+            for name, parts in nodes.items()}
+        users = [{}, {}, {'/service': list(nodes)}]
+        for name, parts in nodes.items():
+            for kind in (0, 1) if not isinstance(parts, str) else ():
+                for topic in parts[kind]:
+                    users[kind].setdefault(topic, []).append(name)
+        monkeypatch.setenv('ROS_MASTER_URI', serve(
+            getSystemState=lambda _: [1, '', [list(map(list, each.items())) for each in users]],
+            lookupNode=lambda _, node: [1, '', uris[node]],
+            getParam=lambda *_: [1, '', is_sim_time]))
+        return list(check_running())
+    yield call
+    for server in servers:
+        server.stop()
+
+
+def publisher(md5sum):
+    """Answer one connection with a header; return the port."""
+    listener = socket.create_server(('127.0.0.1', 0))
+
+    def answer():
+        with listener, listener.accept()[0] as sock:
+            sock.settimeout(DEADLINE_S)
+            sock.recv(4096)
+            field = 'md5sum={}'.format(md5sum).encode()
+            length = len(field).to_bytes(4, 'little')
+            sock.sendall((len(field) + 4).to_bytes(4, 'little') + length + field)
+    threading.Thread(target=answer, daemon=True).start()
+    return listener.getsockname()[1]
+
+
+def test_a_healthy_system(findings):
+    assert findings({'/sim': ({**CLOCK, '/imu': IMU}, {'/cmd_vel': '*'}),
+                     '/eye': ({}, {'/imu': IMU, '/other': '*'})}, is_sim_time=True) == []
+
+
+def test_no_master(monkeypatch):
+    monkeypatch.setenv('LANG', 'C')
+    monkeypatch.setenv('ROS_MASTER_URI', 'http://127.0.0.1:9')
+    found, = check_running()
+    assert found.problem == 'no master answers at http://127.0.0.1:9: Connection refused'
+    assert 'roscore' in found.advice
+
+
+@pytest.mark.parametrize('nodes, options, problem, advice', [
+    ({'/sim': ({}, {})}, {'is_sim_time': True},
+     'use_sim_time is set and nothing publishes /clock: time stands still', 'use_sim_time false'),
+    ({'/a': (CLOCK, {}), '/b': (CLOCK, {})}, {}, 'several simulators publish /clock: /a, /b',
+     'rosnode kill /b'),
+    ({'/a': 'http://127.0.0.1:9'}, {},
+     'the node /a does not answer at http://127.0.0.1:9: Connection refused', 'rosnode cleanup'),
+    ({'/a': 'http://no-such-host.invalid:9'}, {},
+     'the node /a does not answer at http://no-such-host.invalid:9: ', 'ROS_IP'),
+    ({'/a': ({'/x': POSE}, {}), '/b': ({}, {'/x': TWIST})}, {},
+     'the types of /x differ: {} (/a); {} (/b)'.format(POSE, TWIST), '<remap>'),
+    ({'/a': ({'/imu': IMU}, {}), '/b': ({}, {'/imu': IMU})}, {'md5sum': 'f' * 32},
+     '/a publishes /imu with another definition of {} than the one here (MD5 sums {} and {})'
+     .format(IMU, 'f' * 32, Imu._md5sum), 'build the package'),
+    ({'/a': ({'/laser': 'no_such_msgs/X'}, {})}, {},
+     'message packages are missing: no_such_msgs', 'no-such-msgs'),
+    ({'/eye': ({}, {'/scan': SCAN})}, {}, 'nothing publishes /scan, which /eye waits for',
+     'rostopic info /scan'),
+    ({'/sim': ({'/scan': SCAN}, {}), '/eye': ({}, {'/scans': SCAN})}, {},
+     'nothing publishes /scans, which /eye waits for', 'did you mean /scan? Add /scans:=/scan ')])
+def test_what_is_wrong(findings, nodes, options, problem, advice):
+    found, = findings(nodes, **options)
+    assert found.problem.startswith(problem) and advice in found.advice and not found.is_note
+
+
+def test_a_command_that_nobody_gives_is_a_note(findings):
+    found, = findings({'/sim': ({}, {'/cmd_vel': TWIST})})
+    assert found.is_note
