@@ -26,7 +26,7 @@ def check(words):
         elif name == 'urdf':
             from img_recog import robot_file
             robot_file.read(value)
-        elif name in _PARAMETERS:
+        elif name in _PARAMETERS and (name, value) != ('real_time_factor', 'auto'):
             _check_setting(name, value)
         elif name.startswith('lockstep'):
             _check_lockstep(name, value, given)
