@@ -24,7 +24,7 @@ except ImportError as error:
     _MISSING = str(error)
 
 _POSE = re.compile(r'x (-?[0-9.]+) m, y (-?[0-9.]+) m')
-_TABS = ('live', 'colors', 'graph', 'nodes', 'log')
+_TABS = ('live', 'navigation', 'colors', 'graph', 'nodes', 'log')
 # its icon has a text, too
 _BUTTON = ('const button = (text) => [...document.querySelectorAll("button .block")].find('
            '(each) => each.textContent === text);')

@@ -123,7 +123,7 @@ class LiveTab:
     def _map(self) -> None:
         with card(self._t('map')):
             ui.element('canvas').classes('map').props(
-                'role=img aria-label="{}"'.format(self._t('map_label')))
+                'data-event=pose role=img aria-label="{}"'.format(self._t('map_label')))
             ui.element('p').props('data-bind=pose aria-live=off')
             paragraph(self._t('map_help'))
 

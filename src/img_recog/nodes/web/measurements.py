@@ -108,13 +108,13 @@ class SystemTopics(Topics):
 
     def _outlines(self, msg: MarkerArray) -> None:
         self.updates.set('outlines', [
-            [_rounded(*corner) for corner in outline.tolist()]
+            [rounded(*corner) for corner in outline.tolist()]
             for outline in plane_msgs.outlines_from_msg(msg)])
 
     def _placed(self, name: str, msg: Odometry) -> None:
         now_s = time.monotonic()
         try:
-            self._places[name] = _rounded(*plane_msgs.pose_from_msg(msg.pose))
+            self._places[name] = rounded(*plane_msgs.pose_from_msg(msg.pose))
         except plane_msgs.PoseError as error:
             self._warn('odom of %s: %s', name, error)
             return
@@ -153,7 +153,7 @@ class RobotTopics(Topics):
         self._pose, self._path_end, self._colors = None, None, []
 
     def _asked(self, msg: Twist) -> None:
-        self.updates.add('asked', _rounded(time.monotonic(), msg.linear.x, msg.angular.z))
+        self.updates.add('asked', rounded(time.monotonic(), msg.linear.x, msg.angular.z))
 
     def _driven(self, msg: Odometry) -> None:
         try:
@@ -163,9 +163,9 @@ class RobotTopics(Topics):
             return
         self.frame_id = msg.header.frame_id
         twist = msg.twist.twist
-        self.updates.add('driven', _rounded(time.monotonic(), twist.linear.x, twist.angular.z))
+        self.updates.add('driven', rounded(time.monotonic(), twist.linear.x, twist.angular.z))
         self._extend_path(pose)
-        self._pose = _rounded(*pose)
+        self._pose = rounded(*pose)
         self.updates.set('pose', self._pose)
 
     def _extend_path(self, pose: plane_msgs.PlanePose) -> None:
@@ -173,7 +173,7 @@ class RobotTopics(Topics):
 
         None is added before a position to which the robot was moved.
         """
-        x, y = _rounded(pose.x, pose.y)
+        x, y = rounded(pose.x, pose.y)
         if self._pose is not None and math.dist((x, y), self._pose[:2]) > _JUMP_M:
             self.updates.add('path', None, _MAX_PATH)
         elif self._path_end is not None and (
@@ -211,5 +211,6 @@ def number(value: float) -> Optional[float]:
     return round(value, _DIGITS) if math.isfinite(value) else None
 
 
-def _rounded(*values: float) -> List[Any]:
+def rounded(*values: float) -> List[Any]:
+    """Return numbers as the page gets them."""
     return [number(value) for value in values]

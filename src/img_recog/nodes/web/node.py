@@ -3,11 +3,14 @@
 Several robots are found by their topics ROBOT/cmd_vel; a page shows one of them.
 Publishes, for each robot that was shown: cmd_vel (geometry_msgs/Twist, 20 Hz of wall time while a
 visitor drives, then zeros), gazebo/set_pose (geometry_msgs/PoseStamped; gazebo/ROBOT/set_pose);
-/diagnostics (diagnostic_msgs/DiagnosticArray, 1 Hz).
+once there is a map, move_base_simple/goal (geometry_msgs/PoseStamped) and initialpose
+(geometry_msgs/PoseWithCovarianceStamped); /diagnostics (diagnostic_msgs/DiagnosticArray, 1 Hz).
 Subscribes, while somebody looks at a page: usb_cam/image_raw (sensor_msgs/Image) and other images,
 odom (nav_msgs/Odometry), scan (sensor_msgs/LaserScan), color_detection (sensor_msgs/PointCloud),
 gazebo/real_time_factor (std_msgs/Float64), gazebo/world_outlines (visualization_msgs/MarkerArray),
-/rosout_agg (rosgraph_msgs/Log), and the topics that it publishes.
+/rosout_agg (rosgraph_msgs/Log), and the topics that it publishes; if there is a map, map
+(nav_msgs/OccupancyGrid), map_updates (map_msgs/OccupancyGridUpdate), /tf and /tf_static
+(tf2_msgs/TFMessage), and all topics of type nav_msgs/Path.
 Calls the services of gazebo that pause and reset, the service ~yield of the other publishers of
 cmd_vel, and dynamic_reconfigure of color_extract and gazebo.
 Reads: ~web_host, ~web_port (WebSettings), ~max_linear_velocity, ~max_angular_velocity

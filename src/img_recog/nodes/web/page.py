@@ -73,7 +73,7 @@ class _Page:
             '</script>{}<link rel="stylesheet" href="/static/page.css">'.format(
                 json.dumps(self._t.all), json.dumps(self._robot.name), self._t.language,
                 ''.join('<script src="/static/{}.js" defer></script>'.format(name)
-                        for name in ('page', *(tab.name for tab in TABS)))))
+                        for name in ('page', 'mapping', *(tab.name for tab in TABS)))))
         ui.page_title(self._t('title'))
         header = self._header()
         with ui.tab_panels(header, value=TABS[0].name, animated=False,
@@ -107,6 +107,9 @@ class _Page:
             self._select.set_visibility(len(names) > 1)
         for update in self._updates:
             update()
+        for tab in TABS:
+            if tab.is_there is not None:
+                self._tabs[tab.name].set_visibility(tab.is_there(self._visit))
 
     def _header(self) -> ui.tabs:
         with ui.header().style('padding: 0 8px; gap: 8px; align-items: center'):
@@ -118,8 +121,7 @@ class _Page:
             self._select.set_visibility(False)
             with ui.tabs().props('dense no-caps inline-label outside-arrows mobile-arrows') \
                     .style('flex: 1; min-width: 0') as tabs:
-                for tab in TABS:
-                    ui.tab(tab.name, label=self._t(tab.name))
+                self._tabs = {tab.name: ui.tab(tab.name, label=self._t(tab.name)) for tab in TABS}
             ui.label(self._t('disconnected')).classes('status').props(
                 'data-bind=connection role=status')
         return tabs

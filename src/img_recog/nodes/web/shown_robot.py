@@ -8,6 +8,7 @@ from img_recog.errors import one_line
 from img_recog.nodes.web.color_tuning import ColorTuning
 from img_recog.nodes.web.driving import Driving
 from img_recog.nodes.web.measurements import RobotTopics, Topics
+from img_recog.nodes.web.navigation_topics import NavigationTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.simulation import PosePublisher
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
@@ -35,7 +36,7 @@ class ShownRobot:
     """A robot that pages show and drive.
 
     name: its namespace, below that of the node; '' for the only robot. topics: what is measured,
-    of the system and of the robot.
+    of the system and of the robot. navigation: the last of them.
     """
 
     def __init__(self, name: str, limits: VelocityLimits, pictures: PictureTopics,
@@ -44,7 +45,8 @@ class ShownRobot:
         self.name = name
         self._warn = ThrottledWarning()
         own = RobotTopics(self.resolve)
-        self.topics = system, own
+        self.navigation = NavigationTopics(self.resolve, lambda: own.frame_id)
+        self.topics = system, own, self.navigation
         self.driving = Driving(limits, self.resolve('cmd_vel'))
         self.colors = ColorTuning(self.resolve('color_extract'), pictures)
         self.pose = PosePublisher(self.name, lambda: own.frame_id)

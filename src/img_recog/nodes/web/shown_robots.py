@@ -31,6 +31,7 @@ class ShownRobots:
         self._limits, self._pictures, self._system = limits, pictures, system
         self._lock = threading.Lock()
         self._made: Dict[str, ShownRobot] = {}
+        self._types: Dict[str, str] = {}
         self._warn = ThrottledWarning()
         self.names: List[str] = ['']
 
@@ -38,12 +39,17 @@ class ShownRobots:
         """Look for the robots. Waits for the master: not for the event loop."""
         try:
             published, subscribed, _ = master.system_state()
+            if self._made:
+                types, there = master.topic_types(), dict(published)
+                self._types = {name: types[name] for name in there if name in types}
         except master.MasterError as error:
             self._warn('the robots: %s', one_line(error))
             return
         self.names = names_in(published, subscribed, rospy.get_namespace(),
                               rospy.get_name()) or self.names       # a new master knows none yet
         others = self.names if len(self.names) > 1 else []
+        for robot in list(self._made.values()):
+            robot.navigation.follow(self._types)
         self._system.follow({name: rospy.resolve_name(name + '/odom') for name in others if name})
 
     def get(self, name: str) -> ShownRobot:

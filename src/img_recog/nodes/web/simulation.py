@@ -52,8 +52,16 @@ class PosePublisher:
 
         Raises UserError for a pose that is not allowed.
         """
-        if not all(map(math.isfinite, (x, y, yaw))) or max(abs(x), abs(y)) > _MAX_M:
-            raise UserError('cannot move the robot to x {}, y {}, yaw {}'.format(x, y, yaw),
-                            'choose a point within {:g} m'.format(_MAX_M))
-        self._publisher.publish(plane_msgs.pose_to_msg(
-            PlanePose(x, y, yaw), Header(stamp=rospy.Time.now(), frame_id=self._frame_id())))
+        self._publisher.publish(place_to_msg(x, y, yaw, self._frame_id()))
+
+
+def place_to_msg(x: float, y: float, yaw: float, frame_id: str) -> PoseStamped:
+    """Return the message for a place that a visitor has chosen; m and rad.
+
+    Raises UserError for one that is not allowed.
+    """
+    if not all(map(math.isfinite, (x, y, yaw))) or max(abs(x), abs(y)) > _MAX_M:
+        raise UserError('cannot move the robot to x {}, y {}, yaw {}'.format(x, y, yaw),
+                        'choose a point within {:g} m'.format(_MAX_M))
+    return plane_msgs.pose_to_msg(PlanePose(x, y, yaw),
+                                  Header(stamp=rospy.Time.now(), frame_id=frame_id))

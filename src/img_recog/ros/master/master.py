@@ -1,5 +1,5 @@
 """What the master knows."""
-from typing import List, Tuple
+from typing import Any, Dict, List, Tuple
 
 import rospy
 
@@ -17,10 +17,22 @@ def system_state() -> Tuple[Users, Users, Users]:
 
     Waits for the master, until the node is shut down. Raises MasterError.
     """
+    return _ask('getSystemState')
+
+
+def topic_types() -> Dict[str, str]:
+    """Return the types of topics by their names, also of those without a publisher any more.
+
+    Waits and raises like `system_state`.
+    """
+    return dict(_ask('getTopicTypes'))
+
+
+def _ask(method: str) -> Any:
     try:
-        code, message, state = rospy.get_master().getSystemState()
+        code, message, value = getattr(rospy.get_master(), method)()
     except timed_xmlrpc.ERRORS as error:
         raise MasterError('no master answers: {}'.format(error))
     if code != 1:
         raise MasterError(message)
-    return state
+    return value

@@ -4,6 +4,7 @@
 (() => {
   const HISTORY_S = 20;
   const DRIVE_PERIOD_MS = 100;
+  const MAP = 'canvas.map[data-event=pose]';
   const PATH_POINTS = 4000;
   const MAP_LINES = 12;           // of its grid, in each direction
   const KEYS = {
@@ -13,7 +14,8 @@
   // of colors with these names; readable on a light and on a dark card
   const LINES = { blue: '#4f7df3', red: '#e5484d', green: '#30a46c', yellow: '#d9a800',
     orange: '#f2751a', purple: '#8e4ec6', pink: '#d6409f' };
-  const { all, css, send, show, text, visible } = page;
+  const { all, css, mapping, send, show, text, visible } = page;
+  const { arrow, line } = mapping;
   const state = { areas: [], asked: [], driven: [], path: [], colors: [] };
 
   // ---- measurements
@@ -126,40 +128,22 @@
       label: { show: false }, lineStyle: { type: 'dashed' }, data: [{ yAxis: limit }] };
   }
 
-  // ---- the map: x is up and y is left, as in the simulator's picture from above
-  function bounds() {
+  // ---- the map
+  function pointsInMap() {
     // of the path, what came after the robot was moved: it may have been far away
     const points = [...(state.outlines || []).flat(),
       ...state.path.slice(state.path.lastIndexOf(null) + 1),
       ...Object.values(state.robots || {})];
     if (state.pose) points.push(state.pose);
-    if (!points.length) return [-2.5, -2.5, 5];
-    const xs = points.map((each) => each[0]);
-    const ys = points.map((each) => each[1]);
-    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys), 2)
-      * 1.12;
-    return [(Math.max(...xs) + Math.min(...xs) - size) / 2,
-      (Math.max(...ys) + Math.min(...ys) - size) / 2, size];
-  }
-
-  function toMap(canvas, event) {
-    const box = canvas.getBoundingClientRect();
-    const [x, y, size] = canvas.extent || bounds();
-    return [x + (box.bottom - event.clientY) / box.height * size,
-      y + (box.right - event.clientX) / box.width * size];
+    return points;
   }
 
   function drawMap(canvas) {
-    const side = Math.round(canvas.clientWidth * devicePixelRatio);
-    if (!side) return;
-    if (canvas.width !== side) { canvas.width = side; canvas.height = side; }
-    const [x0, y0, size] = canvas.extent = bounds();
-    const scale = side / size;
-    const at = ([x, y]) => [side - (y - y0) * scale, side - (x - x0) * scale];
-    const context = canvas.getContext('2d');
-    context.clearRect(0, 0, side, side);
-    context.lineWidth = devicePixelRatio;
-    context.font = `${11 * devicePixelRatio}px sans-serif`;
+    const drawing = mapping.begin(canvas, pointsInMap(), 1.12);
+    if (!drawing) return;
+    canvas.heading = () => (state.pose ? state.pose[2] : 0);
+    const { context, at, scale, side } = drawing;
+    const [x0, y0, size] = canvas.extent;
     // a grid of whole meters; its labels stand on what is in the world
     const step = Math.max(1, roundUp(size / MAP_LINES, [1, 2, 5, 10]));
     const labels = [];
@@ -211,70 +195,11 @@
         at(place)[1]);
     }
     if (!state.pose) return;
-    const [x, y, yaw] = state.pose;
-    if (state.scan) {
-      const [scanX, scanY, scanYaw] = state.scan.pose || state.pose;
-      context.fillStyle = '#dc2626';
-      const dot = 2 * devicePixelRatio;
-      state.scan.ranges.forEach((range, index) => {
-        if (range === null) return;
-        const angle = scanYaw + state.scan.angle_min + index * state.scan.angle_increment;
-        const [px, py] = at([scanX + range * Math.cos(angle), scanY + range * Math.sin(angle)]);
-        context.fillRect(px - dot / 2, py - dot / 2, dot, dot);
-      });
-    }
-    arrow(context, at([x, y]), yaw, Math.max(10 * devicePixelRatio, 0.15 * scale), '#16a34a');
-    if (canvas.target) {
-      arrow(context, at(canvas.target), canvas.target[2], Math.max(10 * devicePixelRatio,
-        0.15 * scale), '#f59e0b');
-    }
+    if (state.scan) mapping.drawScan(drawing, state.scan, state.scan.pose || state.pose);
+    mapping.drawRobot(drawing, state.pose, '#16a34a');
+    mapping.drawTarget(canvas, drawing);
   }
 
-  function line(context, points) {
-    context.beginPath();
-    points.forEach(([x, y], index) => (index ? context.lineTo(x, y) : context.moveTo(x, y)));
-    context.stroke();
-  }
-
-  function arrow(context, [x, y], yaw, size, color) {
-    context.save();
-    context.translate(x, y);
-    context.rotate(-yaw - Math.PI / 2);
-    context.fillStyle = color;
-    context.beginPath();
-    context.moveTo(size, 0);
-    context.lineTo(-size * 0.7, size * 0.7);
-    context.lineTo(-size * 0.35, 0);
-    context.lineTo(-size * 0.7, -size * 0.7);
-    context.closePath();
-    context.fill();
-    context.restore();
-  }
-
-  document.addEventListener('pointerdown', (event) => {
-    const canvas = event.target.closest && event.target.closest('canvas.map');
-    if (!canvas || !event.isPrimary || event.button) return;
-    event.preventDefault();
-    canvas.setPointerCapture(event.pointerId);
-    canvas.target = [...toMap(canvas, event), state.pose ? state.pose[2] : 0];
-  });
-  document.addEventListener('pointermove', (event) => {
-    const canvas = event.target;
-    if (!canvas.target || !canvas.hasPointerCapture || !canvas.hasPointerCapture(event.pointerId)) {
-      return;
-    }
-    const [x, y] = toMap(canvas, event);
-    if (Math.hypot(x - canvas.target[0], y - canvas.target[1]) > 0.1) {
-      canvas.target[2] = Math.atan2(y - canvas.target[1], x - canvas.target[0]);
-    }
-  });
-  document.addEventListener('pointerup', (event) => {
-    const canvas = event.target;
-    if (!canvas.target) return;
-    emitEvent('pose', { x: canvas.target[0], y: canvas.target[1], yaw: canvas.target[2] });
-    canvas.target = null;
-  });
-  document.addEventListener('pointercancel', (event) => { event.target.target = null; });
   // ---- driving
   const held = new Map();         // a key or a pointer, and its direction
 
@@ -352,7 +277,7 @@
   }, true);
 
   page.add({
-    selector: 'canvas.map',
+    selector: MAP,
     measured: measure,
     reset,
     pause: release,     // who was stopped by another page must not drive with the next connection
@@ -360,7 +285,7 @@
     draw: () => {
       show('[data-bind=busy]', isBusy() ? text('busy') : '');
       mark();
-      for (const element of visible) if (element.matches('canvas.map')) drawMap(element);
+      for (const element of visible) if (element.matches(MAP)) drawMap(element);
       plot();
     },
   });

@@ -1,0 +1,118 @@
+// What the maps of the tabs share: x is up and y is left, as in the simulator's picture from above.
+//
+// A canvas.map emits the event data-event when somebody clicks in it or drags: x, y, yaw, and
+// whether it was dragged. Its function `heading` returns the yaw of a click at a place.
+'use strict';
+
+(() => {
+  const DRAG_M = 0.1;
+  const DRAG_PX = 8;
+
+  // the corner and the side of a square around points
+  function square(points, margin) {
+    if (!points.length) return [-2.5, -2.5, 5];
+    const xs = points.map((each) => each[0]);
+    const ys = points.map((each) => each[1]);
+    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys), 2)
+      * margin;
+    return [(Math.max(...xs) + Math.min(...xs) - size) / 2,
+      (Math.max(...ys) + Math.min(...ys) - size) / 2, size];
+  }
+
+  // clear a canvas to draw what is around points; null while it has no size
+  function begin(canvas, points, margin) {
+    const side = Math.round(canvas.clientWidth * devicePixelRatio);
+    if (!side) return null;
+    if (canvas.width !== side) { canvas.width = side; canvas.height = side; }
+    const [x0, y0, size] = canvas.extent = square(points, margin);
+    const scale = side / size;
+    const at = ([x, y]) => [side - (y - y0) * scale, side - (x - x0) * scale];
+    const context = canvas.getContext('2d');
+    context.clearRect(0, 0, side, side);
+    context.lineWidth = devicePixelRatio;
+    context.font = `${11 * devicePixelRatio}px sans-serif`;
+    return { context, at, scale, side };
+  }
+
+  function toMap(canvas, event) {
+    const box = canvas.getBoundingClientRect();
+    const [x, y, size] = canvas.extent || square([], 1);
+    return [x + (box.bottom - event.clientY) / box.height * size,
+      y + (box.right - event.clientX) / box.width * size];
+  }
+
+  function line(context, points) {
+    context.beginPath();
+    points.forEach(([x, y], index) => (index ? context.lineTo(x, y) : context.moveTo(x, y)));
+    context.stroke();
+  }
+
+  function arrow(context, [x, y], yaw, size, color) {
+    context.save();
+    context.translate(x, y);
+    context.rotate(-yaw - Math.PI / 2);
+    context.fillStyle = color;
+    context.beginPath();
+    context.moveTo(size, 0);
+    context.lineTo(-size * 0.7, size * 0.7);
+    context.lineTo(-size * 0.35, 0);
+    context.lineTo(-size * 0.7, -size * 0.7);
+    context.closePath();
+    context.fill();
+    context.restore();
+  }
+
+  // the points that a laser scanner at a pose has seen
+  function drawScan({ context, at }, scan, [x, y, yaw]) {
+    context.fillStyle = '#dc2626';
+    const dot = 2 * devicePixelRatio;
+    scan.ranges.forEach((range, index) => {
+      if (range === null) return;
+      const angle = yaw + scan.angle_min + index * scan.angle_increment;
+      const [px, py] = at([x + range * Math.cos(angle), y + range * Math.sin(angle)]);
+      context.fillRect(px - dot / 2, py - dot / 2, dot, dot);
+    });
+  }
+
+  function drawRobot({ context, at, scale }, pose, color) {
+    arrow(context, at(pose), pose[2], Math.max(10 * devicePixelRatio, 0.15 * scale), color);
+  }
+
+  // where somebody points
+  function drawTarget(canvas, drawing) {
+    if (canvas.target) drawRobot(drawing, canvas.target, '#f59e0b');
+  }
+
+  document.addEventListener('pointerdown', (event) => {
+    const canvas = event.target.closest && event.target.closest('canvas.map');
+    if (!canvas || !event.isPrimary || event.button) return;
+    event.preventDefault();
+    canvas.setPointerCapture(event.pointerId);
+    const place = toMap(canvas, event);
+    canvas.target = [...place, canvas.heading ? canvas.heading(place) : 0];
+    canvas.dragged = false;
+  });
+  document.addEventListener('pointermove', (event) => {
+    const canvas = event.target;
+    if (!canvas.target || !canvas.hasPointerCapture || !canvas.hasPointerCapture(event.pointerId)) {
+      return;
+    }
+    const [x, y] = toMap(canvas, event);
+    const [dx, dy] = [x - canvas.target[0], y - canvas.target[1]];
+    if (Math.hypot(dx, dy) > Math.max(DRAG_M,
+      DRAG_PX * (canvas.extent || square([], 1))[2] / canvas.clientWidth)) {
+      canvas.target[2] = Math.atan2(dy, dx);
+      canvas.dragged = true;
+    }
+  });
+  document.addEventListener('pointerup', (event) => {
+    const canvas = event.target;
+    if (!canvas.target) return;
+    const [x, y, yaw] = canvas.target;
+    emitEvent(canvas.dataset.event, { x, y, yaw, dragged: canvas.dragged });
+    canvas.target = null;
+  });
+  document.addEventListener('pointercancel', (event) => { event.target.target = null; });
+
+  page.mapping = { arrow, begin, drawRobot, drawScan, drawTarget, line };
+})();

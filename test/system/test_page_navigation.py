@@ -1,0 +1,123 @@
+"""The map of navigation in the page, in a real browser, with a stand-in for its nodes."""
+import math
+import sys
+
+import pytest
+from selenium.webdriver.common.action_chains import ActionChains
+
+from img_recog_testing.browser import Browser, need_chromium
+from img_recog_testing.processes import Ros
+from img_recog_testing.waiting import wait_for
+
+# a room of 4 x 6 m around the robot, whose odometry is turned to the left in it; says what it gets
+STAND_IN = '''
+import math, rospy, tf2_ros
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformStamped
+from nav_msgs.msg import OccupancyGrid, Path
+rospy.init_node('slam')
+grid = OccupancyGrid()
+grid.header.frame_id = 'map'
+grid.info.resolution, grid.info.width, grid.info.height = 0.05, 200, 200
+grid.info.origin.position.x = grid.info.origin.position.y = -5.0
+grid.info.origin.orientation.w = 1.0
+inside = lambda i, low, high: low <= i < high
+grid.data = [-1 if not (inside(x, 40, 120) and inside(y, 40, 160)) else
+             0 if inside(x, 42, 118) and inside(y, 42, 158) else 100
+             for y in range(200) for x in range(200)]
+plan = Path()
+plan.header.frame_id = 'map'
+plan.poses = [PoseStamped() for _ in range(2)]
+plan.poses[0].pose.position.x, plan.poses[0].pose.position.y = -1.0, -1.0
+plan.poses[1].pose.position.x, plan.poses[1].pose.position.y = 0.0, 2.0
+keep = [rospy.Publisher(name, type(msg), latch=True, queue_size=1) for name, msg in (
+    ('map', grid), ('move_base/NavfnROS/plan', plan))]
+keep[0].publish(grid)
+keep[1].publish(plan)
+transform = TransformStamped(child_frame_id='odom')
+transform.header.frame_id = 'map'
+transform.transform.translation.x, transform.transform.translation.y = -1.0, -1.0
+transform.transform.rotation.z = transform.transform.rotation.w = math.sqrt(0.5)
+def say(kind, pose):
+    yaw = 2 * math.atan2(pose.orientation.z, pose.orientation.w)
+    print('%s %.2f %.2f %.2f' % (kind, pose.position.x, pose.position.y, yaw), flush=True)
+rospy.Subscriber('move_base_simple/goal', PoseStamped, lambda msg: say('goal', msg.pose))
+rospy.Subscriber('initialpose', PoseWithCovarianceStamped,
+                 lambda msg: say('initial', msg.pose.pose))
+broadcaster = tf2_ros.TransformBroadcaster()
+while not rospy.is_shutdown():
+    transform.header.stamp = rospy.Time.now()
+    broadcaster.sendTransform(transform)
+    rospy.sleep(0.1)
+'''
+# the color (r, g, b) of the canvas at a place in the map, m
+COLOR = '''
+    const canvas = document.querySelector('canvas.navigation');
+    if (!canvas || !canvas.extent) return null;
+    const [x0, y0, size] = canvas.extent;
+    const at = (value) => Math.round(canvas.width * (1 - value / size));
+    return [...canvas.getContext('2d').getImageData(
+      at(arguments[1] - y0), at(arguments[0] - x0), 1, 1).data].slice(0, 3);'''
+# a place in the map, in pixels from the middle of the canvas
+OFFSET = '''
+    const canvas = document.querySelector('canvas.navigation');
+    const [x0, y0, size] = canvas.extent;
+    const at = (value) => Math.round(canvas.clientWidth * (0.5 - value / size));
+    return [at(arguments[1] - y0), at(arguments[0] - x0)];'''
+
+
+@pytest.fixture(scope='module')
+def demo(tmp_path_factory):
+    """A demo with the page, and a robot at the origin of its odometry."""
+    need_chromium()
+    with Ros(tmp_path_factory.mktemp('page')) as ros:
+        process = ros.demo('world:=empty', 'web:=true', 'vision:=false', 'x_pos:=0', 'y_pos:=0')
+        ros.url = process.wait_output(r'the page: (http://\S+)').group(1)
+        yield ros
+
+
+def point(page, x, y, to=None):
+    """Click at a place in the map, or drag from there."""
+    canvas = page.driver.find_element('css selector', 'canvas.navigation')
+    begin = page.js(OFFSET, x, y)
+    chain = ActionChains(page.driver).move_to_element_with_offset(canvas, *begin).click_and_hold()
+    if to is not None:
+        end = page.js(OFFSET, *to)
+        chain.move_by_offset(end[0] - begin[0], end[1] - begin[1])
+    chain.release().perform()
+
+
+def is_shown(page):
+    return page.js('return getComputedStyle(document.querySelectorAll(".q-tab")[1]).display'
+                   ) != 'none'
+
+
+def assert_told(line, kind, x, y, yaw):
+    assert line.split()[0] == kind
+    assert [float(each) for each in line.split()[1:]] == [
+        pytest.approx(x, abs=0.05), pytest.approx(y, abs=0.05), pytest.approx(yaw, abs=0.05)]
+
+
+@pytest.mark.parametrize('width, height', [(1280, 800), (390, 844)])
+def test_map_robot_plan_goal_and_initial_pose(demo, tmp_path, width, height):
+    page = Browser(tmp_path, width, height)
+    page.open(demo.url)
+    assert not is_shown(page)
+    slam = demo.start(sys.executable, '-c', STAND_IN)
+    wait_for(lambda: is_shown(page), lambda: 'the tab\n' + slam.output)
+    page.tab('navigation')
+    wait_for(lambda: page.js(COLOR, -2.5, 1.5), 'the map')
+    for (x, y), color in {(-2.5, 1.5): [254, 254, 254], (-2.95, 1.0): [0, 0, 0],
+                          (-0.5, 0.5): [142, 78, 198], (-1.0, -1.0): [22, 163, 74]}.items():
+        wait_for(lambda: page.js(COLOR, x, y) == color,
+                 lambda: '{} at {}, {}: {}'.format(color, x, y, page.js(COLOR, x, y)))
+    page.driver.save_screenshot(str(tmp_path / 'navigation.png'))
+    point(page, 0.0, 0.0)
+    goal = slam.wait_output(r'goal .*').group()
+    assert_told(goal, 'goal', 0.0, 0.0, math.pi / 4)
+    point(page, 0.0, 2.0, to=(-1.0, 2.0))
+    assert_told(slam.wait_output(r'initial .*').group(), 'initial', 0.0, 2.0, math.pi)
+    assert slam.output.count('goal') == 1
+    assert page.errors() == []
+    slam.close()
+    wait_for(lambda: not is_shown(page), 'no tab')
+    page.close()
