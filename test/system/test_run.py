@@ -438,7 +438,7 @@ esac
 
 @pytest.fixture
 def tiny(env, tmp_path):
-    """A copy whose lists name a package and a wheel that are nowhere but here, and an environment."""
+    """A copy whose lists name a package and a wheel that are only here, and an environment."""
     checkout = copied(tmp_path)
     os.unlink(os.path.join(checkout, '.venv'))      # that of all others
     control = tmp_path / 'deb' / 'DEBIAN' / 'control'
