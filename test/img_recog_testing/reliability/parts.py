@@ -1,8 +1,12 @@
 """The parts of `./run test --long`: how much each does at full length, and its figures."""
+import re
+import subprocess
+import tempfile
 from types import ModuleType
 from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 from img_recog_testing import lockstep
+from img_recog_testing.pages import ROOT
 from img_recog_testing.reliability import (endings, figures, files, images, siege, soak,
                                            surroundings, twists)
 from img_recog_testing.reliability import demo as demos
@@ -15,6 +19,7 @@ STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
 SOAK_S = 1800.0
 LOCKSTEP_RUNS, LOCKSTEP_IMAGES, LOCKSTEP_LOAD = 100, 100, 8
 CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
+_MANUAL_S = 900.0       # of wall time, each chapter
 XMLRPC_S, PAGE_S, FILES = 300.0, 300.0, 3000
 
 # how results are printed that are not counts
@@ -173,8 +178,26 @@ def run_lockstep(options: Options) -> List[Row]:
     return [(done.format(count, LOCKSTEP_IMAGES, LOCKSTEP_LOAD), 'the same path', 'one path')]
 
 
+def run_manual(options: Options) -> List[Row]:
+    """SLAM and navigation of the e-Manual, if a workspace that has them was sourced."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for chapter in ('slam', 'navigation'):
+            done = subprocess.run(
+                ['./run', 'manual', chapter, 'web:=false', 'gui:=false', '--dir', folder],
+                cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+                timeout=_MANUAL_S * options.factor)
+            output = done.stdout.decode(errors='replace')
+            if 'packages of ROS are missing' in output:
+                return [('the e-Manual', 'skipped', output.strip().splitlines()[-1])]
+            assert done.returncode == 0, output[-4000:]
+            rows += [(chapter, line, '') for line in re.findall(
+                r'\[run\] (.*(?:pillars|centers|goal \S).*)', output)]
+    return rows
+
+
 PARTS: Dict[str, Callable[[Options], List[Row]]] = {
     'soak': run_soak, 'twists': run_twists, 'images': run_images, 'stops': run_stops,
     'stops_without_images': run_stops_without_images, 'kills': run_kills, 'clock': run_clock,
     'disk': run_disk, 'silent': run_silent, 'xmlrpc': run_xmlrpc,
-    'page': run_page, 'files': run_files, 'lockstep': run_lockstep}
+    'page': run_page, 'files': run_files, 'lockstep': run_lockstep, 'manual': run_manual}

@@ -1,0 +1,93 @@
+"""tools/manual: pillars of a map, the file of a map, and the wall that the robot follows."""
+import importlib
+import math
+import os
+
+import numpy as np
+import pytest
+
+from img_recog_testing import turtlebot3_world
+from img_recog_testing.pages import ROOT
+
+ANGLES = np.radians(range(360))
+CELL = 0.05
+
+
+@pytest.fixture
+def tool(monkeypatch):
+    monkeypatch.syspath_prepend(os.path.join(ROOT, 'tools', 'manual'))
+    return importlib.import_module
+
+
+def drawn(occupancy, centers):
+    """Return a grid with circles, as a scanner sees the pillars."""
+    cells, origin = np.full((120, 120), 0, np.int8), (-3.0, -3.0)
+    cells[:10] = -1
+    for x, y in centers:
+        column = ((x + 0.15 * np.cos(ANGLES) - origin[0]) / CELL).astype(int)
+        row = ((y + 0.15 * np.sin(ANGLES) - origin[1]) / CELL).astype(int)
+        cells[row, column] = 100
+    return occupancy.Grid(cells, CELL, origin)
+
+
+def moved(degrees, shift):
+    turn = math.radians(degrees)
+    return [(x * math.cos(turn) - y * math.sin(turn) + shift,
+             x * math.sin(turn) + y * math.cos(turn)) for x, y in turtlebot3_world.POSTS]
+
+
+@pytest.mark.parametrize('centers, raw, aligned', [
+    (moved(0, 0), 0.0, 0.0), (moved(0, 0.1), 0.1, 0.0),
+    # 1.556 m from the middle
+    (moved(4, 0), 1.556 * math.radians(4), 0.0),
+    ([(0.15, 0), *(post for post in turtlebot3_world.POSTS if post != (0, 0))], 0.15, 0.133)])
+def test_errors_of_pillars(tool, centers, raw, aligned):
+    """A map that is only turned and shifted has the right shape."""
+    occupancy, chapters = tool('occupancy'), tool('chapters')
+    assert chapters.PILLARS == turtlebot3_world.POSTS
+    found = occupancy.find_pillars(drawn(occupancy, centers), chapters.PILLARS, 0.15)
+    assert len(found) == 9
+    assert occupancy.errors(found) == pytest.approx((raw, aligned), abs=0.02)
+
+
+def test_pillar_that_is_not_in_the_map_is_missing(tool):
+    occupancy, chapters = tool('occupancy'), tool('chapters')
+    grid = drawn(occupancy, turtlebot3_world.POSTS[1:])
+    assert set(occupancy.find_pillars(grid, chapters.PILLARS, 0.15)) == set(
+        turtlebot3_world.POSTS[1:])
+
+
+def test_map_is_saved_as_map_server_reads_it(tool, tmp_path):
+    occupancy = tool('occupancy')
+    grid = occupancy.Grid(np.array([[0, 100, -1], [-1, 0, 30]], np.int8), 0.1, (-1.5, 2.0))
+    occupancy.save(grid, str(tmp_path / 'map'))
+    # the first row of the picture is the one of the largest y
+    assert (tmp_path / 'map.pgm').read_bytes() == b'P5\n3 2\n255\n' + bytes(
+        [205, 254, 205, 254, 0, 205])
+    text = (tmp_path / 'map.yaml').read_text()
+    assert 'image: map.pgm\nresolution: 0.1\norigin: [-1.5, 2, 0]\n' in text
+
+
+def test_robot_goes_round_along_the_wall_and_hits_nothing(tool):
+    explorer, (x, y), yaw = tool('explorer'), tool('chapters').START, 0.0
+    turn, period_s, rays = explorer.Round((x, y)), 0.2, np.radians(range(0, 360, 8))
+    quadrants = set()
+    for _ in range(1500):
+        ranges = turtlebot3_world.ranges(np.array((x, y)), rays + yaw, 3.5)
+        speed, turning = explorer.command(ranges, 0.0, rays[1])
+        yaw += turning * period_s
+        x, y = x + speed * period_s * math.cos(yaw), y + speed * period_s * math.sin(yaw)
+        # the radius of the burger
+        assert turtlebot3_world.clearance((x, y)) > 0.105, (x, y, yaw)
+        quadrants.add((x > 0, y > 0))
+        if turn.is_complete((x, y)):
+            break
+    else:
+        raise AssertionError('not back within 300 s, after {:.1f} m'.format(turn.driven_m))
+    assert len(quadrants) == 4 and turn.driven_m > 8.0
+
+
+@pytest.mark.parametrize('nothing', [math.inf, math.nan, 0.0])
+def test_ranges_without_an_echo_are_free(tool, nothing):
+    speed, turning = tool('explorer').command([nothing] * 360, 0.0, math.radians(1))
+    assert speed > 0 and turning < 0        # it looks for the wall on its right

@@ -1,0 +1,136 @@
+"""What the reader of the e-Manual would do, as a node: drive, look at the map, give goals."""
+import math
+import threading
+import time
+
+import numpy as np
+import rospy
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
+from explorer import Round, command
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
+from nav_msgs.msg import OccupancyGrid, Odometry
+from occupancy import Grid
+from sensor_msgs.msg import LaserScan
+
+from img_recog.errors import UserError
+
+_FIRST_S, _MAP_S = 60.0, 10.0       # of wall time
+_EXPLORE_S, _GOAL_S = 300.0, 180.0  # simulated
+_POLL_S = 0.1
+_ENDS = {GoalStatus.SUCCEEDED: 'reached', GoalStatus.ABORTED: 'given up',
+         GoalStatus.PREEMPTED: 'preempted', GoalStatus.REJECTED: 'rejected'}
+
+
+class Reader:
+    """A node that waits for the simulator when it is made."""
+
+    def __init__(self):
+        rospy.init_node('manual', disable_signals=True)
+        self._newest, self._changed = {}, threading.Condition()
+        for topic, kind in (('odom', Odometry), ('scan', LaserScan), ('map', OccupancyGrid),
+                            ('amcl_pose', PoseWithCovarianceStamped),
+                            ('move_base/status', GoalStatusArray)):
+            rospy.Subscriber(topic, kind, self._take, topic)
+        self._velocity = rospy.Publisher('cmd_vel', Twist, queue_size=1)
+        self._initial = rospy.Publisher('initialpose', PoseWithCovarianceStamped, queue_size=1)
+        self._goal = rospy.Publisher('move_base_simple/goal', PoseStamped, queue_size=1)
+        self._wait('odom')
+
+    def _take(self, msg, topic):
+        with self._changed:
+            self._newest[topic] = msg
+            self._changed.notify_all()
+
+    def _wait(self, topic, timeout_s=_FIRST_S, is_right=lambda msg: True):
+        """Return the newest message of a topic that is right, when there is one."""
+        end = time.monotonic() + timeout_s
+        with self._changed:
+            while topic not in self._newest or not is_right(self._newest[topic]):
+                left = end - time.monotonic()
+                if left <= 0:
+                    raise UserError('no message on /{} for {:g} s'.format(topic, timeout_s),
+                                    'see what the nodes have printed above')
+                self._changed.wait(left)
+            return self._newest[topic]
+
+    def position(self):
+        """Return the true x and y in the world, m: the simulator's odometry is that."""
+        where = self._newest['odom'].pose.pose.position
+        return where.x, where.y
+
+    def explore(self):
+        """Follow the wall until the robot is back where it has begun."""
+        self._wait('map')
+        turn, end = Round(self.position()), rospy.get_time() + _EXPLORE_S
+        while not turn.is_complete(self.position()):
+            if rospy.get_time() > end:
+                raise UserError('the robot is not back where it has begun after {:g} s, {:.1f} m'
+                                .format(_EXPLORE_S, turn.driven_m),
+                                'is the world turtlebot3_world?')
+            scan, twist = self._wait('scan'), Twist()
+            twist.linear.x, twist.angular.z = command(scan.ranges, scan.angle_min,
+                                                      scan.angle_increment)
+            self._velocity.publish(twist)
+            rospy.sleep(_POLL_S)
+        self._velocity.publish(Twist())
+
+    def grid(self):
+        """Return the next map, which has what the robot has seen until now."""
+        now = rospy.Time.now()
+        msg = self._wait('map', _FIRST_S + _MAP_S, lambda msg: msg.header.stamp > now)
+        info = msg.info
+        return Grid(np.array(msg.data, np.int8).reshape(info.height, info.width),
+                    info.resolution, (info.origin.position.x, info.origin.position.y))
+
+    def localize(self, start):
+        """Say where the robot is, as by "2D Pose Estimate" of rviz, until amcl has it."""
+        msg = PoseWithCovarianceStamped()
+        msg.header.frame_id = 'map'
+        msg.pose.pose.position.x, msg.pose.pose.position.y = start
+        msg.pose.pose.orientation.w = 1.0
+        msg.pose.covariance[0] = msg.pose.covariance[7] = 0.25
+        msg.pose.covariance[35] = 0.07
+
+        def is_there(pose):
+            where = pose.pose.pose.position
+            return math.dist((where.x, where.y), start) < 0.5
+        self._until(lambda: self._initial.publish(msg), lambda: 'amcl_pose' in self._newest
+                    and is_there(self._newest['amcl_pose']), 'amcl has no pose near the start')
+
+    def _until(self, action, is_done, problem):
+        end = time.monotonic() + _FIRST_S
+        while not is_done():
+            if time.monotonic() > end:
+                raise UserError('{} after {:g} s'.format(problem, _FIRST_S),
+                                'see what the nodes have printed above')
+            action()
+            time.sleep(1.0)
+
+    def _goals(self):
+        """Return the status of each goal that move_base knows."""
+        return {status.goal_id.id: status.status for status in
+                self._newest['move_base/status'].status_list}
+
+    def drive_to(self, goal):
+        """Give a goal, as by "2D Nav Goal" of rviz; return how it ended, its error and time.
+
+        goal: x, y in m and yaw in rad. Returns a word, m, simulated s.
+        """
+        self._wait('move_base/status')
+        self._until(lambda: None, lambda: self._goal.get_num_connections() > 0,
+                    'move_base takes no goal')
+        before, msg = set(self._goals()), PoseStamped()
+        msg.header.frame_id, msg.header.stamp = 'map', rospy.Time.now()
+        msg.pose.position.x, msg.pose.position.y = goal[:2]
+        msg.pose.orientation.z = math.sin(goal[2] / 2)
+        msg.pose.orientation.w = math.cos(goal[2] / 2)
+        start = rospy.get_time()
+        self._goal.publish(msg)
+        while rospy.get_time() < start + _GOAL_S:
+            ended = [_ENDS[status] for name, status in self._goals().items()
+                     if name not in before and status in _ENDS]
+            if ended:
+                break
+            time.sleep(_POLL_S)
+        return (ended[0] if ended else 'not reached', math.dist(self.position(), goal[:2]),
+                rospy.get_time() - start)
