@@ -15,6 +15,7 @@ OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
 URLS = ('http://', 'https://', 'rtmp://', 'rtsp://', 'rtsps://')
 TRUE_OR_FALSE = ('true', 'false', '1', '0')
+AS_FAST_AS_SUBSCRIBERS = ('real_time_factor', 'auto')       # the one word for a number
 # as roslaunch and the nodes read numbers
 _WHOLE_NUMBER = re.compile(r'[+-]?\d+$')
 _NUMBER = re.compile(r'[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$')
@@ -81,7 +82,7 @@ class Arguments:
             if value.lower() not in TRUE_OR_FALSE:
                 raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true'.format(
                     name, _shown(value), name))
-        elif _NUMBER.match(self._defaults[name]):
+        elif _NUMBER.match(self._defaults[name]) and (name, value) != AS_FAST_AS_SUBSCRIBERS:
             self._check_number(name, value)
         return value
 
@@ -94,9 +95,10 @@ class Arguments:
 
 
 def _is_switch(root, name):
-    """Return whether an argument is used where roslaunch expects true or false."""
+    """Return whether an argument is true or false, by its default or by where it is used."""
     use = '$(arg {})'.format(name)
-    return any(use in (element.get('if'), element.get('unless')) or
+    return any((element.get('name') == name and element.get('default') in TRUE_OR_FALSE[:2]) or
+               use in (element.get('if'), element.get('unless')) or
                (element.get('type') == 'bool' and element.get('value') == use)
                for element in root.iter())
 

@@ -2,6 +2,9 @@
 # sets root, venv, build, python, noetic and yes.
 # shellcheck shell=bash disable=SC2154
 
+# of apt and pip, to install from a folder without internet
+apt_options=() pip_options=()
+
 # measured, with Python 3.11: .venv, and what pip keeps in its temporary folder meanwhile
 venv_mb=540 wheels_mb=70
 
@@ -78,12 +81,12 @@ find_missing() {
 # They are empty before the first apt-get update.
 plan_packages() {
   # shellcheck disable=SC2086
-  packages=$(LC_ALL=C apt-get install -s --no-install-recommends $missing 2>/dev/null |
+  packages=$(LC_ALL=C apt-get install -s "${apt_options[@]}" --no-install-recommends $missing 2>/dev/null |
     sed -nE 's/^Inst ([^ ]+) (\[[^]]*\] )?\(([^ ]+) .*/\1=\3/p' || true)
   download_mb='' disk_mb=''
   [ -n "$packages" ] || return 0
   # shellcheck disable=SC2086
-  read -r download_mb disk_mb < <(apt-cache show $packages | awk '
+  read -r download_mb disk_mb < <(apt-cache show "${apt_options[@]}" $packages | awk '
     /^Package:/ {is_new = !seen[$2]++}
     is_new && /^Size:/ {download += $2 / 1e6}
     is_new && /^Installed-Size:/ {disk += $2 * 1024 / 1e6}
@@ -112,7 +115,7 @@ install_packages() {
   local sudo=''
   [ "$(id -u)" -eq 0 ] || sudo='sudo '
   say "${sudo}apt-get update, ${sudo}apt-get install; the full output is in build/apt.log"
-  as_root apt-get update -qq >"$build/update.log" 2>&1 ||
+  as_root apt-get update -qq "${apt_options[@]}" >"$build/update.log" 2>&1 ||
     say "apt-get update failed: $(reason "$build/update.log"); using the old lists"
   if [ -z "$packages" ]; then
     plan_packages
@@ -123,7 +126,7 @@ install_packages() {
   # shellcheck disable=SC2016,SC2086
   as_root env DEBIAN_FRONTEND=noninteractive sh -c 'exec apt-get "$@" 3>&1' apt-get \
     install -y -q --no-install-recommends -o Dpkg::Use-Pty=0 -o APT::Status-Fd=3 \
-    -o DPkg::Lock::Timeout=600 $missing 2>&1 | show_apt "$build/apt.log" ||
+    -o DPkg::Lock::Timeout=600 "${apt_options[@]}" $missing 2>&1 | show_apt "$build/apt.log" ||
     failed apt-get apt.log "$by_administrator"
 }
 
@@ -183,7 +186,7 @@ make_venv() {
   # pointer type, which is an error since gcc 14
   CFLAGS="${CFLAGS:-} -Wno-incompatible-pointer-types" \
     "$venv/bin/python3" -m pip install --no-cache-dir --disable-pip-version-check \
-    -r "$root/requirements.txt" >"$build/pip.log" 2>&1 &
+    "${pip_options[@]}" -r "$root/requirements.txt" >"$build/pip.log" 2>&1 &
   show_pip $! "$build/pip.log" || pip_failed pip.log
   cp "$root/requirements.txt" "$venv/requirements.txt"
 }
@@ -241,4 +244,56 @@ setup() {
     install_packages
   fi
   has_venv || make_venv
+}
+
+# What a folder of `download` is for: its packages and wheels fit no other distribution.
+platform() {
+  # shellcheck disable=SC1091
+  ( . /etc/os-release; printf '%s %s %s\n' "$ID" "$VERSION_ID" "$(dpkg --print-architecture)" )
+}
+
+# Fills a folder with all that setup installs, for computers of this kind without internet.
+download() {
+  local folder list=$root/packages-debian.txt
+  [ ! -d "$noetic" ] || list=$root/packages-noetic.txt
+  setup
+  mkdir -p "$1/packages/partial" "$1/wheels" || fail "cannot write in $1"
+  folder=$(readlink -f "$1")
+  say "downloading into $folder"
+  : >"$build/nothing_installed"         # so that apt takes all that the other computer may lack
+  # shellcheck disable=SC2046
+  logged apt-get download.log as_root apt-get install -y -q --download-only --no-install-recommends \
+    -o Dir::State::status="$build/nothing_installed" -o Dir::Cache::archives="$folder/packages" \
+    -o APT::Sandbox::User=root $(listed "$list")
+  list_packages "$folder/packages" >"$build/Packages"
+  mv "$build/Packages" "$folder/packages/Packages"
+  "$venv/bin/python3" -m pip wheel --disable-pip-version-check -r "$root/requirements.txt" \
+    -w "$folder/wheels" >"$build/wheels.log" 2>&1 || pip_failed wheels.log
+  platform >"$folder/platform"
+  say "complete, $(size_mb "$folder") MB; on the other computer: ./run setup --from FOLDER"
+}
+
+# Prints the index that apt reads in a folder of packages.
+list_packages() {
+  local file
+  for file in "$1"/*.deb; do
+    dpkg-deb -f "$file"
+    printf 'Filename: ./%s\nSize: %s\nSHA256: %s\n\n' "${file##*/}" "$(stat -c %s "$file")" \
+      "$(sha256sum "$file" | cut -d ' ' -f 1)"
+  done
+}
+
+# Has setup install from a folder of `download`, and from nowhere else.
+install_from() {
+  local folder
+  folder=$(readlink -f "$1")
+  [ -f "$folder/platform" ] || fail "$1 is no folder that ./run setup --download has filled"
+  [ "$(cat "$folder/platform")" = "$(platform)" ] ||
+    fail "$1 is for $(cat "$folder/platform"), and this computer is $(platform)"
+  mkdir -p "$build/lists/partial"
+  printf 'deb [trusted=yes] file:%s ./\n' "$folder/packages" >"$build/offline.list"
+  apt_options=(-o Dir::Etc::sourcelist="$build/offline.list" -o Dir::Etc::sourceparts=/dev/null
+    -o Dir::State::lists="$build/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=
+    -o APT::Sandbox::User=root)
+  pip_options=(--no-index --find-links "$folder/wheels")
 }

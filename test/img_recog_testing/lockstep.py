@@ -80,6 +80,14 @@ class Path(Echo):
                 twist.linear.x, twist.angular.z]
 
 
+class Scans(Echo):
+    """What the laser scanner has measured: stamps in ns, and distances with noise."""
+
+    @staticmethod
+    def row(msg, fields):
+        return [msg.header.stamp.to_nsec(), *msg.ranges]
+
+
 def compiled(folder):
     """Return the path of the node in C++, None where it cannot be compiled."""
     if shutil.which('g++') is None:
@@ -106,22 +114,25 @@ def controller(ros):
 
 
 def path(ros, *parameters, start=driver, images=60, disturb=lambda node, process, rows: None):
-    """Return where the robot was at each of its first images.
+    """Return where the robot was at each of its first images, and the scans of that time.
 
     parameters: of the simulator; start: start(ros) starts the node that drives; disturb: is called
     when both run.
     """
     ros.set_parameters('/gazebo')
     ros.set_parameters('/robot_description', burger())
-    node = ros.start_node('pybullet_sim.py', *CAMERA, '_lockstep:=cmd_vel', *parameters)
-    echo = Path(ros, '/odom')
-    with contextlib.closing(echo):
-        wait_for(echo.is_connected.is_set, lambda: node.output)
+    node = ros.start_node('pybullet_sim.py', *CAMERA, '_camera_noise:=0.02',
+                          '_lockstep:=cmd_vel', *parameters)
+    echo, scan, scans = Path(ros, '/odom'), Scans(ros, '/scan'), images // 7
+    with contextlib.closing(echo), contextlib.closing(scan):
+        wait_for(lambda: echo.is_connected.is_set() and scan.is_connected.is_set(),
+                 lambda: node.output)
         process = start(ros)
         disturb(node, process, echo.rows)
-        wait_for(lambda: len(echo.rows) > images, lambda: node.output[-800:] + process.output)
+        wait_for(lambda: len(echo.rows) > images and len(scan.rows) > scans,
+                 lambda: node.output[-800:] + process.output)
     _end(ros, process, node)
-    return _checked(echo.rows[:images], -2.0, -0.5)
+    return _checked(echo.rows[:images], -2.0, -0.5) + scan.rows[:scans]
 
 
 def paths_of_two(ros, *delays, images=30):

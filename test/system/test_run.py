@@ -6,6 +6,7 @@ import select
 import shutil
 import subprocess
 import time
+import zipfile
 
 import pytest
 
@@ -420,3 +421,65 @@ def test_the_reason_of_a_program_that_fails_is_shown(checkout, bare):
     assert code == 1, output
     assert re.search(r'\[run\] the build failed: No space left on device; see build/make.log\n$',
                      output), output
+
+
+# Without internet
+
+# downloads that package alone; all else is done by the real apt-get, but only simulated
+OFFLINE_APT = """
+case "$*" in
+  *--download-only*)
+    for each; do case $each in Dir::Cache::archives=*) cp {deb} "${{each#*=}}" ;; esac; done ;;
+  "update "*) exec /usr/bin/apt-get "$@" ;;
+  *) exec /usr/bin/apt-get -s "$@" ;;
+esac
+"""
+
+
+@pytest.fixture
+def tiny(env, tmp_path):
+    """A copy whose lists name a package and a wheel that are only here, and an environment."""
+    checkout = copied(tmp_path)
+    os.unlink(os.path.join(checkout, '.venv'))      # that of all others
+    control = tmp_path / 'deb' / 'DEBIAN' / 'control'
+    control.parent.mkdir(parents=True)
+    control.write_text('Package: img-recog-tiny\nVersion: 1.0\nArchitecture: all\n'
+                       'Maintainer: nobody\nDescription: a test\n')
+    subprocess.run(['dpkg-deb', '-b', str(tmp_path / 'deb'), str(tmp_path / 'tiny_1.0_all.deb')],
+                   check=True, stdout=subprocess.DEVNULL)
+    for name in ('packages-debian.txt', 'packages-noetic.txt'):
+        write(checkout, name, 'img-recog-tiny\n')
+    write(checkout, 'requirements.txt', 'img_recog_tiny==1.0\n')
+    with zipfile.ZipFile(str(tmp_path / 'img_recog_tiny-1.0-py3-none-any.whl'), 'w') as wheel:
+        info = 'img_recog_tiny-1.0.dist-info/'
+        wheel.writestr('img_recog_tiny.py', '')
+        wheel.writestr(info + 'METADATA', 'Metadata-Version: 2.1\nName: img_recog_tiny\n'
+                       'Version: 1.0\n')
+        wheel.writestr(info + 'WHEEL', 'Wheel-Version: 1.0\nRoot-Is-Purelib: true\n'
+                       'Tag: py3-none-any\n')
+        wheel.writestr(info + 'RECORD', '')
+    (tmp_path / 'bin').mkdir()
+    env = dict(env, PATH='{}:{}'.format(tmp_path / 'bin', env['PATH']))
+    add_program(env, 'apt-get', OFFLINE_APT.format(deb=tmp_path / 'tiny_1.0_all.deb'))
+    return checkout, env
+
+
+def test_what_is_downloaded_is_enough_to_install_without_internet(tiny, tmp_path):
+    checkout, env = tiny
+    folder = tmp_path / 'disk'
+    with_wheel = dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path))
+    # without setup, to which no source of apt offers the package
+    subprocess.run(['bash', '-ec', 'root=$PWD build=$PWD/build python=/usr/bin/python3 '
+                    'noetic=/none venv=$PWD/.venv; say() { :; }; . tools/packages.bash; '
+                    'mkdir build; setup() { make_venv; }; download "$0"', str(folder)],
+                   cwd=checkout, env=with_wheel, check=True)
+    shutil.rmtree(os.path.join(checkout, '.venv'))
+    code, output = run(checkout, env, 'setup', '--from', str(folder))
+    assert code == 0, output
+    with open(os.path.join(checkout, 'build', 'apt.log')) as file:
+        assert re.search(r'(?m)^Inst img-recog-tiny \(1.0 ', file.read())
+    subprocess.run([os.path.join(checkout, '.venv', 'bin', 'python3'), '-c',
+                    'import img_recog_tiny'], check=True)
+    (folder / 'platform').write_text('debian 11 riscv64\n')
+    code, output = run(checkout, env, 'setup', '--from', str(folder))
+    assert code == 1 and ' is for debian 11 riscv64, and this computer is ' in output, output

@@ -21,14 +21,14 @@ def checked(*words):
 
 
 SWITCHES = ('gui', 'image_view', 'paused', 'recognition', 'simulator', 'teleop', 'use_sim_time',
-            'allow_partial_world')
+            'allow_partial_world', 'vision')
 REFUSED = {
     ('camera=synthetic',): 'got camera=synthetic; write camera:=synthetic',
     ('camera:=', 'synthetic'): 'got a space after camera:=; write camera:=synthetic',
     ('camera', ':=synthetic'): 'got a space before :=; write camera:=synthetic',
     ('synthetic',): 'got synthetic; write arguments like camera:=synthetic; available are: '
-                    'camera image_width ',
-    ('camra:=synthetic',): 'demo.launch has no argument camra; it has camera image_width ',
+                    'vision camera image_width ',
+    ('camra:=synthetic',): 'demo.launch has no argument camra; it has vision camera image_width ',
     ('camera:=/no/such.mp4',): 'camera: got /no/such.mp4, which does not exist; allowed are auto, '
                                'synthetic, robot, none, a URL, and the path of ',
     ('camera:=',): "camera: got '', which does not exist",
@@ -82,7 +82,7 @@ DEFAULTS = [(arg.get('name'), arg.get('default'))
     [name + ':=False' for name in SWITCHES],
     ('camera:=none', 'world:=empty', 'x_pos:=-1e-3', 'framerate:=29.97', '--screen'),
     ('camera:=rtsp://user:word@host/stream', '-p', '11399', 'gui:=1'),
-    ('camera:=urdf', '_some_parameter:=3'),
+    ('camera:=urdf', '_some_parameter:=3', 'real_time_factor:=auto'),
     ['{}:={}'.format(name, value) for name, value in DEFAULTS if '$(' not in value]])
 def test_accepted(words):
     # with --ros-args, roslaunch lists the arguments and exits

@@ -1,7 +1,8 @@
 """The calls of a node to the master: they never delay its end, and they can be repeated.
 
 rospy calls the master without a time limit and registers only once: a node that is shut down while
-the master does not answer would not end, and a new master would not know the node.
+the master does not answer would not end, and a new master would not know the node. Calls to
+publishers that do not answer are not repeated.
 """
 import errno
 import http.client
@@ -13,7 +14,7 @@ from typing import Any, Callable, Dict, Mapping, NamedTuple, Sequence, Set
 
 import rosgraph
 import rospy
-from rospy.impl import registration
+from rospy.impl import masterslave, registration
 
 from img_recog.ros.transport.switch import is_plain
 
@@ -34,8 +35,12 @@ def is_watched() -> bool:
 
 
 def limit_calls() -> None:
-    """Have rospy's calls to the master end when the node is shut down. Call before init_node."""
+    """Have rospy's calls to the master end when the node is shut down, and to publishers end.
+
+    Call before init_node.
+    """
     if is_watched():
+        masterslave.xmlrpcapi = _Publisher
         uri = rosgraph.get_master_uri()
         with rospy.core._xmlrpc_lock:
             rospy.core._xmlrpc_cache[uri] = rospy.core._LockedServerProxy(
@@ -121,6 +126,24 @@ class MasterConnection(http.client.HTTPConnection):
             self.sock.shutdown(socket.SHUT_RDWR)
         except (AttributeError, OSError):       # closed meanwhile
             pass
+
+
+class _Publisher:
+    """A publisher that is asked once for a topic.
+
+    rospy asks for ever, in a new thread for each update from the master, unless the connection is
+    refused. master_watch.py finds a publisher that answers later.
+    """
+
+    def __init__(self, uri: str, cache: bool):
+        self._uri, self._is_cached = uri, cache
+
+    def requestTopic(self, *args: Any) -> Any:
+        """Ask how to connect; raise ConnectionRefusedError if there is no answer."""
+        try:
+            return rospy.core.xmlrpcapi(self._uri, self._is_cached).requestTopic(*args)
+        except Exception as error:      # a bad URI, no address, a fault: rospy repeats them all
+            raise ConnectionRefusedError(errno.ECONNREFUSED, str(error))
 
 
 class _Transport(xmlrpc.client.Transport):
