@@ -21,7 +21,7 @@ from img_recog.testing.topics import Pose
 _PERIOD_S, _FILM_S = 0.1, 30.0      # simulated, between two samples, and of a film
 _MAX_WIDTH = 320
 _RESULT_OPTIONS = ('--gtest_output=xml:', '--junitxml=', '--junit-xml=')
-_BEGAN_S = time.time()       # a test that has failed in this process is not over
+_BEGAN_S = time.time()       # files that are newer are of this run
 _HEAD = b'the last lines of the nodes of a test that has failed\n'
 _ADVICE = 'give Simulation another folder: results='
 SUFFIXES = '.log', '.camera.png', '.above.png', '.mp4'
