@@ -22,6 +22,7 @@ from demo_arguments import ArgumentError, Arguments
 
 from img_recog import launch_output, process_tree
 from img_recog.errors import UserError
+from img_recog.messages import message
 
 PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_windows.py')
 
@@ -207,7 +208,7 @@ class Supervisor:
         waited_s = time.monotonic() - self._stopped_at
         if self._code is None and waited_s > _WAIT_NOTICE_S and not self._has_said_waiting:
             self._has_said_waiting = True
-            self._say('waiting until all nodes have ended, at most 10 s')
+            self._say(message('waiting until all nodes have ended, at most 10 s'))
         while self._sent < len(_ESCALATION) and waited_s >= _ESCALATION[self._sent][0]:
             signum = _ESCALATION[self._sent][1]
             self._sent += 1
@@ -233,7 +234,8 @@ class Supervisor:
             self._notice_at = None
             for death in self._deaths[self._noticed:]:
                 if not death.required:          # else _repeat_reasons reports it
-                    self._say(launch_output.describe(death) + '; the other nodes continue')
+                    self._say(message('{}; the other nodes continue',
+                                      launch_output.describe(death)))
             self._noticed = len(self._deaths)
 
     def _repeat_reasons(self):

@@ -9,9 +9,12 @@ import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
+from img_recog.messages import message
+
 # options of roslaunch that are followed by a value
 OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '-w',
-                      '--numworkers', '--args', '--find-node', '--master-logger-level', '--pid',
+                      '--numworkers',
+                      '--args', '--find-node', '--master-logger-level', '--pid',
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
 URLS = ('http://', 'https://', 'rtmp://', 'rtsp://', 'rtsps://')
 TRUE_OR_FALSE = ('true', 'false', '1', '0')
@@ -23,6 +26,10 @@ _NUMBER = re.compile(r'[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$')
 
 class ArgumentError(Exception):
     """A word on the command line that roslaunch would refuse or misunderstand."""
+
+    def __init__(self, text, *values):
+        """text: as for `message`."""
+        super().__init__(message(text, *values))
 
 
 class Arguments:
@@ -46,17 +53,16 @@ class Arguments:
             if word.startswith('-'):
                 if word in OPTIONS_WITH_VALUE:
                     if not following:
-                        raise ArgumentError('{} needs a value'.format(word))
+                        raise ArgumentError('{} needs a value', word)
                     result.append(word)
                     position += 1
                     word = following
             elif assigned and not value and _is_value(following):
-                raise ArgumentError('got a space after {}; write {}{}'.format(
-                    word, word, following))
+                raise ArgumentError('got a space after {}; write {}{}', word, word, following)
             elif following.startswith(':=') or not name:
-                raise ArgumentError('got a space before :=; write {}'.format(
-                    'ARGUMENT:=VALUE' if not name else name + (
-                        following if following != ':=' else ':=VALUE')))
+                raise ArgumentError(
+                    'got a space before :=; write {}', 'ARGUMENT:=VALUE' if not name else
+                    name + (following if following != ':=' else ':=VALUE'))
             elif not assigned:
                 self._refuse(word)
             elif not name.startswith('_'):
@@ -68,20 +74,20 @@ class Arguments:
     def _refuse(self, word):
         name, equals, value = word.partition('=')
         if equals and name in self._defaults:
-            raise ArgumentError('got {}; write {}:={}'.format(word, name, value))
+            raise ArgumentError('got {}; write {}:={}', word, name, value)
         raise ArgumentError('got {}; write arguments like camera:=synthetic; available are: '
-                            '{}'.format(word, ' '.join(self._defaults)))
+                            '{}', word, ' '.join(self._defaults))
 
     def _value(self, name, value):
         if name not in self._defaults:
-            raise ArgumentError('demo.launch has no argument {}; it has {}'.format(
-                name, ' '.join(self._defaults)))
+            raise ArgumentError('demo.launch has no argument {}; it has {}',
+                                name, ' '.join(self._defaults))
         if name in self._checks:
             return self._checks[name](name, value)
         if name in self._switches:
             if value.lower() not in TRUE_OR_FALSE:
-                raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true'.format(
-                    name, _shown(value), name))
+                raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true',
+                                    name, _shown(value), name)
         elif _NUMBER.match(self._defaults[name]) and (name, value) != AS_FAST_AS_SUBSCRIBERS:
             self._check_number(name, value)
         return value
@@ -89,9 +95,10 @@ class Arguments:
     def _check_number(self, name, value):
         whole = '.' not in self._defaults[name] and name.startswith('image_')
         if not (_WHOLE_NUMBER if whole else _NUMBER).match(value):
-            raise ArgumentError('{}: got {}, allowed is a {}number; write for example {}:={}'
-                                .format(name, _shown(value), 'whole ' if whole else '', name,
-                                        self._defaults[name]))
+            raise ArgumentError(
+                '{}: got {}, allowed is a whole number; write for example {}:={}' if whole else
+                '{}: got {}, allowed is a number; write for example {}:={}',
+                name, _shown(value), name, self._defaults[name])
 
 
 def _is_switch(root, name):
@@ -119,8 +126,8 @@ def _absolute(path):
 def _file(name, value):
     path = _absolute(value)
     if not os.path.isfile(path):
-        raise ArgumentError('{}: there is no file {}; give the path of a file, or omit {}'
-                            .format(name, _shown(value), name))
+        raise ArgumentError('{}: there is no file {}; give the path of a file, or omit {}',
+                            name, _shown(value), name)
     return path
 
 
@@ -128,7 +135,7 @@ def _urdf(name, value):
     path = _file(name, value)
     if path.endswith('.xacro') and "'" in path:
         raise ArgumentError('{}: roslaunch cannot pass on the apostrophe in {}; rename the file '
-                            'or its folder'.format(name, path))
+                            'or its folder', name, path)
     return path
 
 
@@ -138,19 +145,19 @@ def _record(name, value):
     path = _absolute(value)
     if value == '' or "'" in path:
         raise ArgumentError('{}: got {}, allowed is a path without an apostrophe; write for '
-                            'example {}:=demo.bag'.format(name, _shown(value), name))
+                            'example {}:=demo.bag', name, _shown(value), name)
     # rosbag adds the suffix, and replaces a file without a word
     bag = path if path.endswith('.bag') else path + '.bag'
     if os.path.exists(bag):
-        raise ArgumentError('{}: {} exists; give another name, or remove it'.format(name, bag))
+        raise ArgumentError('{}: {} exists; give another name, or remove it', name, bag)
     if os.path.exists(bag + '.active'):
-        raise ArgumentError('{0}: {1}.active exists: another demo records it, or has not '
+        raise ArgumentError('{}: {}.active exists: another demo records it, or has not '
                             'completed it; give another name, or rename it and run "rosbag '
-                            'reindex" on it'.format(name, bag))
+                            'reindex" on it', name, bag)
     folder = os.path.dirname(bag)
     if not (os.path.isdir(folder) and os.access(folder, os.W_OK)):
         raise ArgumentError('{}: {} is no folder where files can be written; make it, or give '
-                            'another path'.format(name, folder))
+                            'another path', name, folder)
     return path
 
 
@@ -159,8 +166,8 @@ def _world(name, value):
         return value        # a name, which demo_values.py checks
     if not os.path.isfile(_absolute(value)):
         raise ArgumentError('{}: got {}, which is not a file; allowed are color_posts, empty, '
-                            'turtlebot3_world and the path of a URDF or SDF file'.format(
-                                name, _shown(value)))
+                            'turtlebot3_world and the path of a URDF or SDF file',
+                            name, _shown(value))
     return _absolute(value)
 
 
@@ -168,14 +175,14 @@ def _camera(name, value):
     if value in ('auto', 'synthetic', 'robot', 'none') or value.lower().startswith(URLS):
         return value
     if '://' in value:
-        raise ArgumentError('{}: got a URL of {}://; allowed are {}'.format(
-            name, value.partition('://')[0], ', '.join(URLS)))
+        raise ArgumentError('{}: got a URL of {}://; allowed are {}',
+                            name, value.partition('://')[0], ', '.join(URLS))
     if value == '' or not os.path.exists(_absolute(value)):
         devices = sorted(word for word in os.listdir('/dev') if re.match(r'video\d+$', word))
         raise ArgumentError(
             '{}: got {}, which does not exist; allowed are auto, synthetic, robot, none, a URL, '
-            'and the path of a video, image, folder or device (found: {})'.format(
-                name, _shown(value), ', '.join('/dev/' + word for word in devices) or 'no camera'))
+            'and the path of a video, image, folder or device (found: {})',
+            name, _shown(value), ', '.join('/dev/' + word for word in devices) or 'no camera')
     return _absolute(value)
 
 
@@ -185,8 +192,8 @@ def _calibration(name, value):
         return value
     if scheme != 'file' or not path:
         raise ArgumentError('{}: got {}, allowed are file:///PATH and package://PACKAGE/PATH; '
-                            'write for example {}:=file://{}'.format(
-                                name, _shown(value), name, _absolute('camera.yaml')))
+                            'write for example {}:=file://{}',
+                            name, _shown(value), name, _absolute('camera.yaml'))
     return value if path[0] in '/$' else 'file://' + _absolute(path)
 
 

@@ -13,6 +13,7 @@ import urllib.parse
 
 from img_recog import timed_xmlrpc
 from img_recog.errors import UserError
+from img_recog.messages import message
 
 _FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'build',
                      'master')
@@ -59,14 +60,14 @@ class Claim:
         taken = self._taken(uri)
         if taken:
             raise UserError(
-                'the master {} has {} of another demo, which this one would end'.format(
-                    uri, taken),
-                'stop that one, or set ROS_MASTER_URI to another port, like http://localhost:{}'
-                .format(_FIRST_PORT + 1))
+                message('the master {} has {} of another demo, which this one would end', uri,
+                        taken),
+                message('stop that one, or set ROS_MASTER_URI to another port, like '
+                        'http://localhost:{}', _FIRST_PORT + 1))
 
     def _free(self):
         """Return the first master that no demo uses; say so if it is not the usual one."""
-        user = 'another demo'
+        user = message('another demo')
         for port in range(_FIRST_PORT, _LAST_PORT + 1):
             uri = 'http://localhost:{}'.format(port)
             if not self._mark_used(uri):
@@ -77,16 +78,16 @@ class Claim:
                 taken = self._taken(uri)
                 if not taken and _is_master(uri):       # a separate roscore
                     break
-                user = 'another demo ({})'.format(taken) if taken else 'another program'
+                user = (message('another demo ({})', taken) if taken else
+                        message('another program'))
             self._mark.close()
         else:
-            raise UserError('no free port from {} to {}'.format(_FIRST_PORT, _LAST_PORT),
-                            'set ROS_MASTER_URI')
+            raise UserError(message('no free port from {} to {}', _FIRST_PORT, _LAST_PORT),
+                            message('set ROS_MASTER_URI'))
         if port != _FIRST_PORT:
-            sys.stdout.write(
-                '[run] {} uses port {}: the master of this demo is {}; ./run shell in this folder '
-                'finds it, in other terminals set ROS_MASTER_URI\n'.format(
-                    user, _FIRST_PORT, uri))
+            sys.stdout.write('[run] {}\n'.format(message(
+                '{} uses port {}: the master of this demo is {}; ./run shell in this folder '
+                'finds it, in other terminals set ROS_MASTER_URI', user, _FIRST_PORT, uri)))
             sys.stdout.flush()
         return uri
 

@@ -7,6 +7,7 @@ argument that is not given must not delay the start.
 import dataclasses
 
 from img_recog.errors import UserError
+from img_recog.messages import message
 
 # arguments that have the name of a parameter
 _PARAMETERS = ('image_width', 'image_height', 'framerate', 'pixel_format', 'camera_frame_id',
@@ -55,15 +56,16 @@ def _check_lockstep(name, value, given):
     if name == 'lockstep' and not settings.topics:
         return
     if given.get('simulator', '').lower() in ('0', 'false'):
-        raise UserError('{}: it is the simulator that waits, and simulator is false'.format(name),
-                        'set simulator to true, or leave out {}'.format(name))
+        raise UserError(
+            message('{}: it is the simulator that waits, and simulator is false', name),
+            message('set simulator to true, or leave out {}', name))
 
 
 def _check_robot_camera(given):
     if given.get('simulator', '').lower() in ('0', 'false'):
         raise UserError(
-            'camera: got robot, which is simulated, and simulator is false',
-            'set simulator to true, or camera to none for the camera of a real robot')
+            message('camera: got robot, which is simulated, and simulator is false'),
+            message('set simulator to true, or camera to none for the camera of a real robot'))
     from img_recog.simulation.settings import CameraSettings
     for name, setting in (('image_width', 'camera_width'), ('image_height', 'camera_height'),
                           ('framerate', 'camera_rate')):

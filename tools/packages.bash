@@ -52,7 +52,8 @@ failed() {
   why=$(reason "$build/$2")
   # then the log cannot say it
   [ "$(df -m --output=avail "$build" | tail -n 1)" -gt 0 ] || why="No space left on device"
-  fail "$1 failed: ${why:-it says no reason}; see build/$2${3:+; $3}"
+  [ -z "${3:-}" ] || fail '{} failed: {}; see build/{}; {}' "$1" "${why:-?}" "$2" "$3"
+  fail '{} failed: {}; see build/{}' "$1" "${why:-?}" "$2"
 }
 
 as_root() {
@@ -68,7 +69,7 @@ find_missing() {
   if newer "$build/installed" "$list" /var/lib/dpkg/status /etc/hosts "$root/tools/packages.bash"
   then return 0; fi
   command -v apt-get >/dev/null ||
-    fail "no apt-get here: this needs Debian 12 or later, or Ubuntu 20.04 with ROS Noetic"
+    fail 'no apt-get here: this needs Debian 12 or later, or Ubuntu 20.04 with ROS Noetic'
   missing=$(missing_packages "$list")
   # ROS resolves localhost and the host name, which fails in a bare debootstrap folder
   { getent hosts localhost && getent hosts "$(uname -n)"; } >/dev/null ||
@@ -107,16 +108,17 @@ need_space() {
   for place in "${!needed[@]}"; do
     free=$(($(df -m --output=avail "$place" | tail -n 1)))
     [ "$free" -ge "${needed[$place]}" ] ||
-      fail "not enough space on $place: ${needed[$place]} MB are needed, $free MB are free"
+      fail 'not enough space on {}: {} MB are needed, {} MB are free' \
+        "$place" "${needed[$place]}" "$free"
   done
 }
 
 install_packages() {
   local sudo=''
   [ "$(id -u)" -eq 0 ] || sudo='sudo '
-  say "${sudo}apt-get update, ${sudo}apt-get install; the full output is in build/apt.log"
+  say '{}apt-get update, {}apt-get install; the full output is in build/apt.log' "$sudo" "$sudo"
   as_root apt-get update -qq "${apt_options[@]}" >"$build/update.log" 2>&1 ||
-    say "apt-get update failed: $(reason "$build/update.log"); using the old lists"
+    say 'apt-get update failed: {}; using the old lists' "$(reason "$build/update.log")"
   if [ -z "$packages" ]; then
     plan_packages
     need_space /var/cache/apt "${download_mb:-0}" /usr "${disk_mb:-0}"
@@ -132,15 +134,17 @@ install_packages() {
 
 # Says what will be installed. Estimate: a minute per 200 packages (on two cores) and per 300 MB.
 announce() {
-  local what count
-  what="$(wc -w <<<"$missing") system packages of $(basename "$list") are missing"
+  local number count
+  number=$(wc -w <<<"$missing")
   count=$(wc -w <<<"$packages")
   if [ -z "$packages" ]; then
-    say "$what; what they need is known after the first apt-get update"
+    say '{} system packages of {} are missing; what they need is known after the first apt-get update' \
+      "$number" "$(basename "$list")"
   else
-    say "$what, $count with dependencies:"
-    say "download $download_mb MB, $disk_mb MB on disk," \
-      "about $((1 + count / 200 + download_mb / 300)) min"
+    say '{} system packages of {} are missing, {} with dependencies:' \
+      "$number" "$(basename "$list")" "$count"
+    say 'download {} MB, {} MB on disk, about {} min' "$download_mb" "$disk_mb" \
+      $((1 + count / 200 + download_mb / 300))
   fi
 }
 
@@ -148,7 +152,7 @@ announce() {
 may_install() {
   local answer
   if [ -n "$yes" ] || [ -n "${CI:-}" ] || ! { [ -t 0 ] && [ -t 1 ]; }; then return 0; fi
-  read -rp "Install these? [Y/n] " answer || return 1
+  read -rp "$(message 'Install these? [Y/n]') " answer || return 1
   case $answer in '' | [yY]*) return 0 ;; *) return 1 ;; esac
 }
 
@@ -158,8 +162,8 @@ show_apt() {
   while IFS= read -r line; do
     printf '%s\n' "$line" >&3
     case $line in
-      dlstatus:*) word=downloading ;;
-      pmstatus:*) word=installing ;;
+      dlstatus:*) word=$(message 'downloading') ;;
+      pmstatus:*) word=$(message 'installing') ;;
       *) continue ;;
     esac
     line=${line#*:*:}
@@ -177,7 +181,7 @@ show_apt() {
 has_venv() { cmp -s "$root/requirements.txt" "$venv/requirements.txt"; }
 
 make_venv() {
-  say "installing into .venv, $venv_mb MB: $(listed "$root/requirements.txt" | xargs)"
+  say 'installing into .venv, {} MB: {}' "$venv_mb" "$(listed "$root/requirements.txt" | xargs)"
   # without pip in it, it uses the distribution's pip and setuptools, which catkin needs
   logged "python3 -m venv" venv.log "$python" -m venv --clear --system-site-packages --without-pip \
     "$venv"
@@ -193,7 +197,7 @@ make_venv() {
 
 pip_failed() {
   local question=''
-  ! grep -q 'Retrying (' "$build/$1" || question="is the package index reachable?"
+  ! grep -q 'Retrying (' "$build/$1" || question=$(message 'is the package index reachable?')
   failed pip "$1" "$question"
 }
 
@@ -205,13 +209,13 @@ show_pip() {
   while kill -0 "$1" 2>/dev/null; do
     if [ -z "$compiling" ] && grep -q '^ *Building wheel' "$2" 2>/dev/null; then
       compiling=yes
-      say "there is no wheel for $("$python" -V): compiling, about 10 min"
+      say 'there is no wheel for {}: compiling, about 10 min' "$("$python" -V)"
     fi
     if [ -t 1 ]; then
       printf '\r[run] %d s ' $((SECONDS - start))
     elif [ $(((SECONDS - start) / 60)) -gt "$minutes" ]; then
       minutes=$(((SECONDS - start) / 60))
-      say "$minutes min"
+      say '{} min' "$minutes"
     fi
     sleep 0.5
   done
@@ -222,25 +226,26 @@ show_pip() {
 
 setup() {
   local list missing packages download_mb disk_mb by_administrator='' space=()
-  case $root in *[[:space:]]*) fail "catkin cannot build in a path with spaces: $root" ;; esac
+  case $root in *[[:space:]]*) fail 'catkin cannot build in a path with spaces: {}' "$root" ;; esac
   mkdir -p "$build" "$devel"
   touch "$build/CATKIN_IGNORE" "$devel/CATKIN_IGNORE"
   find_missing
   if [ -n "$missing" ]; then
     if [ "$(id -u)" -ne 0 ]; then
-      by_administrator="have the administrator run: apt-get install --no-install-recommends $missing"
+      by_administrator=$(message 'have the administrator run: {}' \
+        "apt-get install --no-install-recommends $missing")
       command -v sudo >/dev/null ||
-        fail "system packages are missing, and there is no sudo: $by_administrator"
+        fail 'system packages are missing, and there is no sudo: {}' "$by_administrator"
     fi
     plan_packages
     announce
-    has_venv || say "then Python packages into .venv: $venv_mb MB on disk"
+    has_venv || say 'then Python packages into .venv: {} MB on disk' "$venv_mb"
     space=(/var/cache/apt "${download_mb:-0}" /usr "${disk_mb:-0}")
   fi
   has_venv || space+=("$root" "$((venv_mb - $(size_mb "$venv")))" "${TMPDIR:-/tmp}" "$wheels_mb")
   need_space "${space[@]}"
   if [ -n "$missing" ]; then
-    may_install || fail "nothing installed; needed are: $missing"
+    may_install || fail 'nothing installed; needed are: {}' "$missing"
     install_packages
   fi
   has_venv || make_venv
@@ -257,9 +262,9 @@ download() {
   local folder list=$root/packages-debian.txt
   [ ! -d "$noetic" ] || list=$root/packages-noetic.txt
   setup
-  mkdir -p "$1/packages/partial" "$1/wheels" || fail "cannot write in $1"
+  mkdir -p "$1/packages/partial" "$1/wheels" || fail 'cannot write in {}' "$1"
   folder=$(readlink -f "$1")
-  say "downloading into $folder"
+  say 'downloading into {}' "$folder"
   : >"$build/nothing_installed"         # so that apt takes all that the other computer may lack
   # shellcheck disable=SC2046
   logged apt-get download.log as_root apt-get install -y -q --download-only --no-install-recommends \
@@ -270,7 +275,7 @@ download() {
   "$venv/bin/python3" -m pip wheel --disable-pip-version-check -r "$root/requirements.txt" \
     -w "$folder/wheels" >"$build/wheels.log" 2>&1 || pip_failed wheels.log
   platform >"$folder/platform"
-  say "complete, $(size_mb "$folder") MB; on the other computer: ./run setup --from FOLDER"
+  say 'complete, {} MB; on the other computer: ./run setup --from FOLDER' "$(size_mb "$folder")"
 }
 
 # Prints the index that apt reads in a folder of packages.
@@ -287,9 +292,9 @@ list_packages() {
 install_from() {
   local folder
   folder=$(readlink -f "$1")
-  [ -f "$folder/platform" ] || fail "$1 is no folder that ./run setup --download has filled"
+  [ -f "$folder/platform" ] || fail '{} is no folder that ./run setup --download has filled' "$1"
   [ "$(cat "$folder/platform")" = "$(platform)" ] ||
-    fail "$1 is for $(cat "$folder/platform"), and this computer is $(platform)"
+    fail '{} is for {}, and this computer is {}' "$1" "$(cat "$folder/platform")" "$(platform)"
   mkdir -p "$build/lists/partial"
   printf 'deb [trusted=yes] file:%s ./\n' "$folder/packages" >"$build/offline.list"
   apt_options=(-o Dir::Etc::sourcelist="$build/offline.list" -o Dir::Etc::sourceparts=/dev/null

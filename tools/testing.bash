@@ -25,7 +25,7 @@ check() {
   local name=$1 output
   shift
   if output=$("$@" 2>&1); then
-    say "$name: clean"
+    say '{}: clean' "$name"
   else
     say "$name:"
     printf '%s\n' "$output"
@@ -38,7 +38,7 @@ check_types() {
   local version
   version=$("$python" -m mypy --version | sed -nE 's/^mypy ([0-9.]+).*/\1/p' || true)
   if ! printf '0.990\n%s\n' "$version" | sort -VC; then
-    say "mypy: not run, ${version:-none} is older than 0.990"
+    say 'mypy: not run, {} is older than 0.990' "${version:-?}"
     return 0
   fi
   check mypy "$python" -m mypy
@@ -50,9 +50,9 @@ report_coverage() {
   [ -f "$data" ] || return 0
   for folder in "${pure[@]}"; do include+="${include:+,}$root/src/img_recog/$folder/*"; done
   COVERAGE_FILE=$data "$venv/bin/python3" -m coverage report -m --include="$include" \
-    >"$build/coverage.txt" 2>&1 || { say "no coverage: $(tail -n 1 "$build/coverage.txt")"; return 0; }
-  say "the unit tests run $(awk 'END{print $4}' "$build/coverage.txt") of the lines of" \
-    "${pure[*]}; the others are listed in build/coverage.txt"
+    >"$build/coverage.txt" 2>&1 || { say 'no coverage: {}' "$(tail -n 1 "$build/coverage.txt")"; return 0; }
+  say 'the unit tests run {} of the lines of {}; the others are listed in build/coverage.txt' \
+    "$(awk 'END{print $4}' "$build/coverage.txt")" "${pure[*]}"
 }
 
 # Most tests wait for a robot in real time, so that several fit on two cores at the same time. One more
@@ -61,10 +61,16 @@ run_all_tests() {
   local jobs
   jobs=$(($(nproc) + 1))
   [ $jobs -le 4 ] || jobs=4
-  say "running the tests, $jobs at a time, about 10 min; the full output is in build/test.log"
+  say 'running the tests, {} at a time, about 10 min; the full output is in build/test.log' "$jobs"
   # show a line for each test, without the log of the nodes
   cmake --build "$build" --target run_tests -- -j "$jobs" 2>&1 | tee "$build/test.log" |
     grep --line-buffered -E '^\[img_recog\.|^\[Testcase|^[.FEsx]+ +\[|^FAILED|^E  |passed|failed|RESULT'
+}
+
+no_test() {
+  [ -n "$2" ] || fail 'no test of {}' "$1"
+  [ -n "$1" ] || fail 'no test matches {}' "$2"
+  fail 'no test of {} matches {}' "$1" "$2"
 }
 
 # run_tests KIND EXPRESSION: an empty value selects everything.
@@ -73,6 +79,7 @@ run_tests() {
   rm -rf "$build/test_results" "$build/coverage.data"
   # the tests start hundreds of processes, which otherwise compile every module again
   unset PYTHONDONTWRITEBYTECODE
+  export LC_ALL=C.UTF-8     # the language of the texts that they expect
   if [ -z "$kind$expression" ]; then
     log="build/test.log and $log"
     run_all_tests || verdict=$?
@@ -82,13 +89,13 @@ run_tests() {
       run_kind "$folder" "$expression" || verdict=$?
     done
     [ -n "$(find "$build/test_results" -name '*.xml' 2>/dev/null)" ] ||
-      fail "no test${kind:+ of $kind}${expression:+ matches $expression}"
+      no_test "$kind" "$expression"
   fi
   report_coverage
   # the target run_tests succeeds even if tests fail; the result files decide
   catkin_test_results "$build/test_results" || verdict=$?
   "$python" "$root/test/summary.py" "$build/test_results" || verdict=$?
-  [ "$verdict" -eq 0 ] || say "failed; see $log" >&2
+  [ "$verdict" -eq 0 ] || say 'failed; see {}' "$log" >&2
   return "$verdict"
 }
 
@@ -124,10 +131,10 @@ run_kind() {
 mutants() {
   local folder=$build/mutants list=$root/tools/mutants/requirements.txt
   "$python" -c 'import sys; sys.exit(sys.version_info < (3, 9))' ||
-    fail "cosmic-ray needs Python 3.9 or later; this is $("$python" -V)"
+    fail 'cosmic-ray needs Python 3.9 or later; this is {}' "$("$python" -V)"
   lock
   if ! cmp -s "$list" "$folder/venv/requirements.txt"; then
-    say "installing into build/mutants/venv: $(listed "$list" | xargs)"
+    say 'installing into build/mutants/venv: {}' "$(listed "$list" | xargs)"
     mkdir -p "$folder"
     logged "python3 -m venv" mutants/venv.log "$python" -m venv --clear --system-site-packages \
       "$folder/venv"

@@ -483,3 +483,16 @@ def test_what_is_downloaded_is_enough_to_install_without_internet(tiny, tmp_path
     (folder / 'platform').write_text('debian 11 riscv64\n')
     code, output = run(checkout, env, 'setup', '--from', str(folder))
     assert code == 1 and ' is for debian 11 riscv64, and this computer is ' in output, output
+
+
+# Japanese
+
+def test_messages_are_in_japanese_if_lang_says_so(checkout, bare):
+    env, _ = bare
+    code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8'), 'setup')
+    assert code == 0 and 'ダウンロード 410 MB、ディスク使用量 1598 MB、所要時間 約 3 分' in output
+    code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8'), 'demo', 'cameras:=auto')
+    assert code == 1 and '[run] demo.launch に引数 cameras はありません。使えるのは ' in output
+    # the first of the variables that is set
+    code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8', LC_ALL='C.UTF-8'), 'x{}y')
+    assert code == 1 and output.endswith('[run] unknown command x{}y\n'), output

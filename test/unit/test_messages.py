@@ -10,6 +10,7 @@ from img_recog_testing.pages import ROOT
 
 PROGRAMS = [path for folder in ('src/img_recog', 'tools')
             for path in sorted(pathlib.Path(ROOT, folder).rglob('*.py'))]
+SCRIPTS = [pathlib.Path(ROOT, 'run'), *sorted(pathlib.Path(ROOT, 'tools').glob('*.bash'))]
 
 
 def in_programs():
@@ -17,8 +18,13 @@ def in_programs():
         text = path.read_text()
         if 'img_recog.messages import message' in text:
             for node in ast.walk(ast.parse(text)):
-                if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'message':
-                    yield ast.literal_eval(node.args[0])
+                if isinstance(node, ast.Call) and getattr(node.func, 'id', '') in (
+                        'message', 'ArgumentError'):
+                    yield from (each.value for each in ast.walk(node.args[0])
+                                if isinstance(each, ast.Constant))
+    for path in SCRIPTS:
+        found = re.findall(r"\b(say|fail|message) '([^']*)'", path.read_text())
+        yield from (text for _, text in found)
 
 
 def test_every_message_is_translated_and_every_translation_used():
