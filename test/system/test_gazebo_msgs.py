@@ -222,7 +222,7 @@ def names(ros):
 
 
 def publish(ros, topic, kind, **fields):
-    """Publish a message, until the simulator has had the time to get it."""
+    """Publish a message five times a second; return the process that does so."""
     return ros.start('rostopic', 'pub', '-r', '5', '/gazebo/' + topic, 'gazebo_msgs/' + kind,
                      yaml.safe_dump(fields))
 
