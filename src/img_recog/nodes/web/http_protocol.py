@@ -16,7 +16,7 @@ _BURST_BYTES, _BYTES_HZ = 4.0 * MAX_BODY_BYTES, 1.0 * MAX_BODY_BYTES
 
 
 class _Reading:
-    """Mixin for a protocol: closes a connection whose other end has stopped to read."""
+    """Mixin for a protocol: closes a connection whose other end has stopped reading."""
 
     transport: asyncio.Transport
     loop: asyncio.AbstractEventLoop
