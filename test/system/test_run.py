@@ -493,6 +493,9 @@ def test_messages_are_in_japanese_if_lang_says_so(checkout, bare):
     assert code == 0 and 'ダウンロード 410 MB、ディスク使用量 1598 MB、所要時間 約 3 分' in output
     code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8'), 'demo', 'cameras:=auto')
     assert code == 1 and '[run] demo.launch に引数 cameras はありません。使えるのは ' in output
+    commands = [re.findall(r'(?m)^  (\S.{22})', run(checkout, dict(env, LANG=lang), 'help')[1])
+                for lang in ('C', 'ja_JP.UTF-8')]
+    assert commands[0] == commands[1] and len(commands[0]) > 10
     # the first of the variables that is set
     code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8', LC_ALL='C.UTF-8'), 'x{}y')
     assert code == 1 and output.endswith('[run] unknown command x{}y\n'), output
