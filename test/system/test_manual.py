@@ -90,6 +90,13 @@ def test_navigation_needs_a_map(env, tmp_path):
     assert 'there is no map {}/map.yaml; make it: ./run manual slam'.format(tmp_path) in output
 
 
+def test_a_launch_file_that_fails_ends_it_at_once(env, tmp_path):
+    add(tmp_path, 'gmapping', 'turtlebot3_bringup', 'turtlebot3_description', 'turtlebot3_slam')
+    code, output = manual(env, 'slam', '--dir', tmp_path, 'web:=false', 'gui:=false')
+    assert code == 1
+    assert '[run] no message on /map before roslaunch has ended; see what ' in output, output
+
+
 def test_slam_maps_the_world_and_says_how_well(env, tmp_path):
     add(tmp_path, 'gmapping', 'turtlebot3_bringup', 'turtlebot3_description', 'turtlebot3_slam')
     packages = tmp_path / 'packages'

@@ -22,9 +22,13 @@ _ENDS = {GoalStatus.SUCCEEDED: 'reached', GoalStatus.ABORTED: 'given up',
 
 
 class Reader:
-    """A node that waits for the simulator when it is made."""
+    """A node that waits for the simulator when it is made.
+
+    is_running: says whether the nodes of the chapter may still answer.
+    """
 
     def __init__(self):
+        self.is_running = lambda: True
         rospy.init_node('manual', disable_signals=True)
         self._newest, self._changed = {}, threading.Condition()
         for topic, kind in (('odom', Odometry), ('scan', LaserScan), ('map', OccupancyGrid),
@@ -46,11 +50,11 @@ class Reader:
         end = time.monotonic() + timeout_s
         with self._changed:
             while topic not in self._newest or not is_right(self._newest[topic]):
-                left = end - time.monotonic()
-                if left <= 0:
-                    raise UserError('no message on /{} for {:g} s'.format(topic, timeout_s),
-                                    'see what the nodes have printed above')
-                self._changed.wait(left)
+                if time.monotonic() > end or not self.is_running():
+                    raise UserError('no message on /{} {}'.format(
+                        topic, 'for {:g} s'.format(timeout_s) if self.is_running() else
+                        'before roslaunch has ended'), 'see what the nodes have printed above')
+                self._changed.wait(_POLL_S)
             return self._newest[topic]
 
     def position(self):

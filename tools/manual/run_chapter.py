@@ -89,14 +89,14 @@ def simulator(words):
 
 @contextlib.contextmanager
 def launched(chapter, words):
-    """Run the launch file of the chapter."""
+    """Run the launch file of the chapter; yield its process."""
     command = ['roslaunch', *chapter.launch, *words,
                'open_rviz:={}'.format('true' if os.environ.get('DISPLAY') else 'false')]
     say(' '.join(command))
     process = subprocess.Popen(command, env=dict(os.environ, TURTLEBOT3_MODEL='burger'),
                                preexec_fn=process_tree.end_with_parent)
     try:
-        yield
+        yield process
     finally:
         _end(process)
 
@@ -161,7 +161,8 @@ def main(words=None):
             running.enter_context(simulator(given.arguments))
             from reader import Reader       # rospy reads ROS_MASTER_URI when it is loaded
             reader = Reader()
-            running.enter_context(launched(chapter, launch_words))
+            process = running.enter_context(launched(chapter, launch_words))
+            reader.is_running = lambda: process.poll() is None
             is_good = (slam(reader, given.dir) if given.chapter == 'slam'
                        else navigation(reader, given.goal or GOALS))
             if given.stay:
