@@ -182,7 +182,8 @@ def _camera(name, value):
         raise ArgumentError(
             '{}: got {}, which does not exist; allowed are auto, synthetic, robot, none, a URL, '
             'and the path of a video, image, folder or device (found: {})',
-            name, _shown(value), ', '.join('/dev/' + word for word in devices) or 'no camera')
+            name, _shown(value),
+            ', '.join('/dev/' + word for word in devices) or message('no camera'))
     return _absolute(value)
 
 
