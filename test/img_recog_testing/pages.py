@@ -21,7 +21,8 @@ class Table(NamedTuple):
 def paths() -> List[str]:
     """Return all pages, relative to the root."""
     return ['README.md', 'README.ja.md', 'CONTRIBUTING.md', *sorted(
-        os.path.relpath(path, ROOT) for path in glob.glob(os.path.join(ROOT, 'doc', '*.md')))]
+        os.path.relpath(path, ROOT) for path in glob.glob(
+            os.path.join(ROOT, 'doc', '**', '*.md'), recursive=True))]
 
 
 def read(path: str) -> str:
