@@ -19,7 +19,8 @@ def test_nothing_is_wrong_with_a_running_demo(ros):
     launched.wait_output('the robot is at the start')
     launched.wait_output('blue=')
     code, output = run(['rosrun', 'img_recog', 'doctor.py'], dict(ros.env, LC_ALL='C.UTF-8'))
-    assert code == 0 and 'problem: ' not in output, output
+    # what the simulator takes under its own name, and nobody uses here, is no note either
+    assert code == 0 and 'problem: ' not in output and '/gazebo/' not in output, output
 
 
 def test_without_ros_and_without_libraries_it_says_so():

@@ -181,6 +181,8 @@ def _missing_publishers(system: System) -> Iterator[Finding]:
         kinds: Set[str] = set(system.types.get(topic, {}).values())
         if system.publishers(topic) or not kinds or topic == '/clock':
             continue
+        if all(topic.startswith(node + '/') for node in nodes):
+            continue        # what a node offers under its own name need not be used
         others = [other for other, by_node in system.types.items()
                   if system.publishers(other) and not system.subscribed.get(other)
                   and kinds.intersection(by_node.values())]
