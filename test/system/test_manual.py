@@ -31,7 +31,9 @@ cells = np.full((160, 160), -1, np.int8)
 grids = rospy.Publisher('map', OccupancyGrid, queue_size=1)
 while not rospy.is_shutdown():
     scan = rospy.wait_for_message('scan', LaserScan)
-    assert scan.header.frame_id == 'base_scan' and scan.header.stamp <= rospy.Time.now()
+    assert scan.header.frame_id == 'base_scan'
+    while rospy.Time.now() < scan.header.stamp:     # the clock has another connection
+        rospy.rostime.wallsleep(0.001)
     assert len(scan.ranges) == round((scan.angle_max - scan.angle_min) / scan.angle_increment) + 1
     try:
         at = buffer.lookup_transform('odom', 'base_scan', scan.header.stamp, rospy.Duration(1))
