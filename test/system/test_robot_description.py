@@ -5,7 +5,7 @@ import pytest
 
 PACKAGE = ('<package><name>xacro</name><version>1.14.0</version><description>d</description>'
            '<maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
-# replaces xacro of ROS 1, which Debian does not have
+# replaces xacro of ROS 1, which Debian does not have, nor the package that stands in for it there
 COMMAND = '''#!/bin/sh
 grep -q size "$1" || { echo "undefined symbol: size" >&2; exit 2; }
 echo '<robot name="expanded"/>'
@@ -23,7 +23,7 @@ def dump(ros, tmp_path):
     (folder / 'xacro').chmod(stat.S_IRWXU)
     env = dict(ros.env, PATH='{}:{}'.format(folder, ros.env['PATH']))
     env['ROS_PACKAGE_PATH'] = '{}:{}'.format(
-        ros.env['ROS_PACKAGE_PATH'], tmp_path / 'packages')
+        tmp_path / 'packages', ros.env['ROS_PACKAGE_PATH'])
 
     def run(text):
         (tmp_path / 'my robot.urdf.xacro').write_text(text)
