@@ -107,6 +107,10 @@ class _Page:
             self._select.set_visibility(len(names) > 1)
         for update in self._updates:
             update()
+        self._show_tabs()
+
+    def _show_tabs(self) -> None:
+        """Show the titles of the tabs that are there."""
         for tab in TABS:
             if tab.is_there is not None:
                 self._tabs[tab.name].set_visibility(tab.is_there(self._visit))
@@ -122,6 +126,7 @@ class _Page:
             with ui.tabs().props('dense no-caps inline-label outside-arrows mobile-arrows') \
                     .style('flex: 1; min-width: 0') as tabs:
                 self._tabs = {tab.name: ui.tab(tab.name, label=self._t(tab.name)) for tab in TABS}
+            self._show_tabs()
             ui.label(self._t('disconnected')).classes('status').props(
                 'data-bind=connection role=status')
         return tabs

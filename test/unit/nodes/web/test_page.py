@@ -34,7 +34,8 @@ def client():
     robot = SimpleNamespace(
         name='tb3_1', pose=None, colors=SimpleNamespace(revision=0, values=dict),
         picture_topics=lambda: [PictureTopic('/usb_cam/image_raw', 'camera')],
-        driving=SimpleNamespace(settings=limits, limits=vars(limits), limit=print))
+        driving=SimpleNamespace(settings=limits, limits=vars(limits), limit=print),
+        navigation=SimpleNamespace(has_map=False))
     robots = SimpleNamespace(names=['tb3_1'], get=lambda name: robot)
     app = FastAPI()
     with pytest.MonkeyPatch().context() as monkeypatch:
