@@ -116,13 +116,14 @@ class Vehicle:
         scheduled = self._sensors.get(sensor)
         if scheduled is None or scheduled.enabled == enabled:
             return
+        scheduled.enabled = enabled
         if enabled:
             scheduled.sensor.restart()
         if self._steps is not None:
             if enabled:
                 scheduled.skip_until(self._steps)
-            scheduled.skipped_from = self._steps
-        scheduled.enabled = enabled
+            else:
+                scheduled.skipped_from = self._steps
         self._enabled = [each for each in self._sensors.values() if each.enabled]
 
     def command(self, linear_x: float, angular_z: float, linear_y: float = 0.0) -> None:

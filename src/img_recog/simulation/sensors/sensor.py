@@ -131,7 +131,8 @@ def sensors_of(kinds: Sequence[SensorKind], tags: Sequence[SensorTag] = ()) -> L
 class ScheduledSensor:
     """A sensor with its name, its kind and its period; it is read only while it is enabled.
 
-    skipped_from: the step of the physics from which on its readings were not made.
+    skipped_from: the step of the physics from which on its readings were not made, while it is
+    disabled.
     """
 
     def __init__(self, name: str, kind: str, period_steps: int, sensor: Sensor):
@@ -140,6 +141,4 @@ class ScheduledSensor:
 
     def skip_until(self, steps: int) -> None:
         """Let the next noise be the one that it is if all readings up to a step were made."""
-        missed = steps // self.period_steps - self.skipped_from // self.period_steps
-        self.sensor.skip_noise(missed)
-        self.skipped_from = steps
+        self.sensor.skip_noise(steps // self.period_steps - self.skipped_from // self.period_steps)
