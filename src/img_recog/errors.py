@@ -36,8 +36,13 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     >>> suggestion('/cmdvel', ['/odom', '/cmd_vel'])
     'did you mean /cmd_vel?'
     """
-    similar = difflib.get_close_matches(shortened(name), sorted(known), 1)
-    return 'did you mean {}?'.format(similar[0]) if similar else ''
+    similar = most_similar(name, known)
+    return similar and 'did you mean {}?'.format(similar)
+
+
+def most_similar(name: str, known: Iterable[str]) -> str:
+    """Return the known name that is the most similar, empty if none is similar."""
+    return ''.join(difflib.get_close_matches(shortened(name), sorted(known), 1))
 
 
 def shortened(value: object, limit: int = MAX_FOREIGN) -> str:

@@ -11,7 +11,9 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import OccupancyGrid, Odometry
 from occupancy import Grid
 from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Header
 
+from img_recog.conversions.plane_msgs import PlanePose, pose_to_msg
 from img_recog.errors import UserError
 
 _FIRST_S, _MAP_S = 60.0, 10.0       # of wall time
@@ -123,13 +125,9 @@ class Reader:
         self._wait('move_base/status')
         self._until(lambda: None, lambda: self._goal.get_num_connections() > 0,
                     'move_base takes no goal')
-        before, msg = set(self._goals()), PoseStamped()
-        msg.header.frame_id, msg.header.stamp = 'map', rospy.Time.now()
-        msg.pose.position.x, msg.pose.position.y = goal[:2]
-        msg.pose.orientation.z = math.sin(goal[2] / 2)
-        msg.pose.orientation.w = math.cos(goal[2] / 2)
-        start = rospy.get_time()
-        self._goal.publish(msg)
+        before, start = set(self._goals()), rospy.get_time()
+        self._goal.publish(pose_to_msg(PlanePose(*goal), Header(stamp=rospy.Time.now(),
+                                                                frame_id='map')))
         while rospy.get_time() < start + _GOAL_S:
             ended = [_ENDS[status] for name, status in self._goals().items()
                      if name not in before and status in _ENDS]

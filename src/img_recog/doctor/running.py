@@ -1,6 +1,5 @@
 """What is wrong with the running system: its master and nodes are asked; nothing is changed."""
 import contextlib
-import difflib
 import importlib
 import io
 import os
@@ -11,7 +10,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
 from img_recog import timed_xmlrpc
 from img_recog.doctor.finding import Finding
 from img_recog.doctor.machine import DEFAULT_MASTER, missing_packages
-from img_recog.errors import one_line, shortened
+from img_recog.errors import most_similar, one_line, shortened
 from img_recog.messages import message
 from img_recog.ros.master.calls import Master
 
@@ -186,10 +185,10 @@ def _missing_publishers(system: System) -> Iterator[Finding]:
         others = [other for other, by_node in system.types.items()
                   if system.publishers(other) and not system.subscribed.get(other)
                   and kinds.intersection(by_node.values())]
-        similar = difflib.get_close_matches(topic, others, 1)
+        similar = most_similar(topic, others)
         if similar:
             advice = message('did you mean {}? Add {}:={} after rosrun, or <remap> in a launch '
-                             'file', *map(shortened, (similar[0], topic, similar[0])))
+                             'file', *map(shortened, (similar, topic, similar)))
         else:
             advice = message('start the node that publishes it; "rostopic info {}" shows who '
                              'waits', shortened(topic))
