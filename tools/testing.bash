@@ -118,7 +118,7 @@ run_kind() {
     paths+=(--doctest-modules "$root/src/img_recog")          # the examples in the docstrings
   fi
   COVERAGE_FILE=$build/coverage.data "$venv/bin/python3" "${command[@]}" -p no:cacheprovider \
-    --junit-xml="$results/pytest-$kind.xml" ${expression:+-k "$expression"} \
+    --timeout 1200 --junit-xml="$results/pytest-$kind.xml" ${expression:+-k "$expression"} \
     "${paths[@]}" || code=$?
   if [ $code -eq 5 ]; then         # pytest: no tests were collected
     rm -f "$results/pytest-$kind.xml"

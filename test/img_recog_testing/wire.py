@@ -18,6 +18,7 @@ from img_recog_testing.xmlrpc_server import XmlRpcServer
 CALLER = '/test_wire'
 _LENGTH = struct.Struct('<I')
 _BUFFER_BYTES = 1 << 18
+_MOST_PIECES = 64           # of one `read`: a publisher may send faster than it is read
 # everything that a node or a master may do to a caller while it is stopped, started or killed
 ERRORS = (*timed_xmlrpc.ERRORS, network.ROSHandshakeException, ValueError, EOFError)
 
@@ -102,27 +103,32 @@ class Subscription:
             answer = network.read_ros_handshake_header(self.sock, begin, 4096)
             if 'error' in answer:
                 raise ValueError(answer['error'])
-            self._data = begin.getvalue()
+            self._data = bytearray(begin.getvalue())
         except BaseException:
             self.sock.close()
             raise
         self.sock.setblocking(False)
 
     def read(self) -> list:
-        """Return the messages that have arrived; raises one of ERRORS at the end."""
+        """Return messages that have arrived; raises one of ERRORS at the end.
+
+        These are all, unless they are more than 16 MB.
+        """
         with contextlib.suppress(BlockingIOError):
-            piece = self.sock.recv(_BUFFER_BYTES)
-            while piece:
-                self._data += piece
+            for _ in range(_MOST_PIECES):
                 piece = self.sock.recv(_BUFFER_BYTES)
-            self._has_ended = True
-        messages = []
-        while len(self._data) >= 4:
-            end = 4 + _LENGTH.unpack_from(self._data)[0]
+                self._data += piece
+                self._has_ended = not piece
+                if self._has_ended:
+                    break
+        messages, start = [], 0
+        while start + 4 <= len(self._data):
+            end = start + 4 + _LENGTH.unpack_from(self._data, start)[0]
             if len(self._data) < end:
                 break
-            messages.append(self._class().deserialize(self._data[4:end]))
-            self._data = self._data[end:]
+            messages.append(self._class().deserialize(bytes(self._data[start + 4:end])))
+            start = end
+        del self._data[:start]
         if self._has_ended and not messages:
             raise EOFError('{} has closed {}'.format(self.node, self.topic))
         return messages
