@@ -16,6 +16,7 @@ OWNERS = {
         'simulation/' + room for room in SIMULATION_ROOMS if room != 'descriptions')),
     'moderngl': ('rendering',),
     **dict.fromkeys(('collada', 'trimesh'), ('mesh_file',)),
+    **dict.fromkeys(('dask', 'distributed'), ('batch',)),
     **dict.fromkeys(('fastapi', 'nicegui', 'starlette', 'uvicorn'), ('nodes/web',))}
 # of rospy's objects
 PRIVATE_ATTRIBUTES = ('impl', '_connection_header', '_invoke_callback')
@@ -42,13 +43,15 @@ ALLOWED = {
     'ros': ('errors', 'settings', 'timed_xmlrpc'),
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
     'replay': PURE + GROUND_FLOOR + ('conversions',),
+    'batch': PURE + GROUND_FLOOR + ('conversions', 'replay'),
     'checks': PURE + GROUND_FLOOR + ('conversions',),
     'doctor': ('errors', 'messages', 'ros', 'timed_xmlrpc'),
     'graph': ('errors', 'files', 'option_types', 'signals', 'timed_xmlrpc'),
     'nodes': PURE + GROUND_FLOOR + ('conversions', 'graph', 'ros'),
     'testing': GROUND_FLOOR + ('conversions', 'recognition', 'replay', 'ros'),
 }
-WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('checks', 'conversions', 'doctor', 'graph', 'replay')
+WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('batch', 'checks', 'conversions', 'doctor', 'graph',
+                                         'replay')
 
 
 def violations(package):

@@ -69,6 +69,11 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('replay/deeper/a.py', 'from rospy import Time', 'replay runs without a node'),
     ('replay/a.py', 'from img_recog.nodes import color_parameters', 'replay may use'),
     ('replay/a.py', 'from img_recog.ros.queues import LatestValue', 'replay may use'),
+    ('replay/a.py', 'from dask import delayed', 'only batch may use dask'),
+    ('nodes/web/a.py', 'from distributed import Client', 'only batch may use distributed'),
+    ('batch/a.py', 'import rospy', 'batch runs without a node'),
+    ('batch/a.py', 'from img_recog.nodes import color_parameters', 'batch may use'),
+    ('replay/a.py', 'from img_recog.batch import engine', 'replay may use'),
     ('testing/a.py', 'from img_recog.nodes.gazebo import node', 'testing may use'),
     ('nodes/gazebo/a.py', 'from img_recog.testing import Simulation', 'nodes may use'),
     ('graph/a.py', 'import rospy', 'graph runs without a node'),
@@ -110,6 +115,7 @@ def test_a_planted_violation_is_found(tmp_path, path, line, words):
     ('nodes/gazebo/a.py', 'from img_recog.nodes import color_parameters\nfrom . import view'),
     ('nodes/web/a.py', 'from nicegui import ui\nfrom img_recog.graph import dot'),
     ('mesh_file.py', 'import trimesh, collada'),
+    ('batch/a.py', 'import distributed\nfrom img_recog.replay import job'),
     ('simulation/sensors/a.py', 'import pybullet\nfrom img_recog.simulation.bodies import body')])
 def test_allowed_imports_are_not_reported(tmp_path, path, line):
     planted = tmp_path / path

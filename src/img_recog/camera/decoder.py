@@ -43,7 +43,8 @@ class Decoder:
     rate_hz: the rate that is stated or guessed from the first frames, 0 if none.
     frame_count: as stated, or of the duration at this rate; 0 if unknown, as of a live stream.
     codec: its name.
-    time_s: time of the last frame as FFmpeg gives it, None if it gives none.
+    ticks, time_s: time of the last frame as FFmpeg gives it, in the unit of the stream and in s;
+    None if it gives none.
     """
 
     def __init__(self, url: str, timeouts_s: Optional[Tuple[float, float]] = None):
@@ -75,7 +76,27 @@ class Decoder:
         duration_s = ((self._container.duration or 0) / av.time_base
                       or float((stream.duration or 0) * stream.time_base))
         self.frame_count = stream.frames or max(0, int(duration_s * self.rate_hz + 0.5))
+        self.ticks: Optional[int] = None
         self.time_s: Optional[float] = None
+
+    def seconds(self, ticks: int) -> float:
+        """Return a time in s."""
+        return float(ticks * self._stream.time_base)
+
+    def packet_times(self) -> Iterator[Tuple[Optional[int], bool]]:
+        """Yield the time in ticks of each frame, and whether it is a key frame.
+
+        They are in the order of the file, and are not decoded: `read` finds nothing then.
+        """
+        return ((packet.pts, packet.is_keyframe) for packet in self._container.demux(self._stream)
+                if packet.size)
+
+    def seek(self, ticks: int) -> None:
+        """Have `read` go on at the last key frame that is not after a time, if it can."""
+        self._frames.clear()
+        self._packets = None
+        with contextlib.suppress(FFmpegError):      # of a container without an index
+            self._container.seek(ticks, stream=self._stream)
 
     def read(self) -> Optional[np.ndarray]:
         """Return the next frame, rgb8 of its own size, upright; None at the end or a timeout.
@@ -86,8 +107,8 @@ class Decoder:
             if not self._fill():
                 return None
             frame = self._frames.popleft()
-            ticks = frame.dts if frame.pts is None else frame.pts
-            self.time_s = None if ticks is None else float(ticks * self._stream.time_base)
+            self.ticks = frame.dts if frame.pts is None else frame.pts
+            self.time_s = None if self.ticks is None else self.seconds(self.ticks)
             # what OpenCV asks for
             image = _array(self._reformatter.reformat(
                 frame, format='rgb24', interpolation='BICUBIC'))
@@ -95,6 +116,12 @@ class Decoder:
             raise FrameSkipped('{} gave an empty or damaged frame'.format(
                 redacted(self._container.name))) from error
         return _upright(image, _turn_of(frame) or self._turn)
+
+    def __enter__(self) -> 'Decoder':
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.release()
 
     def release(self) -> None:
         """Close it; no effect when it is closed already."""

@@ -64,6 +64,10 @@ class VideoFrames:
         from img_recog.replay.camera_infos import of_calibration
         return of_calibration(None)
 
+    def close(self) -> None:
+        """Close the video, whose frames are not needed."""
+        self._source.close()
+
     def __iter__(self) -> Iterator[Frame]:
         """Yield all frames; raise UserError at the end if the video is truncated."""
         number, frame_id = 0, CameraSettings().camera_frame_id

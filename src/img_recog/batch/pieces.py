@@ -1,0 +1,182 @@
+"""Divides recordings into parts that can be read independently.
+
+The parts of a recording give all its frames, each once, wherever it is divided.
+"""
+import contextlib
+from typing import Iterator, List, NamedTuple, Optional, Tuple
+
+import genpy
+import numpy as np
+from av.error import FFmpegError
+from std_msgs.msg import Header
+
+from img_recog.camera.decoder import Decoder
+from img_recog.camera.pacing import FrameTimes
+from img_recog.camera.settings import CameraSettings
+from img_recog.camera.source import FrameSkipped, check_size
+from img_recog.conversions.image_msgs import ImageError
+from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
+from img_recog.replay.chain import SECOND_NS, Frame
+from img_recog.replay.inputs import VideoFrames, is_bag
+from img_recog.still_images import DEFAULT_MAX_PIXELS
+
+FRAMES = 500        # of a part, at least, so that opening the file hardly counts
+_COMPLETE = 0.98    # of the frames that a film states; else the whole film tells what is wrong
+
+
+class Part(NamedTuple):
+    """A part of a recording.
+
+    first: number of its first frame; frames: how many it has, 0 if unknown.
+    In a bag, topic: of the images; begin_ns, end_ns: when the first and the last one was recorded.
+    In a film, ticks: the times of its frames in the unit of the stream; stamps_ns: their stamps.
+    Both are empty for a whole film.
+    """
+
+    first: int
+    frames: int
+    topic: str = ''
+    begin_ns: int = 0
+    end_ns: int = 0
+    ticks: Tuple[int, ...] = ()
+    stamps_ns: Tuple[int, ...] = ()
+
+
+def divide(path: str, topic: str = '', frames: int = FRAMES,
+           max_pixels: int = DEFAULT_MAX_PIXELS) -> List[Part]:
+    """Return the parts of a film or a bag.
+
+    topic: of the images in a bag, as for BagFrames. frames: how many a part has, at least.
+    A film without key frames or without times is one part.
+    Raises UserError if the recording cannot be read.
+    """
+    if is_bag(path):
+        return _divide_bag(path, topic, frames, max_pixels)
+    return _divide_film(path, frames, max_pixels)
+
+
+def read(path: str, part: Part, max_pixels: int = DEFAULT_MAX_PIXELS) -> Iterator[Frame]:
+    """Yield the usable frames of a part, as those of the whole recording.
+
+    Raises UserError if they cannot be read.
+    """
+    if is_bag(path):
+        return _read_bag(path, part, max_pixels)
+    if not part.ticks:
+        return iter(VideoFrames(path, max_pixels))
+    return _read_film(path, part, max_pixels)
+
+
+def _divide_bag(path: str, topic: str, frames: int, max_pixels: int) -> List[Part]:
+    source = BagFrames(path, topic, max_pixels)
+    with source.bag as bag:
+        try:
+            # of the index, which is in memory: no chunk is read
+            times = [entry.time.to_nsec()
+                     for entry in bag._get_entries(list(bag._get_connections([source.topic])))]
+        except DAMAGE_ERRORS as error:
+            raise damaged(path, error)
+    starts = _starts([number for number in range(len(times))
+                      if number == 0 or times[number] > times[number - 1]], len(times), frames)
+    return [Part(start, end - start, source.topic, times[start], times[end - 1])
+            for start, end in zip(starts, [*starts[1:], len(times)])]
+
+
+def _starts(possible: List[int], count: int, frames: int) -> List[int]:
+    """Return with which frames parts begin, so that no part is shorter than `frames`."""
+    starts = [0]
+    for number in possible:
+        if number - starts[-1] >= frames and count - number >= frames:
+            starts.append(number)
+    return starts
+
+
+def _read_bag(path: str, part: Part, max_pixels: int) -> Iterator[Frame]:
+    source = BagFrames(path, part.topic, max_pixels)
+    ends = [genpy.Time(*divmod(time_ns, SECOND_NS)) for time_ns in (part.begin_ns, part.end_ns)]
+    with source.bag as bag:
+        try:
+            for number, (_, msg, time) in enumerate(bag.read_messages(part.topic, *ends),
+                                                    part.first):
+                try:
+                    decoded = source.decode(msg)
+                except ImageError:
+                    continue
+                header = Header(msg.header.seq, msg.header.stamp, msg.header.frame_id)
+                yield Frame(number, (msg.header.stamp or time).to_nsec(), header, *decoded)
+        except DAMAGE_ERRORS as error:
+            raise damaged(path, error)
+
+
+def _divide_film(path: str, frames: int, max_pixels: int) -> List[Part]:
+    whole = VideoFrames(path, max_pixels)       # refuses what cannot be played
+    whole.close()
+    one = [Part(0, whole.expected)]
+    if 0 < whole.expected < 2 * frames:
+        return one
+    times, keys = _frame_times(path)
+    if len(times) < _COMPLETE * whole.expected or len(set(times)) < len(times):
+        return one
+    times.sort()
+    number_of = {time: number for number, time in enumerate(times)}
+    starts = _starts(sorted(number_of[key] for key in keys), len(times), frames)
+    if len(starts) == 1:
+        return one
+    stamps_ns = _stamps_ns(path, times)
+    return [Part(start, end - start, ticks=tuple(times[start:end]),
+                 stamps_ns=tuple(stamps_ns[start:end]))
+            for start, end in zip(starts, [*starts[1:], len(times)])]
+
+
+def _frame_times(path: str) -> Tuple[List[int], List[int]]:
+    """Return the times of all frames in ticks, as far as they have one, and of key frames.
+
+    Nothing is decoded.
+    """
+    with Decoder(path) as decoder:
+        try:
+            found = [(ticks, is_key) for ticks, is_key in decoder.packet_times()
+                     if ticks is not None]
+        except FFmpegError:
+            return [], []
+    return [ticks for ticks, _ in found], [ticks for ticks, is_key in found if is_key]
+
+
+def _stamps_ns(path: str, times: List[int]) -> List[int]:
+    with Decoder(path) as decoder:
+        clock = FrameTimes(decoder.rate_hz)
+        return [round(clock.next_s(decoder.seconds(ticks)) * SECOND_NS) for ticks in times]
+
+
+def _read_film(path: str, part: Part, max_pixels: int) -> Iterator[Frame]:
+    index_of = {ticks: index for index, ticks in enumerate(part.ticks)}
+    frame_id = CameraSettings().camera_frame_id
+    for ticks, image in _decoded(path, part):
+        index = index_of.get(ticks)
+        if index is not None:
+            check_size('cannot read ' + path, image.shape[1], image.shape[0], max_pixels)
+            stamp_ns = part.stamps_ns[index]
+            header = Header(part.first + index, genpy.Time(*divmod(stamp_ns, SECOND_NS)), frame_id)
+            yield Frame(part.first + index, stamp_ns, header, image, 'rgb8')
+
+
+def _decoded(path: str, part: Part) -> Iterator[Tuple[int, np.ndarray]]:
+    """Yield frames with their times; all of the part, and perhaps some before it."""
+    for seeks in (True, False):
+        with Decoder(path) as decoder:
+            if seeks:
+                decoder.seek(part.ticks[0])
+            image = _next_image(decoder)
+            if seeks and (decoder.ticks is None or decoder.ticks > part.ticks[0]):
+                continue        # seeking is inexact in many containers
+            while image is not None and decoder.ticks is not None and (
+                    decoder.ticks <= part.ticks[-1]):
+                yield decoder.ticks, image
+                image = _next_image(decoder)
+            return
+
+
+def _next_image(decoder: Decoder) -> Optional[np.ndarray]:
+    while True:
+        with contextlib.suppress(FrameSkipped):
+            return decoder.read()

@@ -1,0 +1,36 @@
+"""Functions for pieces of work, which processes of Dask import."""
+import os
+import signal
+
+from img_recog.errors import UserError
+
+
+def count_bytes(paths, factor):
+    """Return the sizes of files times a factor; a problem if it is 0, or a fault if None."""
+    if factor == 0:
+        raise UserError('the factor is 0', 'give another')
+    return [factor * os.path.getsize(path) for path in paths]
+
+
+def square(_, number, log=''):
+    """Return the square of a number; the name of a file to write says that it was computed."""
+    if log:
+        with open(os.path.join(log, str(number)), 'a') as file:
+            file.write('x')
+    return number * number
+
+
+def killed_once(_, number, folder):
+    """Return the number; the first process that is asked for 3 is killed."""
+    mark = os.path.join(folder, 'killed')
+    if number == 3 and not os.path.exists(mark):
+        with open(mark, 'w'):
+            os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def interrupted(_, number, folder):
+    """Return the number; a Ctrl-C arrives before 3, as long as there is no file `go`."""
+    if number == 3 and not os.path.exists(os.path.join(folder, 'go')):
+        os.kill(os.getpid(), signal.SIGINT)
+    return square(_, number, folder)

@@ -1,0 +1,110 @@
+"""Parts of recordings: together they have the frames of the whole, wherever it is divided."""
+import fractions
+
+import av
+import numpy as np
+import pytest
+import rosbag
+import rospy
+from std_msgs.msg import Header
+
+from img_recog.batch import pieces
+from img_recog.conversions import image_msgs
+from img_recog.errors import UserError
+from img_recog.replay.bags import BagFrames
+from img_recog.replay.inputs import VideoFrames
+from img_recog_testing.videos import smooth_image
+
+COUNT = 90
+
+
+def film(path, codec, **options):
+    """Write a film of COUNT frames, with a key frame in 12 if the codec has others, too."""
+    with av.open(str(path), 'w') as container:
+        stream = container.add_stream(codec, fractions.Fraction(25, 2))
+        stream.width, stream.height, stream.gop_size = 96, 64, 12
+        stream.pix_fmt = 'yuvj420p' if codec == 'mjpeg' else 'yuv420p'
+        stream.options = options
+        for number in range(COUNT):
+            stream_frame = av.VideoFrame.from_ndarray(smooth_image(number % 10), 'bgr24')
+            container.mux(stream.encode(stream_frame))
+        container.mux(stream.encode(None))
+    return str(path)
+
+
+def bag(path, chunk_threshold=768 * 1024):
+    """Write a bag of COUNT images, of which two at a time are recorded together, and one broken.
+
+    """
+    with rosbag.Bag(str(path), 'w', chunk_threshold=chunk_threshold) as written:
+        for number in range(COUNT):
+            msg = image_msgs.to_msg(smooth_image(number % 10), 'bgr8',
+                                    Header(number, rospy.Time(5 + number / 10), 'eye'))
+            if number == 40:
+                msg.height += 1
+            written.write('/image', msg, rospy.Time(7 + number // 2 / 5))
+    return str(path)
+
+
+def plain(frames):
+    return [(frame.number, frame.stamp_ns, frame.header.seq, frame.header.stamp,
+             frame.header.frame_id, frame.encoding, frame.image.tobytes()) for frame in frames]
+
+
+def of_parts(path, frames):
+    found = pieces.divide(path, frames=frames)
+    return [plain(pieces.read(path, part)) for part in found], found
+
+
+@pytest.mark.parametrize('name, codec, options', [
+    ('closed.mp4', 'mpeg4', {'bf': '2'}), ('open.mkv', 'libx264', {'x264-params': 'open-gop=1'}),
+    ('b.mp4', 'libx264', {}), ('all.avi', 'mjpeg', {}), ('stream.ts', 'mpeg2video', {'bf': '2'})])
+@pytest.mark.parametrize('frames', [12, 25])
+def test_the_parts_of_a_film_have_its_frames(tmp_path, name, codec, options, frames):
+    path = film(tmp_path / name, codec, **options)
+    whole = plain(VideoFrames(path))
+    assert len(whole) == COUNT
+    parts, divided = of_parts(path, frames)
+    assert 2 <= len(parts) <= COUNT // frames
+    assert sum(parts, []) == whole
+    assert [part.frames for part in divided] == [len(part) for part in parts]
+
+
+@pytest.mark.parametrize('frames', [1, 7, 45, 46])
+def test_the_parts_of_a_bag_have_its_frames(tmp_path, frames):
+    path = bag(tmp_path / 'some.bag', chunk_threshold=100000)
+    whole = plain(BagFrames(path))
+    assert len(whole) == COUNT - 1
+    parts, divided = of_parts(path, frames)
+    assert len(parts) == {1: 45, 7: 11, 45: 1, 46: 1}[frames]
+    assert sum(parts, []) == whole
+    assert sum(part.frames for part in divided) == COUNT
+
+
+def test_a_film_without_key_frames_to_divide_it_at_is_one_part(tmp_path):
+    path = film(tmp_path / 'a.mp4', 'mpeg4')
+    part, = pieces.divide(path, frames=50)
+    assert part.frames == COUNT and plain(pieces.read(path, part)) == plain(VideoFrames(path))
+
+
+def test_of_a_truncated_film_the_one_part_says_so(tmp_path):
+    path = tmp_path / 'a.avi'
+    content = open(film(path, 'mjpeg'), 'rb').read()
+    path.write_bytes(content[:len(content) // 2])
+    part, = pieces.divide(str(path), frames=10)
+    with pytest.raises(UserError, match='breaks off after'):
+        list(pieces.read(str(path), part))
+
+
+def test_what_is_no_recording_is_refused(tmp_path):
+    (tmp_path / 'a.mp4').write_bytes(bytes(999))
+    with pytest.raises(UserError, match='cannot play'):
+        pieces.divide(str(tmp_path / 'a.mp4'))
+
+
+def test_images_keep_their_limit(tmp_path):
+    path = film(tmp_path / 'a.avi', 'mjpeg')
+    with pytest.raises(UserError, match='pixels'):
+        pieces.divide(path, max_pixels=96 * 64 - 1)
+    assert np.array_equal(next(pieces.read(path, pieces.divide(path, frames=10)[1])).image,
+                          list(VideoFrames(path))[10].image)
