@@ -3,23 +3,28 @@
 A page is prose with fenced blocks. `bash` blocks are typed into the terminal that the prose above
 names last, as in "terminal 2"; `text` blocks are lines that this terminal then prints, among
 others and in any order; all other blocks are files, and the last code span of the prose above is
-the path. "Ctrl-C in terminal 2" ends what runs there.
+the path. "Ctrl-C in terminal 2" ends what runs there. A block that begins with ```bash needs
+PACKAGE ... is for readers who have these packages of ROS.
 """
 import re
 from typing import Iterator, List, NamedTuple
 
-_BLOCK = re.compile(r'^```(\w+)\n(.*?)^```$', re.MULTILINE | re.DOTALL)
+_BLOCK = re.compile(r'^```(\w+)(?: needs ([\w ]+))?\n(.*?)^```$', re.MULTILINE | re.DOTALL)
 _TERMINAL = re.compile(r'(?:[Tt]erminal|ターミナル) (\d)')
 _CTRL_C = re.compile(r'Ctrl-C in terminal (\d)|ターミナル (\d) で Ctrl-C')
 _NUMBER = re.compile(r'(?<![\w.])-?\d+(?:\.\d+)?(?!\w)')
 
 
 class Step(NamedTuple):
-    """kind: type, read, write or interrupt. where: the terminal, or the path of the file."""
+    """kind: type, read, write or interrupt. where: the terminal, or the path of the file.
+
+    needs: packages of ROS, with spaces between them.
+    """
 
     kind: str
     where: str
     text: str
+    needs: str
 
 
 def steps(page: str) -> List[Step]:
@@ -28,18 +33,18 @@ def steps(page: str) -> List[Step]:
 
 
 def _steps(page: str) -> Iterator[Step]:
-    terminal, begin = '', 0
+    terminal, needs, begin = '', '', 0
     for block in _BLOCK.finditer(page + '\n```text\n```'):
         prose, begin = page[begin:block.start()], block.end()
         for numbers in _CTRL_C.findall(prose):
-            yield Step('interrupt', ''.join(numbers), '')
+            yield Step('interrupt', ''.join(numbers), '', needs)
         terminal = ([terminal] + _TERMINAL.findall(prose))[-1]
-        language, text = block.groups()
+        language, needs, text = block.groups('')
         if language in ('bash', 'text'):
             if text:
-                yield Step('type' if language == 'bash' else 'read', terminal, text)
+                yield Step('type' if language == 'bash' else 'read', terminal, text, needs)
         else:
-            yield Step('write', re.findall('`([^`]+)`', prose)[-1], text)
+            yield Step('write', re.findall('`([^`]+)`', prose)[-1], text, needs)
 
 
 def pattern(line: str) -> str:

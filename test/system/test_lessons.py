@@ -6,6 +6,7 @@ import re
 import signal
 
 import pytest
+import rospkg
 
 from img_recog_testing.lessons import pattern, steps
 from img_recog_testing.pages import ROOT, read
@@ -14,6 +15,7 @@ from img_recog_testing.waiting import wait_for
 
 LESSONS = sorted(os.path.basename(path)
                  for path in glob.glob(os.path.join(ROOT, 'doc', 'lessons', '*.md')))
+LONGEST_S = 400.0       # of a command, on an idle machine
 
 
 class Terminal:
@@ -35,11 +37,22 @@ class Terminal:
         self._kept += [line for line in lines if re.match('(cd|source|export) ', line)]
         self._begin = 0
         if not is_endless:
+            wait_for(lambda: not self._program.is_running(), self.output, LONGEST_S)
             assert self._program.wait() == 0, self._program.output
 
     def output(self):
         """Return what was printed since the last step of the reader in any terminal."""
         return self._program.output[self._begin:] if self._program else ''
+
+    def wait_line(self, line):
+        """Wait until it was printed since the last step of the reader in any terminal."""
+        def is_printed():
+            return re.search(pattern(line), self.output())
+        wait_for(lambda: is_printed() or not self._program.is_running(),
+                 lambda: '{!r} in:\n{}'.format(line, self.output()))
+        if not self._program.is_running():
+            self._program.wait()        # for the last lines
+        assert is_printed(), '{!r} is not in:\n{}'.format(line, self.output())
 
     def mark(self):
         """What is printed from now on is new."""
@@ -58,12 +71,15 @@ def is_endless(step, later):
     return there[:1] == ['interrupt']
 
 
-def follow(ros, page, home):
+def follow(ros, todo, home):
     """Do what a lesson says."""
+    ros.env.update(HOME=str(home), LANG='C.UTF-8')
+    ros.env.pop('ROS_HOSTNAME', None)   # ./run sets it
+    ros.stack.callback(end_all, ros.marker)
     folder = home / 'img_recog'
     folder.mkdir()
-    (folder / 'run').symlink_to(os.path.join(ROOT, 'run'))
-    todo = steps(page)
+    for name in ('config', 'run', 'urdf'):
+        (folder / name).symlink_to(os.path.join(ROOT, name))
     terminals = {step.where: Terminal(ros, folder) for step in todo if step.kind == 'type'}
     for number, step in enumerate(todo):
         if step.kind != 'read':
@@ -77,16 +93,24 @@ def follow(ros, page, home):
             terminals[step.where].type(step.text, is_endless(step, todo[number + 1:]))
         else:
             for line in filter(None, step.text.splitlines()):
-                wait_for(lambda: re.search(pattern(line), terminals[step.where].output()),
-                         lambda: '{!r} in:\n{}'.format(line, terminals[step.where].output()))
+                terminals[step.where].wait_line(line)
 
 
 @pytest.mark.parametrize('name', LESSONS)
 def test_all_that_a_lesson_says_happens(ros, tmp_path, name):
-    ros.env.update(HOME=str(tmp_path), LANG='C.UTF-8')
-    del ros.env['ROS_HOSTNAME']         # ./run sets it
-    ros.stack.callback(end_all, ros.marker)
-    follow(ros, read('doc/lessons/' + name), tmp_path)
+    follow(ros, [step for step in steps(read('doc/lessons/' + name)) if not step.needs], tmp_path)
+
+
+@pytest.mark.parametrize('name', [name for name in LESSONS if any(
+    step.needs for step in steps(read('doc/lessons/' + name)))])
+def test_what_needs_more_packages_happens(ros, tmp_path, name):
+    todo = [step for step in steps(read('doc/lessons/' + name)) if step.needs]
+    missing = {package for step in todo for package in step.needs.split()} - set(
+        rospkg.RosPack().list())
+    if missing:
+        pytest.skip('these packages of ROS are missing: {}; not run: {}'.format(
+            ' '.join(sorted(missing)), [step.text for step in todo if step.kind == 'type']))
+    follow(ros, todo, tmp_path)
 
 
 @pytest.mark.parametrize('name', LESSONS)
@@ -100,9 +124,10 @@ def test_the_japanese_lesson_has_the_same_steps(name):
 
 def test_a_lesson_that_is_wrong_is_found(ros, tmp_path):
     page = 'In terminal 1:\n\n```bash\necho area 5\n```\n\n```text\n{}\n```\n'
-    follow(ros, page.format('area 7'), tmp_path)
+    follow(ros, steps(page.format('area 7')), tmp_path)
     assert not re.search(pattern('area 0'), 'area 5') and re.search(pattern('x: 0.0'), 'x: 0.0')
     assert not re.search(pattern('-1.5 m'), '1.5 m') and not re.search(pattern('a=3'), 'a=0')
     (tmp_path / 'other').mkdir()
     with pytest.raises(AssertionError):
-        follow(ros, page.replace('echo', 'no_such_program').format('area 7'), tmp_path / 'other')
+        follow(ros, steps(page.replace('echo', 'no_such_program').format('area 7')),
+               tmp_path / 'other')
