@@ -139,9 +139,15 @@ class Supervisor:
         for channel in self._channels:
             with contextlib.suppress(OSError):
                 channel.flush(_FLUSH_TIMEOUT_S)
-        if self._code == 0 and any(death.required for death in self._deaths):
+        return self._exit_code()
+
+    def _exit_code(self):
+        if self._code < 0:
+            return 128 + (self._stopped_by or -self._code)
+        if any(death.required for death in self._deaths):
             return 1                # for roslaunch this is not an error
-        return self._code if self._code >= 0 else 128 + (self._stopped_by or -self._code)
+        # it is one for roslaunch if it is interrupted while it starts nodes
+        return 0 if self._stopped_by and self._code == 1 else self._code
 
     def _start(self, command):
         channels = [Channel(1, self._read_line)]

@@ -87,6 +87,19 @@ def test_ctrl_c_ends_what_a_script_has_started_in_the_background(run_demo, ros, 
     wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + script.output, END_S)
 
 
+def test_ctrl_c_while_nodes_are_started_is_no_error(run_demo, tmp_path):
+    # roslaunch ends with 1 if it was about to start another node
+    program = tmp_path / 'bin' / 'roslaunch'
+    program.parent.mkdir()
+    program.write_text('#!/bin/bash\ntrap "exit 1" INT\necho "started roslaunch server"\n'
+                       'echo "process[master]: started with pid [1]"\nsleep 1000 & wait\n')
+    program.chmod(0o755)
+    run_demo.env['PATH'] = '{}:{}'.format(program.parent, run_demo.env['PATH'])
+    demo = run_demo('camera:=synthetic')
+    demo.wait_output(r'process\[master.*started')
+    assert interrupt(demo) == 0
+
+
 def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
     demo = run_demo('camera:=synthetic')
     demo.wait_output('the robot drives forward')

@@ -203,7 +203,8 @@ rostest.rosrun('my_driver', 'drive_test', Drive)
         'time-limit="300"/></launch>')
     process = start('rostest', '--results-base-dir', package, '--text', 'drive.test')
     process.wait()
-    assert 'as it should' in process.output and 'FAILED (failures=1)' in process.output
+    assert 'as it should' in process.output, process.output
+    assert 'FAILED (failures=1)' in process.output, process.output
     assert list(package.rglob('failed.log')), process.output
 
 
