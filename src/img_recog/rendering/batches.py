@@ -9,10 +9,8 @@ from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError, Triangles
 from img_recog.rendering import patterns, prepared, shaders, triangles
 from img_recog.rendering.file_cache import FileCache
-from img_recog.visuals import PLANE, Shape, Visual, VisualScene
+from img_recog.visuals import Shape, Visual, VisualScene
 
-_FLOOR_COLOR = (0.7, 0.7, 0.7, 1.0)
-_FLOOR_SIZE_M = 400.0
 _NO_TEXTURE = -1
 _WHITE = (1.0, 1.0, 1.0)
 _VERTEX = np.dtype([('position', 'f4', 3), ('normal', 'f4', 3), ('uv', 'f4', 2),
@@ -67,13 +65,11 @@ class Bounds(NamedTuple):
 class Loaded(NamedTuple):
     """A scene in the memory of OpenGL.
 
-    bounds: of each visual; floor: None if there is none; missing: a line for each mesh or texture
-    that is left out.
+    bounds: of each visual; missing: a line for each mesh or texture that is left out.
     """
 
     batches: List[Batch]
     bounds: List[Bounds]
-    floor: Optional[Batch]
     missing: List[str]
 
 
@@ -121,7 +117,7 @@ class Loader:
         # first is seen
         keys = sorted(grouped, key=lambda key: (key[:2], key[2] != _NO_TEXTURE))
         batches = [self._batch(key, *zip(*grouped[key])) for key in keys]
-        return Loaded(batches, bounds, self._floor() if scene.light.floor else None, self._missing)
+        return Loaded(batches, bounds, self._missing)
 
     def _vertices(self, visual: Visual, pose: np.ndarray
                   ) -> List[Tuple[np.ndarray, Optional[np.ndarray], bool]]:
@@ -187,11 +183,6 @@ class Loader:
         depth = self._context.vertex_array(self.depth, [(buffer, '3f 24x', 'position')])
         ends = np.cumsum([0, *map(len, corners)])
         return Batch(part, np.array(boxes, int), ends, image, is_transparent, flags, shaded, depth)
-
-    def _floor(self) -> Batch:
-        part, = triangles.of_shape(Shape(PLANE, (_FLOOR_SIZE_M, _FLOOR_SIZE_M)))
-        return self._batch((False, -1, _NO_TEXTURE), [0],
-                           [_corners(part, np.eye(4), _FLOOR_COLOR)])
 
     def _texture(self, image: Optional[np.ndarray],
                  old: Dict[int, Tuple[np.ndarray, moderngl.Texture]]) -> int:

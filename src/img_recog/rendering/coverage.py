@@ -10,6 +10,7 @@ _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 # the two corners of each edge of a box
 _EDGES = np.array([(first, second) for first in range(8) for second in range(first)
                    if np.abs(_CORNERS[first] - _CORNERS[second]).sum() == 1]).T
+TRIANGLES = [0, 1, 2, 2, 1, 3]      # which of the `corners` of a rectangle are those of two
 
 
 class Boxes:
@@ -35,23 +36,34 @@ class Boxes:
         return self._corners @ moved[:, :3, :3].transpose(0, 2, 1) + moved[:, np.newaxis, :3, 3]
 
 
-def rectangles(corners: np.ndarray, to_clip: np.ndarray, near: float) -> np.ndarray:
+def rectangles(boxes: np.ndarray, to_clip: np.ndarray, near: float) -> np.ndarray:
     """Return the rectangles (n, 4) around boxes in an image: lowest x, y and highest x, y.
 
-    corners (n, 8, 3): in the world; to_clip (4, 4): the view and projection, for which the image
-    is from -1 to 1; near: the distance in m from which on something is seen. A box that is not
-    seen has a lowest x of +inf.
+    boxes (n, 8, 3): their corners in the world; to_clip (4, 4): the view and projection, for
+    which the image is from -1 to 1; near: the distance in m from which on something is seen. A
+    box that is not seen has a lowest x of +inf.
     """
-    clip = corners @ to_clip[:, :3].T + to_clip[:, 3]
-    first, second = clip[:, _EDGES[0]], clip[:, _EDGES[1]]
-    before, after = first[..., 3:], second[..., 3:]
-    crosses = (before < near) != (after < near)
-    share = np.where(crosses, (near - before) / np.where(crosses, after - before, 1), 0)
-    points = np.concatenate([clip, first + share * (second - first)], axis=1)
-    seen = np.concatenate([clip[..., 3:] >= near, crosses], axis=1)
-    places = points[..., :2] / np.where(seen, np.maximum(points[..., 3:], near), 1)
-    return np.concatenate([np.where(seen, places, np.inf).min(axis=1, initial=np.inf),
-                           np.where(seen, places, -np.inf).max(axis=1, initial=-np.inf)], axis=1)
+    clip = boxes @ to_clip[:, :3].T + to_clip[:, 3]
+    is_ahead = clip[..., 3] >= near
+    found = _around(clip, is_ahead)
+    is_cut = is_ahead.any(axis=1) & ~is_ahead.all(axis=1)
+    if is_cut.any():        # where edges cross the plane at `near` counts, too
+        first, second = clip[is_cut][:, _EDGES[0]], clip[is_cut][:, _EDGES[1]]
+        before, after = first[..., 3:], second[..., 3:]
+        crosses = (before < near) != (after < near)
+        share = np.where(crosses, (near - before) / np.where(crosses, after - before, 1), 0)
+        cut = _around(first + share * (second - first), crosses[..., 0])
+        found[is_cut, :2] = np.minimum(found[is_cut, :2], cut[:, :2])
+        found[is_cut, 2:] = np.maximum(found[is_cut, 2:], cut[:, 2:])
+    return found
+
+
+def _around(clip: np.ndarray, is_counted: np.ndarray) -> np.ndarray:
+    """Return the rectangles (n, 4) around points (n, k, 4) that count (n, k)."""
+    counts = is_counted[..., np.newaxis]
+    places = clip[..., :2] / np.where(counts, clip[..., 3:], 1)
+    return np.concatenate([np.where(counts, places, np.inf).min(axis=1, initial=np.inf),
+                           np.where(counts, places, -np.inf).max(axis=1, initial=-np.inf)], axis=1)
 
 
 def are_on_image(rectangles_: np.ndarray) -> np.ndarray:
@@ -81,15 +93,14 @@ def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
     return tiles / np.tile(size, 2) * 2 - 1
 
 
-def around(rectangles_: np.ndarray, width: int, height: int) -> Tuple[int, int, int, int]:
-    """Return x, y, width and height in pixels of a rectangle that holds all that `runs` returns.
+def overlap(rectangles_: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return (n,) which of rectangles (n, 4) overlap one of others (k, 4), or touch it.
 
-    rectangles_ (n, 4), width, height: like there, but at least one rectangle.
+    >>> overlap(np.array([[0, 0, 1, 1], [3, 0, 4, 1]]), np.array([[0, 0, 2, 2]])).tolist()
+    [True, False]
     """
-    tiles = _tiles(rectangles_, np.array([width, height]))
-    x, y = (tiles[:, :2].min(axis=0) * TILE_PX).tolist()
-    end_x, end_y = np.minimum(tiles[:, 2:].max(axis=0) * TILE_PX, (width, height)).tolist()
-    return x, y, end_x - x, end_y - y
+    return ((rectangles_[:, np.newaxis, :2] <= others[:, 2:])
+            & (rectangles_[:, np.newaxis, 2:] >= others[:, :2])).all(axis=2).any(axis=1)
 
 
 def _tiles(rectangles_: np.ndarray, size: np.ndarray) -> np.ndarray:
@@ -100,9 +111,14 @@ def _tiles(rectangles_: np.ndarray, size: np.ndarray) -> np.ndarray:
     return np.hstack([np.floor(low), np.ceil(high)]).astype(int)
 
 
+def corners(rectangles_: np.ndarray) -> np.ndarray:
+    """Return the corners (k, 4, 2) of rectangles (k, 4), row by row."""
+    return rectangles_[:, [0, 1, 2, 1, 0, 3, 2, 3]].reshape(-1, 4, 2)
+
+
 def triangles(rectangles_: np.ndarray) -> bytes:
     """Return the corners of two triangles for each rectangle (k, 4), as 32-bit numbers x, y."""
-    return rectangles_[:, [0, 1, 2, 1, 0, 3, 0, 3, 2, 1, 2, 3]].astype('f4').tobytes()
+    return corners(rectangles_)[:, TRIANGLES].astype('f4').tobytes()
 
 
 def count_tiles(width: int, height: int) -> int:

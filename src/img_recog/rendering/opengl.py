@@ -6,9 +6,10 @@ import moderngl
 import numpy as np
 
 from img_recog.errors import UserError, one_line
-from img_recog.rendering import coverage, matrices, shaders
+from img_recog.rendering import coverage, floor, matrices, shaders
 from img_recog.rendering.batches import Batch, Loader
 from img_recog.rendering.camera import Pinhole
+from img_recog.rendering.floor import Floor
 from img_recog.rendering.shadow_map import ShadowMap
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
@@ -19,6 +20,7 @@ _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is
 _CLIP_DISTANCE0, _CLIP_DISTANCE1 = 0x3000, 0x3001   # of OpenGL; moderngl has no names for them
 # GL_SAMPLE_ALPHA_TO_COVERAGE and _ONE: what is not opaque covers no samples
 _CUTOUT = 0x809E, 0x809F
+_MIN_SUN_Z = 0.1                # below, shadows are too long to find out where on the floor
 
 
 class Renderer:
@@ -29,9 +31,12 @@ class Renderer:
         self._context = context = _create_context()
         context.front_face = 'cw'       # as images are drawn upside down
         self._loader = Loader(context)
-        self._resolve = context.program(vertex_shader=shaders.WHOLE_VERTEX,
-                                        fragment_shader=shaders.RESOLVE_FRAGMENT)
+        self._context.enable_direct(_CLIP_DISTANCE0)
+        self._clear, self._resolve = (
+            context.program(vertex_shader=shaders.WHOLE_VERTEX, fragment_shader=fragment)
+            for fragment in (shaders.CLEAR_FRAGMENT, shaders.RESOLVE_FRAGMENT))
         self._sky = Sky(context)
+        self._floor = Floor(context, self._loader.plain, self._loader.depth)
         self._targets: Dict[Tuple[int, int], Target] = {}
 
     def load(self, scene: VisualScene, poses: np.ndarray) -> List[str]:
@@ -48,7 +53,7 @@ class Renderer:
             self._shadows = ShadowMap(self._context, self._sun, self._loader.depth, self._opaque,
                                       loaded.bounds)
             self._context.gc()
-        self._floor, self._boxes = loaded.floor, coverage.Boxes(loaded.bounds)
+        self._boxes = coverage.Boxes(loaded.bounds)
         return loaded.missing
 
     def draw(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray,
@@ -64,26 +69,21 @@ class Renderer:
 
     def _draw(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray,
               ceiling: float) -> np.ndarray:
-        models = matrices.from_poses(poses)
-        if self._shadow_poses != poses.tobytes():       # else of another camera
-            self._shadows.draw(models)
-            self._shadow_poses = poses.tobytes()
+        models, view = matrices.from_poses(poses), matrices.view(camera_pose)
+        boxes, to_clip = self._boxes.in_world(models), _projection(camera) @ view
+        rectangles = coverage.rectangles(boxes, to_clip, camera.near)
+        is_seen = coverage.are_on_image(rectangles)
+        shadowed = self._draw_shadows(poses, models, boxes, is_seen, to_clip, camera)
         target = self._target(camera.width, camera.height)
         target.pixels.use()
         target.pixels.clear(*self._light.background, 1.0)   # OpenGL begins to draw the shadows
-        view = matrices.view(camera_pose)
-        to_clip = _projection(camera) @ view
-        rectangles = coverage.rectangles(self._boxes.in_world(models), to_clip, camera.near)
-        is_seen = coverage.are_on_image(rectangles)
         self._set_frame(to_clip, camera_pose[:3, 3], ceiling)
-        self._draw_background(target, camera, view)
+        self._draw_background(camera, view, shadowed)
         if is_seen.any():
-            target.samples.use()
-            self._context.enable_direct(_CLIP_DISTANCE0)
+            target.begin(self._context, coverage.runs(rectangles[is_seen], camera.width,
+                                                      camera.height))
             if ceiling < math.inf:
                 self._context.enable_direct(_CLIP_DISTANCE1)
-            target.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=coverage.around(
-                rectangles[is_seen], camera.width, camera.height))
             self._render(self._opaque, models, is_seen)
             # the colors of the samples are multiplied with their opacity already
             self._context.blend_func = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA,
@@ -92,9 +92,27 @@ class Renderer:
             self._render(self._transparent, models, is_seen)
             target.samples.depth_mask = True
             self._context.disable_direct(_CLIP_DISTANCE1)
-            target.resolve(self._context, coverage.runs(rectangles[is_seen], camera.width,
-                                                        camera.height))
+            target.resolve(self._context)
         return target.read()
+
+    def _draw_shadows(self, poses: np.ndarray, models: np.ndarray, boxes: np.ndarray,
+                      is_seen: np.ndarray, to_clip: np.ndarray, camera: Pinhole) -> np.ndarray:
+        """Draw what shadows something that is seen; return where on the floor (k, 4, 3)."""
+        if self._shadow_poses != poses.tobytes():       # else of another camera
+            self._shadows.restore(models)
+            self._shadow_poses = poses.tobytes()
+        reached = self._shadows.reached(boxes)
+        shadows, shadowed = coverage.overlap(reached, reached[is_seen]), floor.WHOLE[:0]
+        if self._light.floor and abs(self._sun[2]) < _MIN_SUN_Z:
+            shadows[:], shadowed = True, floor.WHOLE
+        elif self._light.floor:
+            on_floor = np.repeat(self._shadows.on_floor(reached), 2, axis=1)    # flat boxes
+            is_on_seen_floor = coverage.are_on_image(
+                coverage.rectangles(on_floor, to_clip, camera.near))
+            shadowed = self._shadows.on_floor(self._shadows.tiles(reached[is_on_seen_floor]))
+            shadows |= is_on_seen_floor
+        self._shadows.add(self._boxes.parts[shadows])
+        return shadowed
 
     def depth(self, camera: Pinhole, camera_pose: np.ndarray, poses: np.ndarray) -> np.ndarray:
         """Return the depths of that image, float32 of shape (height, width).
@@ -119,27 +137,28 @@ class Renderer:
         to_clip = _projection(camera) @ matrices.view(camera_pose)
         is_seen = coverage.are_on_image(coverage.rectangles(
             self._boxes.in_world(models), to_clip, camera.near))
-        drawn = [(batch, is_seen) for batch in (*self._opaque, *self._transparent)]
-        if self._floor is not None:
-            drawn.append((self._floor, np.ones(1, bool)))
-        for batch, which in drawn:
+        for batch in (*self._opaque, *self._transparent):
             self._context.enable_only(batch.flags)
             self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip @ batch.model(models)))
-            batch.render(batch.depth, which)
+            batch.render(batch.depth, is_seen)
+        if self._light.floor:
+            self._context.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+            self._loader.depth['to_clip'].write(matrices.to_bytes(to_clip))
+            self._floor.draw_depths()
         encoded = np.frombuffer(target.depths.read(attachment=-1, dtype='f4'), np.float32)
         return encoded.reshape(camera.height, camera.width)
 
     def _target(self, width: int, height: int) -> Target:
         if (width, height) not in self._targets:
             size = width, height
-            self._targets[size] = Target(self._context, size, self._resolve)
+            self._targets[size] = Target(self._context, size, self._clear, self._resolve)
         return self._targets[width, height]
 
     def _set_frame(self, to_clip: np.ndarray, eye: np.ndarray, ceiling: float) -> None:
         self._shadows.texture.use(1)
         # on the camera's side of the floor, or all
-        kept_heights = ((0.0, 1.0) if self._floor is None
-                        else (-1.0 if eye[2] < 0 else 1.0, _FLOOR_TOLERANCE_M))
+        kept_heights = ((-1.0 if eye[2] < 0 else 1.0, _FLOOR_TOLERANCE_M) if self._light.floor
+                        else (0.0, 1.0))
         for program in (self._loader.plain, self._loader.textured):
             program['to_clip'].write(matrices.to_bytes(to_clip))
             program['to_map'].write(matrices.to_bytes(self._shadows.to_map))
@@ -150,16 +169,23 @@ class Renderer:
             program['ceiling'].value = min(ceiling, _MAX_CEILING_M)
             program['sun'].value = tuple(self._sun)
             program['shadows'].value = 1
+        program = self._floor.lit
+        program['to_clip'].write(matrices.to_bytes(to_clip))
+        program['grazing'].value = self._shadows.grazing
+        program['eye'].value = tuple(eye)
+        program['sun'].value = tuple(self._sun)
 
-    def _draw_background(self, target: Target, camera: Pinhole, view: np.ndarray) -> None:
-        """Draw sky and floor, with one sample a pixel: all of their edges are horizontal."""
+    def _draw_background(self, camera: Pinhole, view: np.ndarray, shadowed: np.ndarray) -> None:
+        """Draw sky and floor, with one sample a pixel: all of their edges are horizontal.
+
+        shadowed (k, 4, 3): what shadows can reach of the floor.
+        """
         self._context.enable_only(moderngl.NOTHING)
         if self._light.zenith is not None:
-            self._sky.draw(target.pixels, camera, view, self._light.background,
-                           self._light.zenith)
-        if self._floor is not None:
-            self._floor.shaded.program['model'].write(matrices.to_bytes(np.eye(4)))
-            self._floor.shaded.render()
+            self._sky.draw(camera, view, self._light.background, self._light.zenith)
+        if self._light.floor:
+            self._loader.plain['model'].write(matrices.to_bytes(np.eye(4)))
+            self._floor.draw(shadowed)
 
     def _render(self, batches: Sequence[Batch], models: np.ndarray, is_seen: np.ndarray) -> None:
         for batch in batches:

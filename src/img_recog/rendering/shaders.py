@@ -5,6 +5,7 @@ The light is that of PyBullet's window: a face with cosine c between its normal 
 """
 
 SHADOW_DEPTH_M = 400.0      # from the near to the far end of the shadow map
+_SHADE = 'mix(0.675 + 0.175 * cosine, 0.75 + 0.25 * cosine, lit)'
 
 SHADOW_VERTEX = '''
 #version 330
@@ -37,6 +38,15 @@ void main() {
 }
 '''
 
+CLEAR_FRAGMENT = '''
+#version 330
+out vec4 color;
+void main() {
+    color = vec4(0.0);
+    gl_FragDepth = 1.0;
+}
+'''
+
 # twice as fast on a processor as a copy between the framebuffers
 RESOLVE_FRAGMENT = '''
 #version 330
@@ -49,26 +59,58 @@ void main() {
 }
 '''
 
-# Behind everything: the depth is that of the far end.
+# Clipped below the horizon. On a processor, a flat input of a pixel is faster than a uniform: the
+# sky takes 0.3 ms instead of 0.5.
 SKY_VERTEX = '''
 #version 330
 uniform mat4 to_ray;
+uniform vec3 horizon, zenith;
 in vec2 corner;
-out vec3 ray;
+noperspective out vec3 ray;
+flat out vec3 lowest, rise;
 void main() {
     ray = (to_ray * vec4(corner, -1.0, 0.0)).xyz;
+    lowest = horizon;
+    rise = zenith - horizon;
+    gl_ClipDistance[0] = ray.z;
     gl_Position = vec4(corner, 1.0, 1.0);
 }
 '''
 
 SKY_FRAGMENT = '''
 #version 330
-uniform vec3 horizon, zenith;
-in vec3 ray;
+noperspective in vec3 ray;
+flat in vec3 lowest, rise;
 out vec4 color;
 void main() {
-    float height = max(ray.z, 0.0) * inversesqrt(dot(ray, ray));
-    color = vec4(mix(horizon, zenith, height), 1.0);
+    color = vec4(lowest + rise * (ray.z * inversesqrt(dot(ray, ray))), 1.0);
+}
+'''
+
+# Of the floor where nothing can shadow it: one color.
+LIT_FLOOR_VERTEX = '''
+#version 330
+uniform mat4 to_clip;
+uniform vec3 eye, sun;
+uniform float grazing;
+in vec3 position;
+in vec4 color;
+flat out vec4 tint;
+void main() {
+    float cosine = eye.z > 0.0 ? sun.z : -sun.z;
+    float lit = step(grazing, cosine);
+    float shade = SHADE;
+    tint = vec4(shade, shade, shade, 1.0) * color;
+    gl_Position = to_clip * vec4(position, 1.0);
+}
+'''.replace('SHADE', _SHADE)
+
+FLAT_FRAGMENT = '''
+#version 330
+flat in vec4 tint;
+out vec4 color;
+void main() {
+    color = tint;
 }
 '''
 
@@ -116,10 +158,10 @@ out vec4 color;
 void main() {
     float lit = texture(shadows, on_map) * step(grazing, cosine);
     lit = all(equal(on_map, clamp(on_map, 0.0, 1.0))) ? lit : step(grazing, cosine);
-    float shade = mix(0.675 + 0.175 * cosine, 0.75 + 0.25 * cosine, lit);
+    float shade = SHADE;
     color = vec4(shade, shade, shade, 1.0) * tint * TEXEL;
 }
-'''
+'''.replace('SHADE', _SHADE)
 
 PLAIN_FRAGMENT = _SHADED_FRAGMENT.replace('TEXEL', '1.0')
 TEXTURED_FRAGMENT = _SHADED_FRAGMENT.replace('TEXEL', 'texture(image, on_image)')

@@ -5,11 +5,13 @@ from typing import List, Sequence, Tuple
 import moderngl
 import numpy as np
 
-from img_recog.rendering import matrices, shaders
+from img_recog.rendering import coverage, matrices, shaders
 from img_recog.rendering.batches import Batch, Bounds
 
-_TEXEL_M, _MAX_TEXELS = 0.007, 2048
+MAX_TEXELS = 2048           # of a side
+_TEXEL_M = 0.007
 _WIDE_TEXEL_M = 0.015
+_MARGIN_TEXELS = 2          # around what a part can shadow
 _MIN_HALF_M, _MAX_HALF_M = 4.0, 30.0
 _GRID_M = 4.0               # of the centers that the map may have outside of the static scene
 # Of a transform: bodies that rest still move by micrometers. It is rounded, not compared with a
@@ -23,8 +25,8 @@ Rectangle = Tuple[int, int, int, int]   # x, y, width and height in texels
 class ShadowMap:
     """A depth texture of a rectangular region, drawn from the sun.
 
-    What has not moved yet is drawn once for a region; in each frame only the rectangles that hold
-    parts that did move are drawn again.
+    What has not moved yet is drawn once for a region. In each frame, `restore` restores the
+    rectangles that held parts that did move, and `add` draws those whose shadows are seen.
     """
 
     def __init__(self, context: moderngl.Context, sun: np.ndarray, program: moderngl.Program,
@@ -38,7 +40,7 @@ class ShadowMap:
         self._sun_view = matrices.looking(-sun)
         self._center, self._halves_m = _region(bounds, self._sun_view[:2, :3])
         # not larger than needed: what does not fit into the cache of the processor is slow
-        size = np.minimum(np.ceil(2 * self._halves_m / _TEXEL_M), _MAX_TEXELS).astype(int)
+        size = np.minimum(np.ceil(2 * self._halves_m / _TEXEL_M), MAX_TEXELS).astype(int)
         self._size = int(size[0]), int(size[1])
         self._texels_m = 2 * self._halves_m / size      # in x and y of the map
         self._kept, self._kept_target = _depth_target(context, self._size)
@@ -50,6 +52,8 @@ class ShadowMap:
         self._first = np.empty((0, 4, 4))
         self._moved = np.empty(0, bool)     # parts; the last one is the world, which never moves
         self._to_clip = np.eye(4)
+        self._models, self._centers = self._first, np.empty((0, 3))
+        self._added = self._moved
         self._drawn: List[Rectangle] = []
 
     @property
@@ -73,24 +77,54 @@ class ShadowMap:
         halves[:3, 3] = 0.5
         return halves @ self._to_clip
 
-    def draw(self, models: np.ndarray) -> None:
-        """Draw the depths; models (n, 4, 4): the transforms of all parts to the world."""
+    def restore(self, models: np.ndarray) -> None:
+        """Make it that of what has not moved; models (n, 4, 4): transforms of all parts."""
         self._context.enable_only(moderngl.DEPTH_TEST)
-        models = models.round(_DECIMALS)
-        centers = self._spheres.centers(models)
-        to_clip = self._region_to_clip(centers)
+        self._models = models = models.round(_DECIMALS)
+        self._centers = self._spheres.centers(models)
+        to_clip = self._region_to_clip(self._centers)
         if self._note_moved(models) or (to_clip != self._to_clip).any():
             self._to_clip = to_clip
             self._kept_target.use()
             self._kept_target.clear(depth=1.0)
-            self._render(models, False)
-            self._restore([(0, 0, *self._size)])
-        else:
-            self._restore(self._drawn)
-        self._target.use()
-        self._render(models, True)
-        moved = self._moved[self._spheres.parts]
-        self._drawn = self._rectangles(centers[moved], self._spheres.radii[moved])
+            self._render(~self._moved)
+            self._copy_kept([(0, 0, *self._size)])
+        elif self._drawn:
+            self._copy_kept(self._drawn)
+        self._added, self._drawn = np.zeros_like(self._moved), []
+
+    def add(self, parts: np.ndarray) -> None:
+        """Draw those of some parts (k,), -1 for the world, that are not in it yet."""
+        is_new = np.zeros_like(self._moved)
+        is_new[parts] = True
+        is_new &= self._moved & ~self._added
+        if is_new.any():
+            self._context.enable_only(moderngl.DEPTH_TEST)
+            self._target.use()
+            self._render(is_new)
+            self._added |= is_new
+            drawn = is_new[self._spheres.parts]
+            self._drawn += self._rectangles(self._centers[drawn], self._spheres.radii[drawn])
+
+    def reached(self, boxes: np.ndarray) -> np.ndarray:
+        """Return the rectangles (n, 4) of the map that the shadows of boxes can reach.
+
+        boxes (n, 8, 3): their corners in the world; the result is from -1 to 1 on the map: lowest
+        x, y and highest x, y.
+        """
+        places = boxes @ self._to_clip[:2, :3].T + self._to_clip[:2, 3]
+        margin = np.array([2 * _MARGIN_TEXELS]) / self._size
+        return np.concatenate([places.min(axis=1) - margin, places.max(axis=1) + margin], axis=1)
+
+    def on_floor(self, rectangles: np.ndarray) -> np.ndarray:
+        """Return the corners (n, 4, 3) of parallelograms at z 0, that rectangles (n, 4) hold."""
+        (a, b), (c, d) = self._to_clip[:2, :2]
+        places = coverage.corners(rectangles) - self._to_clip[:2, 3]
+        return np.insert(places @ np.array([[d, -c], [-b, a]]) / (a * d - b * c), 2, 0, axis=2)
+
+    def tiles(self, rectangles: np.ndarray) -> np.ndarray:
+        """Return rectangles (k, 4) of which no two overlap, and that hold others (n, 4)."""
+        return coverage.runs(rectangles[coverage.are_on_image(rectangles)], *self._size)
 
     def _note_moved(self, models: np.ndarray) -> bool:
         """Return whether a part moved that never did before."""
@@ -119,15 +153,15 @@ class ShadowMap:
         half_x, half_y = self._halves_m
         return matrices.orthographic(half_x, half_y, -_HALF_DEPTH_M, _HALF_DEPTH_M) @ view
 
-    def _render(self, models: np.ndarray, moved: bool) -> None:
-        """Draw the batches of parts that moved, or those of all others."""
+    def _render(self, which: np.ndarray) -> None:
+        """Draw the batches of parts; which (n + 1,): of all, and the world."""
         for batch in self._batches:
-            if self._moved[batch.part] == moved:
+            if which[batch.part]:
                 self._program['to_clip'].write(
-                    matrices.to_bytes(self._to_clip @ batch.model(models)))
+                    matrices.to_bytes(self._to_clip @ batch.model(self._models)))
                 batch.depth.render()
 
-    def _restore(self, rectangles: Sequence[Rectangle]) -> None:
+    def _copy_kept(self, rectangles: Sequence[Rectangle]) -> None:
         """Copy the kept depths of the rectangles."""
         self._context.depth_func = '1'
         self._target.use()

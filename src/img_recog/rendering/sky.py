@@ -1,5 +1,4 @@
 """The sky: a color that depends on the height above the horizon."""
-import math
 from typing import Tuple
 
 import moderngl
@@ -21,12 +20,11 @@ class Sky:
                                         fragment_shader=shaders.SKY_FRAGMENT)
         self._array = context.vertex_array(self._program, [(whole_image(context), '2f', 'corner')])
 
-    def draw(self, target: moderngl.Framebuffer, camera: Pinhole, view: np.ndarray,
-             horizon: Rgb, zenith: Rgb) -> None:
+    def draw(self, camera: Pinhole, view: np.ndarray, horizon: Rgb, zenith: Rgb) -> None:
         """Draw it before all else; below the horizon, the pixels must have its color already.
 
-        target: the framebuffer in use, whose first row is the highest; view (4, 4): from the world
-        to OpenGL's camera frame.
+        It is clipped by CLIP_DISTANCE0. view (4, 4): from the world to OpenGL's camera frame; the
+        first row of the image is the highest.
         """
         left, right, bottom, top = camera.window
         to_ray = np.eye(4)
@@ -34,36 +32,7 @@ class Sky:
         to_ray[:3, :3] = view[:3, :3].T @ [[(right - left) / 2, 0, -(right + left) / 2],
                                            [0, (bottom - top) / 2, -(bottom + top) / 2],
                                            [0, 0, 1]]
-        rectangle = _above_horizon(to_ray, target.size)
-        if not all(rectangle[2:]):
-            return
         self._program['to_ray'].write(matrices.to_bytes(to_ray))
         self._program['horizon'].value = tuple(horizon)
         self._program['zenith'].value = tuple(zenith)
-        target.scissor = rectangle
         self._array.render(moderngl.TRIANGLE_STRIP)
-        target.scissor = None
-
-
-def _above_horizon(to_ray: np.ndarray, size: Tuple[int, int]) -> Tuple[int, int, int, int]:
-    """Return x, y, width and height of a rectangle that holds all pixels above the horizon."""
-    # the height of a ray is linear in the coordinates of the image, which are from -1 to 1
-    by_x, by_y, middle = to_ray[2, 0], to_ray[2, 1], -to_ray[2, 2]
-    x, end_x = _positive(by_x, middle + abs(by_y), size[0])
-    y, end_y = _positive(by_y, middle + abs(by_x), size[1])
-    return x, y, end_x - x, end_y - y
-
-
-def _positive(slope: float, middle: float, pixels: int) -> Tuple[int, int]:
-    """Return the first pixel in which slope * x + middle is positive, and that after the last.
-
-    x is -1 at the begin of the first pixel and 1 at the end of the last one.
-    """
-    if middle + abs(slope) <= 0:
-        return 0, 0
-    if middle - abs(slope) >= 0:
-        return 0, pixels
-    zero = (1 - middle / slope) / 2 * pixels
-    # one more, for rounding
-    return ((max(0, math.floor(zero) - 1), pixels) if slope > 0
-            else (0, min(pixels, math.ceil(zero) + 1)))

@@ -17,7 +17,7 @@ class Target:
     """
 
     def __init__(self, context: moderngl.Context, size: Tuple[int, int],
-                 resolve: moderngl.Program):
+                 clear: moderngl.Program, resolve: moderngl.Program):
         self._texture = context.texture(size, 4, samples=_SAMPLES)
         self.samples = context.framebuffer(
             self._texture, context.depth_renderbuffer(size, samples=_SAMPLES))
@@ -25,16 +25,28 @@ class Target:
         self.depths = context.framebuffer(depth_attachment=context.depth_texture(size))
         self._rgba = np.empty((size[1], size[0], 4), np.uint8)
         self._tiles = context.buffer(reserve=48 * coverage.count_tiles(*size), dynamic=True)
-        self._resolve = context.vertex_array(resolve, [(self._tiles, '2f', 'corner')])
+        self._count = 0
+        self._clear, self._resolve = (
+            context.vertex_array(program, [(self._tiles, '2f', 'corner')])
+            for program in (clear, resolve))
 
-    def resolve(self, context: moderngl.Context, rectangles: np.ndarray) -> None:
-        """Draw the average of the samples of each pixel over the image, in rectangles (k, 4)."""
+    def begin(self, context: moderngl.Context, rectangles: np.ndarray) -> None:
+        """Use the samples, which are cleared in rectangles (k, 4) alone: that is faster."""
+        self.samples.use()
+        self._tiles.write(coverage.triangles(rectangles))
+        self._count = len(rectangles)
+        context.enable_only(moderngl.DEPTH_TEST)
+        context.depth_func = '1'
+        self._clear.render(moderngl.TRIANGLES, vertices=6 * self._count)
+        context.depth_func = '<'
+
+    def resolve(self, context: moderngl.Context) -> None:
+        """Draw the average of the samples of each pixel over the image, in those rectangles."""
         context.enable_only(moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self.pixels.use()
         self._texture.use(0)
-        self._tiles.write(coverage.triangles(rectangles))
-        self._resolve.render(moderngl.TRIANGLES, vertices=6 * len(rectangles))
+        self._resolve.render(moderngl.TRIANGLES, vertices=6 * self._count)
 
     def read(self) -> np.ndarray:
         """Return the image, uint8 RGB."""

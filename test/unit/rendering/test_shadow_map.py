@@ -99,3 +99,46 @@ def test_in_a_long_world_what_has_moved_leaves_no_shadow_behind(size):
     for poses in (here, there, here, there):
         assert np.array_equal(renderer.draw(CAMERA, looking_down(8.0), poses),
                               loaded(content, poses).draw(CAMERA, looking_down(8.0), poses))
+
+
+def _with_moved_tile(y, *others, sun, floor, place):
+    """Return an image with the shadow of a red tile, which was elsewhere in the image before."""
+    content = scene(visual(Shape(BOX, (0.5, 0.5, 0.02)), at(*place), RED, part=1), *others,
+                    sun=sun, floor=floor, moving=(False, True))
+    poses = np.concatenate([HERE, HERE])
+    renderer = loaded(content, poses)
+    for way in (1.0, y):
+        poses[1, 1] = way
+        image = renderer.draw(CAMERA, at(0, 0, 0.5), poses)
+    assert not (image[..., 2] < 50).any()       # the tile itself is not seen
+    return image
+
+
+@pytest.mark.parametrize('y', [0.0, -0.5])
+def test_what_is_not_on_the_image_throws_its_shadow_into_it(y):
+    fx = CAMERA.intrinsics.fx
+    column = round(160 - y / 3 * fx)
+    floor = _with_moved_tile(y, sun=(0, 0, 1), floor=True, place=(3, 0, 3))[
+        round(120 + 0.5 / 3 * fx)]
+    assert floor[column, 0] == pytest.approx(0.7 * 255 * 0.85, abs=1)
+    assert floor[160 + 80, 0] == floor[160 - 80, 0] == pytest.approx(0.7 * 255, abs=1)
+    wall = _with_moved_tile(y, visual(Shape(BOX, (0.2, 4, 1.6)), at(4.1, 0, 0.8), BLUE),
+                            sun=(-1, 0, 1), floor=False, place=(2.5, 0, 2.5))[
+        round(120 - 0.5 / 4 * fx)]
+    column, cosine = round(160 - y / 4 * fx), math.sqrt(0.5)
+    assert wall[column, 2] == pytest.approx(255 * (0.675 + 0.175 * cosine), abs=1)
+    assert wall[160 + 80, 2] == wall[160 - 80, 2] == pytest.approx(
+        255 * (0.75 + 0.25 * cosine), abs=1)
+
+
+def test_an_image_without_the_shadow_of_what_moved_leaves_those_of_others_right():
+    content = scene(visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 0, 1.0), RED, part=1),
+                    visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 1, 0.5), RED), sun=(1, 0, 1),
+                    floor=True, moving=(False, True))
+    poses = [np.concatenate([HERE, HERE + (0, y, 0, 0, 0, 0, 0)]) for y in (0.0, 0.4, 0.9)]
+    down, away = looking_down(8.0), at(3, 0, 0.5)
+    renderer = loaded(content, poses[0])
+    for camera, number in ((down, 0), (away, 1), (down, 2), (away, 2), (away, 0), (down, 1),
+                           (down, 0), (away, 2), (down, 2)):
+        assert np.array_equal(renderer.draw(CAMERA, camera, poses[number]),
+                              loaded(content, poses[number]).draw(CAMERA, camera, poses[number]))
