@@ -2,12 +2,13 @@
 import base64
 import math
 from functools import partial
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 import cv2
 import numpy as np
 import rospy
-from geometry_msgs.msg import PoseStamped, PoseWithCovariance, PoseWithCovarianceStamped
+from geometry_msgs.msg import (PoseStamped, PoseWithCovariance, PoseWithCovarianceStamped,
+                               Transform)
 from nav_msgs.msg import OccupancyGrid, Path
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import Header
@@ -52,6 +53,7 @@ class NavigationTopics(Topics):
         self._resolve, self._odom_frame = resolve, odom_frame
         self._topics: List[Topic] = []
         self._plans: Dict[str, Any] = {}
+        self._transforms: Dict[Tuple[str, str], Transform] = {}
         self._header, self._origin = Header(), PlanePose(0.0, 0.0, 0.0)
         self._resolution_m, self._grid = 0.0, np.empty((0, 0), np.int8)
         self._goals: Optional[rospy.Publisher] = None
@@ -93,6 +95,7 @@ class NavigationTopics(Topics):
     def _forget(self) -> None:
         super()._forget()
         self._plans.clear()
+        self._transforms.clear()
 
     def _mapped(self, msg: Any) -> None:
         info = msg.info
@@ -138,13 +141,16 @@ class NavigationTopics(Topics):
             'resolution': self._resolution_m, 'png': base64.b64encode(png).decode()})
 
     def _moved(self, msg: TFMessage) -> None:
-        frames = self._header.frame_id.lstrip('/'), self._odom_frame().lstrip('/')
         for each in msg.transforms:
-            if (each.header.frame_id.lstrip('/'), each.child_frame_id.lstrip('/')) == frames:
-                place, turn = each.transform.translation, each.transform.rotation
-                pose = rounded(place.x, place.y, rotations.yaw((turn.x, turn.y, turn.z, turn.w)))
-                if None not in pose:
-                    self.updates.set('origin', pose)
+            frames = each.header.frame_id.lstrip('/'), each.child_frame_id.lstrip('/')
+            self._transforms[frames] = each.transform
+        # a static one comes once, maybe before the frames of map and odometry are known
+        wanted = self._header.frame_id.lstrip('/'), self._odom_frame().lstrip('/')
+        if wanted in self._transforms:
+            place, turn = self._transforms[wanted].translation, self._transforms[wanted].rotation
+            pose = rounded(place.x, place.y, rotations.yaw((turn.x, turn.y, turn.z, turn.w)))
+            if None not in pose:
+                self.updates.set('origin', pose)
 
     def _planned(self, name: str, msg: Path) -> None:
         poses = msg.poses[::1 + len(msg.poses) // _MAX_POINTS]

@@ -101,15 +101,31 @@ def test_a_bad_map_is_not_shown(topics, change):
     assert found(topics) == {}
 
 
-def test_transforms_and_plans_in_the_frames_of_map_and_odometry(topics):
-    calls(topics)['/map'](grid(CELLS))
+def transforms():
+    """Return one from odom, and that from map to odom: 1.5 m ahead, turned to the left."""
     transform = TransformStamped()
     transform.header.frame_id, transform.child_frame_id = 'map', '/odom'
     transform.transform.translation.x = 1.5
     transform.transform.rotation.z = transform.transform.rotation.w = np.sqrt(0.5)
     other = TransformStamped(child_frame_id='base_footprint')
     other.header.frame_id = 'odom'
-    calls(topics)['/tf'](TFMessage([other, transform, other]))
+    return TFMessage([other]), TFMessage([transform])
+
+
+def test_a_static_transform_can_come_before_the_map(topics):
+    moves, static = transforms()
+    calls(topics)['/tf_static'](static)
+    calls(topics)['/tf'](moves)
+    assert 'origin' not in found(topics)
+    calls(topics)['/map'](grid(CELLS))
+    calls(topics)['/tf'](moves)
+    assert found(topics)['origin'] == [1.5, 0.0, pytest.approx(np.pi / 2, abs=1e-4)]
+
+
+def test_transforms_and_plans_in_the_frames_of_map_and_odometry(topics):
+    calls(topics)['/map'](grid(CELLS))
+    moves, static = transforms()
+    calls(topics)['/tf'](TFMessage([*moves.transforms, *static.transforms, *moves.transforms]))
     assert found(topics)['origin'] == [1.5, 0.0, pytest.approx(np.pi / 2, abs=1e-4)]
     plan = Path(poses=[PoseStamped() for _ in range(3)])
     plan.header.frame_id = 'odom'
