@@ -75,20 +75,22 @@ def find_in(folder: str) -> FindFile:
     return find
 
 
-def output_paths(source: str, output: str, extensions: Sequence[str]) -> Tuple[str, ...]:
+def output_paths(source: str, output: str, extensions: Sequence[str],
+                 kind: str = 'replay') -> Tuple[str, ...]:
     """Return the paths of the output files for the input file `source`, one for each extension.
 
-    output: a folder, the common prefix of the paths, or empty for the current folder.
+    output: a folder, the common prefix of the paths, or empty for the current folder. kind: of
+    the output, a part of the names.
     Raises UserError when there is no such folder, or when a path is that of `source`.
     """
-    stem = os.path.splitext(os.path.basename(source))[0] + '.replay'
+    stem = os.path.splitext(os.path.basename(source))[0] + '.' + kind
     prefix = os.path.join(output, stem) if os.path.isdir(output or '.') else output
     if prefix.endswith(os.sep):
         raise UserError('cannot write to {}: no such folder'.format(output),
                         'make it, or set --output to another')
     paths = tuple(prefix + extension for extension in extensions)
     for path in paths:
-        refuse_input(path, source, 'replayed', 'set --output to another')
+        refuse_input(path, source, 'read', 'set --output to another')
     return paths
 
 

@@ -13,6 +13,8 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 import img_recog
+from img_recog.batch import sweep_file
+from img_recog.batch.sweep_file import Success, SweepSettings
 from img_recog.camera import settings as camera
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.sensor_table import SENSORS
@@ -115,9 +117,18 @@ def test_all_settings_are_in_the_reference():
         importlib.import_module(module.name)
     known = {each for _, classes, _ in NODES.values() for each in classes}
     declared = {each for each in Settings.__subclasses__()
-                if each.__module__.startswith('img_recog.')}
+                if each.__module__.startswith('img_recog.')} - set(
+                    sweep_file.KINDS) - {SweepSettings, Success}
     # with_colors() makes it complete
     assert declared - known == {RecognitionSettings} | PARTS
+
+
+def test_parameters_of_a_sweep():
+    page = {row[0].strip('`'): row[1] for row in rows(REFERENCE, 'sweep.py', 'parameter')}
+    declared = {field.name: '{:g}'.format(field.default) for kind in (SweepSettings, Success)
+                for field in dataclasses.fields(kind)}
+    assert {name: page.pop(name, None) for name in declared} == declared
+    assert set(page) == {'success', 'parameters', 'cells'}
 
 
 def stated_types(text):
@@ -190,7 +201,7 @@ def test_launch_arguments_agree_with_the_launch_file(file):
 
 @pytest.mark.parametrize('script', (
     'check_robot.py', 'check_world.py', 'doctor.py', 'film.py', 'graph.py', 'plot.py',
-    'replay.py', 'tune_colors.py'))
+    'replay.py', 'sweep.py', 'tune_colors.py'))
 def test_options_agree_with_the_script(script):
     text = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', script), '--help'],
                           stdout=subprocess.PIPE, check=True).stdout.decode()

@@ -39,8 +39,8 @@ def test_names(folder, source, output, wanted):
 
 @pytest.mark.parametrize('output, named', [
     ('not/', 'cannot write to not/: no such folder; make it'),
-    ('a', 'cannot write a.bag: that is what is replayed; set --output'),
-    ('link', 'cannot write link.bag: that is what is replayed')])
+    ('a', 'cannot write a.bag: that is what is read; set --output'),
+    ('link', 'cannot write link.bag: that is what is read')])
 def test_names_that_are_refused(folder, output, named):
     (folder / 'a.bag').write_text('recorded')
     (folder / 'link.bag').symlink_to('a.bag')

@@ -18,6 +18,7 @@ from img_recog.signals import Interrupts
 _WAIT_S = 10            # for the scheduler, and for its first worker
 _IN_FLIGHT = 1000       # pieces that the scheduler knows
 _SAME = ('python', 'dask', 'distributed')       # versions that have to be equal
+_START = 'start some: ./run shell python3 -m distributed.cli.dask_worker {}'
 _PROBLEMS = (OSError, RuntimeError, TypeError, ValueError, KeyError, AttributeError, ImportError)
 _log = logging.getLogger(__name__)
 
@@ -34,8 +35,9 @@ def run(function: Function, pieces: Sequence[Piece], options: Options,
         interrupts: Interrupts) -> Iterator[Done]:
     """Run pieces, in any order; raise UserError if there is no such cluster, or it ends."""
     # what the user can do something about is said in one line
-    for name in ('distributed', 'tornado', 'asyncio'):
-        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    for name in [*logging.root.manager.loggerDict, 'asyncio']:
+        if name.partition('.')[0] in ('distributed', 'tornado', 'asyncio'):
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     connected = _cluster(options.scheduler) if options.scheduler else _local(
         options.jobs, interrupts)
     with connected as client:
@@ -69,8 +71,8 @@ def _cluster(address: str) -> Iterator[Client]:
             address, one_line(error)), 'start one: dask-scheduler')
     with contextlib.closing(client):
         _check(client, address)
-        port = client.scheduler_info().get('services', {}).get('dashboard')
-        if port:
+        versions: Any = client.get_versions(packages=['bokeh'])
+        if versions['scheduler']['packages'].get('bokeh'):
             _log.warning('progress: %s', client.dashboard_link)
         yield client
 
@@ -81,7 +83,7 @@ def _check(client: Client, address: str) -> None:
     while not client.scheduler_info()['workers']:
         if time.monotonic() > deadline:
             raise UserError('--scheduler {}: it has no workers'.format(address),
-                            'start some: dask-worker ' + address)
+                            _START.format(address))
         time.sleep(0.1)
     try:
         versions: Any = client.get_versions()
@@ -96,7 +98,7 @@ def _check(client: Client, address: str) -> None:
         digests = client.run(code_version.digest)
     except _PROBLEMS as error:
         raise UserError('--scheduler {}: its workers cannot run img_recog: {}'.format(
-            address, one_line(error)), 'start them by ./run shell dask-worker ' + address)
+            address, one_line(error)), _START.format(address))
     for name, digest in digests.items():
         if digest != code_version.digest():
             raise UserError('--scheduler {}: the img_recog of {} is not the one that is here'

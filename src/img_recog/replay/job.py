@@ -7,7 +7,7 @@ import logging
 import os
 import sys
 import time
-from typing import TYPE_CHECKING, Callable, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Callable, List, Optional, Sequence, Tuple, Union
 
 from tqdm import tqdm
 
@@ -15,9 +15,9 @@ from img_recog import files
 from img_recog.errors import UserError
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.replay import cli, inputs, programs, scenario
-from img_recog.replay.chain import (SECOND_NS, Chain, ColorRecognition, FrameMeasurement,
-                                    Recognition, Recorder)
-from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
+from img_recog.replay.chain import SECOND_NS, ColorRecognition, Recognition, Recorder
+from img_recog.replay.inputs import VideoFrames, is_bag
+from img_recog.replay.loop import Loop
 from img_recog.replay.painter import Painter
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.signals import Interrupts
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from img_recog.replay.robot_frames import RobotFrames
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
-_PREFETCHED_FRAMES = 8
 _log = logging.getLogger('replay.py')
 Frames = Union[VideoFrames, 'BagFrames', 'RobotFrames']
 
@@ -84,14 +83,12 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
                 file, settings, footprints(simulator.world), path))
             recorders.append(films.FilmRecorder(film))
         start_s = time.perf_counter()
-        chain = Chain(simulator, recognition, options.teleop, recorders)
+        loop = Loop(simulator, frames, recognition, options.teleop, recorders)
         with interrupts.deferred():     # the destructor of tqdm fails after half a constructor
-            progress = tqdm(_measurements(frames, recognition, chain), unit=' frames',
-                            total=frames.expected or None, disable=None)
+            progress = tqdm(loop.measurements, unit=' frames', total=frames.expected or None,
+                            disable=None)
         with progress:
-            last_ns = chain.run(progress)
-            end_ns = last_ns + frames.period_ns     # that of a bag is not known earlier
-            chain.end(end_ns)
+            end_ns = loop.run(progress)
         loop_s = time.perf_counter() - start_s
         painter.begin('Replay of {}, {} frames, in the world {}'.format(
             os.path.basename(options.input) or "the robot's camera", plot.frames,
@@ -133,15 +130,6 @@ def _recognition(options: argparse.Namespace
     function = function_recognition.load(options.recognize)
     return lambda frames: function_recognition.FunctionRecognition(
         function, given or frames.camera_infos(), options.strict), RecognitionSettings()
-
-
-def _measurements(frames: Frames, recognition: Recognition,
-                  chain: Chain) -> Iterable[FrameMeasurement]:
-    """Return the measurements of the frames, those of a recording ahead of the chain."""
-    if hasattr(frames, 'follow'):
-        frames.follow(chain.simulate_until)
-        return recognition.measure(frames)
-    return prefetch(recognition.measure(frames), _PREFETCHED_FRAMES)
 
 
 def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, motion: Motion,

@@ -1,12 +1,13 @@
 """The frames of a camera on the simulated robot: what it sees depends on the commands before."""
 import logging
-from typing import Callable, Iterator, List
+from typing import Any, Callable, Iterator, List
 
 import genpy
 from std_msgs.msg import Header
 
 from img_recog.conversions import robot_cameras
 from img_recog.rendering import lens_views, renderer
+from img_recog.rendering.light import Light, LightSettings
 from img_recog.rendering.noise import PixelNoise
 from img_recog.replay.camera_infos import CameraInfos, of_calibration
 from img_recog.replay.chain import SECOND_NS, Frame
@@ -20,6 +21,14 @@ from img_recog.simulation.settings import CameraSettings, nearest_period
 _log = logging.getLogger(__name__)
 
 
+def make_renderer() -> Any:
+    """Return a renderer; log why if it is not that of OpenGL."""
+    made, reason = renderer.make_or(TinyRenderer)
+    if reason:
+        _log.warning('images are drawn without shadows, and slowly: %s', reason)
+    return made
+
+
 class RobotFrames:
     """Draws a frame in each period of the camera, when the simulation has come to its time.
 
@@ -27,21 +36,27 @@ class RobotFrames:
     user.
     """
 
-    def __init__(self, built: Assembly, settings: CameraSettings, seconds: float):
-        """Load the scene; UserError when it cannot be drawn or the robot has no such link."""
+    def __init__(self, built: Assembly, settings: CameraSettings, seconds: float,
+                 light: LightSettings = LightSettings(), noise_seed: int = 0,
+                 drawn_by: Any = None):
+        """Load the scene; UserError when it cannot be drawn or the robot has no such link.
+
+        light: in which all is seen. noise_seed: makes the noise another one. drawn_by: a renderer
+        that nothing else uses meanwhile, by default a new one.
+        """
         self._parts = Parts(built.simulator)
         self._settings, self._camera = settings, robot_cameras.camera_of(settings)
         vehicle = built.simulator.vehicles[0]
         self._sensor = RobotCamera(vehicle.robot, settings, self._parts.poses)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
+        self._noise_seed = noise_seed
+        self._light = None if light == LightSettings() else Light(light)
         self._frame_id = settings.camera_optical_frame
         step_s = built.simulator.world.step_s
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
         self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
         self.warnings: List[str] = []
-        self._renderer, reason = renderer.make_or(TinyRenderer)
-        if reason:
-            _log.warning('images are drawn without shadows, and slowly: %s', reason)
+        self._renderer = drawn_by or make_renderer()
         for reason in self._renderer.load(visual_scene.read(built.scene, self._parts),
                                           self._parts.poses()):
             _log.warning('not drawn: %s', reason)
@@ -63,7 +78,9 @@ class RobotFrames:
             exposure = self._sensor.read()
             image = lens_views.draw(self._renderer, self._camera, exposure.camera_pose,
                                     exposure.poses)
+            if self._light is not None:
+                self._light.apply(image)
             if self._noise is not None:
-                self._noise.add(image, number)
+                self._noise.add(image, self._noise_seed + number)
             header = Header(seq=number, stamp=genpy.Time(nsecs=stamp_ns), frame_id=self._frame_id)
             yield Frame(number, stamp_ns, header, image, 'rgb8')

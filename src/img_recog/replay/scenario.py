@@ -1,6 +1,8 @@
 """The world and robot of a replay, built without a parameter server."""
 import dataclasses
 import logging
+from types import MappingProxyType
+from typing import Any, Mapping
 
 from img_recog import resources, robot_file
 from img_recog.conversions.sensor_table import SENSORS
@@ -9,7 +11,8 @@ from img_recog.replay.recorders import RECORDED
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.settings import CameraSettings, PhysicsSettings, SpawnSettings
+from img_recog.simulation.settings import (CameraSettings, NoiseSettings, PhysicsSettings,
+                                           SpawnSettings)
 
 _log = logging.getLogger(__name__)
 _UNUSED_SENSORS = [kind.name for kind in SENSORS if kind.name not in RECORDED]
@@ -17,16 +20,20 @@ _CAMERA_LINK, _CAMERA_FRAME = 'camera_link', 'head_camera'     # those of the de
 
 
 def build(world: str, urdf_path: str, spawn: SpawnSettings,
-          allow_partial_world: bool = False) -> Assembly:
+          allow_partial_world: bool = False, drive: Mapping[str, Any] = MappingProxyType({}),
+          noise: NoiseSettings = NoiseSettings()) -> Assembly:
     """Return a robot in a world, both as in the demo.
 
-    world, urdf_path, allow_partial_world: like the launch arguments. Logs the warnings.
+    world, urdf_path, allow_partial_world: like the launch arguments. drive: settings of the drive
+    that are not those of the URDF, by name. Logs the warnings.
     Raises UserError when something cannot be read or built.
     """
     physics = PhysicsSettings(world=world, allow_partial_world=allow_partial_world)
     robot = assembly.read_robot(robot_file.read(urdf_path, '--urdf'), physics.step_s,
                                 resources.find, urdf_path, SENSORS)
-    settings = dataclasses.replace(assembly.default_settings(robot), spawn=spawn)
+    settings = assembly.default_settings(robot)
+    settings = dataclasses.replace(settings, spawn=spawn, noise=noise,
+                                   drive=dataclasses.replace(settings.drive, **drive))
     file = world_file.read(world, resources.worlds(), resources.find, allow_partial_world,
                            _option('allow_partial_world'), robot_file.read_any)
     built = assembly.build(physics, file, [(robot, settings)], _UNUSED_SENSORS, _option)

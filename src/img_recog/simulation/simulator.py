@@ -12,6 +12,9 @@ from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.vehicle import Reading, Vehicle
 
 
+_STEEP = 0.7        # vertical part of the normal of a contact: 45 degrees
+
+
 class Simulator:
     """Vehicles in a world.
 
@@ -96,6 +99,24 @@ class Simulator:
             if contact[8] < -MAX_DEPTH_M and name not in found:
                 found.append(name)
         return found
+
+    def touched(self, robot: Body) -> List[str]:
+        """Return the names of the bodies that touch a robot from the side.
+
+        What it stands on does not.
+        """
+        client = self.world.physics_client_id
+        found = set()
+        for contact in pybullet.getContactPoints(robot.body_id, physicsClientId=client):
+            other = contact[1] if contact[2] == robot.body_id else contact[2]
+            if other != robot.body_id and contact[8] <= 0 and abs(contact[7][2]) < _STEEP:
+                found.add(other)
+        return sorted(body.name for body in [*self.world.bodies, *(
+            vehicle.robot for vehicle in self.vehicles)] if body.body_id in found)
+
+    def close(self) -> None:
+        """End the physics; nothing of it can be used any more."""
+        pybullet.disconnect(physicsClientId=self.world.physics_client_id)
 
     def reset_world(self) -> None:
         """Move everything back to its start, at rest and without a command; time goes on."""

@@ -4,6 +4,7 @@ import math
 import numpy as np
 import pytest
 
+from img_recog.rendering.light import LightSettings
 from img_recog.replay.robot_frames import RobotFrames
 from img_recog.simulation.settings import CameraSettings, SimulationError
 from img_recog_testing.robots import assemble
@@ -66,6 +67,18 @@ def test_noise_differs_from_frame_to_frame_and_not_from_run_to_run(field):
             for _ in range(2)]
     assert len(runs[0]) == 2 and not np.array_equal(*runs[0])
     assert all(np.array_equal(*pair) for pair in zip(*runs))
+
+
+def test_seed_of_the_noise_and_light(field):
+    noisy = CameraSettings(**{**vars(SETTINGS), 'camera_noise': 0.05})
+
+    def first(settings, *options):
+        return next(iter(RobotFrames(assemble(field), settings, 0.03, *options))).image
+    plain = first(SETTINGS)
+    lamp = first(SETTINGS, LightSettings(light_temperature=2700.0))
+    assert plain[:, :, 2].sum() > 1.5 * lamp[:, :, 2].sum()
+    seeds = [first(noisy, LightSettings(), seed) for seed in (1, 1, 2)]
+    assert np.array_equal(seeds[0], seeds[1]) and not np.array_equal(seeds[0], seeds[2])
 
 
 def test_a_link_that_the_robot_does_not_have_is_refused(field):

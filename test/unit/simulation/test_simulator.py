@@ -2,6 +2,7 @@
 import math
 
 import numpy as np
+import pybullet
 import pytest
 
 from img_recog.simulation.sensors.imu import ImuSettings
@@ -237,3 +238,16 @@ def test_runs_without_the_sensors_that_it_has_no_links_for():
     (-2.0, -0.5, -0.1, [])])            # lifted onto the floor
 def test_a_start_inside_of_something_is_noticed(x, y, z, found):
     assert simulator('turtlebot3_world', x=x, y=y, z=z).overlaps() == found
+
+
+def test_what_touches_the_robot_from_the_side_is_named():
+    sim = simulator('turtlebot3_world', x=-2.0, y=-0.5)
+    robot = sim.vehicles[0].robot
+    sim.advance(100)
+    assert sim.touched(robot) == []         # it stands on the floor
+    sim.vehicles[0].command(-0.5, 0.0)
+    sim.advance(2000)
+    assert sim.touched(robot) == ['turtlebot3_world']
+    sim.close()
+    with pytest.raises(pybullet.error):
+        sim.advance(1)

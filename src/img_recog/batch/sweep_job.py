@@ -1,0 +1,154 @@
+"""The program sweep: closed loops by the thousand, and how many of them succeed.
+
+Each is a loop of replay.py --camera robot, in simulated time and without a master.
+"""
+import argparse
+import logging
+import os
+import re
+import sys
+import time
+from typing import List, Sequence, Tuple
+
+from img_recog import files
+from img_recog.batch import engine, options, sweep_file, sweep_report, sweep_run, tables
+from img_recog.batch.sweep_file import Run, Sweep
+from img_recog.batch.sweep_report import Ended
+from img_recog.batch.work import Piece, run_piece
+from img_recog.errors import UserError, suggestion
+from img_recog.option_types import allowed
+from img_recog.replay import programs
+from img_recog.signals import Interrupts
+
+_LONG_S = 24 * 3600.0
+_FILE_ROLES = 'world', 'urdf', 'colors'
+_log = logging.getLogger('sweep.py')
+
+
+def main() -> int:
+    """Run the program; return its exit code, 1 if a run has no result."""
+    logging.basicConfig(format='sweep.py: %(message)s')
+    failed: List[str] = []
+    code = programs.run(lambda words, interrupts: _main(words, interrupts, failed), sys.argv[1:],
+                        _log, 'cannot write')
+    return code or int(bool(failed))
+
+
+def _main(words: Sequence[str], interrupts: Interrupts, failed: List[str]) -> str:
+    given = _parser().parse_args(words)
+    where = options.of(given)
+    path = os.path.expanduser(given.sweep)
+    sweep = sweep_file.read(path)
+    if given.only:
+        return _only(sweep, given, path)
+    films = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
+    paths = files.output_paths(path, os.path.expanduser(given.output),
+                               (*tables.extensions(), '.md', '.png', *films), 'sweep')
+    _announce(sweep, where, given.yes)
+    work = re.sub(r'\.csv$', '.work', paths[0])
+    runs = list(sweep.runs())
+    with engine.outcomes(sweep_run.run, [_piece(sweep, run) for run in runs], work, where,
+                         interrupts) as outcomes:
+        ended = [Ended(run, outcome) for run, outcome in zip(runs, outcomes)]
+        worst = sweep_report.worst(ended, given.films)
+        with engine.outcomes(sweep_run.film, [_piece(sweep, each.run) for each in worst],
+                             work + '.films', where, interrupts, ' films') as filmed:
+            written = _write(paths, path, sweep, ended, list(zip(worst, filmed)))
+    failed += [each.outcome.problem for each in ended if each.outcome.problem]
+    return '{} runs, {} have succeeded, {} have no result; wrote {}'.format(
+        len(ended), sum(each.is_success for each in ended), len(failed), ', '.join(written))
+
+
+def _only(sweep: Sweep, given: argparse.Namespace, path: str) -> str:
+    """Run one run again, and write its film."""
+    run = next((run for run in sweep.runs() if run.key == given.only), None)
+    if run is None:
+        raise UserError('--only: there is no run {}'.format(given.only),
+                        suggestion(given.only, (each.key for each in sweep.runs())))
+    name = '.{}.mp4'.format(re.sub(r'[^\w.=-]+', '_', run.key))
+    film, = files.output_paths(path, os.path.expanduser(given.output), [name], 'sweep')
+    piece = _piece(sweep, run)
+    result = sweep_run.run(piece.files, *piece.arguments)
+    with files.atomic_write([film]) as (file,):
+        file.write(sweep_run.film(piece.files, *piece.arguments))
+    return ('{}: {} after {:.3f} s, {:.3f} m from the goal, {} collisions, path {:.3f} m; wrote {}'
+            .format(run.key, result.reason, result.time_s, result.distance_m, result.collisions,
+                    result.path_m, film))
+
+
+def _piece(sweep: Sweep, run: Run) -> Piece:
+    roles = tuple(role for role in _FILE_ROLES
+                  if os.path.isabs(run.parameters.get(role) or ''))
+    return Piece(run.key, (roles, run, sweep.success, sweep.settings.time_limit),
+                 tuple(run.parameters[role] for role in roles))
+
+
+def _announce(sweep: Sweep, where: options.Options, is_confirmed: bool) -> None:
+    """Say how long it will take, by one run; raise UserError if that is long."""
+    first = _piece(sweep, next(sweep.runs()))
+    run_piece(sweep_run.run, first.files, (), first.arguments)      # loads what all need
+    begin_s = time.perf_counter()
+    run_piece(sweep_run.run, first.files, (), first.arguments)
+    run_s = time.perf_counter() - begin_s
+    all_s = run_s * sweep.size
+    text = '{} runs of about {:.2g} s (the first one took that long): {} on one core'.format(
+        sweep.size, run_s, _duration(all_s))
+    if not where.scheduler:
+        all_s /= where.jobs
+        text += ', {} on {} here'.format(_duration(all_s), where.jobs)
+    if all_s > _LONG_S and not is_confirmed:
+        raise UserError(text, 'add --yes to start it, or have fewer runs')
+    _log.warning('%s', text)
+
+
+def _duration(seconds: float) -> str:
+    """Return a duration in a unit that fits.
+
+    >>> [_duration(seconds) for seconds in (50, 5400, 400000, 4e7)]
+    ['50 s', '90 min', '111 h', '463 d']
+    """
+    for unit, size in (('d', 86400), ('h', 3600), ('min', 60)):
+        if seconds >= 5 * size or unit == 'min' and seconds >= 100:
+            return '{:.0f} {}'.format(seconds / size, unit)
+    return '{:.0f} s'.format(seconds)
+
+
+def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended],
+           filmed: Sequence[Tuple[Ended, engine.Outcome]]) -> List[str]:
+    """Write all files; return the paths."""
+    title, count = os.path.basename(path), len(tables.extensions())
+    films = dict(zip(paths[count + 2:], filmed))
+    shown = [(each, film.problem or os.path.basename(name))
+             for name, (each, film) in films.items()]
+    made = {name: film.value for name, (_, film) in films.items() if not film.problem}
+    used = [*paths[:count + 2], *made]
+    with files.atomic_write(used) as opened:
+        tables.write(opened[:count], *sweep_report.table(ended))
+        report, picture = opened[count:count + 2]
+        report.write(sweep_report.markdown(
+            title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + path).encode())
+        sweep_report.draw(picture, title, sweep, ended)
+        for file, content in zip(opened[count + 2:], made.values()):
+            file.write(content)
+    return used
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='sweep.py', description='Run many closed loops of a camera on the simulated robot, '
+        'with other worlds, starts, colors, cameras and robots, in simulated time and without a '
+        'master; write how many succeed as a table (CSV), a report and a picture, and the worst '
+        'ones as films.', allow_abbrev=False)
+    parser.add_argument('sweep', metavar='SWEEP.yaml', help='which runs, and what is a success')
+    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
+                        help='where to write the files (default: NAME.sweep.csv, .md, .png and '
+                        '.worst_1.mp4 to .worst_10.mp4 in the current folder)')
+    parser.add_argument('--films', default=10, metavar='N', help='of the worst runs '
+                        '(default: %(default)s)',
+                        type=allowed(int, lambda films: 0 <= films <= 100, 'from 0 to 100'))
+    parser.add_argument('--only', default='', metavar='KEY',
+                        help='run this run of the table alone, and write its film')
+    parser.add_argument('--yes', action='store_true',
+                        help='start it although it takes longer than a day')
+    options.add_to(parser)
+    return parser

@@ -1,0 +1,173 @@
+"""The report of a sweep: its table, its success rates in Markdown, and its picture."""
+import shlex
+from typing import IO, Any, Dict, List, NamedTuple, Sequence, Tuple
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from img_recog.batch.engine import Outcome
+from img_recog.batch.statistics import wilson
+from img_recog.batch.sweep_file import Range, Run, Sweep, Values
+from img_recog.batch.sweep_run import COLLISION, PATH, REACHED, TIME, Result
+
+_DPI, _HEIGHT_IN, _WIDTH_IN = 100, 5.0, 5.0     # of each chart
+_BINS, _MAX_RANGES = 6, 3
+_MAX_PROBLEMS = 20
+_NOT_RUN = 'not run'
+_REASONS = REACHED, COLLISION, PATH, TIME, _NOT_RUN
+
+
+class Ended(NamedTuple):
+    """A run and its outcome, whose value is a Result."""
+
+    run: Run
+    outcome: Outcome
+
+    @property
+    def reason(self) -> str:
+        return _NOT_RUN if self.outcome.problem else self.outcome.value.reason
+
+    @property
+    def is_success(self) -> bool:
+        return self.reason == REACHED
+
+
+def table(ended: Sequence[Ended]) -> Tuple[List[str], List[Dict[str, Any]]]:
+    """Return the columns of the table, and its rows."""
+    parameters = sorted({name for each in ended for name in each.run.parameters})
+    columns = ['key', *(ended[0].run.labels if ended else ()),
+               *(name for name in parameters if name not in ended[0].run.labels), 'seed',
+               'success', *Result._fields, 'problem']
+    return columns, [{
+        **_rounded(each.run.parameters), 'key': each.run.key, **each.run.labels,
+        'seed': each.run.seed, 'success': int(each.is_success),
+        **_rounded({} if each.outcome.problem else each.outcome.value._asdict()),
+        'problem': each.outcome.problem} for each in ended]
+
+
+def _rounded(values: Values) -> Values:
+    return {name: round(value, 6) if isinstance(value, float) else value
+            for name, value in values.items()}
+
+
+def worst(ended: Sequence[Ended], count: int) -> List[Ended]:
+    """Return the runs that have failed and ended farthest from the goal, then the longest ones."""
+    ran = [each for each in ended if not each.outcome.problem]
+    return sorted(ran, key=lambda each: (
+        each.is_success, -each.outcome.value.time_s if each.is_success
+        else -each.outcome.value.distance_m, each.run.key))[:count]
+
+
+def markdown(title: str, sweep: Sweep, ended: Sequence[Ended], films: Sequence[Tuple[Ended, str]],
+             command: str) -> str:
+    """Return the report. films: the worst runs, and the names of their films.
+
+    command: how the sweep was started, without its options.
+    """
+    runs = len(ended)
+    lines = ['# ' + title, '', '{} runs, of which {} have succeeded: {}.'.format(
+        runs, sum(each.is_success for each in ended), _rate(ended)), '']
+    rows, columns = _cells(sweep)
+    if rows:
+        lines += ['Success rate, with its 95 % confidence interval (Wilson):', '']
+        lines += _lines([' / '.join(sweep.cells), *columns], [
+            [row, *(_rate(_in(sweep, ended, row, column)) for column in columns)]
+            for row in rows])
+        lines += ['', 'How the runs have ended:', '']
+        lines += _lines([sweep.cells[0], *_REASONS], [
+            [row, *(str(sum(each.reason == reason for each in ended
+                            if each.run.labels[sweep.cells[0]] == row)) for reason in _REASONS)]
+            for row in rows])
+    lines += ['', 'The worst runs:', '']
+    lines += _lines(['run', 'ended by', 'distance', 'time', 'film', 'again'], [
+        [each.run.key, each.reason, '{:.2f} m'.format(each.outcome.value.distance_m),
+         '{:.1f} s'.format(each.outcome.value.time_s), name,
+         '`{} --only {}`'.format(command, shlex.quote(each.run.key))] for each, name in films])
+    failed = [each for each in ended if each.outcome.problem]
+    if failed:
+        lines += ['', '{} runs have no result:'.format(len(failed)), '']
+        lines += ['- {}: {}'.format(each.run.key, each.outcome.problem)
+                  for each in failed[:_MAX_PROBLEMS]]
+    return '\n'.join(lines) + '\n'
+
+
+def _lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> List[str]:
+    return ['| {} |'.format(' | '.join(row))
+            for row in (head, ['---'] * len(head), *rows)]
+
+
+def _rate(ended: Sequence[Ended]) -> str:
+    successes = sum(each.is_success for each in ended)
+    low, high = wilson(successes, len(ended))
+    return '{:.0f} % ({:.0f} to {:.0f})'.format(
+        100 * successes / max(1, len(ended)), 100 * low, 100 * high)
+
+
+def _cells(sweep: Sweep) -> Tuple[List[str], List[str]]:
+    """Return the labels of the rows, and of the columns, of the table of rates."""
+    labels = {choice.name: list(choice.groups) for choice in sweep.choices}
+    if not sweep.cells:
+        return [], []
+    return labels[sweep.cells[0]], labels[sweep.cells[1]] if len(sweep.cells) > 1 else ['all']
+
+
+def _in(sweep: Sweep, ended: Sequence[Ended], row: str, column: str) -> List[Ended]:
+    wanted = dict(zip(sweep.cells, (row, column)))
+    return [each for each in ended
+            if all(each.run.labels[name] == label for name, label in wanted.items())]
+
+
+def draw(file: IO[bytes], title: str, sweep: Sweep, ended: Sequence[Ended]) -> None:
+    """Write the picture, a PNG: the rates of the cells, and by what each run has drawn."""
+    drawn = [name for name in sorted({name for each in ended for name in each.run.parameters})
+             if any(isinstance(values.get(name), Range) for values in (
+                 sweep.fixed, *(group for choice in sweep.choices
+                                for group in choice.groups.values())))][:_MAX_RANGES]
+    charts = bool(sweep.cells) + len(drawn)
+    with matplotlib.rc_context({**matplotlib.rcParamsDefault, 'font.size': 9.0}):
+        figure = Figure(figsize=(_WIDTH_IN * max(1, charts), _HEIGHT_IN), dpi=_DPI)
+        figure.suptitle(title)
+        axes = [figure.add_subplot(1, max(1, charts), number + 1) for number in range(charts)]
+        if sweep.cells:
+            _draw_cells(axes[0], sweep, ended)
+        for chart, name in zip(axes[bool(sweep.cells):], drawn):
+            _draw_rates(chart, name, ended)
+        figure.tight_layout()
+        figure.savefig(file, format='png', metadata={'Software': None})
+
+
+def _draw_cells(axes: Axes, sweep: Sweep, ended: Sequence[Ended]) -> None:
+    rows, columns = _cells(sweep)
+    rates = np.array([[_share(_in(sweep, ended, row, column)) for column in columns]
+                      for row in rows])
+    axes.imshow(rates, cmap='RdYlGn', vmin=0, vmax=1, aspect='auto')
+    for y, row in enumerate(rows):
+        for x, column in enumerate(columns):
+            axes.text(x, y, _rate(_in(sweep, ended, row, column)).replace(' (', '\n('),
+                      ha='center', va='center')
+    axes.set_xticks(range(len(columns)), columns, rotation=20)
+    axes.set_yticks(range(len(rows)), rows)
+    axes.set_title('Success rate: {}'.format(' / '.join(sweep.cells)))
+
+
+def _draw_rates(axes: Axes, name: str, ended: Sequence[Ended]) -> None:
+    pairs = [(each.run.parameters[name], each) for each in ended if name in each.run.parameters]
+    values = np.array([value for value, _ in pairs], float)
+    edges = np.linspace(values.min(), values.max(), _BINS + 1)
+    bins = np.clip(np.searchsorted(edges, values, 'right') - 1, 0, _BINS - 1)
+    for number in range(_BINS):
+        found = [each for (_, each), where in zip(pairs, bins) if where == number]
+        if found:
+            low, high = wilson(sum(each.is_success for each in found), len(found))
+            middle = (edges[number] + edges[number + 1]) / 2
+            axes.plot([middle, middle], [low, high], color='#9467bd')
+            axes.plot([middle], [_share(found)], 'o', color='#9467bd')
+    axes.set_ylim(0, 1)
+    axes.set_title('Success rate by ' + name)
+    axes.set_xlabel(name)
+
+
+def _share(ended: Sequence[Ended]) -> float:
+    return sum(each.is_success for each in ended) / max(1, len(ended))

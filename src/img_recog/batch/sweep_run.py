@@ -1,0 +1,173 @@
+"""One run of a sweep: a closed loop in simulated time, judged while it runs."""
+import contextlib
+import dataclasses
+import fnmatch
+import functools
+import math
+import tempfile
+from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from img_recog import resources
+from img_recog.batch.sweep_file import Run, Success, given
+from img_recog.errors import UserError
+from img_recog.rendering.light import LightSettings
+from img_recog.replay import programs, scenario
+from img_recog.replay.chain import (SECOND_NS, ColorRecognition, FrameMeasurement, FrameResult,
+                                    Recorder)
+from img_recog.replay.film import Film, FilmRecorder
+from img_recog.replay.loop import Loop
+from img_recog.replay.robot_frames import RobotFrames, make_renderer
+from img_recog.settings import from_mapping
+from img_recog.simulation.assembly import Assembly
+from img_recog.simulation.bodies.footprints import footprints
+from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
+                                           SpawnSettings)
+from img_recog.simulation.simulator import Simulator
+
+_MAX_SPEED = 100.0      # m/s; only the physics throws a robot that fast
+_MAX_FALL_M = 10.0      # below the floor
+REACHED, TIME, COLLISION, PATH = 'goal reached', 'time is up', 'collision', 'path too long'
+
+
+class Result(NamedTuple):
+    """How a run has ended, and where the robot was then.
+
+    reason: REACHED or what failed; time_s: simulated; distance_m: to the goal; collisions: how
+    often it has begun to touch something; path_m: how far it has driven; x_m, y_m, yaw_rad: in
+    the world; touched: what it has touched first, '' for nothing.
+    """
+
+    reason: str
+    time_s: float
+    distance_m: float
+    collisions: int
+    path_m: float
+    x_m: float
+    y_m: float
+    yaw_rad: float
+    touched: str
+
+
+class Judge(Recorder):
+    """Follows the robot from image to image, until it has succeeded or failed."""
+
+    def __init__(self, simulator: Simulator, goal: str, success: Success):
+        """Raise UserError if the world has no model `goal`."""
+        self._simulator, self._success = simulator, success
+        self._robot = simulator.vehicles[0].robot
+        bodies = simulator.world.bodies
+        self._goals = [body for body in bodies if fnmatch.fnmatchcase(body.name, goal)]
+        if not self._goals:
+            raise UserError('the world has no model {}'.format(goal),
+                            'it has ' + ', '.join(body.name for body in bodies))
+        self._last: Optional[np.ndarray] = None
+        self._touching: List[str] = []
+        self._collisions, self._path_m, self._touched = 0, 0.0, ''
+        self.result = Result(TIME, 0.0, math.inf, 0, 0.0, math.nan, math.nan, math.nan, '')
+
+    def on_frame(self, result: FrameResult) -> None:
+        position = np.array(result.motion.position)
+        self._refuse_thrown(position, result.motion.linear, result.time_ns)
+        touching = self._simulator.touched(self._robot)
+        new = [name for name in touching if name not in self._touching]
+        self._touching, self._touched = touching, self._touched or ', '.join(new)
+        self._collisions += len(new)
+        if self._last is not None:
+            self._path_m += math.dist(position[:2], self._last[:2])
+        self._last = position
+        distance_m = min(math.dist(position[:2], goal.pose().position[:2])
+                         for goal in self._goals)
+        self.result = Result(
+            self._reason(distance_m), result.time_ns / SECOND_NS, distance_m, self._collisions,
+            self._path_m, float(position[0]), float(position[1]), result.motion.yaw,
+            self._touched)
+
+    def _reason(self, distance_m: float) -> str:
+        if self._collisions > self._success.collisions:
+            return COLLISION
+        if 0 < self._success.path_length < self._path_m:
+            return PATH
+        return REACHED if distance_m <= self._success.distance else TIME
+
+    @staticmethod
+    def _refuse_thrown(position: np.ndarray, velocity: np.ndarray, time_ns: int) -> None:
+        speed = float(np.linalg.norm(velocity))
+        if not (speed <= _MAX_SPEED and position[2] >= -_MAX_FALL_M
+                and np.isfinite(position).all()):
+            raise UserError(
+                'the physics has thrown the robot: at {:.2f} s it is at x {:.3g}, y {:.3g} and '
+                'z {:.3g} m, with {:.3g} m/s'.format(time_ns / SECOND_NS, *position, speed),
+                'see check_robot.py and check_world.py')
+
+    def until_over(self, measurements: Iterable[FrameMeasurement]
+                   ) -> Iterator[FrameMeasurement]:
+        """Yield measurements until the run has succeeded or failed."""
+        for measurement in measurements:
+            yield measurement
+            if self.result.reason != TIME:
+                return
+
+
+def run(paths: Sequence[str], roles: Tuple[str, ...], run: Run, success: Success,
+        time_limit_s: float) -> Result:
+    """Return how a run ends; for the engine.
+
+    paths: files in the place of those of the parameters `roles`.
+    Raises UserError if it cannot be run, or the robot is thrown.
+    """
+    return _run(_with_paths(run, roles, paths), success, time_limit_s, None)
+
+
+def film(paths: Sequence[str], roles: Tuple[str, ...], run: Run, success: Success,
+         time_limit_s: float) -> bytes:
+    """Return the film of a run, an MP4; arguments and errors as for `run`."""
+    with tempfile.NamedTemporaryFile(suffix='.mp4') as file:
+        _run(_with_paths(run, roles, paths), success, time_limit_s, file)
+        with open(file.name, 'rb') as written:
+            return written.read()
+
+
+def _with_paths(run: Run, roles: Tuple[str, ...], paths: Sequence[str]) -> Run:
+    return run._replace(parameters={**run.parameters, **dict(zip(roles, paths))})
+
+
+@functools.lru_cache(maxsize=None)
+def _renderer() -> Any:
+    """Return that of this process: making one takes as long as 50 images."""
+    return make_renderer()
+
+
+def _run(run: Run, success: Success, time_limit_s: float, film_file: Any) -> Result:
+    values = run.parameters
+    built = scenario.build(
+        values.get('world', resources.DEFAULT_WORLD), values.get('urdf') or resources.burger(),
+        from_mapping(SpawnSettings, values), drive=given(DriveSettings, values),
+        noise=NoiseSettings(run.seed))
+    try:
+        return _loop(built, run, success, time_limit_s, film_file)
+    finally:
+        built.simulator.close()     # PyBullet has room for 1024
+
+
+def _loop(built: Assembly, run: Run, success: Success, time_limit_s: float,
+          film_file: Any) -> Result:
+    values, simulator = run.parameters, built.simulator
+    camera = dataclasses.replace(scenario.camera_settings(built), **given(CameraSettings, values))
+    frames = RobotFrames(built, camera, time_limit_s, from_mapping(LightSettings, values),
+                         run.seed, _renderer())
+    settings = programs.recognition_settings(values.get('colors', ''))
+    judge = Judge(simulator, values['goal'], success)
+    recorders: List[Recorder] = [judge]
+    with contextlib.ExitStack() as stack:
+        film: Optional[Film] = None
+        if film_file is not None:
+            film = stack.enter_context(Film(film_file, settings, footprints(simulator.world)))
+            recorders.append(FilmRecorder(film))
+        loop = Loop(simulator, frames, ColorRecognition(settings), bool(values.get('teleop')),
+                    recorders)
+        end_ns = loop.run(judge.until_over(loop.measurements))
+        if film is not None:
+            film.close(end_ns / SECOND_NS)
+    return judge.result

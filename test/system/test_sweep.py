@@ -1,0 +1,86 @@
+"""sweep.py as a user runs it."""
+import csv
+import os
+import re
+import textwrap
+
+import pytest
+
+from img_recog_testing.pages import ROOT
+
+SWEEP = '''
+    runs: 2
+    time_limit: 0.6
+    success: {{distance: {distance}}}
+    parameters:
+      goal: blue_post*
+      world: color_posts
+      camera_width: 160
+      camera_height: 120
+      camera_rate: 5
+      x_pos: {{from: -1.0, to: 0.0}}
+      colors: {root}/config/follow.yaml
+      light:
+        daylight: {{light_exposure: 1}}
+        dark: {{light_exposure: 0.1}}
+'''
+FILES = ['s.sweep.csv', 's.sweep.md', 's.sweep.png', 's.sweep.worst_1.mp4']
+
+
+@pytest.fixture
+def sweep(ros, tmp_path):
+    """A function that runs sweep.py on a file; it returns the exit code and the output."""
+    def run(*arguments, distance=1.2, **changes):
+        text = textwrap.dedent(SWEEP.format(distance=distance, root=ROOT))
+        for old, new in changes.items():
+            text = re.sub('{}: .*'.format(old), '{}: {}'.format(old, new), text)
+        (tmp_path / 's.yaml').write_text(text)
+        process = ros.start_node('sweep.py', 's.yaml', *arguments, cwd=str(tmp_path),
+                                 env=dict(ros.env, HOME=str(tmp_path), PWD=str(tmp_path)))
+        code = process.wait()
+        return code, '\n'.join(line for line in process.output.splitlines()
+                               if not line.startswith('pybullet build time'))
+    return run
+
+
+def contents(folder):
+    return {name: (folder / name).read_bytes() for name in sorted(os.listdir(str(folder)))
+            if '.sweep.' in name}
+
+
+def test_two_processes_write_the_bytes_of_one(sweep, tmp_path):
+    code, output = sweep('--jobs', '1', '--films', '1')
+    assert code == 0
+    assert re.search(r'4 runs of about [\d.]+ s .*: \d+ s on one core, \d+ s on 1 here', output)
+    assert re.search(r'^4 runs, \d have succeeded, 0 have no result; wrote s.sweep.csv, ', output,
+                     re.M)
+    first = contents(tmp_path)
+    assert sorted(set(first) - {'s.sweep.parquet'}) == FILES
+    assert sweep('--jobs', '2', '--films', '1')[0] == 0
+    assert contents(tmp_path) == first
+    report = (tmp_path / 's.sweep.md').read_text()
+    again = re.search(r"`rosrun img_recog sweep.py s.yaml --only '(\S+)'`", report)
+    row = next(row for row in csv.DictReader(first['s.sweep.csv'].decode().splitlines())
+               if row['key'] == again.group(1))
+    code, output = sweep('--only', again.group(1), '--output', 'again')
+    assert code == 0 and '{}: {} after {:.3f} s, {:.3f} m from the goal'.format(
+        row['key'], row['reason'], float(row['time_s']), float(row['distance_m'])) in output
+    film, = (name for name in os.listdir(str(tmp_path)) if name.startswith('again'))
+    assert (tmp_path / film).read_bytes() == first['s.sweep.worst_1.mp4']
+
+
+def test_a_run_without_a_result_is_named_and_the_exit_code_says_so(sweep, tmp_path):
+    code, output = sweep('--films', '0', '--jobs', '1', goal='nothing')
+    assert code == 1 and '4 have no result' in output
+    report = (tmp_path / 's.sweep.md').read_text()
+    assert '- light=dark#2: the world has no model nothing; it has field, field::south' in report
+
+
+@pytest.mark.parametrize('changes, words', [
+    ({'world': 'mars'}, 's.yaml: world: no file '),
+    ({'runs': '2000000'}, r'4000000 runs of about .* d on one core, .* d on 1 here; add --yes'),
+    ({'time_limit': '-1'}, 's.yaml: time_limit: got -1.0, allowed is a finite number above 0')])
+def test_what_is_refused_is_one_line(sweep, tmp_path, changes, words):
+    code, output = sweep('--jobs', '1', **changes)
+    assert code == 1 and re.search('^sweep.py: ' + words, output) and '\n' not in output
+    assert os.listdir(str(tmp_path)) == ['s.yaml']

@@ -1,0 +1,89 @@
+"""The file of a sweep: its runs, their keys and seeds, and what is refused."""
+import collections
+
+import pytest
+import yaml
+
+from img_recog.batch import sweep_file
+from img_recog.errors import UserError
+
+POSTS = {'goal': 'blue_post*'}
+
+
+@pytest.fixture
+def read(tmp_path):
+    """A function that writes a sweep and reads it."""
+    (tmp_path / 'mine.yaml').write_text('colors: [blue]')
+
+    def read(parameters=(), **others):
+        path = tmp_path / 'sweep.yaml'
+        path.write_text(yaml.safe_dump({'parameters': {**POSTS, **dict(parameters)}, **others},
+                                       sort_keys=False))
+        return sweep_file.read(str(path))
+    return read
+
+
+LIGHTS = {'dim': {'light_exposure': 0.2}, 'lamp': {'light_temperature': 2700}}
+
+
+def test_each_combination_has_its_runs(read):
+    sweep = read({'x_pos': [1, 2.5], 'light': LIGHTS, 'yaw': {'from': 0, 'to': 1}}, runs=2)
+    runs = list(sweep.runs())
+    assert sweep.size == len(runs) == 8
+    assert [run.key for run in runs[:3]] == ['x_pos=1,light=dim#1', 'x_pos=1,light=dim#2',
+                                             'x_pos=1,light=lamp#1']
+    assert runs[-1].key == 'x_pos=2.5,light=lamp#2'
+    assert runs[-1].labels == {'x_pos': '2.5', 'light': 'lamp'}
+    assert {**runs[-1].parameters, 'yaw': 0} == {
+        'goal': 'blue_post*', 'x_pos': 2.5, 'yaw': 0, 'light_temperature': 2700.0}
+    assert sweep.cells == ('x_pos', 'light')
+
+
+def test_draws_are_even_and_depend_on_seed_and_key_alone(read):
+    def drawn(*light, **others):
+        return {run.key: (run.seed, run.parameters['yaw']) for run in read(
+            {'yaw': {'from': -1, 'to': 1}, 'light': {name: LIGHTS[name] for name in light}},
+            runs=400, **others).runs()}
+    few, many, other = drawn('lamp'), drawn('dim', 'lamp'), drawn('lamp', seed=1)
+    assert few == {key: many[key] for key in few}
+    assert few.keys() == other.keys() and not set(few.values()) & set(other.values())
+    counts = collections.Counter(int(2 * (yaw + 1)) for _, yaw in few.values())
+    assert sorted(counts) == [0, 1, 2, 3] and min(counts.values()) > 70
+    # the same on each machine and in each version
+    assert few['light=lamp#1'] == (1763271800, pytest.approx(0.529141, abs=1e-6))
+
+
+def test_files_begin_in_the_folder_of_the_sweep(read, tmp_path):
+    run, = read({'colors': 'mine.yaml', 'world': 'color_posts'}).runs()
+    assert run.parameters['colors'] == str(tmp_path / 'mine.yaml')
+    assert run.parameters['world'] == 'color_posts' and run.key == 'run#1'
+
+
+@pytest.mark.parametrize('parameters, others, words', [
+    ({'x_poss': 1}, {}, 'unknown is x_poss; did you mean x_pos?'),
+    ({}, {'rums': 3}, 'unknown is rums; did you mean runs?'),
+    ({}, {'success': {'distanze': 1}}, 'success: unknown is distanze; did you mean distance?'),
+    ({'light': {'dim': {'light_exposur': 1}}}, {}, 'did you mean light_exposure?'),
+    ({'light': LIGHTS}, {'cells': ['lihgt']}, 'did you mean light?'),
+    ({'x_pos': 'left'}, {}, "x_pos: got 'left', allowed is a finite number from -1000 to 1000"),
+    ({}, {'runs': 0}, 'runs: got 0, allowed is a whole number from 1'),
+    ({'x_pos': {'from': 2, 'to': 1}}, {}, 'expected two numbers, the lower one first'),
+    ({'camera_width': {'from': 20, 'to': 30}}, {}, 'expected two numbers'),
+    ({'x_pos': []}, {}, 'x_pos: expected one value at least'),
+    ({'light': {'dim': 3}}, {}, 'light: dim: expected lines'),
+    ({'x_pos': 1, 'start': {'left': {'x_pos': 2}}}, {}, 'x_pos is given twice'),
+    ({'world': 'mars.sdf'}, {}, 'mars.sdf; known worlds are empty, '),
+    ({'colors': 'none.yaml'}, {}, 'colors: no file'),
+    ({'goal': ''}, {}, "goal: got '', allowed is a non-empty string")])
+def test_what_is_refused(read, parameters, others, words):
+    with pytest.raises(UserError) as refused:
+        read(parameters, **others)
+    assert words in str(refused.value) and '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize('text', ['', '[', 'a: 1', 'parameters: 3', 'parameters: {x_pos: 1}'])
+def test_what_is_no_sweep(tmp_path, text):
+    path = tmp_path / 'a.yaml'
+    path.write_text(text)
+    with pytest.raises(UserError, match='a.yaml'):
+        sweep_file.read(str(path))
