@@ -7,6 +7,7 @@ import numpy as np
 
 from img_recog.rendering import coverage
 
+_MUCH = 0.4 * 4             # of the area of an image; to clear all is faster then
 _SAMPLES = 4                # of a pixel, for antialiased edges; the only number of llvmpipe
 
 
@@ -31,10 +32,13 @@ class Target:
             for program in (clear, resolve))
 
     def begin(self, context: moderngl.Context, rectangles: np.ndarray) -> None:
-        """Use the samples, which are cleared in rectangles (k, 4) alone: that is faster."""
+        """Use the samples, clear in rectangles (k, 4): no two overlap, all is from -1 to 1."""
         self.samples.use()
         self._tiles.write(coverage.triangles(rectangles))
         self._count = len(rectangles)
+        if np.prod(rectangles[:, 2:] - rectangles[:, :2], axis=1).sum() > _MUCH:
+            self.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+            return
         context.enable_only(moderngl.DEPTH_TEST)
         context.depth_func = '1'
         self._clear.render(moderngl.TRIANGLES, vertices=6 * self._count)
