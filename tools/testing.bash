@@ -74,12 +74,17 @@ show_targets() {
 # What fails beside other programs, and not alone, is no reason to reject a change: runs the files of
 # tests with processes that have failed again, once. The first results stay in build/test.log.
 repeat_failed() {
-  local target targets
-  mapfile -t targets < <("$python" "$root/test/summary.py" "$build/test_results" --targets)
+  local target targets results=$build/test_results kept=$build/kept_results
+  mapfile -t targets < <("$python" "$root/test/summary.py" "$results" --targets)
   [ ${#targets[@]} -le 5 ] || return 0
   for target in "${targets[@]}"; do
     say 'failed beside other tests, now runs again alone: {}' "$target"
+    rm -rf "$kept"
+    mv "$results" "$kept"       # the target removes the results of the others
     show_targets "_run_tests_img_recog_$target" || true
+    cp -rT "$results" "$kept"
+    rm -rf "$results"
+    mv "$kept" "$results"
   done
 }
 
