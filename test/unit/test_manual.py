@@ -2,6 +2,7 @@
 import importlib
 import math
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -91,3 +92,14 @@ def test_robot_goes_round_along_the_wall_and_hits_nothing(tool):
 def test_ranges_without_an_echo_are_free(tool, nothing):
     speed, turning = tool('explorer').command([nothing] * 360, 0.0, math.radians(1))
     assert speed > 0 and turning < 0        # it looks for the wall on its right
+
+
+@pytest.mark.parametrize('is_reached, error_m, is_good', [
+    (True, 0.09, True), (True, 0.11, False), (False, 0.05, False)])
+def test_a_goal_is_reached_only_near_it(tool, capsys, is_reached, error_m, is_good):
+    end = tool('reader').Arrival(is_reached, 'words', error_m, 12.3)
+    reader = SimpleNamespace(localize=lambda start: None, drive_to=lambda goal: end)
+    assert tool('run_chapter').navigation(reader, [(1.5, -2.0, 0.0)]) == is_good
+    output = capsys.readouterr().out
+    assert 'goal 1.5 -2.0: words after 12 s, {:.3f} m from it'.format(error_m) in output
+    assert ('at most 0.1 m are allowed' in output) == (is_reached and error_m > 0.1)

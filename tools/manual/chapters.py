@@ -35,3 +35,4 @@ PILLAR_RADIUS = 0.15
 START = (-2.0, -0.5)
 # free places on three sides of the pillars, with the heading in rad
 GOALS = ((0.55, -1.7, 0.0), (1.7, 0.55, 1.57), (-0.55, 1.7, 3.14))
+GOAL_RADIUS = 0.1       # m, how near the robot has to come

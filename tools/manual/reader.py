@@ -2,6 +2,7 @@
 import math
 import threading
 import time
+from typing import NamedTuple
 
 import numpy as np
 import rospy
@@ -15,12 +16,26 @@ from std_msgs.msg import Header
 
 from img_recog.conversions.plane_msgs import PlanePose, pose_to_msg
 from img_recog.errors import UserError
+from img_recog.messages import message
 
-_FIRST_S, _MAP_S = 60.0, 10.0       # of wall time
-_EXPLORE_S, _GOAL_S = 300.0, 180.0  # simulated
+_FIRST_S, _MAP_S = 60, 10           # of wall time
+_EXPLORE_S, _GOAL_S = 300, 180      # simulated
 _POLL_S = 0.1
-_ENDS = {GoalStatus.SUCCEEDED: 'reached', GoalStatus.ABORTED: 'given up',
-         GoalStatus.PREEMPTED: 'preempted', GoalStatus.REJECTED: 'rejected'}
+_ENDS = {GoalStatus.SUCCEEDED: message('reached'), GoalStatus.ABORTED: message('given up'),
+         GoalStatus.PREEMPTED: message('preempted'), GoalStatus.REJECTED: message('rejected')}
+
+
+class Arrival(NamedTuple):
+    """How a goal ended.
+
+    is_reached: says move_base. text: the same for the user. error_m: from the goal to the true
+    position. time_s: simulated.
+    """
+
+    is_reached: bool
+    text: str
+    error_m: float
+    time_s: float
 
 
 class Reader:
@@ -53,9 +68,11 @@ class Reader:
         with self._changed:
             while topic not in self._newest or not is_right(self._newest[topic]):
                 if time.monotonic() > end or not self.is_running():
-                    raise UserError('no message on /{} {}'.format(
-                        topic, 'for {:g} s'.format(timeout_s) if self.is_running() else
-                        'before roslaunch has ended'), 'see what the nodes have printed above')
+                    raise UserError(
+                        message('no message on /{} for {} s', topic, timeout_s)
+                        if self.is_running() else
+                        message('no message on /{} before roslaunch has ended', topic),
+                        message('see what the nodes have printed above'))
                 self._changed.wait(_POLL_S)
             return self._newest[topic]
 
@@ -70,9 +87,10 @@ class Reader:
         turn, end = Round(self.position()), rospy.get_time() + _EXPLORE_S
         while not turn.is_complete(self.position()):
             if rospy.get_time() > end:
-                raise UserError('the robot is not back where it has begun after {:g} s, {:.1f} m'
-                                .format(_EXPLORE_S, turn.driven_m),
-                                'is the world turtlebot3_world?')
+                raise UserError(
+                    message('the robot is not back where it has begun after {} s, {} m',
+                            _EXPLORE_S, '{:.1f}'.format(turn.driven_m)),
+                    message('is the world turtlebot3_world?'))
             scan, twist = self._wait('scan'), Twist()
             twist.linear.x, twist.angular.z = command(scan.ranges, scan.angle_min,
                                                       scan.angle_increment)
@@ -101,14 +119,14 @@ class Reader:
             where = pose.pose.pose.position
             return math.dist((where.x, where.y), start) < 0.5
         self._until(lambda: self._initial.publish(msg), lambda: 'amcl_pose' in self._newest
-                    and is_there(self._newest['amcl_pose']), 'amcl has no pose near the start')
+                    and is_there(self._newest['amcl_pose']),
+                    message('amcl has no pose near the start after {} s', _FIRST_S))
 
     def _until(self, action, is_done, problem):
         end = time.monotonic() + _FIRST_S
         while not is_done():
             if time.monotonic() > end:
-                raise UserError('{} after {:g} s'.format(problem, _FIRST_S),
-                                'see what the nodes have printed above')
+                raise UserError(problem, message('see what the nodes have printed above'))
             action()
             time.sleep(1.0)
 
@@ -118,21 +136,22 @@ class Reader:
                 self._newest['move_base/status'].status_list}
 
     def drive_to(self, goal):
-        """Give a goal, as by "2D Nav Goal" of rviz; return how it ended, its error and time.
+        """Give a goal, as by "2D Nav Goal" of rviz; return how it ended, an Arrival.
 
-        goal: x, y in m and yaw in rad. Returns a word, m, simulated s.
+        goal: x, y in m and yaw in rad.
         """
         self._wait('move_base/status')
         self._until(lambda: None, lambda: self._goal.get_num_connections() > 0,
-                    'move_base takes no goal')
+                    message('move_base takes no goal after {} s', _FIRST_S))
         before, start = set(self._goals()), rospy.get_time()
         self._goal.publish(pose_to_msg(PlanePose(*goal), Header(stamp=rospy.Time.now(),
                                                                 frame_id='map')))
         while rospy.get_time() < start + _GOAL_S:
-            ended = [_ENDS[status] for name, status in self._goals().items()
+            ended = [status for name, status in self._goals().items()
                      if name not in before and status in _ENDS]
             if ended:
                 break
             time.sleep(_POLL_S)
-        return (ended[0] if ended else 'not reached', math.dist(self.position(), goal[:2]),
-                rospy.get_time() - start)
+        return Arrival(GoalStatus.SUCCEEDED in ended,
+                       _ENDS[ended[0]] if ended else message('not reached'),
+                       math.dist(self.position(), goal[:2]), rospy.get_time() - start)

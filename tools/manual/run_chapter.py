@@ -14,10 +14,11 @@ import time
 
 import rosgraph
 import rospkg
-from chapters import CHAPTERS, GOALS, PILLAR_RADIUS, PILLARS, START
+from chapters import CHAPTERS, GOAL_RADIUS, GOALS, PILLAR_RADIUS, PILLARS, START
 
 from img_recog import process_tree
 from img_recog.errors import UserError
+from img_recog.messages import message
 
 _ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 _NOETIC = '/opt/ros/noetic'
@@ -37,10 +38,10 @@ def check_packages(chapter):
     if not missing:
         return
     raise UserError(
-        'these packages of ROS are missing: {}'.format(' '.join(missing)),
-        'install {}'.format(' '.join(chapter.noetic)) if os.path.isdir(_NOETIC) else
-        'Debian has none of them: source the setup.bash of a workspace that has them before '
-        './run; see doc/manual.md')
+        message('these packages of ROS are missing: {}', ' '.join(missing)),
+        message('install {}', ' '.join(chapter.noetic)) if os.path.isdir(_NOETIC) else
+        message('Debian has none of them: source the setup.bash of a workspace that has them '
+                'before ./run; see doc/manual.md'))
 
 
 def _end(process):
@@ -80,7 +81,8 @@ def simulator(words):
         end = time.monotonic() + _START_S
         while not (os.path.exists(path) and os.path.getsize(path) and _has_clock(path)):
             if demo.poll() is not None or time.monotonic() > end:
-                raise UserError('the simulator has not started', 'see what it has printed above')
+                raise UserError(message('the simulator has not started'),
+                                message('see what it has printed above'))
             time.sleep(0.1)
         yield
     finally:
@@ -104,32 +106,42 @@ def launched(chapter, words):
 def slam(reader, folder):
     """Drive round, save the map, and return whether all pillars are in it, within one cell."""
     import occupancy
-    say('driving round along the wall, about 2 min')
+    say(message('driving round along the wall, about 2 min'))
     reader.explore()
     grid = reader.grid()
     path = os.path.join(folder, 'map')
     occupancy.save(grid, path)
     found = occupancy.find_pillars(grid, PILLARS, PILLAR_RADIUS)
-    say('the map is in {0}.yaml and {0}.pgm'.format(path))
-    say('{} of {} pillars are in the map'.format(len(found), len(PILLARS)))
+    say(message('the map is in {}.yaml and {}.pgm', path, path))
+    say(message('{} of {} pillars are in the map', len(found), len(PILLARS)))
     if len(found) < len(PILLARS):
         return False
-    for error, name in zip(occupancy.errors(found), ('in the frame of the world',
-                                                     'in the frame of the map')):
-        say('{}, their centers are off by at most {:.3f} m, {:.2f} cells'.format(
-            name, error, error / grid.resolution))
-    return error <= grid.resolution
+    in_world, in_map = occupancy.errors(found)
+    say(message('in the frame of the world, their centers are off by at most {} m, {} cells',
+                *_figures(in_world, grid)))
+    say(message('in the frame of the map, their centers are off by at most {} m, {} cells',
+                *_figures(in_map, grid)))
+    return in_map <= grid.resolution
+
+
+def _figures(error_m, grid):
+    return '{:.3f}'.format(error_m), '{:.2f}'.format(error_m / grid.resolution)
 
 
 def navigation(reader, goals):
-    """Drive to the goals; return whether move_base says that all were reached."""
+    """Drive to the goals; return whether the robot came near all of them, and so move_base says.
+
+    Near is GOAL_RADIUS, at its true position.
+    """
     reader.localize(START)
     is_good = True
     for goal in goals:
-        text, error_m, time_s = reader.drive_to(goal)
-        say('goal {:g} {:g}: {} after {:.0f} s, {:.3f} m from it'.format(
-            goal[0], goal[1], text, time_s, error_m))
-        is_good = is_good and text == 'reached'
+        end = reader.drive_to(goal)
+        say(message('goal {} {}: {} after {} s, {} m from it', *goal[:2], end.text,
+                    '{:.0f}'.format(end.time_s), '{:.3f}'.format(end.error_m)))
+        if end.is_reached and end.error_m > GOAL_RADIUS:
+            say(message('that is too far: at most {} m are allowed', GOAL_RADIUS))
+        is_good = is_good and end.is_reached and end.error_m <= GOAL_RADIUS
     return is_good
 
 
@@ -155,7 +167,8 @@ def main(words=None):
         if given.chapter == 'navigation':
             path = os.path.join(os.path.abspath(given.dir), 'map.yaml')
             if not os.path.exists(path):
-                raise UserError('there is no map {}'.format(path), 'make it: ./run manual slam')
+                raise UserError(message('there is no map {}', path),
+                                message('make it: ./run manual slam'))
             launch_words = ['map_file:=' + path]
         with contextlib.ExitStack() as running:
             running.enter_context(simulator(given.arguments))
@@ -166,7 +179,7 @@ def main(words=None):
             is_good = (slam(reader, given.dir) if given.chapter == 'slam'
                        else navigation(reader, given.goal or GOALS))
             if given.stay:
-                say('done; Ctrl-C ends it')
+                say(message('done; Ctrl-C ends it'))
                 signal.pause()
     except UserError as error:
         sys.stderr.write('[run] {}\n'.format(error))
