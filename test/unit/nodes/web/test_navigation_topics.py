@@ -1,6 +1,5 @@
 """What pages get of a map, transforms and plans, and what they send, without a master."""
 import base64
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -85,9 +84,11 @@ def test_a_robot_has_its_own_map_or_that_of_all(topics):
 def test_the_known_part_of_the_map_is_shown_and_updated(topics):
     calls(topics)['/map'](grid(CELLS))
     assert shown(topics) == ([[254, 0], [205, 127]], [-0.5, 0.5, 0.0])
-    topics._changed(SimpleNamespace(x=1, y=2, width=1, height=1, data=[100]))
+    update = pytest.importorskip('map_msgs.msg').OccupancyGridUpdate
+    topics.follow({**TYPES, '/map_updates': 'map_msgs/OccupancyGridUpdate'})
+    calls(topics)['/map_updates'](update(x=1, y=2, width=1, height=1, data=[100]))
     assert shown(topics)[0] == [[254, 0], [0, 127]]
-    topics._changed(SimpleNamespace(x=3, y=2, width=2, height=1, data=[100, 100]))
+    calls(topics)['/map_updates'](update(x=3, y=2, width=2, height=1, data=[100, 100]))
     assert shown(topics)[0] == [[254, 0], [0, 127]]
 
 
