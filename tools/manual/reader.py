@@ -14,7 +14,7 @@ from occupancy import Grid
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 
-from img_recog.conversions.plane_msgs import PlanePose, pose_to_msg
+from img_recog.conversions.plane_msgs import PlanePose, initial_pose, pose_to_msg
 from img_recog.errors import UserError
 from img_recog.messages import message
 
@@ -108,12 +108,7 @@ class Reader:
 
     def localize(self, start):
         """Say where the robot is, as by "2D Pose Estimate" of rviz, until amcl has it."""
-        msg = PoseWithCovarianceStamped()
-        msg.header.frame_id = 'map'
-        msg.pose.pose.position.x, msg.pose.pose.position.y = start
-        msg.pose.pose.orientation.w = 1.0
-        msg.pose.covariance[0] = msg.pose.covariance[7] = 0.25
-        msg.pose.covariance[35] = 0.07
+        msg = initial_pose(pose_to_msg(PlanePose(*start, 0.0), Header(frame_id='map')))
 
         def is_there(pose):
             where = pose.pose.pose.position

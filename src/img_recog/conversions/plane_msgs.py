@@ -4,7 +4,8 @@ from typing import List, NamedTuple, Sequence, Union
 
 import genpy
 import numpy as np
-from geometry_msgs.msg import Point, PoseStamped, PoseWithCovariance
+from geometry_msgs.msg import (Point, PoseStamped, PoseWithCovariance,
+                               PoseWithCovarianceStamped)
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -12,6 +13,8 @@ from img_recog import rotations
 from img_recog.errors import UserError
 
 MAX_NUMBER = 1e6        # in m; physics engines compute NaN far beyond
+# of x, y and yaw, in m^2 and rad^2, by their places in the matrix
+_INITIAL_VARIANCES = {0: 0.25, 7: 0.25, 35: (math.pi / 12) ** 2}
 _LINE_WIDTH_M = 0.02
 _GRAY = 0.5
 
@@ -53,6 +56,12 @@ def pose_to_msg(pose: PlanePose, header: Header) -> PoseStamped:
     msg.pose.position.x, msg.pose.position.y = pose.x, pose.y
     _, _, msg.pose.orientation.z, msg.pose.orientation.w = rotations.of_yaw(pose.yaw)
     return msg
+
+
+def initial_pose(pose: PoseStamped) -> PoseWithCovarianceStamped:
+    """Return the message that tells a pose to amcl, with the variances that rviz gives it."""
+    covariance = [_INITIAL_VARIANCES.get(index, 0.0) for index in range(36)]
+    return PoseWithCovarianceStamped(pose.header, PoseWithCovariance(pose.pose, covariance))
 
 
 def pose_from_msg(msg: Union[PoseStamped, PoseWithCovariance]) -> PlanePose:

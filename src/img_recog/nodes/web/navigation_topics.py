@@ -7,8 +7,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 import cv2
 import numpy as np
 import rospy
-from geometry_msgs.msg import (PoseStamped, PoseWithCovariance, PoseWithCovarianceStamped,
-                               Transform)
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Transform
 from nav_msgs.msg import OccupancyGrid, Path
 from rospy.numpy_msg import numpy_msg
 from std_msgs.msg import Header
@@ -32,8 +31,6 @@ _UNKNOWN = -1
 # gray of each value of a cell as an unsigned byte: like the images of map_saver
 _GRAYS = np.full(256, 205, np.uint8)
 _GRAYS[:101] = np.linspace(254, 0, 101).round()
-# of an initial pose, as rviz has it: m2, m2, rad2
-_VARIANCES = {0: 0.25, 7: 0.25, 35: (math.pi / 12) ** 2}
 
 
 class NavigationTopics(Topics):
@@ -168,8 +165,7 @@ class NavigationTopics(Topics):
         msg = place_to_msg(x, y, yaw, self._header.frame_id)
         if self._goals is None or self._initial_poses is None:
             return
-        if not is_initial:
+        if is_initial:
+            self._initial_poses.publish(plane_msgs.initial_pose(msg))
+        else:
             self._goals.publish(msg)
-            return
-        pose = PoseWithCovariance(msg.pose, [_VARIANCES.get(index, 0.0) for index in range(36)])
-        self._initial_poses.publish(PoseWithCovarianceStamped(msg.header, pose))

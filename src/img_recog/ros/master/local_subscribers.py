@@ -1,7 +1,7 @@
 """The processes on this computer that subscribe to the topics of this node."""
 import threading
 import time
-from typing import Any, Dict
+from typing import Any, Dict, Optional
 
 import rosgraph
 import rospy
@@ -39,15 +39,16 @@ class LocalSubscribers:
         own = {topic for topic, nodes in published if node in nodes}
         names = {name for topic, nodes in subscribed if topic in own for name in nodes} - {node}
         uris = {name: self._master.ask('lookupNode', name) or '' for name in names}
-        self.pids = {**{name: pid for name, pid in self.pids.items()
-                        if uris.get(name) == self._uris[name]},
-                     **{name: _pid(uri, node) for name, uri in uris.items()
-                        if uri != self._uris.get(name)}}
-        self._uris = uris
+        asked = {name: _pid(uri, node) for name, uri in uris.items()
+                 if uri != self._uris.get(name)}
+        self.pids = {**{name: pid for name, pid in self.pids.items() if name in uris},
+                     **{name: pid or 0 for name, pid in asked.items()}}
+        # one that has not answered is asked again
+        self._uris = {name: uri for name, uri in uris.items() if asked.get(name, 0) is not None}
 
 
-def _pid(uri: str, caller: str) -> int:
-    """Return the PID of a node; 0 if it is on another computer or does not answer."""
+def _pid(uri: str, caller: str) -> Optional[int]:
+    """Return the PID of a node; 0 if it is on another computer, None if it does not answer."""
     host, _ = rosgraph.network.parse_http_host_and_port(uri or 'http://unknown:0')
     if not rosgraph.network.is_local_address(host):
         return 0
@@ -55,4 +56,4 @@ def _pid(uri: str, caller: str) -> int:
         answer: Any = timed_xmlrpc.server(uri, _TIMEOUT_S).getPid(caller)
         return int(answer[2])
     except (*timed_xmlrpc.ERRORS, IndexError, TypeError, ValueError):
-        return 0
+        return None
