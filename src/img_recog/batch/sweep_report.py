@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from img_recog.batch.engine import Outcome
+from img_recog.batch.report import lines_of_table
 from img_recog.batch.statistics import wilson
 from img_recog.batch.sweep_file import Range, Run, Sweep, Values
 from img_recog.batch.sweep_run import COLLISION, PATH, REACHED, TIME, Result
@@ -72,16 +73,16 @@ def markdown(title: str, sweep: Sweep, ended: Sequence[Ended], films: Sequence[T
     rows, columns = _cells(sweep)
     if rows:
         lines += ['Success rate, with its 95 % confidence interval (Wilson):', '']
-        lines += _lines([' / '.join(sweep.cells), *columns], [
+        lines += lines_of_table([' / '.join(sweep.cells), *columns], [
             [row, *(_rate(_in(sweep, ended, row, column)) for column in columns)]
             for row in rows])
         lines += ['', 'How the runs have ended:', '']
-        lines += _lines([sweep.cells[0], *_REASONS], [
+        lines += lines_of_table([sweep.cells[0], *_REASONS], [
             [row, *(str(sum(each.reason == reason for each in ended
                             if each.run.labels[sweep.cells[0]] == row)) for reason in _REASONS)]
             for row in rows])
     lines += ['', 'The worst runs:', '']
-    lines += _lines(['run', 'ended by', 'distance', 'time', 'film', 'again'], [
+    lines += lines_of_table(['run', 'ended by', 'distance', 'time', 'film', 'again'], [
         [each.run.key, each.reason, '{:.2f} m'.format(each.outcome.value.distance_m),
          '{:.1f} s'.format(each.outcome.value.time_s), name,
          '`{} --only {}`'.format(command, shlex.quote(each.run.key))] for each, name in films])
@@ -91,11 +92,6 @@ def markdown(title: str, sweep: Sweep, ended: Sequence[Ended], films: Sequence[T
         lines += ['- {}: {}'.format(each.run.key, each.outcome.problem)
                   for each in failed[:_MAX_PROBLEMS]]
     return '\n'.join(lines) + '\n'
-
-
-def _lines(head: Sequence[str], rows: Sequence[Sequence[str]]) -> List[str]:
-    return ['| {} |'.format(' | '.join(row))
-            for row in (head, ['---'] * len(head), *rows)]
 
 
 def _rate(ended: Sequence[Ended]) -> str:

@@ -2,7 +2,7 @@
 import csv
 import importlib.util
 import io
-from typing import IO, Any, Dict, Sequence, Tuple
+from typing import IO, Any, Dict, Iterable, Sequence, Tuple
 
 _ARROW = 'pyarrow'
 
@@ -13,8 +13,9 @@ def extensions() -> Tuple[str, ...]:
 
 
 def write(files: Sequence[IO[bytes]], columns: Sequence[str],
-          rows: Sequence[Dict[str, Any]]) -> None:
+          rows: Iterable[Dict[str, Any]]) -> None:
     """Write rows to open files, one for each of `extensions`; a missing value is empty."""
+    rows = rows if len(files) == 1 else list(rows)
     text = io.TextIOWrapper(files[0], 'utf-8', newline='')      # type: ignore[arg-type]
     writer = csv.DictWriter(text, columns, lineterminator='\n')
     writer.writeheader()

@@ -1,0 +1,173 @@
+"""The program evaluate: what several sets of colors make of recordings, side by side."""
+import argparse
+import contextlib
+import csv
+import logging
+import os
+import re
+import sys
+from typing import Any, Dict, List, Sequence
+
+from img_recog import files, still_images
+from img_recog.batch import engine, evaluate_report, evaluation, options, tables
+from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
+from img_recog.batch.work import Function, Piece
+from img_recog.errors import UserError, one_line, shortened, suggestion
+from img_recog.recognition import parameter_file
+from img_recog.replay import cli, programs
+from img_recog.signals import Interrupts
+from img_recog.simulation.settings import SpawnSettings
+
+_TRUTH = 'recording', 'frame', 'color', 'in_view'
+_log = logging.getLogger('evaluate.py')
+
+
+def main() -> int:
+    """Run the program; return its exit code, 1 if a recording cannot be used."""
+    logging.basicConfig(format='evaluate.py: %(message)s')
+    problems: List[str] = []
+    code = programs.run(lambda words, interrupts: _main(words, interrupts, problems),
+                        sys.argv[1:], _log, 'cannot write')
+    return code or int(bool(problems))
+
+
+def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> str:
+    given = _parser().parse_args(words)
+    where = options.of(given)
+    recordings = _named([os.path.abspath(os.path.expanduser(path)) for path in given.recordings])
+    sets = _color_sets(given.colors)
+    truth = _read_truth(os.path.expanduser(given.truth), recordings, sets) if given.truth else {}
+    paths = files.output_paths(given.recordings[0], os.path.expanduser(given.output),
+                               (*tables.extensions(), '.md', '.png'), 'evaluated')
+    work = re.sub(r'\.csv$', '.work', paths[0])
+    with contextlib.ExitStack() as stack:
+        stages = _Stages(stack, work, where, interrupts, problems)
+        measured = _measured(stages, recordings, sets, given.topic, given.max_image_pixels)
+        found = _driven(stages, measured, sets, cli.world_name(given.world) if given.world else '')
+        with files.atomic_write(paths) as opened:
+            count = len(tables.extensions())
+            tables.write(opened[:count], *evaluate_report.table(sets, found))
+            report, picture = opened[count:]
+            report.write(evaluate_report.markdown(sets, found, truth, problems).encode())
+            evaluate_report.draw(picture, sets, found)
+    with contextlib.suppress(OSError):      # not empty: what can be used again stays
+        os.rmdir(work)
+    return '{} of {} recordings, {} frames, {} sets of colors; wrote {}'.format(
+        len(found), len(recordings), sum(len(each.measured.numbers) for each in found),
+        len(sets), ', '.join(paths))
+
+
+class _Stages:
+    """Runs pieces one stage after the other; their results stay until all is written.
+
+    problems: a line for each recording that cannot be used.
+    """
+
+    def __init__(self, stack: contextlib.ExitStack, work: str, where: options.Options,
+                 interrupts: Interrupts, problems: List[str]):
+        self._stack, self._work, self._where = stack, work, where
+        self._interrupts, self._problems = interrupts, problems
+
+    def run(self, function: Function, pieces: Sequence[Piece], unit: str) -> Dict[str, List[Any]]:
+        """Return the results by recording, whose name is in the key of a piece before the #."""
+        found: Dict[str, List[Any]] = {}
+        bad: List[str] = []
+        for outcome in self._stack.enter_context(engine.outcomes(
+                function, pieces, os.path.join(self._work, unit.strip()), self._where,
+                self._interrupts, unit)):
+            name = outcome.key.rpartition('#')[0]
+            found.setdefault(name, []).append(outcome.value)
+            if outcome.problem and name not in bad:
+                bad.append(name)
+                self._problems.append('{}: {}'.format(name, outcome.problem))
+                _log.error('%s', self._problems[-1])
+        return {name: values for name, values in found.items() if name not in bad}
+
+
+def _measured(stages: _Stages, recordings: Dict[str, str], sets: Sequence[ColorSet], topic: str,
+              max_pixels: int) -> Dict[str, Measured]:
+    """Return what was measured in each recording that can be read to its end."""
+    parts = stages.run(evaluation.divide, [
+        Piece(name + '#', (topic, max_pixels), (path,)) for name, path in recordings.items()],
+        ' recordings')
+    measured = stages.run(evaluation.measure, [
+        Piece('{}#{}'.format(name, number), (part, max_pixels),
+              (recordings[name], *(each.path for each in sets)), part.frames)
+        for name, (divided,) in parts.items() for number, part in enumerate(divided)], ' frames')
+    return {name: found[0].joined(found[1:]) for name, found in measured.items()}
+
+
+def _driven(stages: _Stages, measured: Dict[str, Measured], sets: Sequence[ColorSet],
+            world: str) -> List[Evaluated]:
+    driven = stages.run(evaluation.drive, [
+        Piece('{}#{}'.format(name, number), (each, number, world, SpawnSettings()),
+              (colors.path, *([world] if os.path.isabs(world) else [])))
+        for name, each in measured.items() for number, colors in enumerate(sets)], ' drives')
+    return [Evaluated(name, measured[name], found) for name, found in driven.items()]
+
+
+def _named(paths: Sequence[str]) -> Dict[str, str]:
+    """Return paths by short names, with as many folders as make them differ."""
+    named: Dict[str, str] = {}
+    for path in paths:
+        parts = path.split(os.sep)
+        name = next(name for name in ('/'.join(parts[-length:])
+                                      for length in range(1, len(parts) + 1))
+                    if sum(('/' + other).endswith('/' + name) for other in set(paths)) == 1)
+        named[name] = path
+    return named
+
+
+def _color_sets(paths: Sequence[str]) -> List[ColorSet]:
+    named = _named([os.path.abspath(os.path.expanduser(path)) for path in paths])
+    return [ColorSet(os.path.splitext(name)[0], path, parameter_file.read(path))
+            for name, path in named.items()]
+
+
+def _read_truth(path: str, recordings: Dict[str, str], sets: Sequence[ColorSet]) -> Truth:
+    """Return what a table says is in view; raise UserError if it is not about what is given."""
+    truth: Truth = {}
+    colors = sorted({color.name for each in sets for color in each.settings.colors})
+    try:
+        with open(path, newline='') as file:
+            rows = csv.DictReader(file)
+            missing = [name for name in _TRUTH if name not in (rows.fieldnames or ())]
+            if missing:
+                raise UserError('--truth {}: it has no column {}'.format(path, missing[0]),
+                                'give one with the columns ' + ', '.join(_TRUTH))
+            for row in rows:
+                for column, known in (('recording', list(recordings)), ('color', colors)):
+                    if row[column] not in known:
+                        raise UserError('--truth {}, line {}: there is no {} {}'.format(
+                            path, rows.line_num, column, shortened(row[column])),
+                            suggestion(row[column], known) or 'there are ' + ', '.join(known))
+                if row['in_view'] not in ('0', '1') or not row['frame'].isdigit():
+                    raise UserError('--truth {}, line {}: expected a number as frame, and 0 or 1 '
+                                    'as in_view'.format(path, rows.line_num))
+                truth.setdefault(row['recording'], {})[int(row['frame']), row['color']] = (
+                    row['in_view'] == '1')
+    except (OSError, csv.Error, UnicodeDecodeError) as error:
+        raise UserError('--truth: cannot read {}: {}'.format(path, one_line(error)))
+    return truth
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog='evaluate.py', description='Measure recordings with several sets of colors; write '
+        'areas, commands and the path of the simulated robot side by side as a table (CSV), a '
+        'report and a picture.', allow_abbrev=False)
+    parser.add_argument('recordings', metavar='VIDEO_OR_BAG', nargs='+',
+                        help='video files, and bags with images')
+    parser.add_argument('--colors', required=True, nargs='+', metavar='YAML',
+                        help='parameter files of color_extract')
+    parser.add_argument('--truth', default='', metavar='CSV',
+                        help='which colors are in view: columns recording, frame, color, in_view')
+    parser.add_argument('--world', default='',
+                        help='also simulate the robot, in this world as for replay.py')
+    parser.add_argument('--topic', default='', help='topic of the images in the bags')
+    still_images.add_option(parser)
+    parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
+                        help='where to write the files (default: NAME.evaluated.csv, .md and .png '
+                        'in the current folder, of the first recording)')
+    options.add_to(parser)
+    return parser

@@ -1,0 +1,126 @@
+"""evaluate.py: sets of colors side by side, against what replay.py says of each."""
+import csv
+import logging
+import os
+import sys
+
+import cv2
+import numpy as np
+import pytest
+
+from img_recog.batch import evaluate_job
+from img_recog.recognition import parameter_file
+from img_recog.recognition.areas import ColorExtractor
+from img_recog.replay import job
+from img_recog.replay.inputs import VideoFrames
+
+GREEN, FRAMES = (0, 200, 0), 8
+WIDE = '{colors: [green], green_hue_min: 40, green_hue_max: 80, green_area_limit: 100, ' \
+    'green_linear_x: 0.1}'
+
+
+class NoPainter:
+    """Draws nothing."""
+
+    def begin(self, *_):
+        pass
+
+    def finish(self):
+        return b''
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, handlers_as_before):
+    """A folder with a film in which a green square grows, and two sets of colors."""
+    writer = cv2.VideoWriter(str(tmp_path / 'film.avi'), cv2.CAP_FFMPEG,
+                             cv2.VideoWriter_fourcc(*'MJPG'), 10, (96, 64))
+    for number in range(FRAMES):
+        image = np.full((64, 96, 3), 90, np.uint8)
+        image[:, :4 * number] = GREEN
+        writer.write(image)
+    writer.release()
+    (tmp_path / 'low.yaml').write_text(WIDE)
+    (tmp_path / 'high.yaml').write_text(WIDE.replace('100', '900'))
+    (tmp_path / 'broken.avi').write_bytes(b'RIFF' + bytes(99))
+    monkeypatch.chdir(tmp_path)
+    yield tmp_path
+    logging.getLogger('evaluate.py').handlers.clear()
+
+
+def run(monkeypatch, *arguments):
+    monkeypatch.setattr(sys, 'argv', ['evaluate.py', *arguments, '--jobs', '1'])
+    return evaluate_job.main()
+
+
+def rows(path='film.evaluated.csv'):
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
+def test_areas_and_commands_of_each_set(folder, monkeypatch, capsys):
+    assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'high.yaml') == 0
+    assert capsys.readouterr().out.startswith(
+        '1 of 1 recordings, 8 frames, 2 sets of colors; wrote film.evaluated.csv')
+    found = rows()
+    extractor = ColorExtractor(parameter_file.read('low.yaml'))
+    areas = [extractor.measure(frame.image, frame.encoding)[0]
+             for frame in VideoFrames('film.avi')]
+    for colors, limit in (('low', 100), ('high', 900)):
+        mine = [row for row in found if row['colors'] == colors]
+        assert [int(row['green_px']) for row in mine] == areas
+        assert [row['linear_x_m_per_s'] for row in mine] == [
+            '0.1' if area > limit else '' for area in areas]
+        assert [(row['frame'], row['time_s']) for row in mine][3] == ('3', '0.300000000')
+    differing = sum(100 < area <= 900 for area in areas)
+    assert '| film.avi | high | 0.10 s | {} |'.format(differing) in (
+        folder / 'film.evaluated.md').read_text()
+    assert cv2.imread('film.evaluated.png').shape[1] == 1200
+    assert not [name for name in os.listdir(str(folder)) if 'work' in name]
+
+
+def test_the_path_is_that_of_replay(folder, monkeypatch):
+    assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', '--world', 'empty') == 0
+    monkeypatch.setattr(sys, 'argv', ['replay.py', 'film.avi', '--colors', 'low.yaml', '--world',
+                                      'empty', '--no-teleop'])
+    assert job.main(NoPainter(), 0.0) == 0
+    poses = [[float(row[name]) for name in ('x_m', 'y_m', 'yaw_rad')] for row in rows()]
+    assert poses == pytest.approx(np.array([
+        [float(row[name]) for name in ('x_m', 'y_m', 'yaw_rad')]
+        for row in rows('film.replay.csv')]), abs=2e-6)
+    assert poses[-1][0] > -2.0 + 0.02
+
+
+def test_truth_gives_precision_and_recall(folder, monkeypatch):
+    lines = ['recording,frame,color,in_view'] + [
+        'film.avi,{},green,{}'.format(frame, int(frame in (3, 4, 5))) for frame in range(1, 7)]
+    (folder / 'truth.csv').write_text('\n'.join(lines))
+    assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'high.yaml', '--truth',
+               'truth.csv') == 0
+    report = (folder / 'film.evaluated.md').read_text()
+    assert '| low | green | 0.500 | 1.000 | 6 |' in report
+    assert '| high | green | 0.667 | 0.667 | 6 |' in report
+
+
+def test_a_broken_recording_is_named_and_the_others_count(folder, monkeypatch, capsys, caplog):
+    assert run(monkeypatch, 'film.avi', 'broken.avi', '--colors', 'low.yaml') == 1
+    assert capsys.readouterr().out.startswith('1 of 2 recordings, 8 frames')
+    assert len(rows()) == FRAMES
+    assert 'broken.avi: cannot ' in caplog.text
+    assert '- broken.avi: cannot ' in (folder / 'film.evaluated.md').read_text()
+
+
+@pytest.mark.parametrize('line, words', [
+    ('other.avi,1,green,1', 'line 2: there is no recording other.avi'),
+    ('film.avi,1,gren,1', 'there is no color gren; did you mean green?'),
+    ('film.avi,1,green,yes', 'expected a number as frame, and 0 or 1')])
+def test_truth_that_is_refused(folder, monkeypatch, caplog, line, words):
+    (folder / 'truth.csv').write_text('recording,frame,color,in_view\n' + line)
+    assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', '--truth', 'truth.csv') == 1
+    assert words in caplog.text
+
+
+def test_equal_names_get_their_folder(folder, monkeypatch):
+    (folder / 'b').mkdir()
+    (folder / 'b' / 'low.yaml').write_text(WIDE)
+    assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'b/low.yaml') == 0
+    assert {row['colors'] for row in rows()} == {'{}/low'.format(folder.name), 'b/low'}
