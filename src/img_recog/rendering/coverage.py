@@ -75,6 +75,16 @@ def are_on_image(rectangles_: np.ndarray) -> np.ndarray:
     return (rectangles_[:, :2] <= 1).all(axis=1) & (rectangles_[:, 2:] >= -1).all(axis=1)
 
 
+def largest(rectangles_: np.ndarray) -> float:
+    """Return the largest share of the image that one of rectangles (n, 4) on it covers.
+
+    >>> largest(np.array([[0, 0, 2, 0.5], [-1, -1, -0.5, 0]]))
+    0.125
+    """
+    places = rectangles_.clip(-1, 1)
+    return float(np.prod(places[:, 2:] - places[:, :2], axis=1).max(initial=0)) / 4
+
+
 def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
     """Return rectangles (k, 4) of whole tiles, of which no two overlap, that hold others.
 

@@ -33,8 +33,12 @@ class Floor:
         self._depth = context.vertex_array(depth, [(whole, '3f', 'position')])
 
     def draw(self, shadowed: np.ndarray) -> None:
-        """Draw it; shadowed (k, 4, 3): the corners of parallelograms that hold all shadows."""
-        self._lit.render()
+        """Draw it; shadowed (k, 4, 3): the corners of parallelograms that hold all shadows.
+
+        With WHOLE, they can be everywhere.
+        """
+        if shadowed is not WHOLE:
+            self._lit.render()
         if len(shadowed):
             self._shadowed.write(_triangles(shadowed))
             self._shaded.render(vertices=6 * len(shadowed))

@@ -20,6 +20,7 @@ _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is
 _CLIP_DISTANCE0, _CLIP_DISTANCE1 = 0x3000, 0x3001   # of OpenGL; moderngl has no names for them
 # GL_SAMPLE_ALPHA_TO_COVERAGE and _ONE: what is not opaque covers no samples
 _CUTOUT = 0x809E, 0x809F
+_MUCH = 0.3                     # of an image; to look for shadows on all of the floor is faster
 _MIN_SUN_Z = 0.1                # below, shadows are too long to find out where on the floor
 
 
@@ -107,10 +108,11 @@ class Renderer:
             shadows[:], shadowed = True, floor.WHOLE
         elif self._light.floor:
             on_floor = np.repeat(self._shadows.on_floor(reached), 2, axis=1)    # flat boxes
-            is_on_seen_floor = coverage.are_on_image(
-                coverage.rectangles(on_floor, to_clip, camera.near))
-            shadowed = self._shadows.on_floor(self._shadows.tiles(reached[is_on_seen_floor]))
+            rectangles = coverage.rectangles(on_floor, to_clip, camera.near)
+            is_on_seen_floor = coverage.are_on_image(rectangles)
             shadows |= is_on_seen_floor
+            shadowed = (floor.WHOLE if coverage.largest(rectangles[is_on_seen_floor]) > _MUCH else
+                        self._shadows.on_floor(self._shadows.tiles(reached[is_on_seen_floor])))
         self._shadows.add(self._boxes.parts[shadows])
         return shadowed
 
