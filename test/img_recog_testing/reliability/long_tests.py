@@ -64,12 +64,14 @@ def main(words: Optional[Sequence[str]] = None) -> int:
                         '(default: IMG_RECOG_LONG_SCALE, or 1)')
     parser.add_argument('--factor', type=float, default=1.0,
                         help='multiply all time limits, for a busy machine (default: 1)')
+    parser.add_argument('--side-by-side', type=int, default=8, metavar='N',
+                        help='simulations of the part lockstep at the same time (default: 8)')
     given = parser.parse_args(words)
     unknown = sorted(set(given.parts) - set(PARTS))
     if unknown:
         parser.error('no part {}; parts are {}'.format(', '.join(unknown), ', '.join(PARTS)))
     seed = random.SystemRandom().randrange(1 << 32) if given.seed is None else given.seed
-    options = Options(seed, given.scale, given.factor)
+    options = Options(seed, given.scale, given.factor, given.side_by_side)
     handle_ignored_signals()
     say('seed {}; repeat a part with ./run test --long PART --seed {}'.format(seed, seed))
     begin = time.monotonic()

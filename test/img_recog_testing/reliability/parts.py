@@ -1,12 +1,17 @@
 """The parts of `./run test --long`: how much each does at full length, and its figures."""
+import functools
+import itertools
+import pathlib
 import re
 import subprocess
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from types import ModuleType
-from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog_testing import lockstep
 from img_recog_testing.pages import ROOT
+from img_recog_testing.processes import Process
 from img_recog_testing.reliability import (endings, figures, files, images, siege, soak,
                                            surroundings, twists)
 from img_recog_testing.reliability import demo as demos
@@ -17,7 +22,7 @@ TWISTS, WIRE_TWISTS = 1000000, 60000
 IMAGES, WIRE_IMAGES = 100000, 10000
 STOPS, STOPS_WITHOUT_IMAGES, KILLS = 500, 200, 300
 SOAK_S = 1800.0
-LOCKSTEP_RUNS, LOCKSTEP_IMAGES, LOCKSTEP_LOAD = 100, 100, 8
+LOCKSTEP_RUNS, LOCKSTEP_IMAGES = 100, 100
 CLOCK_JUMPS, FULL_DISK_S, SILENT_CONNECTIONS = 60, 60.0, 100
 _MANUAL_S = 900.0       # of wall time, each chapter
 XMLRPC_S, PAGE_S, FILES = 300.0, 300.0, 3000
@@ -29,11 +34,14 @@ Row = Tuple[str, str, str]      # what was done, the result, its limit
 
 
 class Options(NamedTuple):
-    """scale: share of the full length; factor: of all time limits, for a busy machine."""
+    """scale: share of the full length; factor: of all time limits, for a busy machine;
+    side_by_side: how many simulations in lockstep run at the same time.
+    """
 
     seed: int
     scale: float = 1.0
     factor: float = 1.0
+    side_by_side: int = 8
 
     def count(self, full: int) -> int:
         return max(1, round(full * self.scale))
@@ -166,16 +174,40 @@ def run_files(options: Options) -> List[Row]:
 
 
 def run_lockstep(options: Options) -> List[Row]:
-    """Runs of a node in lockstep on a busy machine, whose paths must be the same."""
+    """Runs in lockstep, some side by side as each other's load, whose paths must be the same."""
+    with tempfile.TemporaryDirectory() as folder:
+        kinds = _lockstep_kinds(lockstep.compiled(pathlib.Path(folder)))
+        return [_lockstep_row(options, kind, run) for kind, run in kinds.items()]
+
+
+def _lockstep_kinds(program: Optional[pathlib.Path]) -> Dict[str, Callable[[Nodes, str], List]]:
+    """Return functions that drive and return the path; program: the node in C++, if there is."""
+    def one(start: Callable[[Nodes], Process]) -> Callable[[Nodes, str], List]:
+        return lambda nodes, speed: lockstep.path(nodes, speed, start=start,
+                                                  images=LOCKSTEP_IMAGES)
+    kinds = {
+        'a node of random delays': one(functools.partial(
+            lockstep.driver, delay='0.005 * numpy.random.random()')),
+        'a detector of 0.1 s': one(functools.partial(lockstep.driver, delay='0.1')),
+        'two robots': lambda nodes, _: lockstep.paths_of_two(nodes, '0', '0.01',
+                                                             images=LOCKSTEP_IMAGES)}
+    if program is not None:
+        kinds['a node in C++'] = one(lambda nodes: nodes.start(program))
+    return kinds
+
+
+def _lockstep_row(options: Options, kind: str, run: Callable[[Nodes, str], List]) -> Row:
     count = options.count(LOCKSTEP_RUNS)
-    with Nodes() as nodes, surroundings.busy_loops(LOCKSTEP_LOAD):
-        paths = {lockstep.digest(lockstep.path(
-            nodes, '_real_time_factor:={}'.format(number % 2),
-            start=lambda ros: lockstep.driver(ros, delay='0.005 * numpy.random.random()'),
-            images=LOCKSTEP_IMAGES)) for number in range(count)}
-    assert len(paths) == 1, '{} different paths in {} runs'.format(len(paths), count)
-    done = '{} runs of {} images beside {} busy loops'
-    return [(done.format(count, LOCKSTEP_IMAGES, LOCKSTEP_LOAD), 'the same path', 'one path')]
+
+    def digests(first: int) -> List[str]:
+        with Nodes() as nodes:
+            return [lockstep.digest(run(nodes, '_real_time_factor:={}'.format(number % 2)))
+                    for number in range(first, count, options.side_by_side)]
+    with ThreadPoolExecutor(options.side_by_side) as pool:
+        paths = set(itertools.chain(*pool.map(digests, range(min(count, options.side_by_side)))))
+    assert len(paths) == 1, '{}: {} different paths in {} runs'.format(kind, len(paths), count)
+    return ('{}: {} runs of {} images, {} side by side'.format(
+        kind, count, LOCKSTEP_IMAGES, options.side_by_side), 'the same path', 'one path')
 
 
 def run_manual(options: Options) -> List[Row]:

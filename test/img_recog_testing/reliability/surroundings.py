@@ -4,10 +4,9 @@ import os
 import random
 import resource
 import subprocess
-import sys
 import tempfile
 import time
-from typing import Dict, Iterator, List
+from typing import Dict, List
 
 import genpy
 from rosgraph_msgs.msg import Clock
@@ -25,17 +24,6 @@ _MAX_CLOCK_S = 4294967295.0       # of a time in ROS 1
 _MAX_TRACEBACKS, _MAX_OUTPUT_LINES = 3, 40      # of all nodes, about the full disk
 _SETTLE_S = 30.0
 _EXTRA = {'threads': 4, 'descriptors': 4}       # of connections to the master and the like
-
-
-@contextlib.contextmanager
-def busy_loops(count: int) -> Iterator[None]:
-    """Keep the processors busy by so many programs."""
-    with contextlib.ExitStack() as stack:
-        for _ in range(count):
-            process = stack.enter_context(subprocess.Popen(
-                [sys.executable, '-c', 'while True: pass']))
-            stack.callback(process.kill)
-        yield
 
 
 def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> List[float]:
