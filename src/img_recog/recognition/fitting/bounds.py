@@ -1,0 +1,191 @@
+"""The bounds of a color that are fitted to histograms, with their scores and margin."""
+from typing import List, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from img_recog.errors import UserError
+from img_recog.recognition.fitting.boxes import BoxSearch, Found, Objective
+from img_recog.recognition.fitting.histograms import HUES, LEVELS, SHAPE
+from img_recog.recognition.fitting.volume import Box, box_of
+
+PIXELS, FRAMES, MARGIN = OBJECTIVES = 'pixels', 'frames', 'margin'
+# boxes whose F1 differ by no more are equally good
+_TIE = 0.002
+# how far a bound may be beyond the outermost sample where there is none of another color
+_MOST_BEYOND = (10, 60, 60)
+# the objective `margin`: so many levels of hue, saturation and value together, of which the
+# largest is chosen that keeps this share of F1
+_MARGIN_STEP, _MARGINS, _KEPT = (1, 4, 4), 12, 0.95
+# weights of recall among which the objective `frames` chooses
+_BETAS = 1.0, 0.25, 0.5, 2.0, 4.0
+_WORST_F1 = 0.5         # below, bounds are of no use
+_NAMES = 'hue', 'saturation', 'value'
+
+
+class Score(NamedTuple):
+    """How many labeled pixels are right.
+
+    inside_px: of the color and within the bounds; wrong_px: within, but not of the color;
+    missed_px: of the color, but outside.
+    """
+
+    inside_px: int
+    wrong_px: int
+    missed_px: int
+
+    @property
+    def precision(self) -> float:
+        """Share of the pixels within the bounds that are of the color, 0 to 1."""
+        return self.inside_px / max(1, self.inside_px + self.wrong_px)
+
+    @property
+    def recall(self) -> float:
+        """Share of the pixels of the color that are within the bounds, 0 to 1."""
+        return self.inside_px / max(1, self.inside_px + self.missed_px)
+
+    @property
+    def f1(self) -> float:
+        """Harmonic mean of precision and recall.
+
+        >>> Score(60, 20, 20).f1
+        0.75
+        """
+        return 2 * self.inside_px / max(1, 2 * self.inside_px + self.wrong_px + self.missed_px)
+
+
+class Fit(NamedTuple):
+    """Bounds of a color.
+
+    margin: how many levels of hue, saturation and value the samples may move until the nearest
+    bound cuts them off, or lets others in; None for one that has no such bound.
+    """
+
+    box: Box
+    score: Score
+    margin: Tuple[Optional[int], ...]
+
+
+def score_of(box: Box, positive: np.ndarray, negative: np.ndarray) -> Score:
+    """Return the score of bounds; positive, negative: histograms of SHAPE."""
+    hues = np.arange(HUES)
+    low, high = box.hue
+    inside = (hues >= low) & (hues <= high) if low <= high else (hues >= low) | (hues <= high)
+    part = np.ix_(np.flatnonzero(inside), range(box.saturation[0], box.saturation[1] + 1),
+                  range(box.value[0], box.value[1] + 1))
+    inside_px = int(positive[part].sum())
+    return Score(inside_px, int(negative[part].sum()), int(positive.sum()) - inside_px)
+
+
+def fits(color: str, positive: np.ndarray, negative: np.ndarray,
+         objective: str = PIXELS) -> List[Fit]:
+    """Return the bounds that separate a color best; for FRAMES, several to choose from.
+
+    positive, negative: histograms of the pixels that are of the color, and of those that are not.
+    Bounds are in the middle between the two where that makes no difference to the samples, but not
+    farther beyond the samples than 10 hues and 60 levels.
+    Raises UserError if there is no sample of the color, or no bounds separate it.
+    """
+    if not positive.any():
+        raise UserError('there is no sample of {}'.format(color),
+                        'add one: a rectangle, a polygon, a mask, or a range of time')
+    search, found = BoxSearch(positive, negative), []
+    for beta in _BETAS if objective == FRAMES else _BETAS[:1]:
+        best = search.best(beta)
+        if objective == MARGIN:
+            best = _widest(search, best)
+        box, margin = _centered(search.objective(beta), best.edges)
+        fit = Fit(box, score_of(box, positive, negative), margin)
+        if fit not in found:
+            found.append(fit)
+    if found[0].score.f1 < _WORST_F1:
+        raise _inseparable(color, positive, negative, found[0])
+    return found
+
+
+def _widest(search: BoxSearch, best: Found) -> Found:
+    """Return the best box with the largest margin that keeps most of F1."""
+    low, high = 0, _MARGINS
+    while low < high:
+        middle = (low + high + 1) // 2
+        hue, saturation, value = (middle * step for step in _MARGIN_STEP)
+        found = search.best(1.0, (hue, saturation, value))
+        if found.score >= _KEPT * best.score:
+            low, best = middle, found._replace(score=best.score)
+        else:
+            high = middle - 1
+    return best
+
+
+def _centered(objective: Objective, edges: np.ndarray) -> Tuple[Box, Tuple[Optional[int], ...]]:
+    """Return bounds in the middle between the smallest and the largest box that are as good.
+
+    Also returns their margin, as in Fit.
+    """
+    inner, outer = (_moved(objective, edges, sign) for sign in (-1, 1))
+    edges, margin = inner.copy(), []
+    for axis, (size, most) in enumerate(zip(SHAPE, _MOST_BEYOND)):
+        nearest = []
+        for side, sign in ((2 * axis, -1), (2 * axis + 1, 1)):
+            free = sign * int(outer[side] - inner[side])
+            if side % 2 and axis and outer[side] == size:
+                edges[side] = size      # brighter or more saturated, up to the end of the scale
+                continue
+            beyond = min(free // 2, most)
+            edges[side] = inner[side] + sign * beyond
+            nearest.append(min(beyond, free - beyond))
+        margin.append(min(nearest) if nearest else None)
+    edges[1] = min(edges[1], edges[0] + HUES)
+    return box_of(_normal(edges), HUES), tuple(margin)
+
+
+def _moved(objective: Objective, edges: np.ndarray, sign: int) -> np.ndarray:
+    """Return the box after its sides were moved by turns as long as it is as good.
+
+    sign: 1 outwards, -1 inwards. Its first hue may be negative.
+    """
+    least = float(objective.score(edges)) - _TIE
+    edges, sides = edges.copy(), [0, 1, 2, 3, 4, 5]
+    while sides:
+        for side in list(sides):
+            moved = edges.copy()
+            moved[side] += sign if side % 2 else -sign
+            if _is_box(moved) and float(objective.score(_normal(moved))) >= least:
+                edges = moved
+            else:
+                sides.remove(side)
+    return edges
+
+
+def _is_box(edges: np.ndarray) -> bool:
+    return (0 < edges[1] - edges[0] <= HUES
+            and all(0 <= low < end <= LEVELS for low, end in (edges[2:4], edges[4:])))
+
+
+def _normal(edges: np.ndarray) -> np.ndarray:
+    """Return the same box with a first hue from 0 to HUES - 1."""
+    edges = edges.copy()
+    edges[:2] -= edges[0] // HUES * HUES
+    return edges
+
+
+def _inseparable(color: str, positive: np.ndarray, negative: np.ndarray, fit: Fit) -> UserError:
+    """Return the error for a color that no bounds separate, with what overlaps."""
+    common = np.minimum(positive, negative)
+    hue, saturation, value = np.unravel_index(int(common.argmax()), SHAPE)
+    share = positive[negative > 0].sum() / positive.sum()
+    return UserError(
+        'no bounds separate {}: the best ones, {}, have a precision of {:.0%} and a recall of '
+        '{:.0%}; {:.0%} of its pixels have a color that others have too, most at hue {}, '
+        'saturation {}, value {}'.format(
+            color, described(fit.box), fit.score.precision, fit.score.recall, share, hue,
+            saturation, value),
+        'label only pixels of the color, and all of them in a frame (or set unlabeled: ignored)')
+
+
+def described(box: Box) -> str:
+    """Return bounds as text.
+
+    >>> described(Box((170, 10), (100, 255), (0, 255)))
+    'hue 170-10, saturation 100-255, value 0-255'
+    """
+    return ', '.join('{} {}-{}'.format(name, *part) for name, part in zip(_NAMES, box))

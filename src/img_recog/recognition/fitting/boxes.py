@@ -1,0 +1,217 @@
+"""Search of the box of HSV that separates the pixels of a color from all others best."""
+from typing import List, NamedTuple, Tuple
+
+import numpy as np
+
+from img_recog.recognition.fitting.volume import SummedVolume
+
+_COARSE = 30, 16, 16      # bins in which all boxes are searched
+# of branch and bound: sets of boxes that are halved at a time, and after which it ends
+_BATCH, _MAX_SETS = 4096, 200000
+_MAX_TURNS = 50         # of the descent; usually it ends after 4
+_ORDERS = (0, 1, 2), (1, 2, 0), (2, 0, 1)
+
+
+Margin = Tuple[int, int, int]       # levels of hue, saturation, value
+
+
+class Found(NamedTuple):
+    """The best box: its edges (see SummedVolume.count) and score."""
+
+    edges: np.ndarray
+    score: float
+
+
+class Objective:
+    """The score of boxes: the F-measure of their pixels, from 0 to 1.
+
+    F = (1 + b^2) TP / (b^2 P + TP + FP): TP pixels of the color and FP others are in the box, P
+    pixels of the color are anywhere. With b = 1 it is the harmonic mean of precision and recall; a
+    larger one gives more weight to recall (van Rijsbergen, "Information Retrieval", 1979).
+
+    margin: (hue, saturation, value): as if all pixels of the color were counted in a box whose
+    sides are so many levels further inside, and all others in one with sides as far outside. Such
+    a box is right even if all pixels move so far. At 0 and 255, sides of saturation and value stay.
+    """
+
+    def __init__(self, positive: SummedVolume, negative: SummedVolume, beta: float = 1.0,
+                 margin: Margin = (0, 0, 0)):
+        self.positive, self.negative = positive, negative
+        self._beta, self._margin = beta * beta, margin
+
+    def score(self, edges: np.ndarray) -> np.ndarray:
+        """Return the score of boxes: float of shape (...); edges: as in SummedVolume.count."""
+        return self.bound(edges, edges)
+
+    def bound(self, inner: np.ndarray, outer: np.ndarray) -> np.ndarray:
+        """Return a score that no box between `inner` and `outer` exceeds; both like `edges`."""
+        if any(self._margin):
+            inner, outer = self._moved(inner, 1), self._moved(outer, -1)
+        inside = self.positive.count(outer)
+        wrong = self.negative.count(inner)
+        return (1 + self._beta) * inside / np.maximum(
+            self._beta * self.positive.total + inside + wrong, 1)
+
+    def _moved(self, edges: np.ndarray, sign: int) -> np.ndarray:
+        """Return boxes with their sides outwards by the margin; sign: -1 for inwards."""
+        hues, *levels = self.positive.shape
+        moved = edges.copy()
+        low, length = edges[..., 0], edges[..., 1] - edges[..., 0]
+        is_all, margin = length >= hues, self._margin[0]
+        moved[..., 0] = np.where(is_all, low, (low - sign * margin) % hues)
+        moved[..., 1] = moved[..., 0] + np.where(
+            is_all, hues, np.clip(length + 2 * sign * margin, 0, hues))
+        for axis, (size, margin) in enumerate(zip(levels, self._margin[1:]), 1):
+            low, end = edges[..., 2 * axis], edges[..., 2 * axis + 1]
+            moved[..., 2 * axis] = np.where(low <= 0, 0, np.maximum(low - sign * margin, 0))
+            moved[..., 2 * axis + 1] = np.where(end >= size, size,
+                                                np.minimum(end + sign * margin, size))
+        return moved
+
+
+class BoxSearch:
+    """Finds the best boxes of the same histograms by different objectives."""
+
+    def __init__(self, positive: np.ndarray, negative: np.ndarray):
+        """Sum up the pixels of the color and all others: whole numbers of the same shape."""
+        self._steps = [max(1, size // bins) for size, bins in zip(positive.shape, _COARSE)]
+        self._fine = SummedVolume(positive), SummedVolume(negative)
+        self._coarse = tuple(SummedVolume(_binned(counts, self._steps))
+                             for counts in (positive, negative))
+
+    def objective(self, beta: float = 1.0, margin: Margin = (0, 0, 0)) -> Objective:
+        """Return an objective of all boxes."""
+        return Objective(*self._fine, beta, margin)
+
+    def best(self, beta: float = 1.0, margin: Margin = (0, 0, 0)) -> Found:
+        """Return the box with the highest score; beta, margin: as in Objective.
+
+        In coarse bins, all boxes are searched by branch and bound. From the best one, and from all
+        colors, a descent chooses the best range of hue, saturation or value by turns; then the
+        neighborhood of the best result is searched.
+        """
+        positive, negative = self._coarse
+        hue, saturation, value = (size // step for size, step in zip(margin, self._steps))
+        coarse = Objective(positive, negative, beta, (hue, saturation, value))
+        start = _best_descent(coarse, [_whole(coarse)])
+        rough = _search(coarse, *_limits(coarse), start)
+        objective, scale = self.objective(beta, margin), np.repeat(self._steps, 2)
+        best = _best_descent(objective, [rough.edges * scale, _whole(objective)])
+        sides, (lowest, highest) = best.edges.copy(), _limits(objective)
+        sides[1] -= sides[0]
+        return _search(objective, np.maximum(sides - scale, lowest),
+                       np.minimum(sides + scale, highest), best)
+
+
+def _whole(objective: Objective) -> np.ndarray:
+    hues, saturations, values = objective.positive.shape
+    return np.array([0, hues, 0, saturations, 0, values])
+
+
+def _limits(objective: Objective) -> Tuple[np.ndarray, np.ndarray]:
+    """Return the least and the most of: first hue, number of hues, and the other four edges."""
+    hues, saturations, values = objective.positive.shape
+    return np.array([0, 1, 0, 1, 0, 1]), np.array(
+        [hues - 1, hues, saturations - 1, saturations, values - 1, values])
+
+
+def _search(objective: Objective, lowest: np.ndarray, highest: np.ndarray, best: Found) -> Found:
+    """Return the best box whose sides are within limits, or `best` if none is better.
+
+    It is branch and bound, as Lampert, Blaschko and Hofmann use it ("Beyond Sliding Windows", CVPR
+    2008): sets of boxes are halved until their bound shows that none is better.
+    """
+    low, high = lowest[np.newaxis], highest[np.newaxis]
+    bounds, examined = _bounds(objective, low, high), 0
+    while len(bounds) and examined < _MAX_SETS:
+        order = np.argsort(-bounds, kind='stable')      # the most promising sets first
+        chosen, others = order[:_BATCH], order[_BATCH:]
+        examined += len(chosen)
+        new_low, new_high = _halves(low[chosen], high[chosen])
+        if len(new_low):
+            middles = _middles(new_low, new_high)
+            scores = objective.score(middles)
+            index = int(scores.argmax())
+            if scores[index] > best.score:
+                best = _descent(objective, middles[index], _ORDERS[0])
+        bounds = np.concatenate([bounds[others], _bounds(objective, new_low, new_high)])
+        keep = bounds > best.score
+        low = np.concatenate([low[others], new_low])[keep]
+        high = np.concatenate([high[others], new_high])[keep]
+        bounds = bounds[keep]
+    return best
+
+
+def _binned(counts: np.ndarray, steps: List[int]) -> np.ndarray:
+    """Return a histogram in which so many hues, saturations and values are one bin."""
+    shape = [part for size, step in zip(counts.shape, steps) for part in (size // step, step)]
+    return counts.reshape(shape).sum(axis=(1, 3, 5))
+
+
+def _best_descent(objective: Objective, starts: List[np.ndarray]) -> Found:
+    return max((_descent(objective, start, order) for start in starts for order in _ORDERS),
+               key=lambda found: found.score)
+
+
+def _descent(objective: Objective, edges: np.ndarray, order: Tuple[int, ...]) -> Found:
+    """Return a box that no other range of one axis alone makes better."""
+    score = float(objective.score(edges))
+    for _ in range(_MAX_TURNS):
+        before = score
+        for axis in order:
+            ranges = _ranges(edges, axis, objective.positive.shape)
+            scores = objective.score(ranges)
+            index = int(scores.argmax())
+            if scores[index] > score:
+                edges, score = ranges[index], float(scores[index])
+        if score == before:
+            break
+    return Found(edges, score)
+
+
+def _ranges(edges: np.ndarray, axis: int, shape: Tuple[int, ...]) -> np.ndarray:
+    """Return boxes with all ranges of one axis, and the other edges as they are."""
+    size = shape[axis]
+    low, end = (part.ravel() for part in np.mgrid[:size, 1:size + 1])
+    if axis == 0:
+        end = low + end
+    else:
+        low, end = low[low < end], end[low < end]
+    ranges = np.tile(edges, (len(low), 1))
+    ranges[:, 2 * axis], ranges[:, 2 * axis + 1] = low, end
+    return ranges
+
+
+def _bounds(objective: Objective, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return the bound of each set of boxes."""
+    outer, inner = np.empty_like(low), np.empty_like(low)
+    outer[:, 0], inner[:, 0] = low[:, 0], high[:, 0]
+    outer[:, 1] = np.minimum(high[:, 0] + high[:, 1], low[:, 0] + objective.positive.shape[0])
+    inner[:, 1] = low[:, 0] + low[:, 1]
+    outer[:, 2::2], outer[:, 3::2] = low[:, 2::2], high[:, 3::2]
+    inner[:, 2::2], inner[:, 3::2] = high[:, 2::2], low[:, 3::2]
+    bounds = objective.bound(inner, outer)
+    # sets without a box: all of them would end before they begin
+    bounds[(outer[:, 3::2] <= outer[:, 2::2]).any(axis=1)] = -1
+    return bounds
+
+
+def _middles(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return a box in the middle of each set."""
+    middles = (low + high) // 2
+    middles[:, 1] += middles[:, 0]
+    return middles
+
+
+def _halves(low: np.ndarray, high: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Return the halves of each set of boxes, cut where its limits are the farthest apart."""
+    rows = np.arange(len(low))
+    axis = (high - low).argmax(axis=1)
+    cut = (low[rows, axis] + high[rows, axis]) // 2
+    is_one = high[rows, axis] == low[rows, axis]        # a single box: its bound is its score
+    first_high, second_low = high.copy(), low.copy()
+    first_high[rows, axis] = cut
+    second_low[rows, axis] = cut + 1
+    keep = ~is_one
+    return (np.concatenate([low[keep], second_low[keep]]),
+            np.concatenate([first_high[keep], high[keep]]))

@@ -1,0 +1,157 @@
+"""Labels of the pixels of a frame, from the samples of its recording."""
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+import cv2
+import numpy as np
+
+from img_recog import still_images
+from img_recog.recognition.fitting import histograms
+from img_recog.recognition.fitting.samples import (NO_COLOR, RecordingSamples, Region, SampleError,
+                                                   Samples)
+
+_MAX_CONTRADICTING = 0.0
+_NONE, _UNLABELED = 0, 255      # codes of pixels; that of a color is its number, from 1
+
+
+class FrameLabels:
+    """What the samples say of a frame.
+
+    is_in_view: for each color, whether it is in the frame, None if that is not known.
+    """
+
+    def __init__(self, samples: Samples, codes: Optional[np.ndarray],
+                 is_in_view: Sequence[Optional[bool]]):
+        """Combine labels: codes, of the pixels; None if no region is in the frame."""
+        self._samples, self._codes, self.is_in_view = samples, codes, tuple(is_in_view)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing is known of the frame."""
+        return self._codes is None and all(each is None for each in self.is_in_view)
+
+    def truth(self, number: int) -> Tuple[np.ndarray, np.ndarray]:
+        """Return where pixels are of a color, and where they are not, as far as that is known.
+
+        Both bool, of the shape of the frame or, without regions, of shape (1, 1).
+        """
+        codes = self._codes if self._codes is not None else np.full((1, 1), _UNLABELED, np.uint8)
+        is_color = codes == number + 1
+        is_unlabeled = codes == _UNLABELED
+        others = self._unlabeled_is_not(number)
+        return is_color, ~is_color & (~is_unlabeled | others)
+
+    def parts(self, hsv: np.ndarray) -> Iterator[Tuple[histograms.Label, np.ndarray]]:
+        """Yield labels, and the pixels that have them, uint8 of shape (..., 3).
+
+        hsv: the frame, uint8 of shape (height, width, 3).
+        """
+        colors, codes = self._samples.colors, self._codes
+        rest = hsv
+        if codes is not None:
+            for number, color in enumerate(colors, 1):
+                if (codes == number).any():
+                    yield (histograms.COLOR, color), hsv[codes == number]
+            yield histograms.NO_COLOR, hsv[codes == _NONE]
+            rest = hsv[codes == _UNLABELED]
+        absent = [color for number, color in enumerate(colors) if self._unlabeled_is_not(number)]
+        if len(absent) == len(colors):
+            yield histograms.NO_COLOR, rest
+        else:
+            for color in absent:
+                yield (histograms.NOT, color), rest
+        for color, is_in_view in zip(colors, self.is_in_view):
+            if is_in_view and codes is None:
+                yield (histograms.IN_VIEW, color), rest
+
+    def _unlabeled_is_not(self, number: int) -> bool:
+        """Return whether the pixels that are in no region are known not to be of a color."""
+        if self._codes is None:
+            return self.is_in_view[number] is False
+        if self.is_in_view[number] is False:
+            return True
+        has_region = bool((self._codes == number + 1).any())
+        return has_region and not self._samples.ignores_unlabeled
+
+
+class Labeler:
+    """Labels the frames of one recording."""
+
+    def __init__(self, samples: Samples, recording: RecordingSamples):
+        self._samples, self._recording = samples, recording
+        self._regions: Dict[int, List[Region]] = {}
+        for region in recording.regions:
+            self._regions.setdefault(region.frame, []).append(region)
+
+    def of(self, frame: int, time_s: float, shape: Tuple[int, int]) -> FrameLabels:
+        """Return the labels of a frame.
+
+        frame: its number; time_s: since the first frame; shape: height and width in pixels.
+        Raises SampleError if a region is not within the frame, or samples contradict each other.
+        """
+        regions = self._regions.get(frame, [])
+        in_view = [self._in_view(color, time_s, regions) for color in self._samples.colors]
+        return FrameLabels(self._samples, self._codes(regions, shape) if regions else None,
+                           in_view)
+
+    def _in_view(self, color: str, time_s: float, regions: List[Region]) -> Optional[bool]:
+        said = {each.is_in_view: each for each in self._recording.ranges
+                if each.color == color and each.start_s <= time_s < each.end_s}
+        own = [region for region in regions if region.color == color]
+        if own and False in said:
+            raise SampleError('{}: {} and {} contradict each other: {} is in frame {}, at {:.3f} '
+                              's'.format(self._samples.path, own[0].entry, said[False].entry,
+                                         color, own[0].frame, time_s), 'correct one')
+        if own or True in said:
+            return True
+        if False in said or regions and not self._samples.ignores_unlabeled:
+            return False
+        return None
+
+    def _codes(self, regions: List[Region], shape: Tuple[int, int]) -> np.ndarray:
+        codes = np.full(shape, _UNLABELED, np.uint8)
+        for region in regions:
+            code = (_NONE if region.color == NO_COLOR
+                    else self._samples.colors.index(region.color) + 1)
+            inside = self._inside(region, shape)
+            other = inside & (codes != _UNLABELED) & (codes != code)
+            if other.any():
+                raise self._contradiction(region, regions, shape, other.sum() / inside.sum())
+            codes[inside] = code
+        return codes
+
+    def _inside(self, region: Region, shape: Tuple[int, int]) -> np.ndarray:
+        """Return where a region is: bool of the shape of the frame, somewhere true."""
+        height, width = shape
+        if region.mask:
+            mask = still_images.read(region.mask, still_images.DEFAULT_MAX_PIXELS)
+            if mask is None:
+                raise self._error(region, 'cannot read the image {}'.format(region.mask))
+            if mask.shape[:2] != shape:
+                raise self._error(region, 'the mask is {}x{}, the frame {}x{}'.format(
+                    mask.shape[1], mask.shape[0], width, height))
+            inside = mask.any(axis=2)
+            if not inside.any():
+                raise self._error(region, 'the mask is all black')
+            return inside
+        corners = np.array(region.outline)
+        if (corners < 0).any() or (corners > (width - 1, height - 1)).any():
+            raise self._error(region, 'x {:g} to {:g}, y {:g} to {:g} is outside of frame {}, '
+                              'which is {}x{}'.format(
+                                  corners[:, 0].min(), corners[:, 0].max(), corners[:, 1].min(),
+                                  corners[:, 1].max(), region.frame, width, height))
+        drawn = np.zeros(shape, np.uint8)
+        cv2.fillPoly(drawn, [np.rint(corners).astype(np.int32)], 1)
+        return drawn > 0
+
+    def _contradiction(self, region: Region, regions: List[Region], shape: Tuple[int, int],
+                       share: float) -> SampleError:
+        inside = self._inside(region, shape)
+        other = next(each for each in regions if each.color != region.color
+                     and (self._inside(each, shape) & inside).any())
+        return SampleError('{}: {} and {} contradict each other: {:.1%} of {} is {} by the one and '
+                           '{} by the other'.format(
+                               self._samples.path, other.entry, region.entry, share, region.entry,
+                               other.color, region.color), 'correct one')
+
+    def _error(self, region: Region, problem: str) -> SampleError:
+        return SampleError('{}: {}: {}'.format(self._samples.path, region.entry, problem))
