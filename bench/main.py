@@ -7,6 +7,7 @@ import sys
 
 import camera
 import drawing
+import fitting
 import fleet
 import growth
 import lockstep
@@ -22,7 +23,7 @@ from tqdm import tqdm
 BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
               'robot_camera': robot_camera, 'textured': textured, 'camera': camera,
               'recognition': recognition, 'growth': growth, 'transport': transport, 'page': page,
-              'fleet': fleet, 'lockstep': lockstep}
+              'fleet': fleet, 'lockstep': lockstep, 'fitting': fitting}
 
 
 def main() -> int:

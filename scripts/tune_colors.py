@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Show why a color is recognized in an image, or why not."""
-import signal
+"""Say what has taken the place of this program, which is removed in the next release."""
 import sys
 
 if __name__ == '__main__':
-    signal.signal(signal.SIGINT, signal.SIG_DFL)    # no traceback of a Ctrl-C while modules load
-    from img_recog.nodes.tune_colors.cli import main
-    sys.exit(main())
+    sys.stderr.write('tune_colors.py is no longer here; use fit_colors.py for bounds with pictures '
+                     'that show why (doc/fitting.md), and rqt_reconfigure or the tab Colors of the '
+                     'page for sliders\n')
+    sys.exit(2)

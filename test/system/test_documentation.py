@@ -200,8 +200,8 @@ def test_launch_arguments_agree_with_the_launch_file(file):
 
 
 @pytest.mark.parametrize('script', (
-    'check_robot.py', 'check_world.py', 'doctor.py', 'evaluate.py', 'film.py', 'graph.py',
-    'plot.py', 'replay.py', 'sweep.py', 'tune_colors.py'))
+    'check_robot.py', 'check_world.py', 'doctor.py', 'evaluate.py', 'film.py', 'fit_colors.py',
+    'graph.py', 'plot.py', 'replay.py', 'sweep.py'))
 def test_options_agree_with_the_script(script):
     text = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', script), '--help'],
                           stdout=subprocess.PIPE, check=True).stdout.decode()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from img_recog_testing.pages import ROOT
-from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
+from img_recog_testing.waiting import wait_for
 
 pytestmark = pytest.mark.display
 SIMULATOR = 'Bullet Physics'
@@ -83,28 +83,6 @@ def test_a_launch_file_like_that_of_usb_cam_shows_the_image(ros, wait_shares, tm
     ros.start('roslaunch', '-p', ros.port, str(launch)).wait_output('camera: image')
     ros.wait_run('frame_id: "usb_cam"', 'rostopic', 'echo', '-n', '1', '/usb_cam/image_raw/header')
     wait_shares({'green': ((0, 180, 0), (20, 220, 20))}, lambda found: found['green'] > 0.25)
-
-
-def test_the_tuning_window_follows_the_camera(ros, wait_shares, tmp_path):
-    demo = ros.demo('simulator:=false', 'gui:=false', 'image_view:=false')
-    demo.wait_output('camera: synthetic')
-    tool = ros.start_node('tune_colors.py', '/usb_cam/image_raw', '--timeout',
-                          DEADLINE_S * stretch(), '--output', str(tmp_path / 'picture.png'))
-    colors = {'blue': ((25, 70, 215), (25, 70, 215)), 'red': ((215, 25, 60), (215, 25, 60)),
-              'white': ((255, 255, 255), (255, 255, 255))}
-    for seen, unseen in (('blue', 'red'), ('red', 'blue')):
-        wait_shares(colors, lambda found: found[seen] > 0.01 and found[unseen] == 0
-                    and found['white'] > 0.3)
-    assert tool.interrupt() == 0
-    assert 'Traceback' not in tool.output, tool.output
-    wait_shares(colors, lambda found: found['white'] == 0)      # the end of the window
-
-
-def test_the_tuning_window_shows_a_file(ros, wait_shares, tmp_path):
-    picture = str(tmp_path / 'picture.png')
-    assert cv2.imwrite(picture, np.full((480, 640, 3), (215, 70, 25), np.uint8))
-    ros.start_node('tune_colors.py', picture, '--output', str(tmp_path / 'why.png'))
-    wait_shares({'blue': ((25, 70, 215), (25, 70, 215))}, lambda found: found['blue'] > 0.1)
 
 
 def test_the_simulators_window_shows_the_world(ros, wait_shares):

@@ -6,7 +6,7 @@ interrupted run goes on from there.
 """
 import contextlib
 import logging
-from typing import Any, Dict, Generator, Iterator, NamedTuple, Sequence
+from typing import Any, Dict, Generator, Iterator, Mapping, NamedTuple, Sequence
 
 from tqdm import tqdm
 
@@ -27,9 +27,22 @@ class Outcome(NamedTuple):
     problem: str = ''
 
 
+class Outcomes:
+    """The outcomes of pieces, in their order; each is read from its file when it is needed."""
+
+    def __init__(self, work: WorkFolder, names: Mapping[str, str], problems: Mapping[str, str]):
+        """Take the name of the result of each key, and the problems of those that have none."""
+        self._work, self._names, self._problems = work, names, problems
+
+    def __iter__(self) -> Iterator[Outcome]:
+        for key, name in self._names.items():
+            yield (Outcome(key, problem=self._problems[key]) if key in self._problems
+                   else Outcome(key, self._work.read(name)))
+
+
 @contextlib.contextmanager
 def outcomes(function: Function, pieces: Sequence[Piece], folder: str, options: Options,
-             interrupts: Interrupts, unit: str = ' runs') -> Iterator[Iterator[Outcome]]:
+             interrupts: Interrupts, unit: str = ' runs') -> Iterator['Outcomes']:
     """Run `function(paths, *arguments)` for each piece; yield the outcomes, in the same order.
 
     A UserError, or any other exception, of a piece is its outcome.
@@ -57,8 +70,7 @@ def outcomes(function: Function, pieces: Sequence[Piece], folder: str, options: 
                 else:
                     work.write(name_of[done.piece.key], done.content)
                 progress.update(done.piece.size)
-    yield (Outcome(piece.key, problem=problems[piece.key]) if piece.key in problems
-           else Outcome(piece.key, work.read(name)) for piece, name in zip(pieces, names))
+    yield Outcomes(work, name_of, problems)
     if not problems:
         work.remove()
 

@@ -22,6 +22,11 @@ def bgr_copy(image: np.ndarray, encoding: str) -> np.ndarray:
     return image.copy() if conversion is None else cv2.cvtColor(image, conversion)
 
 
+def to_hsv(image: np.ndarray, encoding: str) -> np.ndarray:
+    """Return an image on OpenCV's 8-bit HSV scale, as `bgr_copy` does in bgr8."""
+    return cv2.cvtColor(np.ascontiguousarray(image), _TO_HSV[encoding])
+
+
 class ColorExtractor:
     """Measures the colors of images, in buffers that are reused for the next image.
 

@@ -22,7 +22,7 @@ def read(path: str) -> RecognitionSettings:
 
     Raises ParameterError naming the file, the parameter, its value and the allowed values.
     """
-    return settings_in(_mapping(path), path)
+    return settings_in(values_in(path), path)
 
 
 def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:
@@ -56,7 +56,8 @@ def unknown_color(color: str, names: Sequence[str]) -> str:
         color, ', '.join(names), COLORS, ', '.join([*names, color]))
 
 
-def _mapping(path: str) -> Dict[str, Any]:
+def values_in(path: str) -> Dict[str, Any]:
+    """Return the parameters in a YAML file, unchecked; raise ParameterError, as `read` does."""
     try:
         values = load_yaml(read_bytes(path, _MAX_BYTES))
     except (OSError, MarkupError) as error:

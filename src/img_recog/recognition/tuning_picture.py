@@ -9,11 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from img_recog.recognition.areas import ColorExtractor
+from img_recog.recognition.range_axes import (GREY, SMALL, fill, hue_rgb, scale_counts, shade,
+                                              typical_rgb)
 from img_recog.recognition.settings import Color, RecognitionSettings
 from img_recog.recognition.tuning_statistics import (HUES, LEVELS, ColorStatistics, Histogram,
                                                      frame_statistics, spans)
 
-DPI, _MIN_DPI = 100, 20
+DPI = 100
 # inches
 _WIDTH, _MARGIN, _RIGHT = 12.0, 0.3, 11.75
 _FRAME_TOP, _FRAME_WIDTH, _FRAME_HEIGHT = 0.45, 4.4, 3.3
@@ -22,12 +24,10 @@ _ROW_HEIGHT, _ROW_TOP, _PLOT_HEIGHT = 2.85, 0.62, 1.65
 _MASKED_WIDTH, _PLOT_LEFTS, _PLOT_WIDTH = 3.0, (4.1, 8.4), 3.35
 _FOOT_HEIGHT = 0.35
 
-_GREY, _ABOVE, _BELOW = '0.78', '#1a7f37', '#b42318'
-_SMALL, _NORMAL, _LARGE = 8, 9, 12      # points
+_ABOVE, _BELOW = '#1a7f37', '#b42318'
+_NORMAL, _LARGE = 9, 12     # points
 _MAX_LENGTH = 12                        # characters of the names beside the hue ranges
 _MAX_IMAGE_PX = 1000                    # larger images are scaled down before they are drawn
-# the scale of the counts ends at 25 times the highest colored bar, so that it stays visible
-_MAX_GREY_RATIO = 25
 _FOOT = ('Grey: all pixels (top plot), pixels with a hue within bounds (other plots). Colored: '
          'those of them that are also within the other bounds. Shaded: within bounds.')
 
@@ -51,19 +51,8 @@ def draw(image: np.ndarray, settings: RecognitionSettings) -> Tuple[Figure, List
     for number, color in enumerate(settings.colors):
         _draw_color(sheet, top_height + number * _ROW_HEIGHT, color, statistics.colors[number],
                     extractor.masked(number))
-    sheet.text(_MARGIN, sheet.height - 0.12, _FOOT, _SMALL, color='0.35')
+    sheet.text(_MARGIN, sheet.height - 0.12, _FOOT, SMALL, color='0.35')
     return sheet.figure, areas_px
-
-
-def pixels(figure: Figure, width: int, height: int) -> np.ndarray:
-    """Return the largest rendering that fits into width x height pixels, uint8 rgb8.
-
-    It is at least 240 pixels wide: smaller text cannot be drawn.
-    """
-    width_in, height_in = figure.get_size_inches()
-    figure.set_dpi(max(_MIN_DPI, min(width / width_in, height / height_in)))
-    figure.canvas.draw()
-    return np.asarray(figure.canvas.buffer_rgba())[..., :3]
 
 
 def verdict(color: Color, area_px: int) -> str:
@@ -101,7 +90,7 @@ class _Sheet:
     def axes(self, left: float, top: float, width: float, height: float):
         axes = self.figure.add_axes([left / _WIDTH, 1 - (top + height) / self.height,
                                      width / _WIDTH, height / self.height])
-        axes.tick_params(labelsize=_SMALL)
+        axes.tick_params(labelsize=SMALL)
         return axes
 
     def text(self, left: float, baseline: float, text: str, size: float, **style) -> None:
@@ -133,17 +122,17 @@ def _draw_hues(sheet: _Sheet, hue: Histogram, settings: RecognitionSettings) -> 
     strip = sheet.axes(_HUE_LEFT, top + _HUE_HEIGHT, width, _STRIP_HEIGHT)
     for number, color in enumerate(settings.colors):
         for low, high in spans(color.hue):
-            ranges.barh(number, high - low + 1, 0.7, low - 0.5, color=_typical_rgb(color))
-            _shade(plot, low, high, color)
+            ranges.barh(number, high - low + 1, 0.7, low - 0.5, color=typical_rgb(color))
+            shade(plot, low, high, color)
     ranges.set_yticks(range(len(settings.colors)))
     ranges.set_yticklabels([_short(color.name) for color in settings.colors])
     ranges.set_ylim(len(settings.colors) - 0.5, -0.5)
     ranges.tick_params(length=0)
     ranges.set_frame_on(False)
-    _fill(plot, hue.all_px, _GREY)
+    fill(plot, hue.all_px, GREY)
     _bars(plot, hue.passing_px)
-    _scale_counts(plot, hue, min(color.area_limit_px for color in settings.colors))
-    strip.imshow(_hue_rgb(np.arange(HUES))[np.newaxis], extent=(-0.5, HUES - 0.5, 0, 1),
+    scale_counts(plot, hue, min(color.area_limit_px for color in settings.colors))
+    strip.imshow(hue_rgb(np.arange(HUES))[np.newaxis], extent=(-0.5, HUES - 0.5, 0, 1),
                  aspect='auto')
     strip.set_yticks([])
     for axes in (ranges, plot, strip):
@@ -163,17 +152,17 @@ def _draw_color(sheet: _Sheet, top: float, color: Color, statistics: ColorStatis
               ('value', color.value, statistics.value))
     for left, (name, (low, high), counts) in zip(_PLOT_LEFTS, planes):
         axes = sheet.axes(left, top + _ROW_TOP, _PLOT_WIDTH, _PLOT_HEIGHT)
-        _shade(axes, low, high, color)
-        _fill(axes, counts.all_px, _GREY)
-        _fill(axes, counts.passing_px, _typical_rgb(color))
-        _scale_counts(axes, counts, color.area_limit_px)
+        shade(axes, low, high, color)
+        fill(axes, counts.all_px, GREY)
+        fill(axes, counts.passing_px, typical_rgb(color))
+        scale_counts(axes, counts, color.area_limit_px)
         if not counts.all_px.any():
             axes.text(0.5, 0.5, 'no pixel has this hue', ha='center', fontsize=_NORMAL,
                       transform=axes.transAxes)
         axes.set_xlim(-3, LEVELS + 2)
         axes.set_xticks(range(0, LEVELS, 50))
         axes.set_xlabel('{} of pixels with hue {}-{}; bounds: {}-{}'.format(
-            name, *color.hue, low, high), fontsize=_SMALL)
+            name, *color.hue, low, high), fontsize=SMALL)
 
 
 def _line_across(sheet: _Sheet, top: float) -> Rectangle:
@@ -196,52 +185,13 @@ def _show(axes, image: np.ndarray) -> None:
     axes.set_yticks([])
 
 
-def _shade(axes, low: int, high: int, color: Color) -> None:
-    axes.axvspan(low - 0.5, high + 0.5, color=_typical_rgb(color), alpha=0.18, linewidth=0)
-    for edge in (low - 0.5, high + 0.5):
-        axes.axvline(edge, color='0.25', linewidth=0.9, linestyle='--', zorder=1.5)
-
-
-def _fill(axes, counts: np.ndarray, color) -> None:
-    # with a zero at both ends; without it, the first and the last bar have half the width
-    axes.fill_between(range(-1, len(counts) + 1), np.pad(counts, 1), step='mid', color=color,
-                      linewidth=0, zorder=2)
-
-
 def _bars(axes, counts: np.ndarray) -> None:
     """Draw a bar for each hue, in its color; one collection takes a tenth of the time of bar()."""
     hues = np.flatnonzero(counts)
     corners = [((hue - 0.5, 0), (hue - 0.5, counts[hue]), (hue + 0.5, counts[hue]),
                 (hue + 0.5, 0)) for hue in hues]
-    axes.add_collection(PolyCollection(corners, facecolors=_hue_rgb(np.arange(HUES))[hues],
+    axes.add_collection(PolyCollection(corners, facecolors=hue_rgb(np.arange(HUES))[hues],
                                        linewidths=0, zorder=3), autolim=False)
-
-
-def _scale_counts(axes, counts: Histogram, limit_px: int) -> None:
-    """Set a square root scale, so that small counts are visible beside large ones.
-
-    Its upper end is not below the area limit, so that a few pixels do not look like many. The
-    grey bars may be cut off.
-    """
-    visible_px = max(_MAX_GREY_RATIO * counts.passing_px.max(), limit_px)
-    top = max(1, min(counts.all_px.max(), visible_px))
-    axes.set_yscale('function', functions=(lambda y: np.sqrt(np.maximum(y, 0)), np.square))
-    axes.set_ylim(0, 1.1 * top)
-    power = 10 ** int(np.log10(top))
-    round_top = max(step * power for step in (1, 2, 5) if step * power <= top)
-    axes.set_yticks(sorted({0, round_top // 10, 4 * round_top // 10, round_top}))
-    axes.set_ylabel('pixels', fontsize=_SMALL)
-
-
-def _typical_rgb(color: Color) -> np.ndarray:
-    return _hue_rgb(np.array([color.middle_hue]))[0]
-
-
-def _hue_rgb(hues: np.ndarray) -> np.ndarray:
-    """Return the saturated RGB colors of hues (0-180), float of shape (hues, 3), 0 to 1."""
-    hsv = np.full((1, len(hues), 3), 225, np.uint8)
-    hsv[0, :, 0], hsv[0, :, 1] = hues % (HUES - 1), 255
-    return cv2.cvtColor(hsv, cv2.COLOR_HSV2RGB)[0] / 255
 
 
 def _short(name: str) -> str:

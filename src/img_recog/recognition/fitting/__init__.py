@@ -1,1 +1,1 @@
-"""Fits the bounds of colors to samples: histograms add up, and a box of HSV is searched in them."""
+"""Fits the bounds of colors to samples: the best box is searched in histograms of HSV."""

@@ -1,12 +1,12 @@
 """The bounds of a color that are fitted to histograms, with their scores and margin."""
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog.errors import UserError
 from img_recog.recognition.fitting.boxes import BoxSearch, Found, Objective
-from img_recog.recognition.fitting.histograms import HUES, LEVELS, SHAPE
-from img_recog.recognition.fitting.volume import Box, box_of
+from img_recog.recognition.fitting.histograms import HUES, LEVELS, SHAPE, UNIT, Sampled
+from img_recog.recognition.fitting.volume import Box, box_of, edges_of
 
 PIXELS, FRAMES, MARGIN = OBJECTIVES = 'pixels', 'frames', 'margin'
 # boxes whose F1 differ by no more are equally good
@@ -66,25 +66,22 @@ class Fit(NamedTuple):
 
 
 def score_of(box: Box, positive: np.ndarray, negative: np.ndarray) -> Score:
-    """Return the score of bounds; positive, negative: histograms of SHAPE."""
-    hues = np.arange(HUES)
-    low, high = box.hue
-    inside = (hues >= low) & (hues <= high) if low <= high else (hues >= low) | (hues <= high)
-    part = np.ix_(np.flatnonzero(inside), range(box.saturation[0], box.saturation[1] + 1),
-                  range(box.value[0], box.value[1] + 1))
-    inside_px = int(positive[part].sum())
-    return Score(inside_px, int(negative[part].sum()), int(positive.sum()) - inside_px)
+    """Return the score of bounds; positive, negative: as in Sampled."""
+    edges = edges_of(box, HUES)
+    part = np.ix_(*(np.arange(low, end) % size
+                    for low, end, size in zip(edges[::2], edges[1::2], SHAPE)))
+    inside, wrong = int(positive[part].sum()), int(negative[part].sum())
+    return Score(inside // UNIT, wrong // UNIT, (int(positive.sum()) - inside) // UNIT)
 
 
-def fits(color: str, positive: np.ndarray, negative: np.ndarray,
-         objective: str = PIXELS) -> List[Fit]:
+def fits(color: str, sampled: Sampled, objective: str = PIXELS) -> List[Fit]:
     """Return the bounds that separate a color best; for FRAMES, several to choose from.
 
-    positive, negative: histograms of the pixels that are of the color, and of those that are not.
     Bounds are in the middle between the two where that makes no difference to the samples, but not
     farther beyond the samples than 10 hues and 60 levels.
     Raises UserError if there is no sample of the color, or no bounds separate it.
     """
+    positive, negative = sampled
     if not positive.any():
         raise UserError('there is no sample of {}'.format(color),
                         'add one: a rectangle, a polygon, a mask, or a range of time')
@@ -121,7 +118,9 @@ def _centered(objective: Objective, edges: np.ndarray) -> Tuple[Box, Tuple[Optio
 
     Also returns their margin, as in Fit.
     """
-    inner, outer = (_moved(objective, edges, sign) for sign in (-1, 1))
+    least = float(objective.score(edges)) - _TIE
+    inner = _moved(objective, edges, least, -1, SHAPE)
+    outer = _moved(objective, inner, least, 1, [2 * most for most in _MOST_BEYOND])
     edges, margin = inner.copy(), []
     for axis, (size, most) in enumerate(zip(SHAPE, _MOST_BEYOND)):
         nearest = []
@@ -138,21 +137,27 @@ def _centered(objective: Objective, edges: np.ndarray) -> Tuple[Box, Tuple[Optio
     return box_of(_normal(edges), HUES), tuple(margin)
 
 
-def _moved(objective: Objective, edges: np.ndarray, sign: int) -> np.ndarray:
-    """Return the box after its sides were moved by turns as long as it is as good.
+def _moved(objective: Objective, edges: np.ndarray, least: float, sign: int,
+           most: Sequence[int]) -> np.ndarray:
+    """Return the box after its sides were moved by turns as long as its score is not less.
 
-    sign: 1 outwards, -1 inwards. Its first hue may be negative.
+    sign: 1 outwards, -1 inwards; most: levels of hue, saturation and value. Its first hue may be
+    negative.
     """
-    least = float(objective.score(edges)) - _TIE
-    edges, sides = edges.copy(), [0, 1, 2, 3, 4, 5]
+    start, edges = edges, edges.copy()
+    sides = [0, 1, 2, 3, 4, 5]
     while sides:
         for side in list(sides):
-            moved = edges.copy()
-            moved[side] += sign if side % 2 else -sign
-            if _is_box(moved) and float(objective.score(_normal(moved))) >= least:
-                edges = moved
-            else:
-                sides.remove(side)
+            # a level of hue is worth several of the others: all sides shall come equally far
+            for _ in range(_MARGIN_STEP[side // 2]):
+                moved = edges.copy()
+                moved[side] += sign if side % 2 else -sign
+                if (abs(moved[side] - start[side]) <= most[side // 2] and _is_box(moved)
+                        and float(objective.score(_normal(moved))) >= least):
+                    edges = moved
+                else:
+                    sides.remove(side)
+                    break
     return edges
 
 

@@ -29,9 +29,9 @@ class Objective:
     pixels of the color are anywhere. With b = 1 it is the harmonic mean of precision and recall; a
     larger one gives more weight to recall (van Rijsbergen, "Information Retrieval", 1979).
 
-    margin: (hue, saturation, value): as if all pixels of the color were counted in a box whose
-    sides are so many levels further inside, and all others in one with sides as far outside. Such
-    a box is right even if all pixels move so far. At 0 and 255, sides of saturation and value stay.
+    margin: as if all pixels of the color were counted in a box whose sides are so many levels
+    further inside, and all others in one with sides as far outside. Such a box is right even if
+    all pixels move so far. Sides of saturation and value stay at 0 and 255.
     """
 
     def __init__(self, positive: SummedVolume, negative: SummedVolume, beta: float = 1.0,

@@ -1,20 +1,27 @@
 """Exact histograms over hue, saturation and value, one for each label of pixels."""
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Tuple
 
 import cv2
 import numpy as np
 
 HUES, LEVELS = 180, 256
 SHAPE = HUES, LEVELS, LEVELS
-# pixels that are counted at a time: far fewer than a 32 bit float can count one by one
-_BATCH_PX = 1 << 22
+# pixels that are counted at a time, which a 32 bit float of OpenCV's histogram counts one by one
+_BATCH_PX = 1 << 24
 _RANGES = [0, HUES, 0, LEVELS, 0, LEVELS]
+UNIT = 256          # in which pixels are weighted
 
-# Labels of pixels, with the name of a color: pixels of that color; pixels that are not of it; and
-# pixels of frames in which it is in view somewhere. NO_COLOR: pixels that are of no color.
+# Kinds of labels: pixels of a color; pixels that are not of it, or of none if it has no name; and
+# pixels of frames in which it is in view somewhere.
 COLOR, NOT, IN_VIEW = 'color', 'not', 'in view'
-Label = Tuple[str, str]
-NO_COLOR: Label = (NOT, '')
+
+
+class Label(NamedTuple):
+    """What is known of pixels: kind, name of the color, and the colors in view in their frame."""
+
+    kind: str
+    name: str
+    in_view: Tuple[str, ...] = ()
 
 
 class Sparse(NamedTuple):
@@ -24,16 +31,47 @@ class Sparse(NamedTuple):
     counts: np.ndarray
 
 
+class Histograms(NamedTuple):
+    """The histogram of each label, and in how many frames it is."""
+
+    pixels: Dict[Label, Sparse]
+    frames: Dict[Label, int]
+
+
+class Sampled(NamedTuple):
+    """The pixels of a color, and those that are not of it: int64 of SHAPE, in UNITs of a pixel.
+
+    Pixels of the frames without the color are weighted as if there were not more of these frames
+    than of those with it.
+    """
+
+    positive: np.ndarray
+    negative: np.ndarray
+
+
 class Counter:
-    """Counts pixels of frames in histograms; the memory is that of one histogram a label."""
+    """Counts pixels of frames in histograms, exactly; the memory does not grow with the frames."""
 
     def __init__(self) -> None:
-        self._totals: Dict[Label, np.ndarray] = {}
+        self._frames: Dict[Label, int] = {}
+        self._totals: Dict[Label, Sparse] = {}
         self._waiting: Dict[Label, List[np.ndarray]] = {}
         self._waiting_px: Dict[Label, int] = {}
 
-    def add(self, label: Label, pixels: np.ndarray) -> None:
-        """Count pixels: on OpenCV's 8-bit HSV scale, uint8 of shape (..., 3)."""
+    def add_frame(self, parts: Iterable[Tuple[Label, np.ndarray]]) -> None:
+        """Count the labeled pixels of a frame, as FrameLabels.parts gives them.
+
+        They are on OpenCV's 8-bit HSV scale, uint8 of shape (..., 3); labels may be repeated.
+        """
+        labels = set()
+        for label, pixels in parts:
+            if pixels.size:
+                labels.add(label)
+                self._add(label, pixels)
+        for label in labels:
+            self._frames[label] = self._frames.get(label, 0) + 1
+
+    def _add(self, label: Label, pixels: np.ndarray) -> None:
         pixels = pixels.reshape(-1, 1, 3)
         for start in range(0, len(pixels), _BATCH_PX):
             part = pixels[start:start + _BATCH_PX]
@@ -42,27 +80,42 @@ class Counter:
             self._waiting.setdefault(label, []).append(part)
             self._waiting_px[label] = self._waiting_px.get(label, 0) + len(part)
 
-    def result(self) -> Dict[Label, Sparse]:
-        """Return the histogram of each label, in the order of the labels."""
+    def add_result(self, histograms: Histograms) -> None:
+        """Add what another counter has counted; the order makes no difference."""
+        for label, histogram in histograms.pixels.items():
+            self._totals[label] = (_sum(histogram, self._totals[label])
+                                   if label in self._totals else histogram)
+        for label, frames in histograms.frames.items():
+            self._frames[label] = self._frames.get(label, 0) + frames
+
+    def result(self) -> Histograms:
+        """Return what was counted, in the order of the labels."""
         for label in list(self._waiting):
             self._count(label)
-        return {label: sparse(self._totals[label]) for label in sorted(self._totals)}
+        return Histograms(dict(sorted(self._totals.items())), dict(sorted(self._frames.items())))
 
     def _count(self, label: Label) -> None:
         pixels = np.concatenate(self._waiting.pop(label))
         self._waiting_px[label] = 0
-        if not len(pixels):
-            return
-        total = self._totals.setdefault(label, np.zeros(SHAPE, np.int64))
         # calcHist takes long to clear and convert its 12 million bins, so it gets many pixels
-        np.add(total, cv2.calcHist([pixels], [0, 1, 2], None, SHAPE, _RANGES), out=total,
-               casting='unsafe')
+        found = sparse(cv2.calcHist([pixels], [0, 1, 2], None, SHAPE, _RANGES))
+        before = self._totals.get(label)
+        self._totals[label] = found if before is None else _sum(found, before)
+
+
+def _sum(first: Sparse, second: Sparse) -> Sparse:
+    indices = np.concatenate([first.indices, second.indices])
+    order = indices.argsort(kind='stable')
+    indices = indices[order]
+    starts = np.flatnonzero(np.diff(indices, prepend=indices[:1] + 1))
+    return Sparse(indices[starts], np.add.reduceat(
+        np.concatenate([first.counts, second.counts])[order], starts))
 
 
 def sparse(counts: np.ndarray) -> Sparse:
     """Return the bins of a histogram, of SHAPE, that are not empty."""
     indices = np.flatnonzero(counts)
-    return Sparse(indices.astype(np.uint32), counts.reshape(-1)[indices])
+    return Sparse(indices.astype(np.uint32), counts.reshape(-1)[indices].astype(np.int64))
 
 
 def dense(histogram: Sparse) -> np.ndarray:
@@ -72,39 +125,39 @@ def dense(histogram: Sparse) -> np.ndarray:
     return counts
 
 
-def merged(first: Mapping[Label, Sparse], second: Mapping[Label, Sparse]) -> Dict[Label, Sparse]:
-    """Return the sum of two results; the order makes no difference."""
-    result = {}
-    for label in sorted({*first, *second}):
-        if label in first and label in second:
-            counts = dense(first[label])
-            counts.reshape(-1)[second[label].indices] += second[label].counts
-            result[label] = sparse(counts)
-        else:
-            result[label] = (first if label in first else second)[label]
-    return result
+def of_color(histograms: Histograms, color: str) -> Sampled:
+    """Return the pixels of a color, and those that are not of it.
 
-
-def of_color(histograms: Mapping[Label, Sparse], color: str) -> Tuple[np.ndarray, np.ndarray]:
-    """Return the histogram of the pixels of a color, and of those that are not of it: of SHAPE.
-
-    If no pixel is labeled with the color, its pixels are estimated: those of the frames in which it
-    is in view, less what frames without it have, as many times as there are more pixels.
+    If no pixel is labeled with the color, its pixels are estimated: those of the frames in which
+    it is in view, less what frames without it have, as many times as there are more pixels.
     """
-    negative = np.zeros(SHAPE, np.int64)
-    for label in _negatives(histograms, color):
-        counts = histograms[label]
-        negative.reshape(-1)[counts.indices] += counts.counts
-    if (COLOR, color) in histograms:
-        return dense(histograms[COLOR, color]), negative
-    if (IN_VIEW, color) not in histograms:
-        return np.zeros(SHAPE, np.int64), negative
-    seen = dense(histograms[IN_VIEW, color])
-    ratio = seen.sum() / max(1, negative.sum())
-    return np.maximum(seen - np.rint(negative * ratio).astype(np.int64), 0), negative
+    pixels = histograms.pixels
+    own, negative = np.zeros((2, *SHAPE), np.int64)
+    kind = COLOR if any(each[:2] == (COLOR, color) for each in pixels) else IN_VIEW
+    for label in pixels:
+        if label[:2] == (kind, color):
+            _add(own, pixels[label], UNIT)
+    with_color, without = (_frames(histograms, color, is_in_view) for is_in_view in (True, False))
+    weight = max(1, round(UNIT * min(1.0, with_color / max(1, without))))
+    for label in pixels:
+        if label.kind == NOT and label.name in ('', color) or (
+                label.kind == COLOR and label.name != color):
+            _add(negative, pixels[label], UNIT if color in label.in_view else weight)
+    if kind == IN_VIEW:
+        ratio = own.sum() / max(1, negative.sum())
+        own = np.maximum(own - np.rint(negative * ratio).astype(np.int64), 0)
+    return Sampled(own, negative)
 
 
-def _negatives(histograms: Mapping[Label, Sparse], color: str) -> Iterator[Label]:
-    for kind, name in histograms:
-        if (kind == NOT and name in ('', color)) or (kind == COLOR and name != color):
-            yield kind, name
+def _add(total: np.ndarray, histogram: Sparse, factor: int) -> None:
+    total.reshape(-1)[histogram.indices] += factor * histogram.counts
+
+
+def _frames(histograms: Histograms, color: str, is_in_view: bool) -> int:
+    """Return how many frames have the color in view, or not."""
+    frames: Dict[Tuple[str, ...], int] = {}
+    for label, count in histograms.frames.items():
+        if (color in label.in_view) == is_in_view:
+            # a frame may have several labels, all with the same colors in view
+            frames[label.in_view] = max(count, frames.get(label.in_view, 0))
+    return sum(frames.values())

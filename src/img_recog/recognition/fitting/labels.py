@@ -1,16 +1,18 @@
 """Labels of the pixels of a frame, from the samples of its recording."""
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Set, Tuple
 
 import cv2
 import numpy as np
 
 from img_recog import still_images
-from img_recog.recognition.fitting import histograms
-from img_recog.recognition.fitting.samples import (NO_COLOR, RecordingSamples, Region, SampleError,
-                                                   Samples)
+from img_recog.errors import UserError, one_line
+from img_recog.recognition.fitting.histograms import COLOR, IN_VIEW, NOT, Label
+from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, RecordingSamples, Region,
+                                                   SampleError, Samples)
 
-_MAX_CONTRADICTING = 0.0
-_NONE, _UNLABELED = 0, 255      # codes of pixels; that of a color is its number, from 1
+# codes of pixels; that of a color is its number, from 1
+_NONE, _IGNORED, _UNLABELED = 0, 254, 255
+_CODES = {NO_COLOR: _NONE, IGNORED: _IGNORED}
 
 
 class FrameLabels:
@@ -25,6 +27,11 @@ class FrameLabels:
         self._samples, self._codes, self.is_in_view = samples, codes, tuple(is_in_view)
 
     @property
+    def has_regions(self) -> bool:
+        """Whether pixels of the frame are labeled."""
+        return self._codes is not None
+
+    @property
     def is_empty(self) -> bool:
         """Whether nothing is known of the frame."""
         return self._codes is None and all(each is None for each in self.is_in_view)
@@ -36,32 +43,27 @@ class FrameLabels:
         """
         codes = self._codes if self._codes is not None else np.full((1, 1), _UNLABELED, np.uint8)
         is_color = codes == number + 1
-        is_unlabeled = codes == _UNLABELED
-        others = self._unlabeled_is_not(number)
-        return is_color, ~is_color & (~is_unlabeled | others)
+        is_known = (codes < _IGNORED) | (codes == _UNLABELED) & self._unlabeled_is_not(number)
+        return is_color, ~is_color & is_known
 
-    def parts(self, hsv: np.ndarray) -> Iterator[Tuple[histograms.Label, np.ndarray]]:
+    def parts(self, hsv: np.ndarray) -> Iterator[Tuple[Label, np.ndarray]]:
         """Yield labels, and the pixels that have them, uint8 of shape (..., 3).
 
         hsv: the frame, uint8 of shape (height, width, 3).
         """
-        colors, codes = self._samples.colors, self._codes
-        rest = hsv
+        colors, codes, rest = self._samples.colors, self._codes, hsv
+        in_view = tuple(color for color, seen in zip(colors, self.is_in_view) if seen)
         if codes is not None:
             for number, color in enumerate(colors, 1):
-                if (codes == number).any():
-                    yield (histograms.COLOR, color), hsv[codes == number]
-            yield histograms.NO_COLOR, hsv[codes == _NONE]
+                yield Label(COLOR, color, in_view), hsv[codes == number]
+            yield Label(NOT, '', in_view), hsv[codes == _NONE]
             rest = hsv[codes == _UNLABELED]
         absent = [color for number, color in enumerate(colors) if self._unlabeled_is_not(number)]
-        if len(absent) == len(colors):
-            yield histograms.NO_COLOR, rest
-        else:
-            for color in absent:
-                yield (histograms.NOT, color), rest
-        for color, is_in_view in zip(colors, self.is_in_view):
-            if is_in_view and codes is None:
-                yield (histograms.IN_VIEW, color), rest
+        for name in [''] if len(absent) == len(colors) else absent:
+            yield Label(NOT, name, in_view), rest
+        if codes is None:
+            for color in in_view:
+                yield Label(IN_VIEW, color, in_view), rest
 
     def _unlabeled_is_not(self, number: int) -> bool:
         """Return whether the pixels that are in no region are known not to be of a color."""
@@ -74,10 +76,14 @@ class FrameLabels:
 
 
 class Labeler:
-    """Labels the frames of one recording."""
+    """Labels the frames of one recording.
+
+    used: the entries of the samples that were needed so far.
+    """
 
     def __init__(self, samples: Samples, recording: RecordingSamples):
         self._samples, self._recording = samples, recording
+        self.used: Set[str] = set()
         self._regions: Dict[int, List[Region]] = {}
         for region in recording.regions:
             self._regions.setdefault(region.frame, []).append(region)
@@ -89,6 +95,7 @@ class Labeler:
         Raises SampleError if a region is not within the frame, or samples contradict each other.
         """
         regions = self._regions.get(frame, [])
+        self.used.update(region.entry for region in regions)
         in_view = [self._in_view(color, time_s, regions) for color in self._samples.colors]
         return FrameLabels(self._samples, self._codes(regions, shape) if regions else None,
                            in_view)
@@ -96,6 +103,7 @@ class Labeler:
     def _in_view(self, color: str, time_s: float, regions: List[Region]) -> Optional[bool]:
         said = {each.is_in_view: each for each in self._recording.ranges
                 if each.color == color and each.start_s <= time_s < each.end_s}
+        self.used.update(each.entry for each in said.values())
         own = [region for region in regions if region.color == color]
         if own and False in said:
             raise SampleError('{}: {} and {} contradict each other: {} is in frame {}, at {:.3f} '
@@ -109,12 +117,14 @@ class Labeler:
 
     def _codes(self, regions: List[Region], shape: Tuple[int, int]) -> np.ndarray:
         codes = np.full(shape, _UNLABELED, np.uint8)
-        for region in regions:
-            code = (_NONE if region.color == NO_COLOR
-                    else self._samples.colors.index(region.color) + 1)
+        # what is ignored is so whatever else is said of it
+        for region in sorted(regions, key=lambda region: region.color == IGNORED):
+            code = _CODES.get(region.color)
+            if code is None:
+                code = self._samples.colors.index(region.color) + 1
             inside = self._inside(region, shape)
             other = inside & (codes != _UNLABELED) & (codes != code)
-            if other.any():
+            if other.any() and code != _IGNORED:
                 raise self._contradiction(region, regions, shape, other.sum() / inside.sum())
             codes[inside] = code
         return codes
@@ -123,13 +133,11 @@ class Labeler:
         """Return where a region is: bool of the shape of the frame, somewhere true."""
         height, width = shape
         if region.mask:
-            mask = still_images.read(region.mask, still_images.DEFAULT_MAX_PIXELS)
-            if mask is None:
-                raise self._error(region, 'cannot read the image {}'.format(region.mask))
+            mask = self._decoded(region)
             if mask.shape[:2] != shape:
                 raise self._error(region, 'the mask is {}x{}, the frame {}x{}'.format(
                     mask.shape[1], mask.shape[0], width, height))
-            inside = mask.any(axis=2)
+            inside = mask.reshape(height, width, -1)[..., :3].any(axis=2)
             if not inside.any():
                 raise self._error(region, 'the mask is all black')
             return inside
@@ -140,16 +148,25 @@ class Labeler:
                                   corners[:, 0].min(), corners[:, 0].max(), corners[:, 1].min(),
                                   corners[:, 1].max(), region.frame, width, height))
         drawn = np.zeros(shape, np.uint8)
-        cv2.fillPoly(drawn, [np.rint(corners).astype(np.int32)], 1)
+        cv2.fillPoly(drawn, [np.rint(corners).astype(np.int32)], (1,))
         return drawn > 0
+
+    def _decoded(self, region: Region) -> np.ndarray:
+        try:
+            mask = still_images.decode(region.mask, still_images.DEFAULT_MAX_PIXELS)
+        except (UserError, cv2.error) as error:
+            raise self._error(region, 'cannot use the mask: {}'.format(one_line(error)))
+        if mask is None:
+            raise self._error(region, 'the mask is not a PNG that can be read')
+        return mask
 
     def _contradiction(self, region: Region, regions: List[Region], shape: Tuple[int, int],
                        share: float) -> SampleError:
         inside = self._inside(region, shape)
         other = next(each for each in regions if each.color != region.color
                      and (self._inside(each, shape) & inside).any())
-        return SampleError('{}: {} and {} contradict each other: {:.1%} of {} is {} by the one and '
-                           '{} by the other'.format(
+        return SampleError('{}: {} and {} contradict each other: {:.1%} of {} is {} by the one '
+                           'and {} by the other'.format(
                                self._samples.path, other.entry, region.entry, share, region.entry,
                                other.color, region.color), 'correct one')
 

@@ -60,9 +60,11 @@ class SummedVolume:
         # half the memory; differences are right even if sums overflow, being below the total
         kind = np.uint32 if self.total < _MAX_UINT32 else np.uint64
         table = np.zeros((2 * hues + 1, saturations + 1, values + 1), kind)
-        table[1:hues + 1, 1:, 1:] = table[hues + 1:, 1:, 1:] = counts
+        once = table[1:hues + 1, 1:, 1:]
+        once[:] = counts
         for axis in range(3):
-            np.cumsum(table, axis=axis, out=table)
+            np.cumsum(once, axis=axis, out=once)
+        np.add(once, once[-1], out=table[hues + 1:, 1:, 1:])
         self._table = table.reshape(-1)
         self._strides = np.array([(saturations + 1) * (values + 1), values + 1, 1])
 

@@ -1,0 +1,142 @@
+"""What fit_colors.py does with a part of a recording: counts its colors, and measures its frames.
+"""
+from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from img_recog.batch import recordings
+from img_recog.batch.fit_settings import settings_of
+from img_recog.batch.pieces import Part
+from img_recog.recognition.areas import ColorExtractor, to_hsv
+from img_recog.recognition.fitting.histograms import Counter, Histograms
+from img_recog.recognition.fitting.labels import FrameLabels, Labeler
+from img_recog.recognition.fitting.limits import areas_of_blobs
+from img_recog.recognition.fitting.samples import RecordingSamples, SampleError, Samples
+from img_recog.replay.chain import SECOND_NS
+
+# Which samples say something of a frame: those to fit by, or those to check the result.
+FIT, CHECK = 0, 1
+_UNKNOWN = -1
+
+
+class Source(NamedTuple):
+    """A part of a recording with its samples.
+
+    samples: to fit by and, if there are some, to check; of_recording: those of this recording.
+    start_ns: the stamp of its first frame.
+    """
+
+    part: Part
+    start_ns: int
+    samples: Tuple[Samples, ...]
+    of_recording: Tuple[RecordingSamples, ...]
+    max_pixels: int
+
+
+class Counted(NamedTuple):
+    """The histograms of a part by the samples to fit by.
+
+    used: for each set of samples, the entries that were used; frames: that were read; error: why
+    the samples cannot be used, else empty.
+    """
+
+    histograms: Histograms
+    used: List[Tuple[str, ...]]
+    frames: int = 0
+    error: str = ''
+
+
+class Measured(NamedTuple):
+    """The measurements of a part: a row for each frame, in the order of their numbers.
+
+    frames: int64, their numbers; times_s: float, from the first frame.
+    chosen: int8, FIT or CHECK, -1 without samples; in_view: int8 of shape (frames, colors), 1 or
+    0, -1 if unknown; has_regions: bool.
+    pixels: int32 of shape (frames, candidates, colors, 3): inside, wrong and missed pixels of
+    labeled ones, as in bounds.Score; areas: int32 of shape (frames, candidates, colors, sizes).
+    """
+
+    frames: np.ndarray
+    times_s: np.ndarray
+    chosen: np.ndarray
+    in_view: np.ndarray
+    has_regions: np.ndarray
+    pixels: np.ndarray
+    areas: np.ndarray
+
+
+def count(paths: Sequence[str], source: Source) -> Counted:
+    """Count the labeled pixels of a part; paths: of its recording."""
+    labelers = _labelers(source)
+    counter, frames = Counter(), 0
+    try:
+        for frame in recordings.read(paths[0], source.part, source.max_pixels):
+            frames += 1
+            chosen, labels = _labels(labelers, source, frame)
+            if labels is not None and chosen == FIT:
+                counter.add_frame(labels.parts(to_hsv(frame.image, frame.encoding)))
+    except SampleError as error:
+        return Counted(Histograms({}, {}), [], error=str(error))
+    return Counted(counter.result(), [tuple(sorted(labeler.used)) for labeler in labelers], frames)
+
+
+def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[str, Any]],
+            sizes: Sequence[int]) -> Measured:
+    """Measure the frames of a part by each of the candidates, for each least size of blobs.
+
+    candidates: parameters of the same colors, with a min_blob_size of 0.
+    """
+    labelers, colors = _labelers(source), len(source.samples[FIT].colors)
+    extractors = [ColorExtractor(settings_of(values)) for values in candidates]
+    rows = []
+    for frame in recordings.read(paths[0], source.part, source.max_pixels):
+        chosen, labels = _labels(labelers, source, frame)
+        pixels = np.zeros((len(extractors), colors, 3), np.int32)
+        areas = np.zeros((len(extractors), colors, len(sizes)), np.int32)
+        for index, extractor in enumerate(extractors):
+            extractor.measure(frame.image, frame.encoding)
+            for number in range(colors):
+                mask = extractor.mask(number)
+                areas[index, number] = areas_of_blobs(mask, sizes)
+                if labels is not None:
+                    pixels[index, number] = _pixel_score(mask, labels, number)
+        in_view = [_UNKNOWN] * colors if labels is None else [
+            _UNKNOWN if each is None else int(each) for each in labels.is_in_view]
+        rows.append((frame.number, (frame.stamp_ns - source.start_ns) / SECOND_NS, chosen, in_view,
+                     labels is not None and labels.has_regions, pixels, areas))
+    shapes = (), (), (), (colors,), (), (len(extractors), colors, 3), (
+        len(extractors), colors, len(sizes))
+    kinds = np.int64, float, np.int8, np.int8, bool, np.int32, np.int32
+    columns = list(zip(*rows)) if rows else [()] * len(shapes)
+    return Measured(*(np.array(column, kind).reshape((len(rows), *shape))
+                      for column, kind, shape in zip(columns, kinds, shapes)))
+
+
+def _labelers(source: Source) -> List[Labeler]:
+    return [Labeler(samples, own) for samples, own in zip(source.samples, source.of_recording)]
+
+
+def _labels(labelers: Sequence[Labeler], source: Source, frame) -> Tuple[int,
+                                                                         Optional[FrameLabels]]:
+    """Return which samples say something of a frame, and what; -1 and None for nothing.
+
+    Raises SampleError if both do: then the check would prove nothing.
+    """
+    found = []
+    for chosen, labeler in enumerate(labelers):
+        labels = labeler.of(frame.number, (frame.stamp_ns - source.start_ns) / SECOND_NS,
+                            frame.image.shape[:2])
+        if not labels.is_empty:
+            found.append((chosen, labels))
+    if len(found) > 1:
+        raise SampleError('frame {} is in the samples of both {} and {}'.format(
+            frame.number, *(samples.path for samples in source.samples)),
+            'remove it from one of them')
+    return found[0] if found else (_UNKNOWN, None)
+
+
+def _pixel_score(mask: np.ndarray, labels: FrameLabels, number: int) -> Tuple[int, int, int]:
+    is_color, is_not = labels.truth(number)
+    inside = mask > 0
+    found = np.count_nonzero(inside & is_color)
+    return found, np.count_nonzero(inside & is_not), np.count_nonzero(is_color) - found

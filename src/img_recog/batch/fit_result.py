@@ -1,0 +1,131 @@
+"""From the measurements of all frames to the limits of the colors, and what is worst."""
+import heapq
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+
+from img_recog.batch.fit_pieces import CHECK, FIT, Measured
+from img_recog.recognition.fitting.bounds import Score
+from img_recog.recognition.fitting.limits import Areas, FrameScore, Limit, best_size
+
+_WORST = 2      # frames of each color
+
+
+class Choice(NamedTuple):
+    """What was chosen for a color: number of the candidate, and its area limit."""
+
+    candidate: int
+    limit: Limit
+
+
+class WorstFrame(NamedTuple):
+    """A frame in which many pixels are wrong; source: which part, row: of its measurements."""
+
+    wrong_px: int
+    source: int
+    row: int
+
+
+class Statistics:
+    """The areas of each color by each candidate and blob size, of all frames with samples.
+
+    frames: that were measured, with samples or not.
+    """
+
+    def __init__(self, colors: int, candidates: int, sizes: Sequence[int]):
+        self._colors, self._candidates, self._sizes = colors, candidates, list(sizes)
+        self._areas: Dict[Tuple[int, int, int, int], Areas] = {}
+        self.frames = 0
+        # of FIT and CHECK, of frames without and with the color: inside, wrong and missed pixels
+        self._pixels = np.zeros((2, 2, candidates, colors, 3), np.int64)
+        self._frames = np.zeros((2, 2, colors), np.int64)
+
+    def add(self, measured: Measured) -> None:
+        """Count the frames of a part."""
+        self.frames += len(measured.frames)
+        for chosen in (FIT, CHECK):
+            for is_in_view in (0, 1):
+                picked = (measured.in_view == is_in_view) & (measured.chosen == chosen)[:, None]
+                self._frames[chosen, is_in_view] += picked.sum(axis=0)
+                self._pixels[chosen, is_in_view] += (
+                    measured.pixels * picked[:, None, :, None]).sum(axis=0)
+        for row, chosen in enumerate(measured.chosen):
+            for color in range(self._colors):
+                in_view = int(measured.in_view[row, color])
+                if chosen < 0 or in_view < 0:
+                    continue
+                for candidate in range(self._candidates):
+                    for number, area in enumerate(measured.areas[row, candidate, color]):
+                        self._of(int(chosen), candidate, color, number).add(int(area),
+                                                                            bool(in_view))
+
+    def choose(self, candidates: int) -> Tuple[int, List[Choice]]:
+        """Return the best blob size, and the best of the first `candidates` for each color."""
+        choices = {size: [max((Choice(candidate, self._of(FIT, candidate, color, number).limit())
+                               for candidate in range(candidates)),
+                              key=lambda choice: choice.limit.score.f1)
+                          for color in range(self._colors)]
+                   for number, size in enumerate(self._sizes)}
+        size = best_size({size: [choice.limit for choice in each]
+                          for size, each in choices.items()})
+        return size, choices[size]
+
+    def pixels(self, chosen: int, candidate: int, color: int) -> Score:
+        """Return the score of the pixels of FIT or CHECK, weighted as in histograms.Sampled."""
+        without, with_color = self._pixels[chosen, :, candidate, color]
+        frames = self._frames[chosen, :, color]
+        weight = min(1.0, frames[1] / max(1, frames[0]))
+        return Score(int(with_color[0]), int(with_color[1] + round(weight * without[1])),
+                     int(with_color[2]))
+
+    def score(self, chosen: int, candidate: int, color: int, size: int,
+              limit_px: int) -> FrameScore:
+        """Return the score of the frames of FIT or CHECK with a limit."""
+        return self._of(chosen, candidate, color, self._sizes.index(size)).score(limit_px)
+
+    def _of(self, *key: int) -> Areas:
+        return self._areas.setdefault(key, Areas())         # type: ignore[arg-type]
+
+
+class Row(NamedTuple):
+    """A row of the table for one color of a frame, by what was chosen."""
+
+    area_px: int
+    in_view: int
+    score: Score
+
+
+def rows(measured: Measured, choices: Sequence[Choice], size_index: int
+         ) -> Iterator[List[Row]]:
+    """Yield the rows of the colors of each frame."""
+    for index in range(len(measured.frames)):
+        yield [Row(int(measured.areas[index, choice.candidate, color, size_index]),
+                   int(measured.in_view[index, color]),
+                   Score(*map(int, measured.pixels[index, choice.candidate, color])))
+               for color, choice in enumerate(choices)]
+
+
+class Worst:
+    """The frames of each color with the most wrong pixels."""
+
+    def __init__(self, colors: int):
+        self._frames: List[List[WorstFrame]] = [[] for _ in range(colors)]
+
+    def add(self, color: int, row: Row, limit: Limit, source: int, index: int) -> None:
+        """Look at a frame; of one without labeled pixels, by how much its area is too small."""
+        wrong_px = row.score.wrong_px + row.score.missed_px
+        if row.in_view == 1 and not row.score.inside_px and not row.score.missed_px:
+            wrong_px = max(0, limit.area_px + 1 - row.area_px)
+        if wrong_px:
+            heapq.heappush(self._frames[color], WorstFrame(wrong_px, -source, -index))
+            if len(self._frames[color]) > _WORST:
+                heapq.heappop(self._frames[color])
+
+    def frames(self) -> List[Tuple[int, WorstFrame]]:
+        """Return the frames with the numbers of their colors, the worst first, each once."""
+        found: Dict[Tuple[int, int], Tuple[int, WorstFrame]] = {}
+        for color, frames in enumerate(self._frames):
+            for frame in sorted(frames, reverse=True):
+                found.setdefault((frame.source, frame.row), (
+                    color, WorstFrame(frame.wrong_px, -frame.source, -frame.row)))
+        return list(found.values())

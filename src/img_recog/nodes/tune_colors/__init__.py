@@ -1,1 +1,0 @@
-"""The tool tune_colors: shows why a color is recognized in an image, or why not."""

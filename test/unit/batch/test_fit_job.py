@@ -1,0 +1,230 @@
+"""fit_colors.py from recordings to its files; what it refuses."""
+import csv
+import io
+import os
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+import rosbag
+import rospy
+import yaml
+from std_msgs.msg import Header
+
+from img_recog.batch import fit_job
+from img_recog.conversions import image_msgs
+from img_recog.recognition import parameter_file
+from img_recog.recognition.areas import ColorExtractor
+from img_recog_testing.pages import ROOT
+
+WIDTH, HEIGHT = 64, 48
+RED, BLUE, WALL, CUP = (40, 30, 190), (170, 80, 30), (120, 125, 130), (60, 110, 190)     # BGR
+
+
+def picture(*colors):
+    """Return a frame of a wall and an orange cup, with cards of 20x20 px."""
+    image = np.full((HEIGHT, WIDTH, 3), WALL, np.uint8)
+    image[40:, 50:] = CUP
+    for number, color in enumerate(colors):
+        image[10:30, 5 + 30 * number:25 + 30 * number] = color
+    noise = np.random.RandomState(len(colors)).randint(-3, 4, image.shape)
+    return (image + noise).clip(0, 255).astype(np.uint8)
+
+
+SAMPLES = '''
+samples:
+- {recording: a.png, color: red, rectangle: [5, 10, 20, 20]}
+- {recording: a.png, color: blue, rectangle: [35, 10, 20, 20]}
+'''
+BAG_SAMPLES = '''
+- {recording: drive.bag, color: red, in_view: [0, 1]}
+- {recording: drive.bag, color: red, not_in_view: [1, 2]}
+- {recording: drive.bag, color: blue, not_in_view: [0, 2]}
+'''
+
+
+def write_bag(path):
+    """Write a bag of 20 images in 2 s, the first ten with a red card; its stamps begin at 100 s."""
+    with rosbag.Bag(str(path), 'w') as bag:
+        for number in range(20):
+            image = picture(*([RED] if number < 10 else []))
+            header = Header(number, rospy.Time(100, number * 10 ** 8 % 10 ** 9)
+                            if number < 10 else rospy.Time(101, (number - 10) * 10 ** 8), 'eye')
+            bag.write('/image', image_msgs.to_msg(image, 'bgr8', header), rospy.Time(7 + number))
+
+
+@pytest.fixture
+def fit(tmp_path, monkeypatch, capsys, caplog, handlers_as_before):
+    """A function that runs the program in a folder with a.png; returns code, output and log."""
+    monkeypatch.chdir(tmp_path)
+    cv2.imwrite('a.png', picture(RED, BLUE))
+    (tmp_path / 's.yaml').write_text(SAMPLES)
+
+    def fit(*arguments, samples='s.yaml'):
+        caplog.clear()
+        code = fit_job.main([*arguments, '--samples', samples, '--jobs', '1'])
+        return code, capsys.readouterr().out, [each.getMessage() for each in caplog.records]
+    return fit
+
+
+def table():
+    with open('fit_colors.csv') as file:
+        return list(csv.DictReader(file))
+
+
+def test_an_image_gives_bounds_that_find_its_cards_and_nothing_else(fit):
+    code, output, log = fit('a.png')
+    assert (code, log) == (0, [])
+    assert 'fit_colors.yaml, fit_colors.md, fit_colors.png, fit_colors.csv' in output
+    settings = parameter_file.read('fit_colors.yaml')
+    assert [color.name for color in settings.colors] == ['red', 'blue']
+    extractor = ColorExtractor(settings)
+    assert extractor.measure(picture(RED, BLUE)) == [400, 400]
+    assert extractor.measure(picture()) == [0, 0]
+    assert all(color.area_limit_px == 19 for color in settings.colors)
+    row, = table()
+    assert (row['recording'], row['samples'], row['red_px'], row['red_seen'], row['red_in_view'],
+            row['red_inside_px'], row['red_wrong_px'], row['red_missed_px']) == (
+                'a.png', 'fit', '400', '1', '1', '400', '0', '0')
+    report = open('fit_colors.md').read()
+    assert '| red | fitted | fit | 100.0% | 100.0% | 100.0% | 100.0% |' in report
+    # the article's red begins at the value 150, and the limit is 1000 px
+    assert '| blue | before | fit | 100.0% | 100.0% | 0.0% | 0.0% |' in report
+    assert cv2.imread('fit_colors.png').shape[1] == 1200
+    assert sorted(os.listdir('.')) == ['a.png', 'fit_colors.csv', 'fit_colors.md',
+                                       'fit_colors.png', 'fit_colors.yaml', 's.yaml']
+
+
+def test_bags_times_folders_and_a_check(fit, tmp_path):
+    write_bag(tmp_path / 'drive.bag')
+    (tmp_path / 'check.yaml').write_text('samples:' + BAG_SAMPLES.replace('[1, 2]', '[1.4, 2]'))
+    (tmp_path / 's.yaml').write_text(SAMPLES + '- {recording: drive.bag, color: red, '
+                                     'not_in_view: [1, 1.35]}\n')
+    code, _, log = fit('.', '--check', 'check.yaml')
+    assert code == 1 and 'check.yaml' in log[0] and 'frame 10 is in the samples of both' in log[0]
+    (tmp_path / 'check.yaml').write_text('samples:' + BAG_SAMPLES.replace('[1, 2]', '[1.4, 2]')
+                                         .replace('[0, 2]', '[0, 1]'))
+    assert fit('.', '--check', 'check.yaml')[0] == 0
+    report = open('fit_colors.md').read()
+    assert '| red | fitted | check | - | - | 100.0% | 100.0% |' in report
+    rows = table()
+    assert len(rows) == 21
+    assert [row['red_seen'] for row in rows] == ['1'] * 11 + ['0'] * 10
+    assert [row['samples'] for row in rows] == [
+        'fit', *['check'] * 10, *['fit'] * 4, *['check'] * 6]
+    assert rows[11]['time_s'] == '1.000000' and rows[11]['blue_in_view'] == ''
+
+
+def test_a_color_of_which_only_times_are_known(fit, tmp_path):
+    write_bag(tmp_path / 'drive.bag')
+    (tmp_path / 's.yaml').write_text('samples:\n- {color: red, in_view: [0, 1]}\n'
+                                     '- {color: red, not_in_view: [1, 2]}\n')
+    assert fit('drive.bag')[0] == 0
+    assert ColorExtractor(parameter_file.read('fit_colors.yaml')).measure(
+        picture(RED, BLUE)) == [400]
+
+
+def test_a_parameter_file_keeps_what_is_not_fitted(fit, tmp_path):
+    (tmp_path / 'mine.yaml').write_text(
+        'colors: [green, red]\ngreen_hue_min: 50\ngreen_hue_max: 70\ngreen_angular_z: 0.5\n'
+        'red_linear_x: 0.2\nred_hue_max: 178\nroi_x_offset: 2\nstop_when_lost: 1.5\n')
+    assert fit('a.png', '--colors', 'mine.yaml')[0] == 0
+    values = yaml.safe_load(open('fit_colors.yaml').read())
+    assert values['colors'] == ['green', 'red', 'blue']
+    assert (values['green_hue_max'], values['green_angular_z'], values['red_linear_x'],
+            values['roi_x_offset'], values['stop_when_lost']) == (70, 0.5, 0.2, 2, 1.5)
+    assert values['red_hue_max'] != 178 and 'blue_hue_min' in values
+
+
+def test_the_objectives(fit):
+    for objective in ('frames', 'margin'):
+        assert fit('a.png', '--objective', objective)[0] == 0
+        assert ColorExtractor(parameter_file.read('fit_colors.yaml')).measure(
+            picture(RED, BLUE)) == [400, 400]
+
+
+def test_a_broken_recording_is_named_and_the_others_count(fit, tmp_path):
+    (tmp_path / 'b.mp4').write_bytes(b'\0\0\0\x20ftypisom' + bytes(400))
+    (tmp_path / 'c.png').write_bytes(b'\x89PNG')
+    code, output, log = fit('a.png', 'b.mp4', 'c.png')
+    assert code == 1 and 'red: hue' in output
+    line, = log
+    assert '2 of 3 recordings cannot be read, and the others count: ' in line
+    assert 'b.mp4' in line and 'c.png' in line
+    report = open('fit_colors.md').read()
+    assert 'Not read:' in report and 'b.mp4' in report and len(table()) == 1
+
+
+def test_the_worst_frames_are_drawn(fit, tmp_path):
+    cv2.imwrite('d.png', picture((45, 40, 180)))
+    (tmp_path / 's.yaml').write_text(SAMPLES + '- {recording: d.png, color: none, '
+                                     'rectangle: [0, 0, 30, 40]}\n')
+    assert fit('a.png', 'd.png')[0] in (0, 1)
+    report = open('fit_colors.md').read()
+    assert 'red: frame 0 of ' in report and 'px wrong' in report
+    assert cv2.imread('fit_colors_worst_1.png').shape[1] == 1200
+
+
+def test_two_processes_write_the_same_bytes(fit, tmp_path):
+    write_bag(tmp_path / 'drive.bag')
+    (tmp_path / 's.yaml').write_text(SAMPLES + BAG_SAMPLES)
+    written = []
+    for jobs in ('1', '2'):
+        assert fit_job.main(['a.png', 'drive.bag', '--samples', 's.yaml', '--jobs', jobs]) == 0
+        written.append({name: (tmp_path / name).read_bytes() for name in os.listdir('.')
+                        if name.startswith('fit_colors')})
+    assert written[0] == written[1] and len(written[0]) >= 4
+
+
+CASES = {
+    'outside': ('- {color: red, rectangle: [50, 10, 20, 20]}', 'entry 1: x 50 to 69'),
+    'no such frame': (SAMPLES[10:] + '- {color: red, frame: 3, rectangle: [5, 10, 20, 20]}',
+                      'entry 3: a.png has no frame 3'),
+    'no such time': (SAMPLES[10:] + '- {color: red, not_in_view: [3, 4]}',
+                     'entry 3: a.png has no frame from 3 s to 4 s'),
+    'no such recording': (SAMPLES[10:].replace('a.png', 'aa.png'),
+                          'entry 1: there is no recording aa.png, did you mean a.png'),
+    'contradiction': (SAMPLES[10:] + '- {color: none, rectangle: [5, 10, 10, 20]}',
+                      'entry 1 and entry 3 contradict each other: 100.0% of entry 3 is red'),
+    'overlap': ('- {color: red, rectangle: [0, 0, 30, 5]}', 'no bounds separate red: the best'),
+}
+
+
+@pytest.mark.parametrize('text, words', list(CASES.values()), ids=list(CASES))
+def test_samples_that_are_refused_leave_nothing(fit, tmp_path, text, words):
+    (tmp_path / 's.yaml').write_text('samples:\n' + text)
+    before = sorted(os.listdir('.'))
+    code, output, log = fit('a.png')
+    line, = log
+    assert code == 1 and not output and words in line and '\n' not in line
+    assert sorted(os.listdir('.')) == before
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['nix.png'], 'cannot read nix.png: no such file; give films, bags or images'),
+    (['empty'], 'cannot read empty: there is no recording in it'),
+    (['*.bag'], 'cannot read *.bag: no such file'),
+    (['a.png', '--colors', 'nix.yaml'], 'cannot read the parameters in nix.yaml'),
+    (['a.png', '--check', 'nix.yaml'], 'cannot read the samples in nix.yaml'),
+    (['a.png', '--output', 'nix/fit'], 'cannot write nix/fit'),
+    (['a.png', '--copy'], '--copy is for the workers of a --scheduler')])
+def test_refused_arguments(fit, tmp_path, arguments, words):
+    (tmp_path / 'empty').mkdir()
+    code, _, log = fit(*arguments)
+    assert code == 1 and len(log) == 1 and words in log[0], log
+
+
+def test_colors_of_the_check_that_are_not_fitted(fit, tmp_path):
+    (tmp_path / 'c.yaml').write_text('samples: [{color: green, in_view: [0, 1]}]')
+    assert 'c.yaml: there is no color green; those of s.yaml are red, blue' in fit(
+        'a.png', '--check', 'c.yaml')[2][0]
+
+
+def test_tune_colors_says_where_to_go():
+    process = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', 'tune_colors.py'),
+                              'a.png'], stderr=subprocess.PIPE, check=False)
+    assert process.returncode == 2
+    line, = io.StringIO(process.stderr.decode()).readlines()
+    assert 'fit_colors.py' in line and 'rqt_reconfigure' in line

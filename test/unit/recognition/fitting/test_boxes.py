@@ -1,0 +1,75 @@
+"""The search of the best box compared with all boxes there are."""
+import itertools
+
+import numpy as np
+import pytest
+
+from img_recog.recognition.fitting.boxes import BoxSearch
+from img_recog.recognition.fitting.volume import SummedVolume
+
+
+def all_boxes(shape):
+    ranges = [[(low, low + size) for low in range(shape[0]) for size in range(1, shape[0] + 1)]]
+    ranges += [[(low, end) for low in range(size) for end in range(low + 1, size + 1)]
+               for size in shape[1:]]
+    return np.array([sum(each, ()) for each in itertools.product(*ranges)])
+
+
+def brute_force(positive, negative, beta=1.0):
+    edges = all_boxes(positive.shape)
+    inside, wrong = SummedVolume(positive).count(edges), SummedVolume(negative).count(edges)
+    return ((1 + beta ** 2) * inside / np.maximum(
+        1, beta ** 2 * positive.sum() + inside + wrong)).max()
+
+
+def blob(shape, seed, through_zero):
+    """Return two histograms that overlap: a color in a part of the bins, and others everywhere."""
+    random = np.random.RandomState(seed)
+    positive, negative = random.poisson(0.3, shape), random.poisson(1.0, shape)
+    middle = 0 if through_zero else shape[0] // 2
+    hues = np.arange(middle - 2, middle + 2) % shape[0]
+    positive[hues, shape[1] // 2:, 1:shape[2] - 1] += random.poisson(4.0, positive[
+        hues, shape[1] // 2:, 1:shape[2] - 1].shape)
+    return positive, negative
+
+
+@pytest.mark.parametrize('beta', [0.5, 1.0, 2.0])
+@pytest.mark.parametrize('through_zero', [False, True])
+@pytest.mark.parametrize('seed', range(4))
+def test_no_box_is_better_than_the_one_that_is_found(seed, through_zero, beta):
+    positive, negative = blob((12, 6, 6), seed, through_zero)
+    found = BoxSearch(positive, negative).best(beta)
+    assert found.score == pytest.approx(brute_force(positive, negative, beta), abs=1e-12)
+    assert found.score == pytest.approx(
+        float(BoxSearch(positive, negative).objective(beta).score(found.edges)))
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_no_box_is_better_where_the_first_search_has_coarser_bins(seed):
+    # 60, 32 and 16 of 30, 16 and 16 bins
+    positive, negative = blob((60, 32, 16), seed, seed % 2 == 0)
+    small = [counts.reshape(30, 2, 8, 4, 8, 2).sum(axis=(1, 3, 5))
+             for counts in (positive, negative)]
+    found = BoxSearch(positive, negative).best()
+    assert found.score >= brute_force(*small) - 1e-12
+
+
+def test_noise_without_a_color_is_searched_as_well():
+    random = np.random.RandomState(5)
+    positive, negative = random.poisson(0.2, (2, 12, 6, 6))
+    assert BoxSearch(positive, negative).best().score == pytest.approx(
+        brute_force(positive, negative))
+
+
+def test_a_margin_keeps_sides_away_from_both():
+    positive, negative = np.zeros((2, 180, 256, 256), int)
+    positive[20:30, 150:200, 150:200] = 1
+    negative[0:10, 150:200, 150:200] = negative[60:70, 150:200, 150:200] = 1
+    search = BoxSearch(positive, negative)
+    wide = search.best(margin=(4, 16, 16))
+    assert wide.score == 1.0
+    low, end = wide.edges[:2]
+    assert 10 + 4 <= low <= 20 - 4 and 30 + 4 <= end <= 60 - 4
+    assert wide.edges[2] <= 150 - 16 and (wide.edges[3] >= 200 + 16 or wide.edges[3] == 256)
+    # a margin that is wider than the gap costs pixels
+    assert search.best(margin=(8, 0, 0)).score < 1.0

@@ -1,0 +1,46 @@
+"""Area limits and blob sizes for areas that are known."""
+import numpy as np
+import pytest
+
+from img_recog.recognition.areas import ColorExtractor
+from img_recog.recognition.fitting.limits import (Areas, FrameScore, Limit, areas_of_blobs,
+                                                  best_size)
+from img_recog.recognition.settings import with_colors
+
+
+def areas(seen, unseen):
+    found = Areas()
+    for area_px in seen:
+        found.add(area_px, True)
+    for area_px in unseen:
+        found.add(area_px, False)
+    return found
+
+
+@pytest.mark.parametrize('seen, unseen, limit, score', [
+    ([400, 900], [0, 3], 39, (2, 0, 0)), ([400, 900], [], 19, (2, 0, 0)),
+    ([5], [4], 4, (1, 0, 0)), ([0, 100], [0], 9, (1, 0, 1)),
+    ([100, 200, 300], [150, 0], 9, (3, 1, 0)), ([0], [7], 7, (0, 0, 1))])
+def test_the_limit_is_in_the_middle_of_the_gap(seen, unseen, limit, score):
+    found = areas(seen, unseen).limit()
+    assert (found.area_px, found.score) == (limit, FrameScore(*score))
+    assert areas(seen, unseen).score(limit) == found.score
+
+
+def test_a_better_score_and_much_wider_gaps_need_a_larger_size():
+    good, bad = FrameScore(9, 0, 0), FrameScore(8, 1, 1)
+    assert best_size({0: [Limit(50, bad, 9.0)], 4: [Limit(50, good, 2.0)]}) == 4
+    assert best_size({0: [Limit(50, good, 2.0)], 4: [Limit(50, good, 2.5)]}) == 0
+    assert best_size({0: [Limit(50, good, 2.0)], 4: [Limit(50, good, 9.0)]}) == 4
+    assert best_size({0: [Limit(50, bad, 2.0)], 64: [Limit(50, good, 9.0)]}) == 0
+
+
+def test_areas_of_blobs_are_those_of_the_node():
+    image = np.zeros((40, 50, 3), np.uint8)
+    image[5:8, 5:8] = image[20:30, 20:31] = image[39, 49] = (215, 70, 25)
+    settings = [with_colors(['blue'])(min_blob_size=size) for size in (0, 4, 10)]
+    extractor = ColorExtractor(settings[0])
+    extractor.measure(image)
+    assert areas_of_blobs(extractor.mask(0), (0, 4, 10)) == [120, 119, 110] == [
+        ColorExtractor(each).measure(image)[0] for each in settings]
+    assert areas_of_blobs(np.zeros((4, 4), np.uint8), (0, 4)) == [0, 0]
