@@ -1,6 +1,7 @@
 """The program fit_colors: finds the bounds of colors that separate them best in recordings."""
 import argparse
 import logging
+import os
 import sys
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
@@ -44,10 +45,14 @@ def _run(arguments: List[str], interrupts: Interrupts) -> str:
     options = parse(arguments)
     paths = recordings.expand(options.recordings)
     sets = [sample_file.read(path) for path in (options.samples, options.check) if path]
+    sets[FIT].check_colors()
     for each in sets:
         each.check_recordings(paths)
     if options.check:
         _check_colors(*sets)
+    if not os.path.isdir(os.path.dirname(options.output) or '.'):
+        raise UserError('cannot write {}: no such folder'.format(options.output),
+                        'make it, or set --output to another')
     report = Report(options.output, sets, paths, options.objective)
     for path in [*paths, options.samples, options.check, options.colors]:
         for output in report.paths:

@@ -43,11 +43,6 @@ def read(path: str) -> Samples:
         sample.color for _, sample in entries
         if sample.color not in (NO_COLOR, IGNORED)))
     samples = Samples(path, colors, unlabeled == IGNORED, entries)
-    for color in colors:
-        if not any(sample.color == color and getattr(sample, 'is_in_view', True)
-                   for _, sample in entries):
-            raise SampleError('{}: there is no sample of {}'.format(path, color),
-                              'add a part of a frame, or a time in which it is in view')
     _check_times(samples)
     return samples
 

@@ -64,6 +64,14 @@ class Samples(NamedTuple):
             tuple(each for each in chosen if isinstance(each, Region)),
             tuple(each for each in chosen if isinstance(each, Range)))
 
+    def check_colors(self) -> None:
+        """Raise SampleError for a color of which it is not said where it is."""
+        for color in self.colors:
+            if not any(sample.color == color and getattr(sample, 'is_in_view', True)
+                       for _, sample in self.entries):
+                raise SampleError('{}: there is no sample of {}'.format(self.path, color),
+                                  'add a part of a frame, or a time in which it is in view')
+
     def check_recordings(self, recordings: Sequence[str]) -> None:
         """Raise SampleError for an entry whose recording is not among these, or is not one."""
         for name, sample in self.entries:

@@ -51,6 +51,14 @@ def test_recordings_have_to_be_there_and_to_be_one(read):
         found.check_recordings(['x/a.mp4', 'y/a.mp4'])
 
 
+@pytest.mark.parametrize('text, color', [
+    ('colors: [red, blue]\nsamples: [{color: red, in_view: [0, 1]}]', 'blue'),
+    ('samples: [{color: red, not_in_view: [0, 1]}]', 'red')])
+def test_a_color_of_which_nothing_says_where_it_is(read, text, color):
+    with pytest.raises(SampleError, match='s.yaml: there is no sample of {}; add'.format(color)):
+        read(text).check_colors()
+
+
 @pytest.mark.parametrize('text, words', [
     ('[', 'cannot read the samples in'), ('a: 1', 'expected a list samples:'),
     ('samples: []', 'there is no sample'), ('samples: [], nix', 'cannot read the samples in'),
@@ -64,9 +72,6 @@ def test_recordings_have_to_be_there_and_to_be_one(read):
     ('samples: [{color: 7, in_view: [0, 1]}]', 'color: got 7, expected the name of a color'),
     ('colors: [red]\nsamples: [{color: green, in_view: [0, 1]}]',
      'entry 1: there is no color green, the colors are red'),
-    ('colors: [red, blue]\nsamples: [{color: red, in_view: [0, 1]}]',
-     'there is no sample of blue; add'),
-    ('samples: [{color: red, not_in_view: [0, 1]}]', 'there is no sample of red; add'),
     ('samples: [{color: none, in_view: [0, 1]}]', 'entry 1: in_view needs a color'),
     ('samples: [{color: red, in_view: [2, 1]}]', 'in_view: got [2, 1], expected [start, end]'),
     ('samples: [{color: red, in_view: [.nan, 1]}]', 'in_view: got [nan, 1], expected'),
