@@ -1,5 +1,5 @@
 """Exact histograms over hue, saturation and value, one for each label of pixels."""
-from typing import Dict, Iterable, List, NamedTuple, Tuple
+from typing import Dict, Iterable, NamedTuple, Tuple
 
 import cv2
 import numpy as np
@@ -55,7 +55,8 @@ class Counter:
     def __init__(self) -> None:
         self._frames: Dict[Label, int] = {}
         self._totals: Dict[Label, Sparse] = {}
-        self._waiting: Dict[Label, List[np.ndarray]] = {}
+        # of each label: pixels that wait to be counted, and how many there are
+        self._waiting: Dict[Label, np.ndarray] = {}
         self._waiting_px: Dict[Label, int] = {}
 
     def add_frame(self, parts: Iterable[Tuple[Label, np.ndarray]]) -> None:
@@ -72,13 +73,17 @@ class Counter:
             self._frames[label] = self._frames.get(label, 0) + 1
 
     def _add(self, label: Label, pixels: np.ndarray) -> None:
-        pixels = pixels.reshape(-1, 1, 3)
-        for start in range(0, len(pixels), _BATCH_PX):
-            part = pixels[start:start + _BATCH_PX]
-            if self._waiting_px.get(label, 0) + len(part) > _BATCH_PX:
+        if label not in self._waiting:
+            self._waiting[label], self._waiting_px[label] = np.empty((_BATCH_PX, 3), np.uint8), 0
+        pixels = pixels.reshape(-1, 3)
+        while len(pixels):
+            start = self._waiting_px[label]
+            part = pixels[:_BATCH_PX - start]
+            self._waiting[label][start:start + len(part)] = part
+            self._waiting_px[label] += len(part)
+            pixels = pixels[len(part):]
+            if self._waiting_px[label] == _BATCH_PX:
                 self._count(label)
-            self._waiting.setdefault(label, []).append(part)
-            self._waiting_px[label] = self._waiting_px.get(label, 0) + len(part)
 
     def add_result(self, histograms: Histograms) -> None:
         """Add what another counter has counted; the order makes no difference."""
@@ -90,12 +95,13 @@ class Counter:
 
     def result(self) -> Histograms:
         """Return what was counted, in the order of the labels."""
-        for label in list(self._waiting):
-            self._count(label)
+        for label, count in self._waiting_px.items():
+            if count:
+                self._count(label)
         return Histograms(dict(sorted(self._totals.items())), dict(sorted(self._frames.items())))
 
     def _count(self, label: Label) -> None:
-        pixels = np.concatenate(self._waiting.pop(label))
+        pixels = self._waiting[label][:self._waiting_px[label], np.newaxis]
         self._waiting_px[label] = 0
         # calcHist takes long to clear and convert its 12 million bins, so it gets many pixels
         found = sparse(cv2.calcHist([pixels], [0, 1, 2], None, SHAPE, _RANGES))
