@@ -3,7 +3,6 @@
 import sys
 
 if __name__ == '__main__':
-    sys.stderr.write('tune_colors.py is no longer here; use fit_colors.py for bounds with pictures '
-                     'that show why (doc/fitting.md), and rqt_reconfigure or the tab Colors of the '
-                     'page for sliders\n')
+    sys.stderr.write('tune_colors.py is no longer here; use fit_colors.py for bounds and pictures '
+                     'that show why, and the page or rqt_reconfigure for sliders\n')
     sys.exit(2)
