@@ -3,6 +3,7 @@ import contextlib
 import importlib.util
 import logging
 import signal
+import tempfile
 import time
 from typing import Any, Dict, Iterator, List, Sequence
 
@@ -54,7 +55,8 @@ def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
             cluster = stack.enter_context(LocalCluster(
                 n_workers=jobs, threads_per_worker=1, processes=True, host='127.0.0.1',
                 dashboard_address='127.0.0.1:0' if has_page else None, memory_limit=0,
-                silence_logs=logging.CRITICAL + 1))
+                silence_logs=logging.CRITICAL + 1,
+                local_directory=stack.enter_context(tempfile.TemporaryDirectory())))
             client = stack.enter_context(Client(cluster, set_as_default=False))
             signal.signal(signal.SIGINT, handler)
         if has_page:

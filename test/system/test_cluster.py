@@ -1,0 +1,140 @@
+"""sweep.py and evaluate.py on a cluster: a scheduler and two workers, each in its own network."""
+import os
+import signal
+import subprocess
+import sys
+
+import av
+import numpy as np
+import pytest
+
+from img_recog_testing.pages import ROOT
+from img_recog_testing.waiting import wait_for
+
+SCHEDULER, WORKERS = '10.213.7.1', ('10.213.7.2', '10.213.7.3')
+ADDRESS = 'tcp://{}:8786'.format(SCHEDULER)
+SWEEP = '''
+runs: 4
+time_limit: 0.6
+success: {{distance: 1.2}}
+parameters:
+  goal: blue_post*
+  world: color_posts
+  colors: {}/config/follow.yaml
+  camera_width: 160
+  camera_height: 120
+  x_pos: {{from: -1.0, to: 0.0}}
+'''
+
+
+def ip(*words):
+    subprocess.run(['ip', *words], check=True, stderr=subprocess.DEVNULL)
+
+
+@pytest.fixture(scope='module')
+def networks():
+    """Three networks of this test alone, connected by a bridge; their names by address."""
+    names = {address: 'ir{}{}'.format(os.getpid(), number)
+             for number, address in enumerate((SCHEDULER, *WORKERS))}
+    made = []
+    try:
+        for name in names.values():
+            ip('netns', 'add', name)
+            made.append(name)
+        center = names[SCHEDULER]
+        ip('-n', center, 'link', 'add', 'bridge', 'type', 'bridge')
+        ip('-n', center, 'addr', 'add', SCHEDULER + '/24', 'dev', 'bridge')
+        for number, address in enumerate(WORKERS):
+            ip('-n', center, 'link', 'add', 'to{}'.format(number), 'type', 'veth', 'peer', 'name',
+               'eth', 'netns', names[address])
+            ip('-n', center, 'link', 'set', 'to{}'.format(number), 'master', 'bridge', 'up')
+            ip('-n', names[address], 'addr', 'add', address + '/24', 'dev', 'eth')
+            ip('-n', names[address], 'link', 'set', 'eth', 'up')
+        ip('-n', center, 'link', 'set', 'bridge', 'up')
+        for name in names.values():
+            ip('-n', name, 'link', 'set', 'lo', 'up')
+        yield names
+    except (OSError, subprocess.CalledProcessError) as error:
+        pytest.skip('network namespaces cannot be made here: {}'.format(error))
+    finally:
+        for name in made:
+            ip('netns', 'del', name)
+
+
+@pytest.fixture
+def cluster(networks, tmp_path):
+    """The processes of the two workers, which a scheduler knows; --nanny starts them again."""
+    started = []
+
+    def start(address, *words):
+        log = open(str(tmp_path / 'log{}'.format(len(started))), 'w')
+        started.append(subprocess.Popen(
+            ['ip', 'netns', 'exec', networks[address], sys.executable, '-m', *words],
+            stdout=log, stderr=log, cwd=str(tmp_path), start_new_session=True))
+        return started[-1]
+    start(SCHEDULER, 'distributed.cli.dask_scheduler', '--host', SCHEDULER, '--no-dashboard')
+    yield [start(address, 'distributed.cli.dask_worker', ADDRESS, '--host', address, '--nthreads',
+                 '1', '--no-dashboard', '--local-directory', str(tmp_path / 'space'))
+           for address in WORKERS]
+    for process in started:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+
+
+@pytest.fixture
+def run(networks, tmp_path):
+    """A function that starts a program in the network of the scheduler."""
+    (tmp_path / 's.yaml').write_text(SWEEP.format(ROOT))
+
+    def run(program, *words):
+        return subprocess.Popen(
+            ['ip', 'netns', 'exec', networks[SCHEDULER], sys.executable,
+             os.path.join(ROOT, 'scripts', program), *words], cwd=str(tmp_path),
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+            env=dict(os.environ, PWD=str(tmp_path)))
+    return run
+
+
+def ended(process):
+    output = process.communicate()[0]
+    assert process.returncode == 0, output
+
+
+def result(tmp_path, kind):
+    return [(tmp_path / 's.{}'.format(kind + extension)).read_bytes()
+            for extension in ('.csv', '.png')]
+
+
+def some_are_done(tmp_path):
+    return any(name.endswith('.piece') for _, _, names in os.walk(
+        str(tmp_path / 's.sweep.work')) for name in names)
+
+
+def test_a_cluster_gives_the_bytes_of_one_process_also_after_kills(cluster, run, tmp_path):
+    sweep = 'sweep.py', 's.yaml', '--films', '0'
+    ended(run(*sweep, '--jobs', '1'))
+    expected = result(tmp_path, 'sweep')
+    interrupted = run(*sweep, '--scheduler', ADDRESS)
+    wait_for(lambda: some_are_done(tmp_path) or interrupted.poll() is not None, 'a result')
+    interrupted.send_signal(signal.SIGINT)
+    interrupted.communicate()
+    resumed = run(*sweep, '--scheduler', ADDRESS, '--copy')
+    wait_for(lambda: some_are_done(tmp_path) or resumed.poll() is not None, 'a result')
+    os.killpg(cluster[0].pid, signal.SIGKILL)
+    ended(resumed)
+    assert result(tmp_path, 'sweep') == expected
+
+
+def test_recordings_are_copied_to_workers(cluster, run, tmp_path):
+    with av.open(str(tmp_path / 's.avi'), 'w') as film:
+        stream = film.add_stream('mjpeg', 10)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, 'yuvj420p'
+        for number in range(20):
+            image = np.full((64, 96, 3), (200, 12 * number, 0), np.uint8)
+            film.mux(stream.encode(av.VideoFrame.from_ndarray(image, 'bgr24')))
+        film.mux(stream.encode(None))
+    evaluate = 'evaluate.py', 's.avi', '--colors', os.path.join(ROOT, 'config', 'colors.yaml')
+    ended(run(*evaluate, '--jobs', '1'))
+    expected = result(tmp_path, 'evaluated')
+    ended(run(*evaluate, '--scheduler', ADDRESS, '--copy'))
+    assert result(tmp_path, 'evaluated') == expected
