@@ -13,7 +13,8 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from img_recog_testing.browser import Browser, need_chromium, status_of
-from img_recog_testing.processes import Ros, numbers
+from img_recog_testing.processes import Ros
+from img_recog_testing.simulator_tools import Echo
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 CAMERA, BLUE, RED = '/usb_cam/image_raw', '/blue_image', '/red_image'
@@ -53,6 +54,7 @@ def demo(tmp_path_factory):
         ros.url = ros.demo_process.wait_output(r'the page: (http://\S+)').group(1)
         ros.origin, ros.token = ros.url.split('/?token=')
         ros.folder = folder
+        ros.speeds = Echo(ros, '/odom/twist/twist/linear/x')
         yield ros
 
 
@@ -89,7 +91,7 @@ def page(demo, browser):
 
 def speeds(demo, count=1):
     """Return the next speeds of the robot in m/s."""
-    return numbers(demo.run('rostopic', 'echo', '-n', str(count), '/odom/twist/twist/linear/x'))
+    return [speed for speed, in demo.speeds.wait_more(count)[-count:]]
 
 
 def blueness(page):
@@ -324,7 +326,7 @@ def test_a_recording(demo, page):
     page.click('Record')
     wait_for(lambda: page.has_button('Stop recording'), 'the start')
     demo.wait_run(r'topic: /odom\s+\* to: /record', 'rosnode', 'info', '/gazebo')
-    demo.run('rostopic', 'echo', '-n', '20', '/odom/header/seq')
+    speeds(demo, 20)
     page.click('Stop recording')
     bag = demo.folder / 'recording_1.bag'
     wait_for(bag.exists, 'the end of the recording')

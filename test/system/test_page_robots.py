@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from img_recog_testing.browser import Browser, need_chromium
-from img_recog_testing.processes import numbers
+from img_recog_testing.simulator_tools import Echo
 from img_recog_testing.waiting import wait_for
 
 LIST = '''
@@ -31,8 +31,9 @@ def page(ros, tmp_path):
 
 def positions(ros):
     """Return x of both robots."""
-    topics = ['/{}/odom/pose/pose/position/x'.format(name) for name in ('tb3_0', 'tb3_1')]
-    return [numbers(ros.run('rostopic', 'echo', '-n', '1', topic))[0] for topic in topics]
+    echoes = [Echo(ros, '/{}/odom/pose/pose/position/x'.format(name))
+              for name in ('tb3_0', 'tb3_1')]
+    return [echo.wait_more(1)[-1][0] for echo in echoes]
 
 
 def test_a_visitor_chooses_a_robot_and_drives_only_that_one(ros, page, tmp_path):
