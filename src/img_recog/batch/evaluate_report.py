@@ -10,7 +10,6 @@ from img_recog.batch.evaluation import ColorSet, Driven, Evaluated, Truth, score
 from img_recog.batch.report import lines_of_table
 from img_recog.recognition.commands import Command
 from img_recog.replay.chain import SECOND_NS
-from img_recog.replay.recorders import seconds_text
 
 _DPI, _WIDTH_IN, _ROW_IN = 100, 12.0, 2.5
 _MAX_ROWS = 12              # recordings in the picture
@@ -34,14 +33,14 @@ def table(sets: Sequence[ColorSet], found: Sequence[Evaluated]
                 for index, frame in enumerate(each.measured.numbers):
                     command = _holding(driven.commands[index])
                     row = {'recording': each.name, 'colors': colors.name, 'frame': frame,
-                           'time_s': seconds_text(each.measured.stamps_ns[index]
-                                                  - each.measured.stamps_ns[0]),
+                           'time_s': (each.measured.stamps_ns[index]
+                                      - each.measured.stamps_ns[0]) / SECOND_NS,
                            **dict(zip(names, areas_px[index].tolist()))}
                     if command is not None:
                         row['linear_x_m_per_s'] = command.linear_x
                         row['angular_z_rad_per_s'] = command.angular_z
                     if poses:
-                        row.update(zip(poses, driven.poses[index].round(6).tolist()))
+                        row.update(zip(poses, (driven.poses[index].round(6) + 0.0).tolist()))
                     yield row
     return columns, rows()
 

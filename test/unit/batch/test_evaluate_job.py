@@ -70,7 +70,7 @@ def test_areas_and_commands_of_each_set(folder, monkeypatch, capsys):
         assert [int(row['green_px']) for row in mine] == areas
         assert [row['linear_x_m_per_s'] for row in mine] == [
             '0.1' if area > limit else '' for area in areas]
-        assert [(row['frame'], row['time_s']) for row in mine][3] == ('3', '0.300000000')
+        assert [(row['frame'], row['time_s']) for row in mine][3] == ('3', '0.3')
     differing = sum(100 < area <= 900 for area in areas)
     assert '| film.avi | high | 0.10 s | {} |'.format(differing) in (
         folder / 'film.evaluated.md').read_text()
