@@ -103,7 +103,8 @@ import resource, sys
 from img_recog import errors, files
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:
-    with files.atomic_write(['a']) as (file,):
+    with files.atomic_write(['b', 'a']) as (other, file):
+        other.write(b'x')
         file.write(b'x' * int(sys.argv[1]))
 except errors.UserError as error:
     print(error)
