@@ -111,11 +111,13 @@ except errors.UserError as error:
 '''
 
 
-@pytest.mark.parametrize('size', [2000, 2000000])       # written when it is closed, or before
-def test_a_file_that_becomes_too_large(folder, size):
+@pytest.mark.parametrize('size, named', [     # written when it is closed, or before
+    (2000, b'a'), (2000000, b'b, a')])
+def test_a_file_that_becomes_too_large(folder, size, named):
     done = subprocess.run([sys.executable, '-c', LIMITED, str(size)], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, check=False)
-    assert done.stdout.startswith(b'cannot write a: file too large; set --output to ')
+    assert done.stdout.startswith(
+        b'cannot write ' + named + b': file too large; set --output to ')
     assert os.listdir('.') == []
 
 
