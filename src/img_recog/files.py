@@ -142,9 +142,11 @@ def atomic_write(paths: Sequence[str],
             with _refusal(', '.join(path for path, part in zip(paths, parts)
                                     if error.filename in (None, part)), advice):
                 raise
-        for path, part, target, file in zip(paths, parts, targets, files):
+        for path, file in zip(paths, files):        # the disk may be full only now
             with _refusal(path, advice):
                 file.close()
+        for path, part, target in zip(paths, parts, targets):
+            with _refusal(path, advice):
                 os.replace(part, target)
     finally:
         for file in files:

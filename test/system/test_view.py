@@ -79,7 +79,7 @@ def test_following_keeps_the_robot_in_the_middle(ros, simulate):
 
 @pytest.mark.parametrize('busy', [False, True])
 def test_another_process_draws_when_the_first_one_is_killed(ros, simulate, busy):
-    node = simulate('_view_rate:=2', '_real_time_factor:=5')
+    node = simulate('_view_rate:=2')
     clock = Echo(ros, '/clock/clock')
     clock.wait_more(1)
     images = Images(ros)
