@@ -3,8 +3,8 @@
 import argparse
 import sys
 
-TEXT = ('it is no longer here; use fit_colors.py for bounds and pictures that show why, and the page '
-        'or rqt_reconfigure for sliders')
+TEXT = ('it is no longer here; use fit_colors.py for bounds and pictures that show why, and the '
+        'page or rqt_reconfigure for sliders')
 
 if __name__ == '__main__':
     argparse.ArgumentParser(prog='tune_colors.py', description=TEXT).parse_known_args()
