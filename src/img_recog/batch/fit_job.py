@@ -36,7 +36,7 @@ class Recorded(NamedTuple):
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
-    logging.basicConfig(format='fit_colors.py: %(levelname)s: %(message)s')
+    programs.log_to_terminal('fit_colors.py')
     return programs.run(_run, sys.argv[1:] if arguments is None else arguments, _log,
                         'cannot fit the colors')
 

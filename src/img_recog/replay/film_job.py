@@ -36,7 +36,7 @@ _log = logging.getLogger('film.py')
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
-    logging.basicConfig(format='film.py: %(levelname)s: %(message)s')
+    programs.log_to_terminal('film.py')
     return programs.run(_make, sys.argv[1:] if arguments is None else arguments, _log,
                         'cannot make the film')
 

@@ -40,9 +40,7 @@ def main(painter: Painter, begin_s: float) -> int:
 
     begin_s: start time of the program, by time.perf_counter.
     """
-    logging.basicConfig(format='replay.py: %(levelname)s: %(message)s')
-    logging.addLevelName(logging.WARNING, 'warning')        # like the errors of argparse
-    logging.addLevelName(logging.ERROR, 'error')
+    programs.log_to_terminal('replay.py')
     return programs.run(
         lambda words, interrupts: replay(cli.parse(words), painter, begin_s, interrupts),
         sys.argv[1:], _log, 'cannot write')

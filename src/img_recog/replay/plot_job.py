@@ -35,7 +35,7 @@ _log = logging.getLogger('plot.py')
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
-    logging.basicConfig(format='plot.py: %(levelname)s: %(message)s')
+    programs.log_to_terminal('plot.py')
     return programs.run(_make, sys.argv[1:] if arguments is None else arguments, _log,
                         'cannot draw')
 

@@ -1,4 +1,4 @@
-"""What the programs replay.py and film.py have in common."""
+"""What programs with a command line, like replay.py and film.py, have in common."""
 import logging
 import os
 import signal
@@ -9,6 +9,24 @@ from img_recog.errors import UserError, one_line
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.signals import Interrupts
+
+
+class _Lines(logging.Formatter):
+    """Writes lines like those of argparse: "replay.py: error: ..."."""
+
+    def __init__(self, program: str):
+        super().__init__(program + ': %(levelname)s: %(message)s')
+
+    def formatMessage(self, record: logging.LogRecord) -> str:
+        levels = {**vars(record), 'levelname': record.levelname.lower()}
+        return super().formatMessage(logging.makeLogRecord(levels))
+
+
+def log_to_terminal(program: str) -> None:
+    """Have the log of this process in the terminal. program: its name."""
+    handler = logging.StreamHandler()
+    handler.setFormatter(_Lines(program))
+    logging.basicConfig(handlers=[handler])
 
 
 def run(program: Callable[[List[str], Interrupts], str], words: Sequence[str],

@@ -1,7 +1,6 @@
 """The program replay without its process: options, files, summary, and what ends it."""
 import csv
 import gc
-import logging
 import os
 import re
 import sys
@@ -33,7 +32,6 @@ class FakePainter:
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path, handlers_as_before):
     """A function that runs the program in an empty folder: exit code, output, painter."""
-    levels = {level: logging.getLevelName(level) for level in (logging.WARNING, logging.ERROR)}
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments):
@@ -41,9 +39,7 @@ def run(monkeypatch, capsys, tmp_path, handlers_as_before):
         monkeypatch.setattr(sys, 'argv', ['replay.py', *map(str, arguments)])
         code = job.main(painter, time.perf_counter() - 1000)
         return code, capsys.readouterr().out, painter
-    yield run
-    for level, name in levels.items():
-        logging.addLevelName(level, name)
+    return run
 
 
 def test_options_and_their_defaults():
@@ -218,7 +214,7 @@ def test_options_that_make_no_sense_together(run, make_video, caplog, arguments,
 def test_input_that_is_refused_is_one_line(run, make_video, caplog, arguments, line):
     make_video()
     assert run(*arguments)[:2] == (1, '')
-    assert caplog.messages == [line] and caplog.records[0].levelname == 'error'
+    assert caplog.messages == [line] and caplog.records[0].levelname == 'ERROR'
 
 
 @pytest.mark.parametrize('error, code, lines', [

@@ -33,5 +33,5 @@ def draw(path: str, robot: str, colors: str) -> str:
         lines = done.stderr.decode(errors='replace').split('\n')
         reason = next((line for line in reversed(lines) if line.strip()),
                       'exit code {}'.format(done.returncode))
-        raise UserError(reason.replace('plot.py: ERROR: ', ''))
+        raise UserError(reason.replace('plot.py: error: ', ''))
     return output

@@ -32,7 +32,7 @@ def test_what_plot_gets(tmp_path, rosrun, robot, colors, more):
 
 
 @pytest.mark.parametrize('script, problem', [
-    ('echo "plot.py: ERROR: in.bag has no odometry" >&2; exit 1', '^in.bag has no odometry$'),
+    ('echo "plot.py: error: in.bag has no odometry" >&2; exit 1', '^in.bag has no odometry$'),
     ('exit 3', '^exit code 3$'), ('sleep 60 >&- 2>&-', '^no picture of .*in.bag: .*timed out')])
 def test_a_picture_that_is_not_drawn(tmp_path, rosrun, monkeypatch, script, problem):
     monkeypatch.setattr(drive_picture, '_TIMEOUT_S', 1.0)
