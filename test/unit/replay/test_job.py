@@ -145,7 +145,7 @@ def test_a_bag_ends_a_period_after_its_last_image_and_bad_ones_are_warned_of(run
     code, text, _ = run('some.bag', '--world', 'empty', '--topic', 'eye')
     assert code == 0 and text.startswith('2 frames, 2.000 s simulated')
     assert [(record.levelname, record.name) for record in caplog.records] == [
-        ('warning', 'replay.py')]
+        ('WARNING', 'replay.py')]
     assert '1 of 3 images on /eye cannot be used' in caplog.messages[0]
     with rosbag.Bag('some.replay.bag') as bag:
         assert bag.get_message_count('/cmd_vel') == 20
