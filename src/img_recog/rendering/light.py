@@ -44,7 +44,7 @@ def gains_of(temperature_k: float) -> np.ndarray:
     Of equal luminance; in linear sRGB.
 
     >>> gains_of(2700).round(2).tolist()
-    [1.9, 0.83, 0.22]
+    [1.85, 0.82, 0.19]
     """
     white, daylight = _white(temperature_k), _white(DAYLIGHT_K)
     return white / daylight
