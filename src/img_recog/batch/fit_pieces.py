@@ -52,8 +52,8 @@ class Measured(NamedTuple):
     frames: int64, their numbers; times_s: float, from the first frame.
     chosen: int8, FIT or CHECK, -1 without samples; in_view: int8 of shape (frames, colors), 1 or
     0, -1 if unknown; has_regions: bool.
-    pixels: int32 of shape (frames, candidates, colors, 3): inside, wrong and missed pixels of
-    labeled ones, as in bounds.Score; areas: int32 of shape (frames, candidates, colors, sizes).
+    pixels: int32 of shape (frames, candidates, colors, 3): a Score of the labeled ones; areas:
+    int32 of shape (frames, candidates, colors, sizes).
     """
 
     frames: np.ndarray

@@ -12,10 +12,10 @@ from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
 from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import bgr_copy
 from img_recog.recognition.fitting import picture
-from img_recog.recognition.fitting.bounds import Fit, Score, described
+from img_recog.recognition.fitting.bounds import Fit, described
 from img_recog.recognition.fitting.histograms import Histograms, of_color
-from img_recog.recognition.fitting.limits import FrameScore
 from img_recog.recognition.fitting.samples import Samples
+from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.fitting.volume import Box
 from img_recog.recognition.settings import RecognitionSettings
 
@@ -35,20 +35,15 @@ class Line(NamedTuple):
     bounds: str
     chosen: int
     pixels: Score
-    frames: FrameScore
+    frames: Score
 
     def text(self) -> str:
         """Return it as Markdown; what no sample says is a dash."""
-        pixels = [_NONE] * 2
-        if self.pixels.inside_px + self.pixels.missed_px:
-            pixels = ['{:.1%}'.format(share) for share in (self.pixels.precision,
-                                                           self.pixels.recall)]
-        frames = [_NONE] * 2
-        if self.frames.found + self.frames.missed:
-            frames = ['{:.1%}'.format(share) for share in (self.frames.precision,
-                                                           self.frames.recall)]
+        shares = ['{:.1%}'.format(share) if score.found + score.missed else _NONE
+                  for score in (self.pixels, self.frames)
+                  for share in (score.precision, score.recall)]
         return '| {} |\n'.format(' | '.join([self.color, self.bounds, _SAMPLES[self.chosen],
-                                             *pixels, *frames]))
+                                             *shares]))
 
 
 class Report:

@@ -5,8 +5,8 @@ from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from img_recog.batch.fit_pieces import CHECK, FIT, Measured
-from img_recog.recognition.fitting.bounds import Score
-from img_recog.recognition.fitting.limits import Areas, FrameScore, Limit, best_size
+from img_recog.recognition.fitting.limits import Areas, Limit, best_size
+from img_recog.recognition.fitting.score import Score
 
 _WORST = 2      # frames of each color
 
@@ -79,7 +79,7 @@ class Statistics:
                      int(with_color[2]))
 
     def score(self, chosen: int, candidate: int, color: int, size: int,
-              limit_px: int) -> FrameScore:
+              limit_px: int) -> Score:
         """Return the score of the frames of FIT or CHECK with a limit."""
         return self._of(chosen, candidate, color, self._sizes.index(size)).score(limit_px)
 
@@ -113,8 +113,8 @@ class Worst:
 
     def add(self, color: int, row: Row, limit: Limit, source: int, index: int) -> None:
         """Look at a frame; of one without labeled pixels, by how much its area is too small."""
-        wrong_px = row.score.wrong_px + row.score.missed_px
-        if row.in_view == 1 and not row.score.inside_px and not row.score.missed_px:
+        wrong_px = row.score.wrong + row.score.missed
+        if row.in_view == 1 and not row.score.found and not row.score.missed:
             wrong_px = max(0, limit.area_px + 1 - row.area_px)
         if wrong_px:
             heapq.heappush(self._frames[color], WorstFrame(wrong_px, -source, -index))

@@ -6,6 +6,7 @@ import numpy as np
 from img_recog.errors import UserError
 from img_recog.recognition.fitting.boxes import BoxSearch, Found, Objective
 from img_recog.recognition.fitting.histograms import HUES, LEVELS, SHAPE, UNIT, Sampled
+from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.fitting.volume import Box, box_of, edges_of
 
 PIXELS, FRAMES, MARGIN = OBJECTIVES = 'pixels', 'frames', 'margin'
@@ -22,37 +23,6 @@ _WORST_F1 = 0.5         # below, bounds are of no use
 _NAMES = 'hue', 'saturation', 'value'
 
 
-class Score(NamedTuple):
-    """How many labeled pixels are right.
-
-    inside_px: of the color and within the bounds; wrong_px: within, but not of the color;
-    missed_px: of the color, but outside.
-    """
-
-    inside_px: int
-    wrong_px: int
-    missed_px: int
-
-    @property
-    def precision(self) -> float:
-        """Share of the pixels within the bounds that are of the color, 0 to 1."""
-        return self.inside_px / max(1, self.inside_px + self.wrong_px)
-
-    @property
-    def recall(self) -> float:
-        """Share of the pixels of the color that are within the bounds, 0 to 1."""
-        return self.inside_px / max(1, self.inside_px + self.missed_px)
-
-    @property
-    def f1(self) -> float:
-        """Harmonic mean of precision and recall.
-
-        >>> Score(60, 20, 20).f1
-        0.75
-        """
-        return 2 * self.inside_px / max(1, 2 * self.inside_px + self.wrong_px + self.missed_px)
-
-
 class Fit(NamedTuple):
     """Bounds of a color.
 
@@ -66,7 +36,7 @@ class Fit(NamedTuple):
 
 
 def score_of(box: Box, positive: np.ndarray, negative: np.ndarray) -> Score:
-    """Return the score of bounds; positive, negative: as in Sampled."""
+    """Return the score of bounds in pixels; positive, negative: as in Sampled."""
     edges = edges_of(box, HUES)
     part = np.ix_(*(np.arange(low, end) % size
                     for low, end, size in zip(edges[::2], edges[1::2], SHAPE)))

@@ -4,6 +4,8 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 import cv2
 import numpy as np
 
+from img_recog.recognition.fitting.score import Score
+
 # of min_blob_size, among which one is chosen; 0 keeps all
 BLOB_SIZES = 0, 4, 16, 64, 256, 1024
 # Areas are known to this many digits, so that the memory does not grow with the frames.
@@ -11,41 +13,14 @@ _DIGITS = 1000
 _MIN_GAIN = 1.5     # a larger blob size has to make the gap between areas so much wider
 
 
-class FrameScore(NamedTuple):
-    """In how many frames a color is recognized rightly, or not."""
-
-    found: int
-    wrong: int
-    missed: int
-
-    @property
-    def precision(self) -> float:
-        """Share of the frames in which it is recognized that have it, 0 to 1."""
-        return self.found / max(1, self.found + self.wrong)
-
-    @property
-    def recall(self) -> float:
-        """Share of the frames that have it in which it is recognized, 0 to 1."""
-        return self.found / max(1, self.found + self.missed)
-
-    @property
-    def f1(self) -> float:
-        """Harmonic mean of precision and recall.
-
-        >>> FrameScore(3, 1, 1).f1
-        0.75
-        """
-        return 2 * self.found / max(1, 2 * self.found + self.wrong + self.missed)
-
-
 class Limit(NamedTuple):
-    """An area limit in pixels.
+    """An area limit in pixels, with its score in frames.
 
     gap: by which factor the next area above it exceeds the next one below it.
     """
 
     area_px: int
-    score: FrameScore
+    score: Score
     gap: float
 
 
@@ -62,12 +37,12 @@ class Areas:
         area_px = _rounded(area_px)
         counts[area_px] = counts.get(area_px, 0) + 1
 
-    def score(self, limit_px: int) -> FrameScore:
+    def score(self, limit_px: int) -> Score:
         """Return the score if the color is recognized in frames with a larger area."""
         unseen, seen = self._counts
         found = sum(count for area_px, count in seen.items() if area_px > limit_px)
-        return FrameScore(found, sum(count for area_px, count in unseen.items()
-                                     if area_px > limit_px), sum(seen.values()) - found)
+        return Score(found, sum(count for area_px, count in unseen.items()
+                                if area_px > limit_px), sum(seen.values()) - found)
 
     def limit(self) -> Limit:
         """Return the best limit by F1; of equally good ones, that in the widest gap.

@@ -96,8 +96,8 @@ def test_the_objective_margin_gives_up_pixels_for_a_wider_margin():
     others = counts(((95, 96), (0, 256), (0, 256)), ((112, 113), (0, 256), (0, 256)))
     pixels, = bounds.fits('blue', Sampled(card, others))
     margin, = bounds.fits('blue', Sampled(card, others), 'margin')
-    assert pixels.box.hue[0] == 96 and pixels.score.missed_px == 0
-    assert margin.box.hue[0] > 97 and margin.score.missed_px == 16
+    assert pixels.box.hue[0] == 96 and pixels.score.missed == 0
+    assert margin.box.hue[0] > 97 and margin.score.missed == 16
     assert margin.margin[0] > pixels.margin[0]
 
 

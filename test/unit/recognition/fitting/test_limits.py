@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from img_recog.recognition.areas import ColorExtractor
-from img_recog.recognition.fitting.limits import (Areas, FrameScore, Limit, areas_of_blobs,
-                                                  best_size)
+from img_recog.recognition.fitting.limits import Areas, Limit, areas_of_blobs, best_size
+from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.settings import with_colors
 
 
@@ -23,12 +23,12 @@ def areas(seen, unseen):
     ([100, 200, 300], [150, 0], 9, (3, 1, 0)), ([0], [7], 7, (0, 0, 1))])
 def test_the_limit_is_in_the_middle_of_the_gap(seen, unseen, limit, score):
     found = areas(seen, unseen).limit()
-    assert (found.area_px, found.score) == (limit, FrameScore(*score))
+    assert (found.area_px, found.score) == (limit, Score(*score))
     assert areas(seen, unseen).score(limit) == found.score
 
 
 def test_a_better_score_and_much_wider_gaps_need_a_larger_size():
-    good, bad = FrameScore(9, 0, 0), FrameScore(8, 1, 1)
+    good, bad = Score(9, 0, 0), Score(8, 1, 1)
     assert best_size({0: [Limit(50, bad, 9.0)], 4: [Limit(50, good, 2.0)]}) == 4
     assert best_size({0: [Limit(50, good, 2.0)], 4: [Limit(50, good, 2.5)]}) == 0
     assert best_size({0: [Limit(50, good, 2.0)], 4: [Limit(50, good, 9.0)]}) == 4
