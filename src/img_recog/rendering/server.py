@@ -3,6 +3,7 @@ import math
 from multiprocessing.connection import Connection
 from typing import Any, Callable, List, NamedTuple, Optional, Sequence, Tuple
 
+import cv2
 import numpy as np
 
 from img_recog.errors import UserError, one_line
@@ -85,6 +86,8 @@ def serve(connection: Connection, memory: Any, make: Make) -> None:
 
     memory: the bytes of all slots, which both processes share.
     """
+    # the threads of OpenCV wait in a busy loop, on a processor that others wait for
+    cv2.setNumThreads(1)
     try:
         renderer, reason = make()
         slots = np.frombuffer(memory, np.uint8).reshape(SLOTS, -1)

@@ -64,7 +64,9 @@ class Images:
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
         self._newest: Optional[_Exposed] = None         # what cameras have read last
-        self._published: Optional[_Exposed] = None      # written by the thread that publishes
+        # written by the thread that publishes
+        self._drawn: Optional[_Exposed] = None
+        self._published: Optional[_Exposed] = None
 
     def check_cameras(self, cameras: Sequence[CameraSettings], names: Names) -> None:
         """Raise a UserError if the topics of more cameras cannot be used."""
@@ -156,8 +158,13 @@ class Images:
 
         Those that were lost with the process are drawn again.
         """
-        if self._newest is None or self._published is self._newest:
-            return True
+        return self._published is self._newest or self._cannot_draw()
+
+    def are_drawn(self) -> bool:
+        """Return what `is_complete` returns, but already when their publication begins."""
+        return self._drawn is self._newest or self._cannot_draw()
+
+    def _cannot_draw(self) -> bool:
         if self._process.has_lost and not self.is_loading():
             self._draw(self._newest)
         return not (self._process.is_ready or self._process.is_loading)
@@ -201,8 +208,10 @@ class Images:
             publishers, shots = [*topics, self._view], [*shots, self._view.shot(self._simulator)]
 
         def publish(pictures: Sequence[Picture]) -> None:
-            if topics and self._lockstep is not None:
-                self._lockstep.notify_sent()
+            if topics:
+                self._drawn = exposed
+                if self._lockstep is not None:
+                    self._lockstep.notify_sent()
             for each, picture in zip(publishers, pictures):
                 each.publish(picture, exposed.time_s)
             if topics:

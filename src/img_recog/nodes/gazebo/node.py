@@ -31,6 +31,7 @@ import itertools
 import time
 from typing import Optional
 
+import cv2
 import rospy
 from diagnostic_updater import DiagnosticStatusWrapper
 
@@ -185,6 +186,7 @@ class Gazebo:
             self._clock.add()
             if self._models is not None:
                 self._models.update()
+        self._waiting.finish()
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()
         self._waiting.expect(readings)
@@ -256,6 +258,8 @@ def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:
 
 def main() -> int:
     """Run the node; return its exit code."""
+    # the threads of OpenCV wait in a busy loop, which costs more CPU time than they save
+    cv2.setNumThreads(1)
     return lifecycle.run(
         'gazebo', lambda: Gazebo().spin(),
         {'~': (PhysicsSettings, ViewSettings, RobotsSettings, LockstepSettings, SteppingSettings,

@@ -1,5 +1,8 @@
 """For whom simulated time stands: for images at the start, and on request for other nodes."""
+import time
 from typing import Optional, Sequence
+
+import rospy
 
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
@@ -8,6 +11,8 @@ from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.nodes.gazebo.subscribers_at_work import SubscribersAtWork
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import CAMERA, Reading
+
+_POLL_S = 0.0001
 
 
 class Waiting:
@@ -40,7 +45,7 @@ class Waiting:
         if self._lockstep is None:
             self._has_begun = True
             return False
-        if not self._images.is_complete():
+        if not self._images.are_drawn():
             return True
         self._lockstep.notify_sent()        # also of images that can never be drawn
         if self._lockstep.waits(self._simulator.time_s):
@@ -76,6 +81,16 @@ class Waiting:
             return end
         step = self._simulator.next_reading(self._lockstep.kinds)
         return end if step is None else min(end, step)
+
+    def finish(self) -> None:
+        """Call before anything else is published: in lockstep, waits for the images before.
+
+        An image can be answered while the thread that publishes it has not ended yet: it may wait
+        for the processor that the answering node uses.
+        """
+        while (self._lockstep is not None and not self._images.is_complete()
+               and not rospy.is_shutdown()):
+            time.sleep(_POLL_S)
 
     def expect(self, readings: Sequence[Reading]) -> None:
         """Call before readings are published."""

@@ -108,6 +108,19 @@ def test_images_of_one_time_are_one_request(rig, publishers):
         'image', 'small', 0.04, header.stamp)
 
 
+def test_images_are_drawn_before_their_publication_is_complete(rig, publishers):
+    publishers['eye/image'].subscribers = 1
+    rig.process.is_ready = True
+    seen = []
+    publishers['eye/image'].publish = lambda *_: seen.append(
+        (rig.images.are_drawn(), rig.images.is_complete()))
+    assert rig.images.are_drawn() and rig.images.is_complete()      # nothing was read yet
+    rig.step(20)
+    assert not (rig.images.are_drawn() or rig.images.is_complete())
+    rig.process.requests[0][-1]([('image', None)])
+    assert seen == [(True, False)] and rig.images.is_complete()
+
+
 def test_cameras_of_a_robot_that_is_removed(rig, publishers):
     def is_camera(reading):
         return rig.images.is_camera(reading)
