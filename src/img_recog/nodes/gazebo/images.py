@@ -1,5 +1,6 @@
 """All images of the node: of the cameras on robots, of the view, and of the window."""
 import itertools
+import threading
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -64,6 +65,8 @@ class Images:
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0
         self._is_view_due = False
         self._newest: Optional[_Exposed] = None         # what cameras have read last
+        self._others_are_published = threading.Event()
+        self._others_are_published.set()
         # written by the thread that publishes
         self._drawn: Optional[_Exposed] = None
         self._published: Optional[_Exposed] = None
@@ -169,16 +172,31 @@ class Images:
             self._draw(self._newest)
         return not (self._process.is_ready or self._process.is_loading)
 
-    def draw(self, readings: Sequence[Reading]) -> None:
-        """Draw what cameras among the sensors have read; waits for earlier images of them."""
-        for time_s, same_time in itertools.groupby(filter(self.is_camera, readings),
-                                                   key=lambda each: each.time_s):
-            exposed = list(same_time)
-            topics = [self._cameras[each.robot, each.sensor][1] for each in exposed]
-            self._newest = _Exposed(topics, [camera.shot(each.value) for camera, each
-                                             in zip(topics, exposed)],
-                                    exposed[0].value.poses, time_s)
-            self._draw(self._newest)
+    def draw(self, readings: Sequence[Reading], publish_others: Callable[[], None]) -> None:
+        """Draw what cameras among the sensors have read; waits for earlier images of them.
+
+        publish_others: publishes the other readings, which are published before the images.
+        """
+        exposures = [list(same_time) for _, same_time in itertools.groupby(
+            filter(self.is_camera, readings), key=lambda each: each.time_s)]
+        if len(exposures) == 1:
+            self._others_are_published.clear()
+            try:
+                self._expose(exposures[0])
+                publish_others()        # while the images are drawn
+            finally:
+                self._others_are_published.set()
+        else:
+            publish_others()
+            for exposed in exposures:
+                self._expose(exposed)
+
+    def _expose(self, readings: Sequence[Reading]) -> None:
+        """Draw what cameras have read at one time."""
+        topics = [self._cameras[each.robot, each.sensor][1] for each in readings]
+        shots = [camera.shot(each.value) for camera, each in zip(topics, readings)]
+        self._newest = _Exposed(topics, shots, readings[0].value.poses, readings[0].time_s)
+        self._draw(self._newest)
 
     def update_view(self) -> None:
         """Draw the view, if it is time for an image of it and nothing else is drawn."""
@@ -209,6 +227,7 @@ class Images:
 
         def publish(pictures: Sequence[Picture]) -> None:
             if topics:
+                self._others_are_published.wait()
                 self._drawn = exposed
                 if self._lockstep is not None:
                     self._lockstep.notify_sent()

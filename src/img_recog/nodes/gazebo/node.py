@@ -190,8 +190,7 @@ class Gazebo:
         # the clock first, so that no reading is stamped in the future
         self._clock.flush()
         self._waiting.expect(readings)
-        self._robots.publish(readings)
-        self._images.draw(readings)
+        self._images.draw(readings, lambda: self._robots.publish(readings))
         self._diagnostics.steps.add(
             (time.perf_counter() - begin_s) * self._clock_steps / (end - begin))
         return (end - begin) * self._simulator.world.step_s

@@ -1,4 +1,6 @@
 """When images of the cameras on robots and of the view are drawn, and where they go."""
+import threading
+
 import pytest
 
 from img_recog.errors import UserError
@@ -15,6 +17,7 @@ CAMERA = CameraSettings(camera_frame='base_link', camera_width=32, camera_height
 BACK = CameraSettings(**{**vars(CAMERA), 'camera_rate': 25.0, 'camera_width': 16,
                          'camera_image_topic': 'back/image', 'camera_info_topic': 'back/info'})
 VIEW = '~view/image_raw'
+_NOT_YET_S = 0.2        # in which a thread must not have ended
 
 
 class FakeProcess:
@@ -64,6 +67,9 @@ class Rig:
                              self.statics, self._make_process)
         self.images.add_cameras(self.vehicle, [CAMERA, BACK], Names())
 
+    def publish_others(self):
+        """Publish the readings of other sensors."""
+
     def _make_process(self, *args):
         self.process = FakeProcess(*args)
         return self.process
@@ -71,7 +77,7 @@ class Rig:
     def step(self, steps=40):
         """Simulate, by default 40 ms: two images of the first camera, one of the second."""
         self.images.enable_cameras()
-        self.images.draw(self.simulator.advance(steps))
+        self.images.draw(self.simulator.advance(steps), self.publish_others)
 
 
 @pytest.fixture
@@ -121,6 +127,37 @@ def test_images_are_drawn_before_their_publication_is_complete(rig, publishers):
     assert seen == [(True, False)] and rig.images.is_complete()
 
 
+def test_an_image_is_drawn_while_others_are_published_and_follows_them(rig, publishers):
+    publishers['eye/image'].subscribers = 1
+    rig.process.is_ready = True
+    order = []
+    publishers['eye/image'].publish = lambda *_: order.append('image')
+
+    def publish_others():
+        (_, _, publish), = rig.process.requests
+        thread = threading.Thread(target=publish, args=([('image', None)],))
+        threads.append(thread)
+        thread.start()
+        thread.join(_NOT_YET_S)
+        order.append('others')
+    threads = []
+    rig.publish_others = publish_others
+    rig.step(20)
+    threads[0].join()
+    assert order == ['others', 'image']
+
+
+def test_of_several_images_none_waits_for_another(rig, publishers):
+    publishers['eye/image'].subscribers = 1
+    rig.process.is_ready = True
+    order = []
+    rig.publish_others = lambda: order.append(len(rig.process.requests))
+    rig.process.draw = lambda shots, poses, publish: publish([('image', None)])
+    publishers['eye/image'].publish = lambda *_: order.append('image')
+    rig.step(60)
+    assert order == [0, 'image', 'image', 'image']
+
+
 def test_cameras_of_a_robot_that_is_removed(rig, publishers):
     def is_camera(reading):
         return rig.images.is_camera(reading)
@@ -133,7 +170,7 @@ def test_cameras_of_a_robot_that_is_removed(rig, publishers):
     rig.images.remove_cameras(rig.vehicle)
     assert not any(map(is_camera, readings)) and rig.statics == {}
     assert publishers['eye/image'].is_ended and publishers['back/info'].is_ended
-    rig.images.draw(readings)
+    rig.images.draw(readings, rig.publish_others)
     assert rig.process.requests == []
     rig.images.check_cameras([CAMERA], Names())
 
