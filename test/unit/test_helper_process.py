@@ -85,11 +85,12 @@ def test_messages_arrive_in_order(start):
     assert not helper.is_broken
 
 
-def test_to_send_never_waits(start):
+@pytest.mark.parametrize('size, count', [(10 ** 7, 3), (5 * 10 ** 4, 100)])
+def test_to_send_never_waits(start, size, count):
     helper = start(echo, (), 0)
     os.kill(receive(helper), signal.SIGSTOP)
-    for _ in range(3):
-        helper.send(bytes(10 ** 7))     # more than a pipe holds
+    for _ in range(count):
+        helper.send(bytes(size))        # together more than the connection holds
     assert helper.is_sending and not helper.is_broken
     helper.kill()
     wait_for(lambda: helper.is_broken, 'the end')

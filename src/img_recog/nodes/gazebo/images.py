@@ -168,7 +168,7 @@ class Images:
         return self._drawn is self._newest or self._cannot_draw()
 
     def _cannot_draw(self) -> bool:
-        if self._process.has_lost and not self.is_loading():
+        if self._newest is not None and self._process.has_lost and not self.is_loading():
             self._draw(self._newest)
         return not (self._process.is_ready or self._process.is_loading)
 
