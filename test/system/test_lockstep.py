@@ -101,6 +101,20 @@ def test_a_robot_without_the_sensor_is_refused(simulate):
     assert 'start with camera:=robot, or set lockstep_sensors to some of scan, odom' in line
 
 
+def test_who_finds_the_service_step_finds_the_sensors(simulate, ros):
+    master, states = ros.master(), []
+
+    def is_found():
+        for _ in range(1000):       # without a pause, to see the moment when it comes
+            states.append(master.getSystemState('/test')[2])
+            if '/gazebo/step' in dict(states[-1][2]):
+                return True
+
+    simulate('_paused:=true')
+    wait_for(is_found, 'the service ~step')
+    assert {'/odom', '/scan'} <= set(dict(states[-1][0]))
+
+
 def test_time_by_hand(simulate, ros):
     node = simulate('_paused:=true')
     node.wait_output('is at the start')

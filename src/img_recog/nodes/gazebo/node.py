@@ -97,7 +97,6 @@ class Gazebo:
         serve_physics(self._calls, {
             'pause_physics': self._pace.pause, 'unpause_physics': self._pace.unpause,
             'reset_world': self._reset_world, 'reset_simulation': self._reset_simulation})
-        self._stepping = Stepping(self._calls, self._simulator, self._pace)
         self._lockstep = Lockstep(lockstep, self._calls.wake) if lockstep.topics else None
         statics, models = StaticTransforms(), Models(self._simulator)
         self._images = Images(self._simulator, view, statics, lockstep=self._lockstep,
@@ -139,6 +138,8 @@ class Gazebo:
             rospy.loginfo('simulating %.4f kg with root link %s in world %s',
                           vehicle.robot.mass(), vehicle.robot.root, physics.world)
             self._robots.log_start(single.name)
+        # last: who finds ~step takes it that all topics are there, like img_recog.testing
+        self._stepping = Stepping(self._calls, self._simulator, self._pace)
 
     def spin(self) -> None:
         """Simulate until the node is shut down."""
