@@ -1,6 +1,8 @@
 """Functions for pieces of work, which processes of Dask import."""
 import os
+import resource
 import signal
+import time
 
 from img_recog.errors import UserError
 
@@ -34,3 +36,17 @@ def interrupted(_, number, folder):
     if number == 3 and not os.path.exists(os.path.join(folder, 'go')):
         os.kill(os.getpid(), signal.SIGINT)
     return square(_, number, folder)
+
+
+def process(_, number, seconds):
+    """Return the number of this process, after a while."""
+    time.sleep(seconds)
+    return os.getpid()
+
+
+def page_faults(_, number, buffers):
+    """Return how many pages the kernel maps while buffers of 1 MB are used one after the other."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(buffers):
+        bytearray(b'x') * 1000000
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before

@@ -51,7 +51,8 @@ def contents(folder):
 def test_two_processes_write_the_bytes_of_one(sweep, tmp_path):
     code, output = sweep('--jobs', '1', '--films', '1')
     assert code == 0
-    assert re.search(r'4 runs of about [\d.]+ s .*: \d+ s on one core, \d+ s on 1 here', output)
+    assert re.search(r'^sweep.py: info: 4 runs of about [\d.]+ s .*: \d+ s on one core, '
+                     r'\d+ s on 1 here', output, re.M)
     assert re.search(r'^4 runs, \d have succeeded, 0 have no result; wrote s.sweep.csv, ', output,
                      re.M)
     first = contents(tmp_path)
@@ -82,5 +83,5 @@ def test_a_run_without_a_result_is_named_and_the_exit_code_says_so(sweep, tmp_pa
     ({'time_limit': '-1'}, 's.yaml: time_limit: got -1.0, allowed is a finite number above 0')])
 def test_what_is_refused_is_one_line(sweep, tmp_path, changes, words):
     code, output = sweep('--jobs', '1', **changes)
-    assert code == 1 and re.search('^sweep.py: ' + words, output) and '\n' not in output
+    assert code == 1 and re.search('^sweep.py: error: ' + words, output) and '\n' not in output
     assert os.listdir(str(tmp_path)) == ['s.yaml']

@@ -5,7 +5,7 @@ import logging
 import signal
 import tempfile
 import time
-from typing import Any, Dict, Iterator, List, Sequence
+from typing import Any, ContextManager, Dict, Iterator, List, Sequence
 
 from distributed import Client, Future, LocalCluster, as_completed
 from distributed.scheduler import KilledWorker
@@ -32,36 +32,47 @@ class _Client(Client):
             super().__del__()
 
 
-def run(function: Function, pieces: Sequence[Piece], options: Options,
-        interrupts: Interrupts) -> Iterator[Done]:
-    """Run pieces, in any order; raise UserError if there is no such cluster, or it ends."""
+def connected(options: Options, interrupts: Interrupts) -> ContextManager[Client]:
+    """Return a `with` that has workers; raise UserError if there is no such cluster."""
     # what the user can do something about is said in one line
     for name in [*logging.root.manager.loggerDict, 'asyncio']:
         if name.partition('.')[0] in ('distributed', 'tornado', 'asyncio'):
             logging.getLogger(name).setLevel(logging.CRITICAL + 1)
-    connected = _cluster(options.scheduler) if options.scheduler else _local(
-        options.jobs, interrupts)
-    with connected as client:
-        yield from _completed(client, function, pieces, options)
+    return (_cluster(options.scheduler) if options.scheduler
+            else _local(options.jobs, interrupts))
 
 
 @contextlib.contextmanager
 def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
     has_page = importlib.util.find_spec('bokeh') is not None
     with contextlib.ExitStack() as stack:
-        with interrupts.deferred():
-            # Ctrl-C goes to this process alone, which then ends the others
-            handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        with _starting_workers(interrupts):
             cluster = stack.enter_context(LocalCluster(
                 n_workers=jobs, threads_per_worker=1, processes=True, host='127.0.0.1',
                 dashboard_address='127.0.0.1:0' if has_page else None, memory_limit=0,
                 silence_logs=logging.CRITICAL + 1,
                 local_directory=stack.enter_context(tempfile.TemporaryDirectory())))
             client = stack.enter_context(Client(cluster, set_as_default=False))
-            signal.signal(signal.SIGINT, handler)
         if has_page:
             _log.warning('progress: %s', cluster.dashboard_link)
         yield client
+
+
+@contextlib.contextmanager
+def _starting_workers(interrupts: Interrupts) -> Iterator[None]:
+    """Have Ctrl-C go to this process alone, which then ends the others."""
+    with interrupts.deferred():
+        handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        yield
+        signal.signal(signal.SIGINT, handler)
+
+
+def add_workers(client: Client, jobs: int, interrupts: Interrupts) -> None:
+    """Have so many processes on this machine."""
+    if len(client.scheduler_info()['workers']) < jobs:
+        with _starting_workers(interrupts):
+            client.cluster.scale(jobs)
+            client.wait_for_workers(jobs)
 
 
 @contextlib.contextmanager
@@ -131,8 +142,9 @@ class _Copies:
                 self._futures.pop(path, None)
 
 
-def _completed(client: Client, function: Function, pieces: Sequence[Piece],
-               options: Options) -> Iterator[Done]:
+def completed(client: Client, function: Function, pieces: Sequence[Piece],
+              options: Options) -> Iterator[Done]:
+    """Run pieces, in any order; raise UserError if the cluster ends."""
     copies = _Copies(client) if options.copy else None
     workers = client.scheduler_info()['workers'].values()
     # a file is in the memory of a worker meanwhile

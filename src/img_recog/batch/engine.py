@@ -40,39 +40,75 @@ class Outcomes:
                    else Outcome(key, self._work.read(name)))
 
 
-@contextlib.contextmanager
-def outcomes(function: Function, pieces: Sequence[Piece], folder: str, options: Options,
-             interrupts: Interrupts, unit: str = ' runs') -> Iterator['Outcomes']:
-    """Run `function(paths, *arguments)` for each piece; yield the outcomes, in the same order.
+class Engine:
+    """Runs pieces where options say; the processes stay for more pieces, until the `with` ends."""
 
-    A UserError, or any other exception, of a piece is its outcome.
-    folder: for the results meanwhile. It is removed at the end of the `with`, and stays if that is
-    left by an exception or a piece has failed; with options.resume, its results are used, else
-    they are removed. unit: of the size of the pieces, for the progress.
-    Raises UserError if the pieces cannot be run or the results not be written.
-    """
-    work = WorkFolder(folder, function)
-    if not options.resume:
-        work.remove()
-    names = [work.name_of(piece.files, piece.arguments) for piece in pieces]
-    waiting = [piece for piece, name in zip(pieces, names) if not work.has(name)]
-    name_of = {piece.key: name for piece, name in zip(pieces, names)}
-    problems: Dict[str, str] = {}
-    with interrupts.deferred():         # the destructor of tqdm fails after half a constructor
-        total = sum(piece.size for piece in pieces)
-        progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),
-                        unit=unit, disable=None)
-    with progress, _says_what_is_kept(work, len(pieces)):
-        with contextlib.closing(_run(function, waiting, options, interrupts)) as running:
-            for done in running:
-                if done.problem:
-                    problems[done.piece.key] = done.problem
-                else:
-                    work.write(name_of[done.piece.key], done.content)
-                progress.update(done.piece.size)
-    yield Outcomes(work, name_of, problems)
-    if not problems:
-        work.remove()
+    def __init__(self, options: Options, interrupts: Interrupts):
+        self._options, self._interrupts = options, interrupts
+        self._stack = contextlib.ExitStack()
+        self._client: Any = None
+
+    def __enter__(self) -> 'Engine':
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._stack.close()
+
+    @contextlib.contextmanager
+    def outcomes(self, function: Function, pieces: Sequence[Piece], folder: str,
+                 unit: str = ' runs', known: Sequence[Done] = ()) -> Iterator['Outcomes']:
+        """Run `function(paths, *arguments)` for each piece; yield the outcomes, in the same order.
+
+        A UserError, or any other exception, of a piece is its outcome.
+        folder: for the results meanwhile. It is removed at the end of the `with`, and stays if
+        that is left by an exception or a piece has failed; with options.resume, its results are
+        used, else they are removed. unit: of the size of the pieces, for the progress. known:
+        what has run already.
+        Raises UserError if the pieces cannot be run or the results not be written.
+        """
+        work = WorkFolder(folder, function)
+        if not self._options.resume:
+            work.remove()
+        name_of = {piece.key: work.name_of(piece.files, piece.arguments) for piece in pieces}
+        problems: Dict[str, str] = {}
+
+        def note(done: Done) -> None:
+            if done.problem:
+                problems[done.piece.key] = done.problem
+            else:
+                work.write(name_of[done.piece.key], done.content)
+        for done in known:
+            note(done)
+        waiting = [piece for piece in pieces
+                   if piece.key not in problems and not work.has(name_of[piece.key])]
+        with self._interrupts.deferred():   # the destructor of tqdm fails after half a constructor
+            total = sum(piece.size for piece in pieces)
+            progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),
+                            unit=unit, disable=None)
+        with progress, _says_what_is_kept(work, len(pieces)):
+            with contextlib.closing(self._run(function, waiting)) as running:
+                for done in running:
+                    note(done)
+                    progress.update(done.piece.size)
+        yield Outcomes(work, name_of, problems)
+        if not problems:
+            work.remove()
+
+    def _run(self, function: Function, pieces: Sequence[Piece]) -> Generator[Done, None, None]:
+        """Run pieces, in any order."""
+        jobs = min(self._options.jobs, len(pieces))
+        if not pieces or not self._options.scheduler and jobs == 1:
+            for piece in pieces:
+                yield Done(piece, *run_piece(function, piece.files, (), piece.arguments))
+            return
+        # imported here because loading Dask takes time
+        from img_recog.batch import cluster
+        options = self._options._replace(jobs=jobs)
+        if self._client is None:
+            self._client = self._stack.enter_context(cluster.connected(options, self._interrupts))
+        elif not options.scheduler:
+            cluster.add_workers(self._client, jobs, self._interrupts)
+        yield from cluster.completed(self._client, function, pieces, options)
 
 
 @contextlib.contextmanager
@@ -85,16 +121,3 @@ def _says_what_is_kept(work: WorkFolder, count: int) -> Iterator[None]:
             _log.warning('%d of %d pieces are done and kept in %s; go on with --resume', done,
                          count, work.path)
         raise
-
-
-def _run(function: Function, pieces: Sequence[Piece], options: Options,
-         interrupts: Interrupts) -> Generator[Done, None, None]:
-    """Run pieces, in any order."""
-    jobs = min(options.jobs, len(pieces))
-    if not pieces or not options.scheduler and jobs == 1:
-        for piece in pieces:
-            yield Done(piece, *run_piece(function, piece.files, (), piece.arguments))
-        return
-    # imported here because loading Dask takes time
-    from img_recog.batch import cluster
-    yield from cluster.run(function, pieces, options._replace(jobs=jobs), interrupts)

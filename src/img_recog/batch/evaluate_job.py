@@ -6,10 +6,12 @@ import logging
 import os
 import re
 import sys
+from collections import Counter
 from typing import Any, Dict, List, Sequence
 
-from img_recog import files, still_images
-from img_recog.batch import engine, evaluate_report, evaluation, options, tables
+from img_recog import files
+from img_recog.batch import evaluate_report, evaluation, options, recordings, tables
+from img_recog.batch.engine import Engine
 from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
 from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line, shortened, suggestion
@@ -24,7 +26,7 @@ _log = logging.getLogger('evaluate.py')
 
 def main() -> int:
     """Run the program; return its exit code, 1 if a recording cannot be used."""
-    logging.basicConfig(format='evaluate.py: %(message)s')
+    programs.log_to_terminal('evaluate.py')
     problems: List[str] = []
     code = programs.run(lambda words, interrupts: _main(words, interrupts, problems),
                         sys.argv[1:], _log, 'cannot write')
@@ -34,15 +36,15 @@ def main() -> int:
 def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> str:
     given = _parser().parse_args(words)
     where = options.of(given)
-    recordings = _named([os.path.abspath(os.path.expanduser(path)) for path in given.recordings])
+    named = _named(list(map(os.path.abspath, recordings.expand(given.recordings))))
     sets = _color_sets(given.colors)
-    truth = _read_truth(os.path.expanduser(given.truth), recordings, sets) if given.truth else {}
-    paths = files.output_paths(given.recordings[0], os.path.expanduser(given.output),
+    truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
+    paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
                                (*tables.extensions(), '.md', '.png'), 'evaluated')
     work = re.sub(r'\.csv$', '.work', paths[0])
-    with contextlib.ExitStack() as stack:
-        stages = _Stages(stack, work, where, interrupts, problems)
-        measured = _measured(stages, recordings, sets, given.topic, given.max_image_pixels)
+    with Engine(where, interrupts) as engine, contextlib.ExitStack() as stack:
+        stages = _Stages(stack, work, engine, problems)
+        measured = _measured(stages, named, sets, given.topic, given.max_image_pixels)
         found = _driven(stages, measured, sets, cli.world_name(given.world) if given.world else '')
         with files.atomic_write(paths) as opened:
             count = len(tables.extensions())
@@ -53,7 +55,7 @@ def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> 
     with contextlib.suppress(OSError):      # not empty: what can be used again stays
         os.rmdir(work)
     return '{} of {} recordings, {} frames, {} sets of colors; wrote {}'.format(
-        len(found), len(recordings), sum(len(each.measured.numbers) for each in found),
+        len(found), len(named), sum(len(each.measured.numbers) for each in found),
         len(sets), ', '.join(paths))
 
 
@@ -63,18 +65,16 @@ class _Stages:
     problems: a line for each recording that cannot be used.
     """
 
-    def __init__(self, stack: contextlib.ExitStack, work: str, where: options.Options,
-                 interrupts: Interrupts, problems: List[str]):
-        self._stack, self._work, self._where = stack, work, where
-        self._interrupts, self._problems = interrupts, problems
+    def __init__(self, stack: contextlib.ExitStack, work: str, engine: Engine,
+                 problems: List[str]):
+        self._stack, self._work, self._engine, self._problems = stack, work, engine, problems
 
     def run(self, function: Function, pieces: Sequence[Piece], unit: str) -> Dict[str, List[Any]]:
         """Return the results by recording, whose name is in the key of a piece before the #."""
         found: Dict[str, List[Any]] = {}
         bad: List[str] = []
-        for outcome in self._stack.enter_context(engine.outcomes(
-                function, pieces, os.path.join(self._work, unit.strip()), self._where,
-                self._interrupts, unit)):
+        for outcome in self._stack.enter_context(self._engine.outcomes(
+                function, pieces, os.path.join(self._work, unit.strip()), unit)):
             name = outcome.key.rpartition('#')[0]
             found.setdefault(name, []).append(outcome.value)
             if outcome.problem and name not in bad:
@@ -84,15 +84,15 @@ class _Stages:
         return {name: values for name, values in found.items() if name not in bad}
 
 
-def _measured(stages: _Stages, recordings: Dict[str, str], sets: Sequence[ColorSet], topic: str,
+def _measured(stages: _Stages, named: Dict[str, str], sets: Sequence[ColorSet], topic: str,
               max_pixels: int) -> Dict[str, Measured]:
     """Return what was measured in each recording that can be read to its end."""
     parts = stages.run(evaluation.divide, [
-        Piece(name + '#', (topic, max_pixels), (path,)) for name, path in recordings.items()],
+        Piece(name + '#', (topic, max_pixels), (path,)) for name, path in named.items()],
         ' recordings')
     measured = stages.run(evaluation.measure, [
         Piece('{}#{}'.format(name, number), (part, max_pixels),
-              (recordings[name], *(each.path for each in sets)), part.frames)
+              (named[name], *(each.path for each in sets)), part.frames)
         for name, (divided,) in parts.items() for number, part in enumerate(divided)], ' frames')
     return {name: found[0].joined(found[1:]) for name, found in measured.items()}
 
@@ -108,14 +108,18 @@ def _driven(stages: _Stages, measured: Dict[str, Measured], sets: Sequence[Color
 
 def _named(paths: Sequence[str]) -> Dict[str, str]:
     """Return paths by short names, with as many folders as make them differ."""
-    named: Dict[str, str] = {}
-    for path in paths:
-        parts = path.split(os.sep)
-        name = next(name for name in ('/'.join(parts[-length:])
-                                      for length in range(1, len(parts) + 1))
-                    if sum(('/' + other).endswith('/' + name) for other in set(paths)) == 1)
-        named[name] = path
-    return named
+    counts = Counter(name for path in set(paths) for name in _names(path))
+    return {next(name for name in _names(path) if counts[name] == 1): path for path in paths}
+
+
+def _names(path: str) -> List[str]:
+    """Return the end of a path with more and more folders.
+
+    >>> _names('/data/a.bag')
+    ['a.bag', 'data/a.bag', '/data/a.bag']
+    """
+    parts = path.split(os.sep)
+    return [os.sep.join(parts[-length:]) for length in range(1, len(parts) + 1)]
 
 
 def _color_sets(paths: Sequence[str]) -> List[ColorSet]:
@@ -124,7 +128,7 @@ def _color_sets(paths: Sequence[str]) -> List[ColorSet]:
             for name, path in named.items()]
 
 
-def _read_truth(path: str, recordings: Dict[str, str], sets: Sequence[ColorSet]) -> Truth:
+def _read_truth(path: str, named: Dict[str, str], sets: Sequence[ColorSet]) -> Truth:
     """Return what a table says is in view; raise UserError if it is not about what is given."""
     truth: Truth = {}
     colors = sorted({color.name for each in sets for color in each.settings.colors})
@@ -136,7 +140,7 @@ def _read_truth(path: str, recordings: Dict[str, str], sets: Sequence[ColorSet])
                 raise UserError('--truth {}: it has no column {}'.format(path, missing[0]),
                                 'give one with the columns ' + ', '.join(_TRUTH))
             for row in rows:
-                for column, known in (('recording', list(recordings)), ('color', colors)):
+                for column, known in (('recording', list(named)), ('color', colors)):
                     if row[column] not in known:
                         raise UserError('--truth {}, line {}: there is no {} {}'.format(
                             path, rows.line_num, column, shortened(row[column])),
@@ -156,16 +160,13 @@ def _parser() -> argparse.ArgumentParser:
         prog='evaluate.py', description='Measure recordings with several sets of colors; write '
         'areas, commands and the path of the simulated robot side by side as a table (CSV), a '
         'report and a picture.', allow_abbrev=False)
-    parser.add_argument('recordings', metavar='VIDEO_OR_BAG', nargs='+',
-                        help='video files, and bags with images')
+    recordings.add_to(parser)
     parser.add_argument('--colors', required=True, nargs='+', metavar='YAML',
                         help='parameter files of color_extract')
     parser.add_argument('--truth', default='', metavar='CSV',
                         help='which colors are in view: columns recording, frame, color, in_view')
     parser.add_argument('--world', default='',
                         help='also simulate the robot, in this world as for replay.py')
-    parser.add_argument('--topic', default='', help='topic of the images in the bags')
-    still_images.add_option(parser)
     parser.add_argument('--output', default='', metavar='FOLDER_OR_PREFIX',
                         help='where to write the files (default: NAME.evaluated.csv, .md and .png '
                         'in the current folder, of the first recording)')

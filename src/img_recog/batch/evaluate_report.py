@@ -6,9 +6,10 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from img_recog.batch.evaluation import ColorSet, Driven, Evaluated, Truth, scores
+from img_recog.batch.evaluation import ColorSet, Driven, Evaluated, Truth, score
 from img_recog.batch.report import lines_of_table
 from img_recog.recognition.commands import Command
+from img_recog.recognition.fitting.score import Score
 from img_recog.replay.chain import SECOND_NS
 
 _DPI, _WIDTH_IN, _ROW_IN = 100, 12.0, 2.5
@@ -97,17 +98,11 @@ def _scores(sets: Sequence[ColorSet], found: Sequence[Evaluated], truth: Truth
             ) -> Iterator[List[str]]:
     for number, colors in enumerate(sets):
         for index, color in enumerate(colors.settings.colors):
-            hits, wrong, missed = np.sum([
-                scores(each, number, index, colors.settings, truth) for each in found],
-                axis=0, dtype=int).tolist() if found else (0, 0, 0)
+            total = Score(*np.sum([score(each, number, index, colors.settings, truth)
+                                   for each in found] or [Score(0, 0, 0)], axis=0).tolist())
             counted = sum((frame, color.name) in truth.get(each.name, {}) for each in found
                           for frame in each.measured.numbers)
-            yield [colors.name, color.name, _share(hits, hits + wrong),
-                   _share(hits, hits + missed), str(counted)]
-
-
-def _share(part: int, whole: int) -> str:
-    return '{:.3f}'.format(part / whole) if whole else ''
+            yield [colors.name, color.name, *total.shares, str(counted)]
 
 
 def _spans(sets: Sequence[ColorSet], found: Sequence[Evaluated]

@@ -7,11 +7,12 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from img_recog import resources
-from img_recog.batch import pieces
+from img_recog.batch import recordings
 from img_recog.batch.pieces import Part
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
+from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.settings import RecognitionSettings
 from img_recog.replay import scenario
 from img_recog.replay.chain import (SECOND_NS, ColorRecognition, Frame, FrameMeasurement,
@@ -72,7 +73,7 @@ class Evaluated(NamedTuple):
 
 def divide(paths: Sequence[str], topic: str, max_pixels: int) -> List[Part]:
     """Return the parts of a recording; for the engine."""
-    return pieces.divide(paths[0], topic, max_pixels=max_pixels)
+    return recordings.divide(paths[0], topic, max_pixels)
 
 
 def measure(paths: Sequence[str], part: Part, max_pixels: int) -> Measured:
@@ -84,7 +85,7 @@ def measure(paths: Sequence[str], part: Part, max_pixels: int) -> Measured:
     extractors = [ColorExtractor(each) for each in settings]
     found = Measured([], [], [])
     areas_px: List[List[List[int]]] = [[] for _ in extractors]
-    for frame in pieces.read(paths[0], part, max_pixels):
+    for frame in recordings.read(paths[0], part, max_pixels):
         found.numbers.append(frame.number)
         found.stamps_ns.append(frame.stamp_ns)
         for areas, extractor in zip(areas_px, extractors):
@@ -160,9 +161,9 @@ class _Recorder(Recorder):
         self.poses.append((float(position[0]), float(position[1]), result.motion.yaw))
 
 
-def scores(evaluated: Evaluated, number: int, color: int, settings: RecognitionSettings,
-           truth: Truth) -> Tuple[int, int, int]:
-    """Return how often a color is found rightly, found wrongly, and missed.
+def score(evaluated: Evaluated, number: int, color: int, settings: RecognitionSettings,
+          truth: Truth) -> Score:
+    """Return in which frames a color is found.
 
     number: of the set of colors; color: its number in `settings`, those of the set. Frames that
     `truth` says nothing about do not count.
@@ -172,4 +173,5 @@ def scores(evaluated: Evaluated, number: int, color: int, settings: RecognitionS
     pairs = [(bool(area_px > limit_px), known[frame, name]) for frame, area_px in zip(
         evaluated.measured.numbers, evaluated.measured.areas_px[number][:, color])
              if (frame, name) in known]
-    return pairs.count((True, True)), pairs.count((True, False)), pairs.count((False, True))
+    return Score(pairs.count((True, True)), pairs.count((True, False)),
+                 pairs.count((False, True)))

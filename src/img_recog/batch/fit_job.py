@@ -6,9 +6,9 @@ import sys
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from img_recog import files
-from img_recog.batch import engine, fit_pieces, recordings
+from img_recog.batch import fit_pieces, recordings
 from img_recog.batch import options as batch_options
-from img_recog.batch.engine import Outcome
+from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.fit_options import parse
 from img_recog.batch.fit_pieces import FIT, Source
 from img_recog.batch.fit_report import Report
@@ -57,8 +57,9 @@ def _run(arguments: List[str], interrupts: Interrupts) -> str:
     for path in [*paths, options.samples, options.check, options.colors]:
         for output in report.paths:
             files.refuse_input(output, path, 'read', 'set --output to another')
-    fitting = _Fitting(options, sets, paths, interrupts)
-    summary = fitting.run(report)
+    with Engine(batch_options.of(options), interrupts) as engine:
+        fitting = _Fitting(options, sets, paths, engine)
+        summary = fitting.run(report)
     if fitting.broken:
         sys.stdout.write(summary + '\n')
         raise UserError('{} of {} recordings cannot be read, and the others count: {}'.format(
@@ -77,8 +78,8 @@ class _Fitting:
     """A run of the program; broken: why recordings cannot be read."""
 
     def __init__(self, options: argparse.Namespace, sets: Sequence[Samples],
-                 paths: Sequence[str], interrupts: Interrupts):
-        self._options, self._sets, self._interrupts = options, sets, interrupts
+                 paths: Sequence[str], engine: Engine):
+        self._options, self._sets, self._engine = options, sets, engine
         self._paths = paths
         self.broken: Dict[str, str] = {}
         self._base = BaseSettings(options.colors, sets[FIT].colors)
@@ -126,10 +127,10 @@ class _Fitting:
                 yield Recorded(key, path, source)
 
     def _outcomes(self, function: Any, arguments: Tuple[Any, ...], suffix: str) -> Any:
-        pieces = [Piece(each.key, (each.source, *arguments), (each.path,),
+        # workers of a cluster are in other folders
+        pieces = [Piece(each.key, (each.source, *arguments), (os.path.abspath(each.path),),
                         each.source.part.frames or 1) for each in self._recorded]
-        return engine.outcomes(function, pieces, self._options.output + suffix,
-                               batch_options.of(self._options), self._interrupts, ' frames')
+        return self._engine.outcomes(function, pieces, self._options.output + suffix, ' frames')
 
     def _note_broken(self, path: str, problem: str) -> None:
         if path not in self.broken:

@@ -3,10 +3,9 @@ import argparse
 import os
 from typing import Sequence
 
-from img_recog import still_images
+from img_recog.batch import recordings
 from img_recog.batch import options as batch_options
 from img_recog.recognition.fitting.bounds import OBJECTIVES, PIXELS
-from img_recog.replay.inputs import DEFAULT_TOPICS
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
@@ -15,8 +14,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         prog='fit_colors.py', description='Find the bounds of colors that separate them best in '
         'recordings. Writes a parameter file of color_extract, a report with pictures, and a '
         'table with a row for each frame.', allow_abbrev=False)
-    parser.add_argument('recordings', metavar='RECORDING', nargs='+',
-                        help='films, bags, images, folders with them, or patterns like "*.bag"')
+    recordings.add_to(parser)
     parser.add_argument('--samples', metavar='YAML', required=True,
                         help='where in the recordings the colors are')
     parser.add_argument('--check', metavar='YAML', default='',
@@ -31,9 +29,6 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument('--output', metavar='PREFIX', default='fit_colors',
                         help='beginning of the paths of the results: .yaml, .md, .png, .csv '
                         '(default: %(default)s)')
-    parser.add_argument('--topic', default='', help='topic of the images in bags (default: {}, '
-                        'or the only topic with images)'.format(' or '.join(DEFAULT_TOPICS)))
-    still_images.add_option(parser)
     batch_options.add_to(parser)
     options = parser.parse_args(arguments)
     for name in ('samples', 'check', 'colors', 'output'):

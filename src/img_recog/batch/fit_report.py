@@ -21,7 +21,6 @@ from img_recog.recognition.settings import RecognitionSettings
 
 _EXTENSIONS = '.yaml', '.md', '.png', '.csv'
 _SAMPLES = 'fit', 'check'
-_NONE = '-'
 _HEAD = ('| color | bounds | | pixels: precision | recall | frames: precision | recall |\n'
          '|---|---|---|---|---|---|---|\n')
 _WEIGHTED = ('Wrong pixels of frames without a color are weighted as if there were not more of '
@@ -38,12 +37,9 @@ class Line(NamedTuple):
     frames: Score
 
     def text(self) -> str:
-        """Return it as Markdown; what no sample says is a dash."""
-        shares = ['{:.1%}'.format(share) if score.found + score.missed else _NONE
-                  for score in (self.pixels, self.frames)
-                  for share in (score.precision, score.recall)]
+        """Return it as Markdown."""
         return '| {} |\n'.format(' | '.join([self.color, self.bounds, _SAMPLES[self.chosen],
-                                             *shares]))
+                                             *self.pixels.shares, *self.frames.shares]))
 
 
 class Report:
@@ -177,8 +173,7 @@ class Report:
 
 
 def _percent(score: Score) -> str:
-    return 'precision {:.1%}, recall {:.1%} of the labeled pixels'.format(
-        score.precision, score.recall)
+    return 'precision {}, recall {} of the labeled pixels'.format(*score.shares)
 
 
 def _margin(fit: Fit) -> str:

@@ -1,4 +1,5 @@
 """Recordings as users name them: films, bags and images, also by folders and patterns."""
+import argparse
 import glob
 import mimetypes
 import os
@@ -7,15 +8,26 @@ from typing import Iterator, List, Sequence
 import genpy
 from std_msgs.msg import Header
 
+from img_recog import still_images
 from img_recog.batch import pieces
 from img_recog.batch.pieces import Part
 from img_recog.camera.image_source import EXTENSIONS, read_image
 from img_recog.camera.settings import CameraSettings
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.replay.chain import Frame
+from img_recog.replay.inputs import DEFAULT_TOPICS
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 _ADVICE = 'give films, bags or images, folders with them, or patterns like "*.bag"'
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say which recordings are read, and how."""
+    parser.add_argument('recordings', metavar='RECORDING', nargs='+',
+                        help='films, bags, images, folders with them, or patterns like "*.bag"')
+    parser.add_argument('--topic', default='', help='topic of the images in bags (default: {}, '
+                        'or the only topic with images)'.format(' or '.join(DEFAULT_TOPICS)))
+    still_images.add_option(parser)
 
 
 def expand(names: Sequence[str]) -> List[str]:

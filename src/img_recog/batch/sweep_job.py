@@ -11,10 +11,11 @@ import time
 from typing import List, Sequence, Tuple
 
 from img_recog import files
-from img_recog.batch import engine, options, sweep_file, sweep_report, sweep_run, tables
+from img_recog.batch import options, sweep_file, sweep_report, sweep_run, tables
+from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
-from img_recog.batch.work import Piece, run_piece
+from img_recog.batch.work import Done, Piece, run_piece
 from img_recog.errors import UserError, suggestion
 from img_recog.option_types import allowed
 from img_recog.replay import programs
@@ -27,7 +28,8 @@ _log = logging.getLogger('sweep.py')
 
 def main() -> int:
     """Run the program; return its exit code, 1 if a run has no result."""
-    logging.basicConfig(format='sweep.py: %(message)s')
+    programs.log_to_terminal('sweep.py')
+    _log.setLevel(logging.INFO)
     failed: List[str] = []
     code = programs.run(lambda words, interrupts: _main(words, interrupts, failed), sys.argv[1:],
                         _log, 'cannot write')
@@ -44,15 +46,15 @@ def _main(words: Sequence[str], interrupts: Interrupts, failed: List[str]) -> st
     films = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
                                (*tables.extensions(), '.md', '.png', *films), 'sweep')
-    _announce(sweep, where, given.yes)
+    known = [_first(sweep, where, given.yes)]
     work = re.sub(r'\.csv$', '.work', paths[0])
     runs = list(sweep.runs())
-    with engine.outcomes(sweep_run.run, [_piece(sweep, run) for run in runs], work, where,
-                         interrupts) as outcomes:
+    with Engine(where, interrupts) as engine, engine.outcomes(
+            sweep_run.run, [_piece(sweep, run) for run in runs], work, known=known) as outcomes:
         ended = [Ended(run, outcome) for run, outcome in zip(runs, outcomes)]
         worst = sweep_report.worst(ended, given.films)
         with engine.outcomes(sweep_run.film, [_piece(sweep, each.run) for each in worst],
-                             work + '.films', where, interrupts, ' films') as filmed:
+                             work + '.films', ' films') as filmed:
             written = _write(paths, path, sweep, ended, list(zip(worst, filmed)))
     failed += [each.outcome.problem for each in ended if each.outcome.problem]
     return '{} runs, {} have succeeded, {} have no result; wrote {}'.format(
@@ -83,12 +85,11 @@ def _piece(sweep: Sweep, run: Run) -> Piece:
                  tuple(run.parameters[role] for role in roles))
 
 
-def _announce(sweep: Sweep, where: options.Options, is_confirmed: bool) -> None:
-    """Say how long it will take, by one run; raise UserError if that is long."""
-    first = _piece(sweep, next(sweep.runs()))
-    run_piece(sweep_run.run, first.files, (), first.arguments)      # loads what all need
+def _first(sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:
+    """Do the first run, and say how long all will take; raise UserError if that is long."""
+    piece = _piece(sweep, next(sweep.runs()))
     begin_s = time.perf_counter()
-    run_piece(sweep_run.run, first.files, (), first.arguments)
+    done = Done(piece, *run_piece(sweep_run.run, piece.files, (), piece.arguments))
     run_s = time.perf_counter() - begin_s
     all_s = run_s * sweep.size
     text = '{} runs of about {:.2g} s (the first one took that long): {} on one core'.format(
@@ -98,7 +99,8 @@ def _announce(sweep: Sweep, where: options.Options, is_confirmed: bool) -> None:
         text += ', {} on {} here'.format(_duration(all_s), where.jobs)
     if all_s > _LONG_S and not is_confirmed:
         raise UserError(text, 'add --yes to start it, or have fewer runs')
-    _log.warning('%s', text)
+    _log.info('%s', text)
+    return done
 
 
 def _duration(seconds: float) -> str:
@@ -114,7 +116,7 @@ def _duration(seconds: float) -> str:
 
 
 def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended],
-           filmed: Sequence[Tuple[Ended, engine.Outcome]]) -> List[str]:
+           filmed: Sequence[Tuple[Ended, Outcome]]) -> List[str]:
     """Write all files; return the paths."""
     title, count = os.path.basename(path), len(tables.extensions())
     films = dict(zip(paths[count + 2:], filmed))

@@ -1,5 +1,8 @@
 """A piece of work: what it is, and how a process does it."""
 import contextlib
+import ctypes
+import faulthandler
+import functools
 import os
 import pickle
 import tempfile
@@ -12,8 +15,9 @@ from img_recog.errors import UserError, one_line
 # Called with the paths of the files of a piece and its arguments. A function of a module: workers
 # import it.
 Function = Callable[..., Any]
-# llvmpipe and numpy: there are as many processes as cores
-_ONE_THREAD = ('LP_NUM_THREADS', 'OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS')
+# mallopt(3): up to how many bytes free memory is kept, and from how many on a block is mapped
+_M_TRIM_THRESHOLD, _KEPT_BYTES = -1, 1 << 28
+_M_MMAP_THRESHOLD, _MAPPED_BYTES = -3, 1 << 25
 
 
 class Piece(NamedTuple):
@@ -44,9 +48,7 @@ def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes
 
     contents: of the files, if they are not at `paths` on this machine.
     """
-    for name in _ONE_THREAD:
-        os.environ.setdefault(name, '1')
-    cv2.setNumThreads(1)
+    _prepare()
     try:
         with _files(paths, contents) as found:
             return pickle.dumps(function(found, *arguments), 4), ''
@@ -54,6 +56,18 @@ def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes
         return b'', one_line(error)
     except Exception as error:      # of PyBullet or FFmpeg: the other pieces count
         return b'', '{}: {}'.format(type(error).__name__, one_line(error))
+
+
+@functools.lru_cache(maxsize=None)
+def _prepare() -> None:
+    """Prepare this process: once."""
+    faulthandler.enable(2)      # if a library crashes, stderr says where
+    cv2.setNumThreads(1)
+    # Dask has its workers give memory back at once (MALLOC_TRIM_THRESHOLD_). Then the kernel maps
+    # and clears that of each image anew, 100,000 pages for a loop of 15 s.
+    libc = ctypes.CDLL(None)
+    libc.mallopt(_M_TRIM_THRESHOLD, _KEPT_BYTES)
+    libc.mallopt(_M_MMAP_THRESHOLD, _MAPPED_BYTES)
 
 
 @contextlib.contextmanager

@@ -4,10 +4,9 @@ import os
 
 import pytest
 
-from img_recog.batch import engine
-from img_recog.batch.engine import Outcome
+from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.options import Options
-from img_recog.batch.work import Piece
+from img_recog.batch.work import Done, Piece, run_piece
 from img_recog.errors import UserError
 from img_recog.signals import Interrupts
 from img_recog_testing import batch_work
@@ -16,9 +15,9 @@ from img_recog_testing import batch_work
 @pytest.fixture
 def run(tmp_path, handlers_as_before):
     """A function that runs pieces; it returns the list of outcomes."""
-    def run(function, pieces, **options):
-        with engine.outcomes(function, pieces, str(tmp_path / 'work'), Options(**options),
-                             Interrupts()) as outcomes:
+    def run(function, pieces, known=(), **options):
+        with Engine(Options(**options), Interrupts()) as engine, engine.outcomes(
+                function, pieces, str(tmp_path / 'work'), known=known) as outcomes:
             return list(outcomes)
     return run
 
@@ -67,11 +66,39 @@ def test_an_interrupted_run_goes_on_without_doing_anything_twice(run, tmp_path, 
 def test_without_resume_all_is_done_again(run, tmp_path):
     pieces = numbers(str(tmp_path), count=2)
     with contextlib.suppress(RuntimeError):
-        with engine.outcomes(batch_work.square, pieces, str(tmp_path / 'work'), Options(),
-                             Interrupts()):
+        with Engine(Options(), Interrupts()) as engine, engine.outcomes(
+                batch_work.square, pieces, str(tmp_path / 'work')):
             raise RuntimeError
     run(batch_work.square, pieces)
     assert (tmp_path / '0').read_text() == 'xx'
+
+
+def test_what_has_run_already_is_not_run_again(run, tmp_path):
+    pieces = numbers(str(tmp_path), count=3)
+    known = [Done(pieces[0], *run_piece(batch_work.square, (), (), pieces[0].arguments)),
+             Done(pieces[2], b'', 'too late')]
+    assert run(batch_work.square, pieces, known) == [
+        Outcome('run 0', 0), Outcome('run 1', 1), Outcome('run 2', problem='too late')]
+    assert [(tmp_path / str(number)).exists() for number in range(3)] == [True, True, False]
+    assert (tmp_path / '0').read_text() == 'x'
+
+
+def test_the_processes_stay_for_more_pieces_and_more_are_started(tmp_path, handlers_as_before):
+    with Engine(Options(jobs=3), Interrupts()) as engine:
+        found = []
+        for count in (2, 6):
+            with engine.outcomes(batch_work.process, numbers(0.3, count=count),
+                                 str(tmp_path / 'work')) as outcomes:
+                found.append({each.value for each in outcomes})
+    assert len(found[0]) == 2 and found[0] < found[1] and len(found[1]) == 3
+    assert os.getpid() not in found[1]
+
+
+def test_freed_memory_of_a_worker_is_used_again(tmp_path, handlers_as_before):
+    with Engine(Options(jobs=2), Interrupts()) as engine, engine.outcomes(
+            batch_work.page_faults, numbers(100), str(tmp_path / 'work')) as outcomes:
+        faults = [each.value for each in outcomes]
+    assert max(faults) < 3000       # 25000 if each of the 100 buffers of 1 MB is mapped anew
 
 
 def test_a_file_that_has_changed_is_read_again(run, tmp_path):

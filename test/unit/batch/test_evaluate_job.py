@@ -97,8 +97,8 @@ def test_truth_gives_precision_and_recall(folder, monkeypatch):
     assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'high.yaml', '--truth',
                'truth.csv') == 0
     report = (folder / 'film.evaluated.md').read_text()
-    assert '| low | green | 0.500 | 1.000 | 6 |' in report
-    assert '| high | green | 0.667 | 0.667 | 6 |' in report
+    assert '| low | green | 50.0% | 100.0% | 6 |' in report
+    assert '| high | green | 66.7% | 66.7% | 6 |' in report
 
 
 def test_a_broken_recording_is_named_and_the_others_count(folder, monkeypatch, capsys, caplog):

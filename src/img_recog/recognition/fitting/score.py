@@ -1,5 +1,5 @@
 """How well a color is found: in pixels, or in frames."""
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 
 class Score(NamedTuple):
@@ -31,3 +31,14 @@ class Score(NamedTuple):
         0.75
         """
         return 2 * self.found / max(1, 2 * self.found + self.wrong + self.missed)
+
+    @property
+    def shares(self) -> Tuple[str, str]:
+        """Precision and recall as text; dashes if nothing is of the color.
+
+        >>> Score(60, 20, 40).shares, Score(0, 3, 0).shares
+        (('75.0%', '60.0%'), ('-', '-'))
+        """
+        if not self.found + self.missed:
+            return '-', '-'
+        return '{:.1%}'.format(self.precision), '{:.1%}'.format(self.recall)
