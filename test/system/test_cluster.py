@@ -1,4 +1,4 @@
-"""sweep.py and evaluate.py on a cluster: a scheduler and two workers, each in its own network."""
+"""Programs on a cluster: a scheduler and two workers, each in its own network."""
 import os
 import signal
 import subprocess
@@ -100,9 +100,8 @@ def ended(process):
     assert process.returncode == 0, output
 
 
-def result(tmp_path, kind):
-    return [(tmp_path / 's.{}'.format(kind + extension)).read_bytes()
-            for extension in ('.csv', '.png')]
+def result(tmp_path):
+    return [(tmp_path / name).read_bytes() for name in ('s.sweep.csv', 's.sweep.png')]
 
 
 def some_are_done(tmp_path):
@@ -113,7 +112,7 @@ def some_are_done(tmp_path):
 def test_a_cluster_gives_the_bytes_of_one_process_also_after_kills(cluster, run, tmp_path):
     sweep = 'sweep.py', 's.yaml', '--films', '0'
     ended(run(*sweep, '--jobs', '1'))
-    expected = result(tmp_path, 'sweep')
+    expected = result(tmp_path)
     interrupted = run(*sweep, '--scheduler', ADDRESS)
     wait_for(lambda: some_are_done(tmp_path) or interrupted.poll() is not None, 'a result')
     interrupted.send_signal(signal.SIGINT)
@@ -122,19 +121,34 @@ def test_a_cluster_gives_the_bytes_of_one_process_also_after_kills(cluster, run,
     wait_for(lambda: some_are_done(tmp_path) or resumed.poll() is not None, 'a result')
     os.killpg(cluster[0].pid, signal.SIGKILL)
     ended(resumed)
-    assert result(tmp_path, 'sweep') == expected
+    assert result(tmp_path) == expected
 
 
-def test_recordings_are_copied_to_workers(cluster, run, tmp_path):
+@pytest.fixture
+def film(tmp_path):
+    """A film of 2000 frames, four parts: a card, and only the wall in the second half."""
     with av.open(str(tmp_path / 's.avi'), 'w') as film:
         stream = film.add_stream('mjpeg', 10)
         stream.width, stream.height, stream.pix_fmt = 96, 64, 'yuvj420p'
-        for number in range(20):
-            image = np.full((64, 96, 3), (200, 12 * number, 0), np.uint8)
+        for number in range(2000):
+            image = np.full((64, 96, 3), 120 + number % 7, np.uint8)
+            if number < 1000:
+                image[10:30, 10:30] = 30, 20, 200
             film.mux(stream.encode(av.VideoFrame.from_ndarray(image, 'bgr24')))
         film.mux(stream.encode(None))
-    evaluate = 'evaluate.py', 's.avi', '--colors', os.path.join(ROOT, 'config', 'colors.yaml')
-    ended(run(*evaluate, '--jobs', '1'))
-    expected = result(tmp_path, 'evaluated')
-    ended(run(*evaluate, '--scheduler', ADDRESS, '--copy'))
-    assert result(tmp_path, 'evaluated') == expected
+    (tmp_path / 'samples.yaml').write_text(
+        'samples:\n- {color: red, rectangle: [10, 10, 20, 20]}\n'
+        '- {color: red, not_in_view: [100, 200]}\n')
+
+
+@pytest.mark.parametrize('program, options, results', [
+    ('evaluate.py', ('--colors', os.path.join(ROOT, 'config', 'colors.yaml')),
+     ('s.evaluated.csv', 's.evaluated.png')),
+    ('fit_colors.py', ('--samples', 'samples.yaml'),
+     ('fit_colors.yaml', 'fit_colors.md', 'fit_colors.png', 'fit_colors.csv'))])
+def test_recordings_are_copied_to_workers(cluster, run, tmp_path, film, program, options,
+                                          results):
+    ended(run(program, 's.avi', *options, '--jobs', '1'))
+    expected = [(tmp_path / name).read_bytes() for name in results]
+    ended(run(program, 's.avi', *options, '--scheduler', ADDRESS, '--copy'))
+    assert [(tmp_path / name).read_bytes() for name in results] == expected
