@@ -15,6 +15,7 @@ OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(
         'simulation/' + room for room in SIMULATION_ROOMS if room != 'descriptions')),
     'moderngl': ('rendering',),
+    **dict.fromkeys(('collada', 'trimesh'), ('mesh_file',)),
     **dict.fromkeys(('dask', 'distributed'), ('batch',)),
     **dict.fromkeys(('fastapi', 'nicegui', 'starlette', 'uvicorn'), ('nodes/web',))}
 # of rospy's objects

@@ -1,4 +1,4 @@
-"""Mesh files are read; what is damaged or too large is an error of one line."""
+"""Mesh files are read by trimesh; what is damaged or too large is an error of one line."""
 import re
 import struct
 

@@ -58,6 +58,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
      'camera must not use ROS'),
     ('simulation/a.py', 'from std_srvs.srv import Empty', 'simulation must not use ROS'),
     ('simulation/deeper/a.py', 'from ...ros import queues', 'simulation may use'),
+    ('simulation/bodies/a.py', 'import trimesh', 'only mesh_file may use trimesh'),
     ('nodes/gazebo/a.py', 'import moderngl', 'only rendering may use moderngl'),
     ('nodes/gazebo/a.py', 'from nicegui import ui', 'only nodes/web may use nicegui'),
     ('ros/a.py', 'import uvicorn', 'only nodes/web may use uvicorn'),
@@ -113,6 +114,7 @@ def test_a_planted_violation_is_found(tmp_path, path, line, words):
     ('replay/a.py', 'import rosbag, genpy\nfrom img_recog.simulation import body'),
     ('nodes/gazebo/a.py', 'from img_recog.nodes import color_parameters\nfrom . import view'),
     ('nodes/web/a.py', 'from nicegui import ui\nfrom img_recog.graph import dot'),
+    ('mesh_file.py', 'import trimesh, collada'),
     ('batch/a.py', 'import distributed\nfrom img_recog.replay import job'),
     ('simulation/sensors/a.py', 'import pybullet\nfrom img_recog.simulation.bodies import body')])
 def test_allowed_imports_are_not_reported(tmp_path, path, line):

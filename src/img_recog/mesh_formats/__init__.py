@@ -1,1 +1,1 @@
-"""Readers of mesh files in all forms that Gazebo reads; `mesh_file` uses them."""
+"""Brings mesh files into forms that trimesh reads whole; `mesh_file` gives them to trimesh."""

@@ -1,15 +1,20 @@
-"""COLLADA files; the scene and the materials are read as by ColladaLoader of Gazebo 11."""
-import functools
+"""COLLADA files in the form that trimesh reads whole: each geometry once, in plain colors.
+
+Of other files trimesh drops in silence: geometries whose material, effect or image is incomplete,
+texture coordinates without a material, skins, and each mesh with a comment or with lines. The
+scene and the materials are read as by ColladaLoader of Gazebo 11.
+"""
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from img_recog.mesh_formats import collada_geometry
-from img_recog.mesh_formats.collada_geometry import Arrays
+from img_recog.mesh_formats.collada_geometry import count_triangles, simplify
 from img_recog.mesh_formats.collada_materials import Materials, read_floats
-from img_recog.mesh_formats.polygons import FilePart
+from img_recog.mesh_formats.file_material import number_color
+from img_recog.mesh_formats.simplified import FilePart, Simplified
 
+_NAMESPACE = 'http://www.collada.org/2005/11/COLLADASchema'
 _MAX_NODES = 200_000        # that nodes refer to
 _MAX_CONTROLLERS = 10                           # that refer to one another
 
@@ -25,9 +30,9 @@ class _Group(NamedTuple):
     bound: Tuple[Tuple[str, str], ...]
 
 
-def read(content: bytes, find_texture: Callable[[str], str], max_triangles: int
-         ) -> Tuple[List[FilePart], int]:
-    """Return what Gazebo draws of a COLLADA file, in m, and of how many triangles that is all.
+def simplified(content: bytes, find_texture: Callable[[str], str],
+               max_triangles: int) -> Simplified:
+    """Return a COLLADA file with what Gazebo draws of another one.
 
     find_texture: returns the path of a texture of that name. Raises an error of any type if it
     cannot be read, or has more than that many triangles.
@@ -42,22 +47,14 @@ def read(content: bytes, find_texture: Callable[[str], str], max_triangles: int
     for group, pose in document.shapes():
         key = id(group.geometry)
         if key not in counts:
-            counts[key] = collada_geometry.count_triangles(group.geometry)
+            counts[key] = count_triangles(group.geometry)
         total += counts[key]
         if total > max_triangles:
             raise ValueError('it has more than {} triangles'.format(max_triangles))
         if np.isfinite(pose).all():
             groups.setdefault(group, []).append(pose)
-    unit, materials = document.unit(), Materials(document.get, find_texture)
-    read_once = functools.lru_cache(maxsize=None)(collada_geometry.read)
-    parts = []
-    for group, poses in groups.items():
-        for symbol, arrays in read_once(group.geometry).items():
-            url = dict(group.bound).get(symbol, symbol)
-            positions, normals, uvs = _placed(arrays, np.array(poses))
-            parts.append(FilePart(unit * positions, normals, uvs,
-                                  materials.get(url) if symbol else None, group.name))
-    return parts, total
+    written, parts = _written(document.unit(), groups, Materials(document.get, find_texture))
+    return Simplified(ElementTree.tostring(written), parts, total)
 
 
 class _Document:
@@ -77,13 +74,10 @@ class _Document:
         name = (url or '').strip()      # a name may contain # as well
         return self._named.get((tag, name[1:] if name.startswith('#') else name))
 
-    def unit(self) -> float:
+    def unit(self) -> str:
         """Return the length of the unit in m."""
-        element = self._root.find('asset/unit')
-        unit = 1.0 if element is None else float(element.get('meter', '1'))
-        if not unit > 0:
-            raise ValueError('its unit has the length {:g}'.format(unit))
-        return unit
+        unit = self._root.find('asset/unit')
+        return '1' if unit is None else unit.get('meter', '1')
 
     def shapes(self) -> Iterator[Tuple[_Group, np.ndarray]]:
         """Yield what the nodes of the scene show, and its pose (4, 4) in the scene."""
@@ -153,13 +147,38 @@ def _rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
 
 
-def _placed(arrays: Arrays, poses: np.ndarray) -> List[np.ndarray]:
-    """Return triangles at each pose (k, 4, 4)."""
-    positions, normals, uvs = arrays
-    turns = poses[:, None, :3, :3].transpose(0, 1, 3, 2)
-    placed = [positions @ turns + poses[:, None, None, :3, 3], normals @ turns,
-              np.repeat(uvs[None], len(poses), axis=0)]
-    is_mirrored = np.linalg.det(poses[:, :3, :3]) < 0
-    for each in placed:
-        each[is_mirrored] = each[is_mirrored, :, ::-1]
-    return [each.reshape(-1, *each.shape[2:]) for each in placed]
+def _written(unit: str, groups: Dict[_Group, List[np.ndarray]], materials: Materials
+             ) -> Tuple[ElementTree.Element, List[FilePart]]:
+    """Return the root element, and what the triangles of each number are."""
+    root = ElementTree.Element('COLLADA', version='1.4.1', xmlns=_NAMESPACE)
+    _add(_add(root, 'asset'), 'unit', meter=unit, name='unit')
+    effects, made, geometries, scenes = (_add(root, 'library_' + name) for name in (
+        'effects', 'materials', 'geometries', 'visual_scenes'))
+    scene = _add(scenes, 'visual_scene', id='scene')
+    names: Dict[int, str] = {}
+    parts: List[FilePart] = []
+    for group, poses in groups.items():
+        key = id(group.geometry)
+        if key not in names:
+            names[key] = 'geometry_{}'.format(len(names))
+            group.geometry.set('id', names[key])
+            geometries.append(simplify(group.geometry))
+        instance = _add(_add(scene, 'node'), 'instance_geometry', url='#' + names[key])
+        bound = _add(_add(instance, 'bind_material'), 'technique_common')
+        for symbol in {each.get('material', '') for each in group.geometry.iterfind('mesh/*')}:
+            if symbol:
+                _add(bound, 'instance_material', symbol=symbol, target='#m{}'.format(len(parts)))
+                url = dict(group.bound).get(symbol, symbol)
+                parts.append(FilePart(group.name, materials.get(url), np.array(poses)))
+    for number in range(len(parts)):
+        effect = _add(_add(effects, 'effect', id='e{}'.format(number)), 'profile_COMMON')
+        diffuse = _add(_add(_add(effect, 'technique', sid='t'), 'lambert'), 'diffuse')
+        _add(diffuse, 'color').text = ' '.join(map(repr, [*number_color(number), 1.0]))
+        _add(_add(made, 'material', id='m{}'.format(number)), 'instance_effect',
+             url='#e{}'.format(number))
+    _add(_add(root, 'scene'), 'instance_visual_scene', url='#scene')
+    return root, parts
+
+
+def _add(parent: ElementTree.Element, tag: str, **attributes: str) -> ElementTree.Element:
+    return ElementTree.SubElement(parent, tag, attributes)

@@ -1,35 +1,28 @@
-"""The triangles of a <geometry> of a COLLADA file."""
-import contextlib
+"""A <geometry> of a COLLADA file with nothing but what is drawn of it."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Optional, Tuple
 
 import numpy as np
 
-from img_recog.mesh_formats.collada_materials import read_floats
-from img_recog.mesh_formats.polygons import fans
-
+NO_MATERIAL = 'no material'     # the symbol of triangles that name none
 _DRAWN = 'triangles', 'polylist', 'polygons', 'tristrips', 'trifans'
-_COMPONENTS = {'POSITION': 3, 'NORMAL': 3, 'TEXCOORD': 2}
-# of what is damaged: it is left out
-_ERRORS = (ArithmeticError, IndexError, KeyError, ValueError)
-Arrays = Sequence[np.ndarray]       # positions, normals and uvs, as in FilePart
+_COMPONENTS = {'POSITION': 'XYZ', 'NORMAL': 'XYZ', 'TEXCOORD': 'ST'}
 
 
 def count_triangles(geometry: ElementTree.Element) -> int:
     """Return how many triangles a <geometry> has; polygons are cut into triangles."""
-    return sum(int(np.maximum(_sizes(each) - 2, 0).sum()) for each in geometry.iterfind('mesh/*')
-               if each.tag in _DRAWN)
+    return sum(_count(each) for each in geometry.iterfind('mesh/*') if each.tag in _DRAWN)
 
 
-def _sizes(primitive: ElementTree.Element) -> np.ndarray:
-    """Return how many corners each triangle, polygon, fan or strip has."""
-    if primitive.tag == 'polylist':
-        return np.array((primitive.findtext('vcount') or '').split(), int)
+def _count(primitive: ElementTree.Element) -> int:
     width = _width(primitive)
     corners = [len((indices.text or '').split()) // width for indices in primitive.findall('p')]
     if primitive.tag == 'triangles':
-        return np.full(sum(count // 3 for count in corners), 3)
-    return np.array(corners, int)
+        return sum(count // 3 for count in corners)
+    if primitive.tag == 'polylist':
+        sizes = np.array((primitive.findtext('vcount') or '').split(), int)
+        return int(np.maximum(sizes - 2, 0).sum())
+    return sum(max(count - 2, 0) for count in corners)
 
 
 def _width(primitive: ElementTree.Element) -> int:
@@ -37,75 +30,83 @@ def _width(primitive: ElementTree.Element) -> int:
     return 1 + max([int(each.get('offset', '0')) for each in primitive.findall('input')] or [0])
 
 
-def read(geometry: ElementTree.Element) -> Dict[str, Arrays]:
-    """Return the triangles of a <geometry> by the symbols of their materials, '' without one.
+def simplify(geometry: ElementTree.Element) -> ElementTree.Element:
+    """Remove from a <geometry> what is not drawn, of which some would make pycollada refuse it.
 
-    Of several sets of texture coordinates the first one counts, like in Gazebo.
+    All triangles get a material: NO_MATERIAL if they have none. Of several sets of texture
+    coordinates the first one stays, like in Gazebo.
     """
-    found: Dict[str, List[Arrays]] = {}
     for mesh in geometry.findall('mesh'):
         sources = {each.get('id', ''): each for each in mesh.findall('source')}
-        of_vertices = mesh.findall('vertices/input')
-        for primitive in mesh:
-            if primitive.tag in _DRAWN:
-                with contextlib.suppress(*_ERRORS):
-                    found.setdefault(primitive.get('material', ''), []).append(
-                        _arrays(primitive, sources, of_vertices))
-    return {symbol: [np.concatenate(each) for each in zip(*arrays)]
-            for symbol, arrays in found.items() if arrays}
+        used = _simplify_vertices(mesh, sources)
+        for child in list(mesh):
+            if child.tag in _DRAWN and _count(child):
+                child.set('material', child.get('material') or NO_MATERIAL)
+                used.update(_simplify_primitive(child, sources))
+            elif child.tag not in ('source', 'vertices'):
+                mesh.remove(child)
+        for name, source in sources.items():
+            if name in used:
+                _set_components(source, _COMPONENTS[used[name]])
+            else:
+                mesh.remove(source)
+    return geometry
 
 
-def _arrays(primitive: ElementTree.Element, sources: Dict[str, ElementTree.Element],
-            of_vertices: Sequence[ElementTree.Element]) -> Arrays:
-    """Return the corners of some triangles; raise one of _ERRORS if they are damaged."""
-    columns: Dict[str, Tuple[int, np.ndarray]] = {}
-    for each in primitive.findall('input'):
-        offset = int(each.get('offset', '0'))
-        inputs = of_vertices if each.get('semantic') == 'VERTEX' else [each]
-        for semantic, name in ((one.get('semantic', ''), one.get('source', '').lstrip('#'))
-                               for one in inputs):
-            values = None
-            if semantic in _COMPONENTS and semantic not in columns:
-                values = _values(sources[name], _COMPONENTS[semantic])
-            if values is not None:
-                columns[semantic] = offset, values
-    if 'POSITION' not in columns:
-        raise ValueError('it has no positions')
-    corners = _corners(primitive)
-    if corners.min(initial=0) < 0:
-        raise IndexError('an index is below 0')
-    return [columns[semantic][1][corners[..., columns[semantic][0]]] if semantic in columns
-            else np.zeros((len(corners), 3, count)) for semantic, count in _COMPONENTS.items()]
+def _simplify_vertices(mesh: ElementTree.Element,
+                       sources: Dict[str, ElementTree.Element]) -> Dict[str, str]:
+    """Keep what is drawn of the inputs of <vertices>; return their sources and what these are."""
+    used = {}
+    for vertices in mesh.findall('vertices'):
+        for each in vertices.findall('input'):
+            semantic, name = each.get('semantic', ''), each.get('source', '').lstrip('#')
+            if semantic in _COMPONENTS and not _is_empty(sources.get(name)):
+                used[name] = semantic
+            else:
+                vertices.remove(each)
+    return used
 
 
-def _values(source: ElementTree.Element, components: int) -> Optional[np.ndarray]:
-    """Return the values (n, components) of a <source>, None if it has none."""
-    numbers = read_floats(source.findtext('float_array'))
-    accessor = source.find('technique_common/accessor')
-    if not len(numbers):
-        return None
-    stride = int(accessor.get('stride', components)) if accessor is not None else components
-    start = int(accessor.get('offset', '0')) if accessor is not None else 0
-    if stride < components:
-        raise ValueError('a source has {} components, expected {}'.format(stride, components))
-    count = (len(numbers) - start) // stride
-    return numbers[start:start + count * stride].reshape(-1, stride)[:, :components]
-
-
-def _corners(primitive: ElementTree.Element) -> np.ndarray:
-    """Return the indices (n, 3, width) of the corners of triangles."""
+def _simplify_primitive(primitive: ElementTree.Element,
+                        sources: Dict[str, ElementTree.Element]) -> Dict[str, str]:
+    """Keep what is drawn of the inputs of triangles; return their sources and what these are."""
     width = _width(primitive)
-    tables = [np.array((indices.text or '').split(), int) for indices in primitive.findall('p')]
-    tables = [table[:len(table) // width * width].reshape(-1, width) for table in tables]
-    if primitive.tag == 'tristrips':
-        return np.concatenate([_strip(table) for table in tables])
-    if primitive.tag == 'triangles':
-        tables = [table[:len(table) // 3 * 3] for table in tables]
-    return np.concatenate(tables)[fans(_sizes(primitive))]
+    kept: Dict[str, Tuple[int, ElementTree.Element]] = {}
+    for each in primitive.findall('input'):
+        semantic, name = each.get('semantic', ''), each.get('source', '').lstrip('#')
+        is_drawn = semantic == 'VERTEX' or (
+            semantic in _COMPONENTS and not _is_empty(sources.get(name)))
+        if is_drawn and semantic not in kept:
+            kept[semantic] = int(each.get('offset', '0')), each
+        else:
+            primitive.remove(each)
+    columns = sorted({offset for offset, _ in kept.values()})
+    if len(columns) < width:
+        for indices in primitive.findall('p'):
+            table = np.array((indices.text or '').split()).reshape(-1, width)
+            indices.text = ' '.join(table[:, columns].ravel().tolist())
+    for offset, each in kept.values():
+        each.set('offset', str(columns.index(offset)))
+    return {each.get('source', '').lstrip('#'): semantic
+            for semantic, (_, each) in kept.items() if semantic != 'VERTEX'}
 
 
-def _strip(table: np.ndarray) -> np.ndarray:
-    """Return the corners (n, 3, width) of a strip, of which every second triangle is turned."""
-    numbers = np.arange(max(len(table) - 2, 0))[:, None] + np.arange(3)
-    numbers[1::2] = numbers[1::2, ::-1]
-    return table[numbers]
+def _is_empty(source: Optional[ElementTree.Element]) -> bool:
+    return source is not None and not (source.findtext('float_array') or '').strip()
+
+
+def _set_components(source: ElementTree.Element, names: str) -> None:
+    """Give each value of a source the components of these names."""
+    accessor = source.find('technique_common/accessor')
+    array = source.find('float_array')
+    if accessor is None or array is None:
+        return
+    stride, start = int(accessor.get('stride', len(names))), int(accessor.get('offset', '0'))
+    if stride != len(names) or start:
+        values = (array.text or '').split()[start:]
+        rows = np.array(values[:len(values) // stride * stride]).reshape(-1, stride)
+        array.text = ' '.join(rows[:, :len(names)].ravel().tolist())
+    for child in list(accessor):
+        accessor.remove(child)
+    for name in names:
+        ElementTree.SubElement(accessor, 'param', name=name, type='float')

@@ -1,7 +1,7 @@
 """The materials of mesh files, and where their textures are."""
 import os
 import re
-from typing import List, NamedTuple
+from typing import Any, List, NamedTuple, Sequence
 from urllib.parse import unquote
 
 from img_recog.visuals import GREY, Color
@@ -12,6 +12,7 @@ _FILE = 'file://'
 _SEPARATOR = re.compile(r'[/\\]')        # of paths, also of other systems
 # of a model or package, whose folder is above that of the mesh or beside one that is
 _IN_FOLDER = re.compile('(?:model|package)://')
+_BASE = 200         # of the numbers that colors stand for
 
 
 class FileMaterial(NamedTuple):
@@ -23,6 +24,24 @@ class FileMaterial(NamedTuple):
 
     color: Color = GREY
     texture: str = ''
+
+
+def number_color(number: int) -> List[float]:
+    """Return a color, of 0 to 1, that stands for a number below 200^3.
+
+    trimesh gets it in place of a material, of which it would drop what it does not know.
+
+    >>> number_of([int(255 * value) for value in number_color(70000)])
+    70000
+    """
+    # the same number whether the color is rounded to 1/255 or cut off
+    return [(number // power % _BASE + 0.25) / 255 for power in (_BASE ** 2, _BASE, 1)]
+
+
+def number_of(color: Sequence[Any]) -> int:
+    """Return the number that a color of 0 to 255 stands for."""
+    red, green, blue = (int(value) for value in color[:3])
+    return (red * _BASE + green) * _BASE + blue
 
 
 def find_texture(mesh: str, name: str) -> str:

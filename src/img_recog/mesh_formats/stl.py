@@ -1,4 +1,4 @@
-"""STL files, binary or of text."""
+"""STL files of either kind in the form that trimesh reads whole: binary ones of exact length."""
 import re
 
 import numpy as np
@@ -10,29 +10,22 @@ _FACETS = re.compile(rb'^[ \t]*facet\b', re.M | re.I)
 _BINARY_FACET = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('color', '<u2')])
 
 
-def read(content: bytes) -> np.ndarray:
-    """Return the corners (n, 3, 3) of the facets of an STL.
+def simplified(content: bytes) -> bytes:
+    """Return a binary STL with the facets of another one, binary or of text.
 
     Like in Gazebo, a text is not read as a whole: names and several solids do not matter, and it
     may end early. Raises ValueError for a facet that has not three corners.
     """
     start = _HEADER + _COUNT
-    count = int.from_bytes(content[_HEADER:start], 'little')
-    end = start + _FACET * count
+    end = start + _FACET * int.from_bytes(content[_HEADER:start], 'little')
+    lines = b''
     if len(content) != end and _IS_ASCII.match(content):
         lines = content.replace(b'\r', b'\n')
-        facets, corners = len(_FACETS.findall(lines)), _CORNER.findall(lines)
-        if facets:
-            if len(corners) != 3 * facets:
-                raise ValueError('it has {} corners in {} facets'.format(len(corners), facets))
-            return np.array(corners).astype(float).reshape(-1, 3, 3)
-    if end > len(content):      # what follows the facets does not matter
-        raise ValueError('it has {} bytes, {} facets need {}'.format(len(content), count, end))
-    return np.frombuffer(content, _BINARY_FACET, count, start)['corners'].astype(float)
-
-
-def written(positions: np.ndarray) -> bytes:
-    """Return a binary STL with these corners (n, 3, 3)."""
-    facets = np.zeros(len(positions), _BINARY_FACET)
-    facets['corners'] = positions
-    return bytes(_HEADER) + len(facets).to_bytes(_COUNT, 'little') + facets.tobytes()
+    count, corners = len(_FACETS.findall(lines)), _CORNER.findall(lines)
+    if not count:       # what follows the facets does not matter
+        return content[:end] if start < end <= len(content) else content
+    if len(corners) != 3 * count:
+        raise ValueError('it has {} corners in {} facets'.format(len(corners), count))
+    facets = np.zeros(count, _BINARY_FACET)
+    facets['corners'] = np.array(corners).astype(float).reshape(-1, 3, 3)
+    return bytes(_HEADER) + count.to_bytes(_COUNT, 'little') + facets.tobytes()

@@ -1,95 +1,45 @@
-"""OBJ files of Wavefront, and their files of materials."""
+"""OBJ files of Wavefront, and their files of materials, in the form that trimesh reads whole."""
 import contextlib
 import os
 import re
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, List, Optional
 
-import numpy as np
+from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_color
+from img_recog.mesh_formats.simplified import FilePart, Simplified
 
-from img_recog.mesh_formats.file_material import FileMaterial, find_texture
-from img_recog.mesh_formats.polygons import FilePart, fans
-
+# lines of an OBJ that trimesh misreads: with a tab or a space first, or with an index up to 0
+_UNUSUAL = re.compile(rb'^[ \t]|^[vf][nt]?\t|^f.*[ \t/](-|0([/\s]|$))', re.MULTILINE)
 _LIBRARY = re.compile(rb'^[ \t]*mtllib[ \t]+(.*?)[ \t]*\r?$', re.MULTILINE)
+_PART = re.compile(rb'^[ \t]*(o|g|usemtl)(?=\s)([^\r\n]*)', re.MULTILINE)
 _CONTINUED = re.compile(rb'\\\r?\n')        # a line that goes on in the next one
-_WRONG = 'a face refers to vertex {} of {}, the first is 1'
+_KINDS = ('v', 'vt', 'vn')      # what the indices of a corner of a face count
 _MAX_BYTES = 1 << 24
 _OPTIONS = re.compile(r'(?:-[a-z]+(?:\s+(?:on|off|[-+.\d]+(?=\s)))*\s+)*', re.IGNORECASE)
 
 
-def read(content: bytes, mesh: str) -> List[FilePart]:
-    """Return the triangles of an OBJ; mesh: its path.
+def simplified(content: bytes, mesh: str) -> Simplified:
+    """Return an OBJ without what trimesh misreads, and its parts; mesh: its path.
 
-    The name of a part is that of the object or group before it, like in Gazebo. Raises an error of
-    any type if it cannot be read.
+    The name of a part is that of the object or group before it, like in Gazebo.
     """
     materials: Dict[str, FileMaterial] = {}
-    for file in libraries(content, mesh):
-        materials.update(read_mtl(_text(file), mesh))
-    values: Dict[str, List[List[str]]] = {'v': [], 'vt': [], 'vn': []}
-    name, material = '', None       # type: Tuple[str, Optional[FileMaterial]]
-    sizes: List[int] = []           # how many corners each face of a part has
-    corners: List[str] = []         # of these faces, like 1/2/3
-    faces = {(name, material): (sizes, corners)}
-    for line in _CONTINUED.sub(b' ', content).decode('utf-8', 'replace').splitlines():
-        words = line.split()
-        key = words[0] if words else ''
-        if key in values:
-            values[key].append(words[1:])
-        elif key == 'f':
-            sizes.append(len(words) - 1)
-            corners += words[1:] if '-' not in line else [
-                _absolute(word, values) for word in words[1:]]
-        elif key in ('o', 'g', 'usemtl'):
-            rest = ' '.join(words[1:])
-            name, material = (name, materials.get(rest)) if key == 'usemtl' else (rest, material)
-            sizes, corners = faces.setdefault((name, material), ([], []))
-    # the first row, of zeros, is for corners without a texture coordinate or a normal
-    tables = [np.array([['0'] * count, *((row + ['0'])[:count] for row in values[key])], float)
-              for key, count in (('v', 3), ('vt', 2), ('vn', 3))]
-    parts = []
-    for (name, material), (sizes, corners) in faces.items():
-        indices = _indices(corners, len(values['v']))[fans(np.array(sizes, int))]
-        for column in (1, 2):       # texture coordinates and normals that do not exist
-            indices[..., column] *= indices[..., column] < len(tables[column])
-        positions, uvs, normals = (table[indices[..., column]]
-                                   for column, table in enumerate(tables))
-        parts.append(FilePart(positions, normals, uvs, material, name))
-    return parts
+    for name in libraries(content, mesh):
+        materials.update(read_mtl(_text(name), mesh))
+    numbers = {FilePart(): 0}
+    part = FilePart()
 
-
-def _indices(corners: List[str], count: int) -> np.ndarray:
-    """Return the indices (n, 3) of corners, 0 for those that one has not; count: of vertices."""
-    rows = np.zeros((len(corners), 3), int)
-    width = corners[0].count('/') + 1 if corners else 1
-    text = ' '.join(corners)
-    numbers = np.array(text.replace('/', ' ').split(), int)
-    if width <= 3 and len(numbers) == width * len(corners) and all(
-            corner.count('/') == width - 1 for corner in corners):
-        rows[:, :width] = numbers.reshape(-1, width)
-    else:
-        for row, corner in zip(rows, corners):
-            words = corner.split('/')[:3]
-            row[:len(words)] = [int(word or 0) for word in words]
-    if len(rows) and rows[:, 0].min() < 1:
-        raise ValueError(_WRONG.format(rows[:, 0].min(), count))
-    return rows
-
-
-def _absolute(corner: str, values: Mapping[str, Sequence[Any]]) -> str:
-    """Return a corner whose indices count from 1; they may count backward from the last, -1.
-
-    values: what they count, as far as it has been read.
-
-    >>> _absolute('-1//3', {'v': range(8), 'vt': (), 'vn': range(4)})
-    '8//3'
-    """
-    words = []
-    for word, rows in zip(corner.split('/'), values.values()):
-        number = int(word or 0)
-        if number < -len(rows):
-            raise ValueError(_WRONG.format(number, len(rows)))
-        words.append(str(number + len(rows) + 1) if number < 0 else word)
-    return '/'.join(words)
+    def use(line: 're.Match[bytes]') -> bytes:
+        nonlocal part
+        name = ' '.join(line.group(2).decode('utf-8', 'replace').split())
+        part = (part._replace(material=materials.get(name)) if line.group(1) == b'usemtl'
+                else part._replace(name=name))
+        return b'usemtl %d' % numbers.setdefault(part, len(numbers))
+    content = b'mtllib m\nusemtl 0\n' + _PART.sub(use, _CONTINUED.sub(b' ', content))
+    if _UNUSUAL.search(content):
+        content = _as_usual(content.decode('utf-8', 'replace')).encode()
+    mtl = '\n'.join('newmtl {0}\nKd {1} {2} {3}'.format(number, *number_color(number))
+                    for number in range(len(numbers)))
+    return Simplified(content, list(numbers), mtl=mtl)
 
 
 def libraries(content: bytes, mesh: str) -> List[str]:
@@ -147,20 +97,28 @@ def _with_property(material: FileMaterial, key: str, value: str, mesh: str) -> F
     return material._replace(color=(red, green, blue, min(max(opacity, 0.0), 1.0)))
 
 
-def written(parts: Sequence[np.ndarray], library: str = '') -> str:
-    """Return an OBJ with an object for each part.
+def _as_usual(text: str) -> str:
+    """Return an OBJ in which all lines begin with a word, and all indices count from the first."""
+    counts = dict.fromkeys(_KINDS, 0)
+    lines = []
+    for line in text.splitlines():
+        words = line.split()
+        if words and words[0] in counts:
+            counts[words[0]] += 1
+        if words and words[0] == 'f':
+            words = ['f'] + ['/'.join(_absolute(index, counts[kind]) for kind, index in zip(
+                _KINDS, corner.split('/'))) for corner in words[1:]]
+        lines.append(' '.join(words))
+    return '\n'.join(lines)
 
-    parts: the coordinates (n, 3, 3) of the corners of triangles, or with uvs (n, 3, 5). library:
-    the name of the file of materials, in which each part has its number as the name.
+
+def _absolute(index: str, count: int) -> str:
+    """Return an index that counts from 1; `index` may count backward from the last one, -1.
+
+    >>> _absolute('-1', 8), _absolute('3', 8)
+    ('8', '3')
     """
-    lines, count = ['mtllib ' + library] if library else [], 1
-    for number, part in enumerate(parts):
-        corners, indices = np.unique(part.reshape(-1, part.shape[2]), axis=0, return_inverse=True)
-        has_uvs = part.shape[2] > 3
-        lines.append('o {0}\nusemtl {0}'.format(number) if library else 'o {}'.format(number))
-        row = 'v %.9g %.9g %.9g' + has_uvs * '\nvt %.9g %.9g'
-        lines += [row % tuple(corner) for corner in corners.tolist()]
-        face = 'f {0}/{0} {1}/{1} {2}/{2}' if has_uvs else 'f {} {} {}'
-        lines += [face.format(*corner) for corner in (indices.reshape(-1, 3) + count).tolist()]
-        count += len(corners)
-    return '\n'.join(lines) + '\n'
+    number = int(index or 1)
+    if not -count <= number or number == 0:
+        raise ValueError('a face refers to vertex {} of {}, the first is 1'.format(number, count))
+    return str(count + 1 + number) if number < 0 else index

@@ -105,7 +105,7 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
 
 
 def _robot_frames(built: Assembly, seconds: float) -> 'RobotFrames':
-    # imported here because loading OpenGL takes time
+    # imported here because loading OpenGL and trimesh takes time
     from img_recog.replay.robot_frames import RobotFrames
     return RobotFrames(built, scenario.camera_settings(built), seconds)
 

@@ -3,7 +3,7 @@ import os
 
 import pytest
 
-from img_recog.mesh_formats.file_material import find_texture
+from img_recog.mesh_formats.file_material import find_texture, number_color, number_of
 
 FILES = ('models/b/meshes/near.png', 'models/b/materials/textures/far.png',
          'models/b/materials/textures/both.png', 'models/b/meshes/both.png',
@@ -25,3 +25,9 @@ def test_textures_are_found(tmp_path, name, found):
     mesh = str(tmp_path / 'models' / 'b' / 'meshes' / 'a.dae')
     assert find_texture(mesh, name) == (str(tmp_path / found) if found else '')
     assert not found or os.path.isfile(str(tmp_path / found)) == (found in FILES)
+
+
+@pytest.mark.parametrize('number', [0, 1, 199, 200, 40000, 7999999])
+def test_a_color_stands_for_a_number_rounded_or_not(number):
+    for change in (int, round):
+        assert number_of([change(255 * value) for value in number_color(number)]) == number

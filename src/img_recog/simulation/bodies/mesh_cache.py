@@ -1,7 +1,7 @@
-"""The files of meshes that PyBullet reads, written from what `mesh_file` has read.
+"""The files of meshes that PyBullet reads: written from what trimesh has read, once for each mesh.
 
-They stay in the user's folder for caches, each until its mesh changes. They can be deleted at any
-time.
+They stay in the user's folder for caches, so that trimesh, which takes 0.3 s and 40 MB, is only
+loaded for a mesh that is new. They can be deleted at any time.
 """
 from typing import Tuple
 

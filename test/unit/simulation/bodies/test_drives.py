@@ -1,8 +1,7 @@
 """The speed that each kind of drive has against the speed that is asked of it."""
 import pytest
+import trimesh
 
-from img_recog import mesh_file
-from img_recog.mesh_formats import stl
 from img_recog.simulation.bodies.drives import make_drive
 from img_recog.simulation.settings import DriveSettings
 from img_recog_testing.refusals import refusal
@@ -150,8 +149,7 @@ def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path)
         file.write(wheel_mesh(20.0, (100.0, 50.0), width=40.0))
     if suffix == '.stl':
         path = str(tmp_path / 'caster.stl')
-        part, = mesh_file.read(str(tmp_path / 'caster.obj'))
-        (tmp_path / 'caster.stl').write_bytes(stl.written(part.positions))
+        trimesh.load(str(tmp_path / 'caster.obj')).export(path)
     mesh = ('<origin xyz="-0.1 -0.05 0"/><geometry><mesh filename="caster" '
             'scale="0.001 0.001 0.001"/></geometry>')
     urdf = robot(DIFFERENTIAL).replace('<geometry><sphere radius="0.02"/></geometry>', mesh)
