@@ -135,13 +135,13 @@ def _is_listening(port):
 
 def _call(uri, method, *arguments):
     """Return the value of a call of a master or a node; raise one of timed_xmlrpc.ERRORS."""
-    with timed_xmlrpc.server(uri, _CALL_TIMEOUT_S) as server:
-        return getattr(server, method)(_NAME, *arguments)[2]
+    with timed_xmlrpc.Master(uri, _NAME, _CALL_TIMEOUT_S) as called:
+        return called.call(method, *arguments)
 
 
 def _is_master(uri):
     try:
-        return _call(uri, 'getUri') != 0
+        return bool(_call(uri, 'getUri'))
     except timed_xmlrpc.ERRORS:
         return False
 

@@ -1,7 +1,7 @@
 """XML-RPC calls with a time limit: a node that is stopped takes connections, never answers."""
 import http.client
 import xmlrpc.client
-from typing import Any
+from typing import Any, Dict, Mapping
 
 # everything that a call raises when there is no usable answer
 ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error)
@@ -32,3 +32,51 @@ def server(uri: str, timeout_s: float = 1.0) -> xmlrpc.client.ServerProxy:
     Raises OSError if the address is of another protocol than HTTP.
     """
     return xmlrpc.client.ServerProxy(uri, _Transport(timeout_s), allow_none=True)
+
+
+class Master:
+    """The calls of one node. proxy: for those whose whole answer matters.
+
+    Those that get no answer raise one of ERRORS.
+    """
+
+    def __init__(self, uri: str, node: str, timeout_s: float):
+        self.proxy, self._node = server(uri, timeout_s), node
+
+    def __enter__(self) -> 'Master':
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.proxy('close')()
+
+    def call(self, method: str, *arguments: Any) -> Any:
+        """Return the value; raise xmlrpc.client.Error if the master refuses the call."""
+        code, message, value = getattr(self.proxy, method)(self._node, *arguments)
+        if code != 1:
+            raise xmlrpc.client.Error('{}: {}'.format(method, message))
+        return value
+
+    def ask(self, method: str, *arguments: Any) -> Any:
+        """Return the value, None if there is none or XML-RPC cannot transmit it.
+
+        Raises OSError if the master does not answer.
+        """
+        try:
+            return self.call(method, *arguments)
+        except OSError:
+            raise
+        except http.client.HTTPException as error:
+            raise OSError(str(error))
+        except Exception:       # an integer of more than 32 bits, for example
+            return None
+
+    def shared_parameters(self) -> Dict[str, Any]:
+        """Return the parameters of others that nodes read, as far as there are any."""
+        names = filter(None, ('/use_sim_time', self.ask('searchParam', 'robot_description')))
+        values = {name: self.ask('getParam', name) for name in names}
+        return {name: value for name, value in values.items() if value is not None}
+
+    def set_missing(self, values: Mapping[str, Any]) -> int:
+        """Set the parameters that the master does not have; return their number."""
+        missing = [name for name in values if self.ask('hasParam', name) is False]
+        return sum(self.ask('setParam', name, values[name]) is not None for name in missing)

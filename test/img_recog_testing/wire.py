@@ -25,11 +25,8 @@ ERRORS = (*timed_xmlrpc.ERRORS, network.ROSHandshakeException, ValueError, EOFEr
 
 def call(uri: str, method: str, *arguments, timeout_s: float = DEADLINE_S, caller: str = CALLER):
     """Call a method of a master or node; return its value. Raises one of ERRORS."""
-    with timed_xmlrpc.server(uri, timeout_s) as server:
-        code, text, value = getattr(server, method)(caller, *arguments)
-    if code != 1:
-        raise ValueError('{} of {}: {}'.format(method, uri, text))
-    return value
+    with timed_xmlrpc.Master(uri, caller, timeout_s) as called:
+        return called.call(method, *arguments)
 
 
 def answers(uri: str) -> bool:

@@ -12,7 +12,7 @@ from img_recog.doctor.finding import Finding
 from img_recog.doctor.machine import DEFAULT_MASTER, missing_packages
 from img_recog.errors import most_similar, one_line, shortened
 from img_recog.messages import message
-from img_recog.ros.master.calls import Master
+from img_recog.timed_xmlrpc import Master
 
 _NAME = '/img_recog_doctor'
 _TIMEOUT_S = 2.0

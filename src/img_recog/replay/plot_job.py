@@ -6,7 +6,7 @@ import os
 import sys
 import tempfile
 import time
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Iterator, List, Optional, Sequence, Tuple
 
 import rosgraph
 from tqdm import tqdm
@@ -23,13 +23,14 @@ from img_recog.replay.drive import Drive, odometry_of, topics_beside
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_data import PlotData
 from img_recog.signals import Interrupts
+from img_recog.timed_xmlrpc import Master
 
 _SECONDS, _MAX_SECONDS = 20.0, 86400.0
 _TICK_S, _TIMEOUT_S = 0.2, 3.0
 _NODE = '/img_recog_plot'
 _BAG_ADVICE = 'give a bag, as of ./run demo record:=FILE, or none to record the running system'
 _MASTER_ADVICE = 'start the demo first, or set ROS_MASTER_URI; or give a bag'
-_ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
+_ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError)
 _log = logging.getLogger('plot.py')
 
 
@@ -52,11 +53,13 @@ def _make(arguments: List[str], _: Interrupts) -> str:
             [output], 'give a path that can be written'))
         title, odometry = os.path.basename(path), ''
         if not path:
-            title, master = 'the running system', _Master()
-            odometry = odometry_of(master.topics(), options.robot, title)
-            if not options.colors:
-                node = odometry.rpartition('/')[0] + '/color_extract'
-                settings = master.colors(node) or settings
+            title = 'the running system'
+            with _master() as master:
+                odometry = odometry_of(dict(master.call('getPublishedTopics', '')),
+                                       options.robot, title)
+                if not options.colors:
+                    node = odometry.rpartition('/')[0] + '/color_extract'
+                    settings = _running_settings(master, node) or settings
             path = stack.enter_context(_recorded(topics_beside(odometry), options.duration))
         data, warning = _read(path, title, odometry, options.robot, settings)
         if warning:
@@ -82,40 +85,26 @@ def _read(path: str, title: str, odometry: str, robot: str, settings: Recognitio
         return drive.data(settings.colors), drive.others
 
 
-class _Master:
-    """The master, if it answers."""
+@contextlib.contextmanager
+def _master() -> Iterator[Master]:
+    """Yield the calls of the master; raise UserError if it does not answer."""
+    uri = rosgraph.get_master_uri()
+    try:
+        with Master(uri, _NODE, _TIMEOUT_S) as master:
+            yield master
+    except _ERRORS as error:
+        raise UserError('no master answers at {}: {}'.format(shortened(uri), one_line(error)),
+                        _MASTER_ADVICE)
 
-    def __init__(self) -> None:
-        """Raise UserError if its address is none."""
-        self._uri = rosgraph.get_master_uri()
-        try:
-            self._server = timed_xmlrpc.server(self._uri, _TIMEOUT_S)
-        except timed_xmlrpc.ERRORS as error:
-            raise self._failure(error)
 
-    def topics(self) -> Dict[str, str]:
-        """Return the message types of the topics that are published.
-
-        Raises UserError if it does not answer.
-        """
-        try:
-            answer: Any = self._server.getPublishedTopics(_NODE, '')
-            return dict(answer[2])
-        except _ERRORS as error:
-            raise self._failure(error)
-
-    def colors(self, node: str) -> Optional[RecognitionSettings]:
-        """Return the settings of the colors that a node has as parameters, None without them."""
-        try:
-            answer: Any = self._server.getParam(_NODE, node)
-            return parameter_file.settings_in(answer[2], node) if answer[0] == 1 else None
-        except (UserError, *_ERRORS) as error:
-            _log.warning('the limits are those of the article: %s', one_line(error))
-            return None
-
-    def _failure(self, error: Exception) -> UserError:
-        return UserError('no master answers at {}: {}'.format(
-            shortened(self._uri), one_line(error)), _MASTER_ADVICE)
+def _running_settings(master: Master, node: str) -> Optional[RecognitionSettings]:
+    """Return the settings of the colors that a node has as parameters, None without them."""
+    try:
+        parameters = master.ask('getParam', node)
+        return None if parameters is None else parameter_file.settings_in(parameters, node)
+    except UserError as error:
+        _log.warning('the limits are those of the article: %s', one_line(error))
+        return None
 
 
 @contextlib.contextmanager

@@ -7,6 +7,7 @@ from typing import Callable, List, Optional, Set, Tuple
 import rospy
 from std_srvs.srv import Trigger
 
+from img_recog import timed_xmlrpc
 from img_recog.conversions import twist_msgs
 from img_recog.errors import one_line
 from img_recog.ros.log.throttle import ThrottledWarning
@@ -139,8 +140,9 @@ class Driving:
             try:
                 if time.monotonic() - read_s > _READ_PERIOD_S:      # others may start meanwhile
                     services, read_s = yield_services(self._topic), time.monotonic()
-            except master.MasterError as error:
-                self._warn('another node may drive the robot too: %s', one_line(error))
+            except timed_xmlrpc.ERRORS as error:
+                self._warn('another node may drive the robot too: no master answers: %s',
+                           one_line(error))
             # each in a thread: one that does not answer must not keep the others from yielding
             for name in set(services) - self._asked:
                 self._asked.add(name)
@@ -161,7 +163,7 @@ class Driving:
 
 def yield_services(topic: str) -> List[str]:
     """Return the services by which the publishers of a topic can be asked to yield."""
-    published, _, services = master.system_state()
+    published, _, services = master.calls().call('getSystemState')
     offered = {name for name, _ in services}
     return sorted(node + _SERVICE for node in dict(published).get(topic, ())
                   if node + _SERVICE in offered)

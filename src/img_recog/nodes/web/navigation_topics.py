@@ -51,6 +51,7 @@ class NavigationTopics(Topics):
         self._topics: List[Topic] = []
         self._plans: Dict[str, Any] = {}
         self._transforms: Dict[Tuple[str, str], Transform] = {}
+        self._shown: Optional[Transform] = None
         self._header, self._origin = Header(), PlanePose(0.0, 0.0, 0.0)
         self._resolution_m, self._grid = 0.0, np.empty((0, 0), np.int8)
         self._goals: Optional[rospy.Publisher] = None
@@ -93,6 +94,7 @@ class NavigationTopics(Topics):
         super()._forget()
         self._plans.clear()
         self._transforms.clear()
+        self._shown = None
 
     def _mapped(self, msg: Any) -> None:
         info = msg.info
@@ -142,12 +144,14 @@ class NavigationTopics(Topics):
             frames = each.header.frame_id.lstrip('/'), each.child_frame_id.lstrip('/')
             self._transforms[frames] = each.transform
         # a static one comes once, maybe before the frames of map and odometry are known
-        wanted = self._header.frame_id.lstrip('/'), self._odom_frame().lstrip('/')
-        if wanted in self._transforms:
-            place, turn = self._transforms[wanted].translation, self._transforms[wanted].rotation
-            pose = rounded(place.x, place.y, rotations.yaw((turn.x, turn.y, turn.z, turn.w)))
-            if None not in pose:
-                self.updates.set('origin', pose)
+        transform = self._transforms.get((self._header.frame_id.lstrip('/'),
+                                          self._odom_frame().lstrip('/')))
+        if transform is None or transform is self._shown:
+            return      # /tf is mostly about other frames
+        self._shown, place, turn = transform, transform.translation, transform.rotation
+        pose = rounded(place.x, place.y, rotations.yaw((turn.x, turn.y, turn.z, turn.w)))
+        if None not in pose:
+            self.updates.set('origin', pose)
 
     def _planned(self, name: str, msg: Path) -> None:
         poses = msg.poses[::1 + len(msg.poses) // _MAX_POINTS]

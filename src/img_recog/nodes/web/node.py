@@ -30,7 +30,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from fastapi import FastAPI, WebSocket, WebSocketDisconnect
 from fastapi.concurrency import run_in_threadpool
 
-from img_recog import bag_recording, files
+from img_recog import bag_recording, files, timed_xmlrpc
 from img_recog.bag_recording import BagRecording, Recorder
 from img_recog.errors import UserError, one_line
 from img_recog.nodes.web import page
@@ -160,9 +160,9 @@ def _wait_for_other_nodes() -> None:
     since_s = time.monotonic()
     while time.monotonic() < end_s and not rospy.is_shutdown():
         try:
-            found = {node for topics in master.system_state() for _, users in topics
-                     for node in users}
-        except master.MasterError:      # it may come back
+            found = {node for topics in master.calls().call('getSystemState')
+                     for _, users in topics for node in users}
+        except timed_xmlrpc.ERRORS:     # it may come back
             found = set()
         if found != nodes or not found:
             nodes, since_s = found, time.monotonic()

@@ -6,6 +6,7 @@ from typing import Dict, Iterable, List, Set, Tuple
 import rosgraph
 import rospy
 
+from img_recog import timed_xmlrpc
 from img_recog.errors import one_line
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
@@ -38,12 +39,12 @@ class ShownRobots:
     def update(self) -> None:
         """Look for the robots. Waits for the master: not for the event loop."""
         try:
-            published, subscribed, _ = master.system_state()
+            published, subscribed, _ = master.calls().call('getSystemState')
             if self._made:
-                types, there = master.topic_types(), dict(published)
-                self._types = {name: types[name] for name in there if name in types}
-        except master.MasterError as error:
-            self._warn('the robots: %s', one_line(error))
+                types = dict(master.calls().call('getTopicTypes'))
+                self._types = {name: types[name] for name, _ in published if name in types}
+        except timed_xmlrpc.ERRORS as error:
+            self._warn('the robots: no master answers: %s', one_line(error))
             return
         self.names = names_in(published, subscribed, rospy.get_namespace(),
                               rospy.get_name()) or self.names       # a new master knows none yet

@@ -3,7 +3,7 @@ from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set
 
 from img_recog import timed_xmlrpc
 from img_recog.errors import suggestion
-from img_recog.ros.master.calls import Master
+from img_recog.timed_xmlrpc import Master
 
 _TIMEOUT_S = 1.0        # of a call to a node or the master
 _SHARED = ('/rosout', '/diagnostics', '/tf', '/tf_static')      # with a publisher in each node

@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 import rosgraph
 from rosgraph import names
 
-from img_recog.ros.master.calls import Master
+from img_recog.timed_xmlrpc import Master
 
 _READ_LIMIT_S = 20.0    # a master that does not answer for so long is asked no more
 _POLL_PERIOD_S = 0.1

@@ -7,7 +7,7 @@ import rosgraph
 import rospy
 
 from img_recog import timed_xmlrpc
-from img_recog.ros.master.calls import Master
+from img_recog.timed_xmlrpc import Master
 
 _PERIOD_S, _TIMEOUT_S = 1.0, 0.5        # of wall time
 

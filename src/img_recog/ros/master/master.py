@@ -1,38 +1,12 @@
-"""What the master knows."""
-from typing import Any, Dict, List, Tuple
-
+"""The calls of this node to the master."""
+import rosgraph
 import rospy
 
-from img_recog import timed_xmlrpc
+from img_recog.timed_xmlrpc import Master
 
-Users = List[Tuple[str, List[str]]]         # names, and the nodes that use each
-
-
-class MasterError(Exception):
-    """The master does not answer, or refuses a call."""
+_TIMEOUT_S = 5.0
 
 
-def system_state() -> Tuple[Users, Users, Users]:
-    """Return the topics with their publishers, those with their subscribers, and the services.
-
-    Waits for the master, until the node is shut down. Raises MasterError.
-    """
-    return _ask('getSystemState')
-
-
-def topic_types() -> Dict[str, str]:
-    """Return the types of topics by their names, also of those without a publisher any more.
-
-    Waits and raises like `system_state`.
-    """
-    return dict(_ask('getTopicTypes'))
-
-
-def _ask(method: str) -> Any:
-    try:
-        code, message, value = getattr(rospy.get_master(), method)()
-    except timed_xmlrpc.ERRORS as error:
-        raise MasterError('no master answers: {}'.format(error))
-    if code != 1:
-        raise MasterError(message)
-    return value
+def calls() -> Master:
+    """Return what calls the master; see there for what is raised."""
+    return Master(rosgraph.get_master_uri(), rospy.get_name(), _TIMEOUT_S)

@@ -61,7 +61,8 @@ def test_the_services_of_other_publishers(monkeypatch):
              [['/teleop/yield', ['/teleop']], ['/gazebo/yield', ['/gazebo']],
               ['/foreign/get_loggers', ['/foreign']]])
     monkeypatch.setattr(driving.rospy, 'get_name', lambda: '/web')
-    monkeypatch.setattr(driving.master, 'system_state', lambda: state)
+    monkeypatch.setattr(driving.master, 'calls', lambda: SimpleNamespace(
+        call=lambda method: state))
     assert yield_services('/cmd_vel') == ['/teleop/yield']
     assert yield_services('/nobody') == []
 

@@ -128,6 +128,9 @@ def test_transforms_and_plans_in_the_frames_of_map_and_odometry(topics):
     moves, static = transforms()
     calls(topics)['/tf'](TFMessage([*moves.transforms, *static.transforms, *moves.transforms]))
     assert found(topics)['origin'] == [1.5, 0.0, pytest.approx(np.pi / 2, abs=1e-4)]
+    sent, _ = topics.updates.since(None)
+    calls(topics)['/tf'](moves)     # of other frames
+    assert topics.updates.since(sent) == (sent, {})
     plan = Path(poses=[PoseStamped() for _ in range(3)])
     plan.header.frame_id = 'odom'
     plan.poses[1].pose.position.x, plan.poses[2].pose.position.y = 2.0, float('nan')

@@ -1,4 +1,6 @@
 """Which robots the page finds."""
+from types import SimpleNamespace
+
 import pytest
 
 from img_recog.nodes.web import shown_robots
@@ -50,13 +52,13 @@ def test_the_robots_stay_while_a_new_master_knows_none(monkeypatch):
     assert found.names == ['']
     for subscribed, names in ((['/a/cmd_vel /x', '/b/cmd_vel /x'], ['a', 'b']), ([], ['a', 'b']),
                               (['/b/cmd_vel /x'], ['b'])):
-        monkeypatch.setattr(shown_robots.master, 'system_state', lambda: (
-            [], users(*subscribed), []))
+        monkeypatch.setattr(shown_robots.master, 'calls', lambda: SimpleNamespace(
+            call=lambda method: ([], users(*subscribed), [])))
         found.update()
         assert found.names == names
 
     def fail():
-        raise shown_robots.master.MasterError('no master answers')
-    monkeypatch.setattr(shown_robots.master, 'system_state', fail)
+        raise ConnectionRefusedError
+    monkeypatch.setattr(shown_robots.master, 'calls', fail)
     found.update()
     assert found.names == ['b']
