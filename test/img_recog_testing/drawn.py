@@ -43,3 +43,11 @@ def loaded(content, poses):
     renderer = Renderer()
     assert renderer.load(content, poses) == []
     return renderer
+
+
+def centroid(image):
+    """Return the column and row of what is red, to less than a pixel."""
+    share = 1 - image[:, :, 2] / round(BACKGROUND[2] * 255)
+    share[(image == 0).all(axis=2)] = 0         # black, beside the image
+    rows, columns = np.mgrid[:image.shape[0], :image.shape[1]]
+    return (share * columns).sum() / share.sum(), (share * rows).sum() / share.sum()

@@ -1,4 +1,4 @@
-"""Frames and a recorder for the tests of replays."""
+"""Frames and a recorder for the tests of replays, and what they write."""
 import numpy as np
 import rospy
 from std_msgs.msg import Header
@@ -21,6 +21,11 @@ def frame(number, stamp_ns, *colors):
     """Return a Frame with stripes in these colors."""
     header = Header(number, rospy.Time(*divmod(stamp_ns, 10 ** 9)), 'head_camera')
     return Frame(number, stamp_ns, header, image(*colors), 'bgr8')
+
+
+def contents(folder, part='.replay.'):
+    """Return the contents of the files in a folder whose names have this part."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if part in path.name}
 
 
 class EventLog(Recorder):

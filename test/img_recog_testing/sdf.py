@@ -1,4 +1,12 @@
-"""Texts of SDF worlds."""
+"""Texts of SDF worlds and models, and how they are converted."""
+import xml.etree.ElementTree as ElementTree
+
+from img_recog.simulation.bodies.loading import connect
+from img_recog.simulation.bodies.world import World
+from img_recog.simulation.descriptions import sdf_models
+from img_recog.simulation.descriptions.problems import Problems
+from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.settings import PhysicsSettings
 
 BOX = '<{0} name="s">{1}<geometry><box><size>{2}</size></box></geometry></{0}>'
 INERTIAL = ('<inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz>'
@@ -15,3 +23,17 @@ def sdf(*models, version='1.6'):
     """Return a world with these models."""
     return '<sdf version="{}"><world name="default">{}</world></sdf>'.format(
         version, ''.join(models))
+
+
+def convert(*inside, version=(1, 6), problems=()):
+    """Return the trees of a model of these elements; problems: the names of what is left out."""
+    model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
+    found = Problems()
+    trees = sdf_models.trees(model, version, lambda uri: None, found)
+    assert found.names == tuple(problems)
+    return trees
+
+
+def load(*inside, **more):
+    """Return a world with such a model."""
+    return World(PhysicsSettings(), WorldFile('w', tuple(convert(*inside, **more))), connect())

@@ -14,6 +14,7 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from img_recog_testing import plain_opencv
 from img_recog_testing.recording import AreaLines, Recorder, call, from_node, main, wait_for
+from img_recog_testing.videos import opencv_frames
 
 FRAMES, LIMIT_PX = 250, 1000
 QUIET_S = 2.0       # without a message: none is on its way
@@ -25,13 +26,11 @@ def digest(data):
 
 def read_video(path):
     """Return for each frame: digest of its rgb8 bytes, areas of blue and red, their digests."""
-    capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
-    good, bgr = capture.read()
-    while good:
-        areas, masked = zip(*plain_opencv.results(bgr))
-        frames.append((digest(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB).tobytes()), *areas,
+    frames = []
+    for rgb in opencv_frames(path):
+        areas, masked = zip(*plain_opencv.results(rgb[..., ::-1].copy()))
+        frames.append((digest(rgb.tobytes()), *areas,
                        *(digest(image.tobytes()) for image in masked)))
-        good, bgr = capture.read()
     return frames
 
 

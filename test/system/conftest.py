@@ -6,10 +6,13 @@ from img_recog_testing.simulator_tools import burger
 
 
 @pytest.fixture
-def ros(tmp_path):
-    """A separate master address for one test."""
-    with Ros(tmp_path) as ros:
-        yield ros
+def ros(request, tmp_path):
+    """A separate master address for one test; the master of its module if that uses shared_ros."""
+    if 'shared_ros' in request.fixturenames:
+        yield request.getfixturevalue('shared_ros')
+    else:
+        with Ros(tmp_path) as ros:
+            yield ros
 
 
 @pytest.fixture(scope='module')

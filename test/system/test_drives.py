@@ -6,11 +6,7 @@ from img_recog_testing import wire
 from img_recog_testing.simulator_tools import Echo
 from img_recog_testing.wheeled import controllers, plugin, robot
 
-
-@pytest.fixture
-def ros(shared_ros):
-    """One master for the tests of this module."""
-    return shared_ros
+pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 
 def drive(ros, topic, message):

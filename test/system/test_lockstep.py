@@ -9,11 +9,7 @@ from img_recog_testing.lockstep import CAMERA, compiled, controller, driver, pat
 from img_recog_testing.simulator_tools import Echo, burger, complaints, drawing
 from img_recog_testing.waiting import wait_for
 
-
-@pytest.fixture
-def ros(shared_ros):
-    """One master for the tests of this module."""
-    return shared_ros
+pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 
 def test_the_path_does_not_depend_on_speed_language_buffers_and_killed_programs(ros, tmp_path):

@@ -14,6 +14,7 @@ from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 from img_recog_testing.pages import ROOT
+from img_recog_testing.replaying import contents
 from img_recog_testing.simulator_tools import BURGER, burger
 from img_recog_testing.waiting import wait_for
 
@@ -42,11 +43,6 @@ def refused(result):
     assert code == 1 and len(lines) == 1, lines
     assert lines[0].startswith('replay.py: error: '), lines
     return lines[0]
-
-
-def contents(folder):
-    return {name: (folder / name).read_bytes() for name in sorted(os.listdir(str(folder)))
-            if '.replay.' in name}
 
 
 def video_areas():

@@ -8,6 +8,7 @@ import cv2
 import pytest
 
 from img_recog_testing.pages import ROOT
+from img_recog_testing.replaying import contents
 from img_recog_testing.simulator_tools import burger
 
 FOLLOW = os.path.join(ROOT, 'config', 'follow.yaml')
@@ -30,11 +31,6 @@ def replay(ros, tmp_path):
                  if not line.startswith('pybullet build time'))
         return line
     return run
-
-
-def contents(folder):
-    return {name: (folder / name).read_bytes() for name in sorted(os.listdir(str(folder)))
-            if '.replay.' in name}
 
 
 def rows(folder):

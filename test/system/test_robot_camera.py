@@ -9,6 +9,7 @@ from img_recog_testing.sdf import BOX, BUILT_IN, sdf
 from img_recog_testing.simulator_tools import burger, complaints
 from img_recog_testing.waiting import wait_for
 
+pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 # like that of the waffle of turtlebot3_description, but of fewer pixels
 DEPTH = '''<gazebo reference="{link}"><sensor type="depth" name="realsense_R200">
 <camera><horizontal_fov>1.3439</horizontal_fov><image><width>64</width><height>48</height></image>
@@ -66,12 +67,6 @@ turn = buffer.lookup_transform('camera_link', 'lens', rospy.Time(0)).transform.r
 sys.stdout.write(json.dumps({'topic': 'tf', 'turn': [turn.x, turn.y, turn.z, turn.w]}) + '\n')
 sys.stdout.flush()
 '''
-
-
-@pytest.fixture
-def ros(shared_ros):
-    """One master for the tests of this module."""
-    return shared_ros
 
 
 @pytest.fixture

@@ -3,11 +3,7 @@ import pytest
 
 from img_recog_testing.simulator_tools import Echo, burger, complaints
 
-
-@pytest.fixture
-def ros(shared_ros):
-    """One master for the tests of this module."""
-    return shared_ros
+pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 
 def sensor(library, plugin, yaw=0.0, far=3.0, kind='ray'):

@@ -175,25 +175,20 @@ def last_line(demo):
     return demo.output.rstrip().splitlines()[-1]
 
 
-def test_simulator_that_cannot_start_ends_the_demo(run_demo, tmp_path):
-    path = tmp_path / 'robot.urdf'
-    path.write_text('<sdf/>')
-    demo = run_demo('camera:=synthetic', 'urdf:={}'.format(path))
+@pytest.mark.parametrize('argument, content, node, part, reason', [
+    ('urdf', '<sdf/>', 'gazebo', 'the simulator', 'root element <sdf>'),
+    # the node itself has this topic
+    ('colors', 'red_image_topic: cmd_vel\n', 'color_extract', 'the recognition',
+     'red_image_topic')])
+def test_a_part_that_cannot_start_and_is_needed_ends_the_demo(
+        run_demo, tmp_path, argument, content, node, part, reason):
+    path = tmp_path / 'file'
+    path.write_text(content)
+    demo = run_demo('camera:=synthetic', '{}:={}'.format(argument, path))
     assert demo.wait() == 1
-    assert re.match(r'\[run\] the simulator \(gazebo\) has ended: .*root element <sdf>',
+    assert re.match(r'\[run\] {} \({}\) has ended: .*{}'.format(part, node, reason),
                     last_line(demo)), demo.output
-    assert re.search(r'\[respawn\] gazebo: ended, and the demo with it: .*root element <sdf>',
-                     demo.output), demo.output
-
-
-def test_recognition_that_cannot_start_ends_the_demo(run_demo, tmp_path):
-    path = tmp_path / 'colors.yaml'
-    path.write_text('red_image_topic: cmd_vel\n')       # which the node has itself
-    demo = run_demo('camera:=synthetic', 'colors:={}'.format(path))
-    assert demo.wait() == 1
-    assert re.match(r'\[run\] the recognition \(color_extract\) has ended: .*red_image_topic',
-                    last_line(demo)), demo.output
-    assert re.search(r'\[respawn\] color_extract: ended, and the demo with it: .*red_image_topic',
+    assert re.search(r'\[respawn\] {}: ended, and the demo with it: .*{}'.format(node, reason),
                      demo.output), demo.output
 
 

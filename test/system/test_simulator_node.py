@@ -14,13 +14,7 @@ from img_recog_testing.simulator_tools import (Echo, Images, burger, call, compl
                                                drive, standing)
 from img_recog_testing.waiting import wait_for
 
-
-@pytest.fixture
-def ros(shared_ros):
-    """One master for the tests of this module."""
-    return shared_ros
-
-
+pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 WIDE = ('<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">'
         '<wheelSeparation>wide</wheelSeparation></plugin></gazebo>')
 

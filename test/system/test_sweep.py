@@ -7,6 +7,7 @@ import textwrap
 import pytest
 
 from img_recog_testing.pages import ROOT
+from img_recog_testing.replaying import contents
 
 SWEEP = '''
     runs: 2
@@ -43,11 +44,6 @@ def sweep(ros, tmp_path):
     return run
 
 
-def contents(folder):
-    return {name: (folder / name).read_bytes() for name in sorted(os.listdir(str(folder)))
-            if '.sweep.' in name}
-
-
 def test_two_processes_write_the_bytes_of_one(sweep, tmp_path):
     code, output = sweep('--jobs', '1', '--films', '1')
     assert code == 0
@@ -55,10 +51,10 @@ def test_two_processes_write_the_bytes_of_one(sweep, tmp_path):
                      r'\d+ s on 1 here', output, re.M)
     assert re.search(r'^4 runs, \d have succeeded, 0 have no result; wrote s.sweep.csv, ', output,
                      re.M)
-    first = contents(tmp_path)
+    first = contents(tmp_path, '.sweep.')
     assert sorted(set(first) - {'s.sweep.parquet'}) == FILES
     assert sweep('--jobs', '2', '--films', '1')[0] == 0
-    assert contents(tmp_path) == first
+    assert contents(tmp_path, '.sweep.') == first
     report = (tmp_path / 's.sweep.md').read_text()
     again = re.search(r"`rosrun img_recog sweep.py s.yaml --only '(\S+)'`", report)
     row = next(row for row in csv.DictReader(first['s.sweep.csv'].decode().splitlines())

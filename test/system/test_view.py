@@ -8,11 +8,7 @@ from img_recog_testing.process_table import cpu_s, descendants
 from img_recog_testing.simulator_tools import Echo, Images, complaints, drawing, drive, standing
 from img_recog_testing.waiting import wait_for
 
-
-@pytest.fixture
-def ros(shared_ros):
-    """One master for the tests of this module."""
-    return shared_ros
+pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 
 
 def test_the_view_is_drawn_only_with_subscribers(ros, simulate):

@@ -7,6 +7,7 @@ import pytest
 from img_recog_testing.simulator_tools import Echo
 from img_recog_testing.waiting import wait_for
 
+pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
 # takes 0.15 s of wall time for each scan; tells when it was measured
 SLOW = '''
 import sys, time, rospy
@@ -22,12 +23,6 @@ rospy.spin()
 COMPUTE = 'while time.monotonic() < end: pass'
 SLEEP = 'time.sleep(0.15)'
 BUSY = 'import time, rospy\nrospy.init_node("busy")\nwhile not rospy.is_shutdown(): pass'
-
-
-@pytest.fixture
-def ros(shared_ros):
-    """One master for the tests of this module."""
-    return shared_ros
 
 
 def scans(process):

@@ -16,6 +16,7 @@ from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped
 from img_recog.replay.inputs import VideoFrames
+from img_recog_testing.videos import opencv_frames
 from img_recog_testing.waiting import DEADLINE_S
 
 SMALL, LARGE = (96, 64), (128, 96)
@@ -48,17 +49,6 @@ def joined(make_film, tmp_path):
                 str(path), 'ab') as whole:
             whole.write(part.read())
     return str(path)
-
-
-def opencv_frames(path):
-    """Return all frames as OpenCV's VideoCapture reads them, in rgb8."""
-    capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
-    good, image = capture.read()
-    while good:
-        frames.append(image[..., ::-1])
-        good, image = capture.read()
-    capture.release()
-    return frames
 
 
 @pytest.mark.parametrize('name, options, size', [

@@ -10,17 +10,7 @@ from img_recog.camera.source import SourceError
 from img_recog.camera.video_source import VideoSource
 from img_recog_testing.descriptors import times_open
 from img_recog_testing.fake_decoder import FakeDecoder
-from img_recog_testing.videos import VIDEO_RATE_HZ
-
-
-def video_frames(path):
-    """Return all frames of a video as OpenCV's VideoCapture reads them, in rgb8."""
-    capture, frames = cv2.VideoCapture(path, cv2.CAP_FFMPEG), []
-    good, image = capture.read()
-    while good:
-        frames.append(image[..., ::-1].copy())
-        good, image = capture.read()
-    return frames
+from img_recog_testing.videos import VIDEO_RATE_HZ, opencv_frames
 
 
 @pytest.mark.parametrize('fourcc, name, frames', [
@@ -28,7 +18,7 @@ def video_frames(path):
     ('mp4v', 'video.mp4', 6), ('MJPG', 'video.avi', 1)])
 def test_video_equals_videocapture_and_loops_without_a_gap(make_video, fourcc, name, frames):
     path = make_video(name, fourcc, frames)
-    expected, source = video_frames(path), open_file(path, 30.0)
+    expected, source = opencv_frames(path), open_file(path, 30.0)
     assert len(expected) == frames
     for loop in range(3):
         for number, image in enumerate(expected):

@@ -12,7 +12,7 @@ from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog.visuals import BOX, SPHERE, Light, Shape, VisualScene
-from img_recog_testing.drawn import BACKGROUND, HERE, RED, at, scene, visual
+from img_recog_testing.drawn import HERE, RED, at, centroid, scene, visual
 
 SIZE = 320, 240
 TYPES = {kind: lenses.scaled_to(lenses.of_type(kind), 2.4) for kind in lenses.TYPES[:-1]}
@@ -26,14 +26,6 @@ def seen(make, lens, *visuals, pose=np.eye(4), fov=1.0):
     camera = Camera(*SIZE, fov, 0.05, 50.0, lens)
     return (lens_views.draw(renderer, camera, pose, HERE),
             lens_views.depth(renderer, camera, pose, HERE))
-
-
-def centroid(image):
-    """Return the column and row of what is red, to less than a pixel."""
-    share = 1 - image[:, :, 2] / round(BACKGROUND[2] * 255)
-    share[(image == 0).all(axis=2)] = 0         # black, beside the image
-    rows, columns = np.mgrid[:image.shape[0], :image.shape[1]]
-    return (share * columns).sum() / share.sum(), (share * rows).sum() / share.sum()
 
 
 @pytest.mark.parametrize('make', [Renderer, TinyRenderer])

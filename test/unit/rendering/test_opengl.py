@@ -11,16 +11,8 @@ from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
                                VisualScene)
-from img_recog_testing.drawn import (ABOVE, BACKGROUND, BLUE, CAMERA, GREEN, HERE, RED, at, draw,
+from img_recog_testing.drawn import (ABOVE, BLUE, CAMERA, GREEN, HERE, RED, at, centroid, draw,
                                      loaded, looking_down, scene, visual)
-
-
-def centroid(image):
-    """Return the column and row of what is red, to less than a pixel."""
-    coverage = 1 - image[:, :, 2] / round(BACKGROUND[2] * 255)
-    rows, columns = np.mgrid[:image.shape[0], :image.shape[1]]
-    return ((coverage * columns).sum() / coverage.sum(),
-            (coverage * rows).sum() / coverage.sum())
 
 
 # a camera that is turned about all axes

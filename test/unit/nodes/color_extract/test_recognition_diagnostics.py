@@ -1,10 +1,9 @@
 """The counters of the recognition, and their report."""
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
-from img_recog_testing import statuses
+from img_recog_testing.statuses import report
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
@@ -12,12 +11,6 @@ OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.E
 @pytest.fixture
 def counts(clock):
     return RecognitionDiagnostics('/usb_cam/image_raw', clock)
-
-
-def report(counts):
-    status = DiagnosticStatusWrapper()
-    counts.report(status)
-    return status.level, status.message, statuses.values(status)
 
 
 def run(counts, clock, seconds, received=0, processed=0, refused=0):

@@ -8,15 +8,15 @@ import threading
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.nodes.gazebo import image_process
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Shot
 from img_recog.visuals import Light, VisualScene
-from img_recog_testing import fake_renderers, statuses
+from img_recog_testing import fake_renderers
 from img_recog_testing.fake_renderers import DIE, HANG, REFUSE
+from img_recog_testing.statuses import report
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 pytestmark = pytest.mark.usefixtures('patient_helper')
@@ -257,7 +257,7 @@ def test_an_error_ends_the_drawing_with_one_warning(make, warnings, is_starting,
     made.start()
     assert not made.is_ready and drawn.colors == []
     assert warnings == ['no more images: {}; the simulation goes on without them'.format(problem)]
-    level, message, _ = reported(made)
+    level, message, _ = report(made)
     assert (level, message) == (DiagnosticStatus.WARN, 'no more images: ' + problem)
 
 
@@ -288,21 +288,14 @@ def test_drawing_without_opengl_is_warned_of(make, warnings):
     assert warnings == ['images are drawn without shadows, and slowly: no EGL; install it']
 
 
-def reported(made):
-    status = DiagnosticStatusWrapper()
-    status.summary(DiagnosticStatus.OK, 'fine')
-    made.report(status)
-    return status.level, status.message, statuses.values(status)
-
-
 def test_report(make):
     made, drawn = make()
     start(made)
-    level, message, values = reported(made)
+    level, message, values = report(made)
     assert (level, message) == (DiagnosticStatus.OK, 'fine')
     assert (values['images'], values['drawing, mean (ms)']) == ('0', 'none')
     drawn.draw(7, 8)
-    wait_for(lambda: reported(made)[2]['images'] == '2', 'the images')
+    wait_for(lambda: report(made)[2]['images'] == '2', 'the images')
 
 
 @pytest.mark.parametrize('is_shutdown', [False, True])

@@ -1,11 +1,10 @@
 """The counters of the camera, and their report."""
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.camera.synthetic import SyntheticSource
 from img_recog.nodes.usb_cam.diagnostics import CameraDiagnostics
-from img_recog_testing import statuses
+from img_recog_testing.statuses import report
 
 
 @pytest.fixture
@@ -15,12 +14,6 @@ def diagnostics(clock):
     made.opened(SyntheticSource(64, 48, 10.0))
     made.set_active(True)
     return made
-
-
-def report(diagnostics):
-    status = DiagnosticStatusWrapper()
-    diagnostics.report(status)
-    return status.level, status.message, statuses.values(status)
 
 
 def run(diagnostics, clock, seconds, rate_hz):

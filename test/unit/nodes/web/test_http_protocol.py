@@ -11,6 +11,8 @@ import pytest
 from img_recog.nodes.web import http_protocol
 from img_recog.nodes.web.authentication import Authentication
 from img_recog.nodes.web.server import Server, listen
+from img_recog_testing import connecting
+from img_recog_testing.connecting import is_closed
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 TOKEN = b'Origin: http://x\r\nCookie: img_recog_1=t\r\n'
@@ -54,16 +56,10 @@ async def app(scope, receive, send):
 @pytest.fixture
 def connect():
     """A function that connects to the server and sends data."""
-    sock, failures, socks = listen('127.0.0.1', 28080), [], []
+    sock, failures = listen('127.0.0.1', 28080), []
     server = Server(Authentication(app, 't', 1, failures.append), sock, failures.append)
-
-    def call(data=b''):
-        socks.append(socket.create_connection(sock.getsockname(), DEADLINE_S))
-        socks[-1].sendall(data)
-        return socks[-1]
-    yield call
-    for each in socks:
-        each.close()
+    with connecting.connections(sock.getsockname()) as connect:
+        yield connect
     wait_for(lambda: not sessions, lambda: 'the end of {} sessions'.format(len(sessions)))
     server.close()
     assert failures == []
@@ -79,14 +75,6 @@ def is_answered(sock):
             return False
         answer += piece
     return True
-
-
-def is_closed(sock):
-    """Wait until the other end closes the connection."""
-    try:
-        return sock.recv(100) == b''
-    except ConnectionError:
-        return True
 
 
 @pytest.mark.parametrize('begin, piece', [

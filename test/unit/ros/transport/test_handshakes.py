@@ -13,6 +13,7 @@ from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
 from img_recog.ros.transport import handshakes, switch, xmlrpc_requests
 from img_recog.ros.transport.handshakes import Handshakes
+from img_recog_testing.connecting import connections, is_closed
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 HEADER = network.encode_ros_handshake_header({'topic': '/t', 'callerid': '/c', 'md5sum': '*'})
@@ -46,24 +47,8 @@ def server(fast, monkeypatch):
 @pytest.fixture
 def connect(server):
     """A function that connects to the server and sends data."""
-    socks = []
-
-    def call(data=b''):
-        sock = socket.create_connection(server.get_address(), DEADLINE_S)
-        socks.append(sock)
-        sock.sendall(data)
-        return sock
-    yield call
-    for sock in socks:
-        sock.close()
-
-
-def is_closed(sock):
-    """Wait until the other end closes the connection, without having sent anything."""
-    try:
-        return sock.recv(100) == b''
-    except ConnectionResetError:
-        return True
+    with connections(server.get_address()) as connect:
+        yield connect
 
 
 def test_a_subscriber_is_accepted_while_others_send_nothing(server, connect):

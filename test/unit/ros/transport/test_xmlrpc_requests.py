@@ -1,5 +1,4 @@
 """Connections to the XML-RPC server of rospy that are silent, slow, endless or packed."""
-import socket
 import threading
 import time
 import urllib.error
@@ -10,6 +9,7 @@ import pytest
 from rosgraph import xmlrpc as ros_xmlrpc
 
 from img_recog.ros.transport import xmlrpc_requests
+from img_recog_testing.connecting import connections
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 CALL = xmlrpc.client.dumps((1,), 'add').encode()
@@ -36,15 +36,8 @@ def server(monkeypatch):
 @pytest.fixture
 def connect(server):
     """A function that connects and sends data."""
-    socks = []
-
-    def call(data=b''):
-        socks.append(socket.create_connection(server.server_address, DEADLINE_S))
-        socks[-1].sendall(data)
-        return socks[-1]
-    yield call
-    for sock in socks:
-        sock.close()
+    with connections(server.server_address) as connect:
+        yield connect
 
 
 def drip(sock, data, pause_s):

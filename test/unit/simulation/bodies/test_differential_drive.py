@@ -34,33 +34,42 @@ def follow(drive, updates, start=(0.0, 0.0), robot=None):
     return history
 
 
-def test_ramp_is_one_meter_per_second_squared():
-    drive = DifferentialDrive(DriveSettings())
-    drive.command(10.0, 0.0)
-    speeds = follow(drive, 50)
-    assert speeds[0] == pytest.approx((0.01, 0.01))
-    assert speeds[-1] == pytest.approx((0.5, 0.5))      # after half a second
+def speeds_after(updates, linear, angular=0.0, **settings):
+    """Return the speeds of the rims, from rest, so many updates after a command."""
+    drive = DifferentialDrive(DriveSettings(**settings))
+    drive.command(linear, angular)
+    return follow(drive, updates)[-1]
 
 
-def test_ends_at_the_target():
-    drive = DifferentialDrive(DriveSettings())
-    drive.command(0.105, 0.0)
-    assert follow(drive, 20)[-1] == pytest.approx((0.105, 0.105))
+AT_ONCE = {'wheel_acceleration': 0.0}
 
 
-def test_turning_left_drives_the_right_wheel_forward():
-    drive = DifferentialDrive(DriveSettings())
-    drive.command(0.0, 1.0)
-    assert follow(drive, 100)[-1] == pytest.approx((-0.08, 0.08))
-    drive.reset()
-    drive.command(0.0, 10.0)
-    assert follow(drive, 3) == [pytest.approx((-speed, speed)) for speed in (0.01, 0.02, 0.03)]
+@pytest.mark.parametrize('updates, command, settings, wanted', [
+    # one meter per second squared
+    (1, (10.0, 0.0), {}, (0.01, 0.01)), (50, (10.0, 0.0), {}, (0.5, 0.5)),
+    (20, (0.105, 0.0), {}, (0.105, 0.105)), (100, (0.0, 1.0), {}, (-0.08, 0.08)),
+    # of two wheels, the left one is at its target: both are set
+    (1, (0.5, 0.5 / 0.08), {}, (0.0, 1.0)), (1, (10.0, 0.0), AT_ONCE, (10.0, 10.0)),
+    # after a timeout, it brakes
+    (60, (0.3, 0.0), {'cmd_vel_timeout': 0.5}, (0.2, 0.2)),
+    # the ramp of half the default has steps of 0.005 m/s, and ends near the target
+    *((1, (speed, 0.0), {'wheel_acceleration': 0.5}, (first, first)) for speed, first in (
+        (0.01, 0.005), (0.0099, 0.0099), (-0.0099, -0.0099), (-0.01, -0.005), (0.5, 0.005)))])
+def test_the_ramp(updates, command, settings, wanted):
+    assert speeds_after(updates, *command, **settings) == pytest.approx(wanted)
 
 
-def test_one_wheel_near_its_target_sets_both():
-    drive = DifferentialDrive(DriveSettings())
-    drive.command(0.5, 0.5 / 0.08)      # left 0 (reached already), right 1 m/s
-    assert follow(drive, 1)[-1] == pytest.approx((0.0, 1.0))
+@pytest.mark.parametrize('limits, command, wanted', [
+    *(((0.22, 2.0), command, wanted) for command, wanted in (
+        ((1.0, 0.0), (0.22, 0.22)), ((-1.0, 0.0), (-0.22, -0.22)),
+        ((0.0, 9.0), (-0.16, 0.16)), ((0.0, -9.0), (0.16, -0.16)),
+        ((0.21, 1.9), (0.058, 0.362)), ((9.0, -9.0), (0.38, 0.06)))),
+    # zero means no limit
+    ((0.22, 0.0), (9.0, 10.0), (-0.58, 1.02)), ((0.0, 2.0), (9.0, 10.0), (8.84, 9.16)),
+    ((0.0, 0.0), (9.0, 10.0), (8.2, 9.8))])
+def test_speeds_are_limited(limits, command, wanted):
+    limits = dict(zip(('max_linear_velocity', 'max_angular_velocity'), limits))
+    assert speeds_after(1, *command, **AT_ONCE, **limits) == pytest.approx(wanted)
 
 
 def test_braking_is_no_faster_than_driving_off():
@@ -72,38 +81,12 @@ def test_braking_is_no_faster_than_driving_off():
     assert speeds[-1] == pytest.approx((0.9, 0.9))
 
 
-def test_no_acceleration_limit_sets_at_once():
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0))
-    drive.command(10.0, 0.0)
-    assert follow(drive, 1)[-1] == pytest.approx((10.0, 10.0))
-
-
 def test_reset_forgets_the_command():
     drive = DifferentialDrive(DriveSettings())
     drive.command(10.0, 0.0)
     follow(drive, 20)
     drive.reset()
     assert follow(drive, 3)[-1] == (0.0, 0.0)
-
-
-@pytest.mark.parametrize('command, wanted', [
-    ((1.0, 0.0), (0.22, 0.22)), ((-1.0, 0.0), (-0.22, -0.22)),
-    ((0.0, 9.0), (-0.16, 0.16)), ((0.0, -9.0), (0.16, -0.16)),
-    ((0.21, 1.9), (0.058, 0.362)), ((9.0, -9.0), (0.38, 0.06))])
-def test_speeds_are_limited(command, wanted):
-    drive = DifferentialDrive(DriveSettings(
-        wheel_acceleration=0.0, max_linear_velocity=0.22, max_angular_velocity=2.0))
-    drive.command(*command)
-    assert follow(drive, 1)[-1] == pytest.approx(wanted)
-
-
-@pytest.mark.parametrize('limits, wanted', [
-    ({'max_linear_velocity': 0.22}, (-0.58, 1.02)), ({'max_angular_velocity': 2.0}, (8.84, 9.16)),
-    ({}, (8.2, 9.8))])
-def test_zero_means_no_limit(limits, wanted):
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.0, **limits))
-    drive.command(9.0, 10.0)
-    assert follow(drive, 1)[-1] == pytest.approx(wanted)
 
 
 # as floats, 0.07 and 0.14 are slightly larger than 7 * 0.01 and 14 * 0.01
@@ -115,12 +98,6 @@ def test_command_ends_after_the_timeout(timeout_s, updates):
     speeds = follow(drive, updates + 3)
     assert speeds[updates - 1] == pytest.approx((0.2, 0.2))
     assert speeds[updates:] == [(0.0, 0.0)] * 3
-
-
-def test_after_the_timeout_the_robot_brakes_with_the_ramp():
-    drive = DifferentialDrive(DriveSettings(cmd_vel_timeout=0.5))
-    drive.command(0.3, 0.0)
-    assert follow(drive, 60, start=(0.0, 0.0))[-1] == pytest.approx((0.2, 0.2))
 
 
 def test_new_command_restarts_the_timeout():
@@ -189,15 +166,6 @@ def test_what_drives_the_robot(left, right, slip_radius):
     assert motors == Motors((*(('left_joint', name) for name in left.split(', ')),
                              *(('right_joint', name) for name in right.split(', '))),
                             7.0, slip_radius)
-
-
-# the ramp of half the default has steps of 0.005 m/s
-@pytest.mark.parametrize('speed, first', [
-    (0.01, 0.005), (0.0099, 0.0099), (-0.0099, -0.0099), (-0.01, -0.005), (0.5, 0.005)])
-def test_the_ramp_ends_near_the_target(speed, first):
-    drive = DifferentialDrive(DriveSettings(wheel_acceleration=0.5))
-    drive.command(speed, 0.0)
-    assert follow(drive, 1)[-1] == pytest.approx((first, first))
 
 
 def test_a_ramp_after_a_reset_begins_at_zero():

@@ -6,26 +6,11 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.simulation.bodies.loading import connect
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import sdf_models
-from img_recog.simulation.descriptions.problems import Problems
-from img_recog.simulation.descriptions.world_file import WorldFile
-from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.sdf import INERTIAL
+from img_recog_testing.sdf import INERTIAL, convert, load
 
 LINK = '<link name="{}"><pose>{} 0 0 0</pose>' + INERTIAL + '</link>'
 JOINT = '<joint name="{}" type="{}"><parent>{}</parent><child>{}</child>{}</joint>'
 ABOUT_Y = '<axis><xyz>0 1 0</xyz></axis>'
-
-
-def load(*inside, version=(1, 6)):
-    """Return a world with a model of these elements, all of which can be used."""
-    model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
-    problems = Problems()
-    trees = sdf_models.trees(model, version, lambda uri: None, problems)
-    assert problems.names == ()
-    return World(PhysicsSettings(), WorldFile('w', tuple(trees)), connect())
 
 
 def places(world):
@@ -141,14 +126,6 @@ def test_a_chain_that_ends_at_the_world_twice():
     assert found['c'] == pytest.approx([2, 0, 3], abs=2e-3)
 
 
-def converted(*inside, problems=()):
-    model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
-    found = Problems()
-    trees = sdf_models.trees(model, (1, 6), lambda uri: None, found)
-    assert found.names == tuple(problems)
-    return trees
-
-
 def joints_of(tree):
     return [(joint.get('name'), joint.find('parent').get('link'), joint.find('child').get('link'),
              [float(word) for word in joint.find('axis').get('xyz').split()])
@@ -161,10 +138,10 @@ AXES = '<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>'
 
 def test_axes_of_a_joint_that_points_to_the_root():
     tied = JOINT.format('w', 'fixed', 'world', 'a', '')
-    tree, = converted(TWO, tied, JOINT.format('j', 'universal', 'a', 'b', AXES))
+    tree, = convert(TWO, tied, JOINT.format('j', 'universal', 'a', 'b', AXES))
     assert joints_of(tree) == [('j::axis_1', 'a', 'j::axis_1', [1, 0, 0]),
                                ('j', 'j::axis_1', 'b', [0, 1, 0])]
-    tree, = converted(TWO, tied, JOINT.format('j', 'universal', 'b', 'a', AXES))
+    tree, = convert(TWO, tied, JOINT.format('j', 'universal', 'b', 'a', AXES))
     assert joints_of(tree) == [('j::axis_1', 'a', 'j::axis_1', [0, -1, 0]),
                                ('j', 'j::axis_1', 'b', [-1, 0, 0])]
 
@@ -172,9 +149,9 @@ def test_axes_of_a_joint_that_points_to_the_root():
 @pytest.mark.parametrize('kind, axis', [('revolute', [1, 0, 0]), ('universal', None),
                                         ('ball', None), ('fixed', None)])
 def test_what_a_loop_is(kind, axis):
-    tree, = converted('<pose>9 9 9 0 0 0</pose>', TWO,
-                      JOINT.format('one', 'revolute', 'a', 'b', ABOUT_Y),
-                      JOINT.format('two', kind, 'a', 'b', '<pose>0.1 0.2 0.3 0 0 0</pose>' + AXES))
+    tree, = convert('<pose>9 9 9 0 0 0</pose>', TWO,
+                    JOINT.format('one', 'revolute', 'a', 'b', ABOUT_Y),
+                    JOINT.format('two', kind, 'a', 'b', '<pose>0.1 0.2 0.3 0 0 0</pose>' + AXES))
     loop, = tree.loops
     assert (loop.kind, loop.parent, loop.child) == (kind, 'a', 'b')
     assert loop.pose.translation == pytest.approx((1.1, 2.2, 3.3))
@@ -185,35 +162,35 @@ def test_what_a_loop_is(kind, axis):
 def test_names_of_links_around_that_of_the_world(one, other):
     links = LINK.format(one, '0 0 0') + LINK.format(other, '1 2 3')
     joint = JOINT.format('j', 'revolute', one, other, ABOUT_Y)
-    tree, = converted(links, JOINT.format('w', 'fixed', 'world', one, ''), joint, JOINT.format(
+    tree, = convert(links, JOINT.format('w', 'fixed', 'world', one, ''), joint, JOINT.format(
         'k', 'ball', other, one, ''))
     assert joints_of(tree) == [('j', one, other, [0, 1, 0])] and tree.fixed
     assert [(loop.parent, loop.child) for loop in tree.loops] == [(other, one)]
-    tree, = converted(links, joint)
+    tree, = convert(links, joint)
     assert joints_of(tree) == [('j', one, other, [0, 1, 0])] and not tree.fixed
-    tree, = converted(links, joint, JOINT.format('w', 'revolute', other, 'world', ABOUT_Y))
+    tree, = convert(links, joint, JOINT.format('w', 'revolute', other, 'world', ABOUT_Y))
     assert [each[:3] for each in joints_of(tree)] == [('w', 'world', other), ('j', other, one)]
 
 
 def test_joints_of_a_model_in_a_model():
     inner = '<model name="n">' + LINK.format('b', '1 2 3') + '{}</model>'
-    tree, = converted(LINK.format('a', '0 0 0'), '<frame name="g" attached_to="f"/>',
-                      '<frame name="f" attached_to="a"/>', inner.format(''),
-                      JOINT.format('j', 'revolute', 'g', 'n::b', ABOUT_Y),
-                      JOINT.format('k', 'revolute', 'a', 'a', ABOUT_Y))
+    tree, = convert(LINK.format('a', '0 0 0'), '<frame name="g" attached_to="f"/>',
+                    '<frame name="f" attached_to="a"/>', inner.format(''),
+                    JOINT.format('j', 'revolute', 'g', 'n::b', ABOUT_Y),
+                    JOINT.format('k', 'revolute', 'a', 'a', ABOUT_Y))
     assert joints_of(tree) == [('j', 'a', 'n::b', [0, 1, 0])]
-    trees = converted(inner.format(JOINT.format('j', 'fixed', 'b', 'c', '')), problems=[
+    trees = convert(inner.format(JOINT.format('j', 'fixed', 'b', 'c', '')), problems=[
         'joint n::j has the link n::c, which does not exist'])
     assert [tree.name for tree in trees] == ['m']
     two = inner.format(LINK.format('c', '0 0 0') + JOINT.format('j', 'revolute', 'b', 'c', ''))
-    tree, = converted(two)
+    tree, = convert(two)
     assert joints_of(tree) == [('n::j', 'n::b', 'n::c', [0, 0, 1])]
-    converted(TWO, '<joint name="j"><parent>a</parent><child>b</child></joint>',
-              problems=['joint j of type , which is held'])
+    convert(TWO, '<joint name="j"><parent>a</parent><child>b</child></joint>',
+            problems=['joint j of type , which is held'])
 
 
 def test_a_loop_between_what_does_not_move_is_nothing():
-    tree, = converted(
+    tree, = convert(
         '<model name="n"><static>1</static>' + LINK.format('s', '0 0 0') + '</model>', TWO,
         JOINT.format('one', 'revolute', 'n::s', 'a', ABOUT_Y),
         JOINT.format('two', 'revolute', 'world', 'n::s', ABOUT_Y),

@@ -13,26 +13,13 @@ from img_recog.simulation.descriptions import sdf_models
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.settings import PhysicsSettings
-from img_recog_testing.sdf import BOX, INERTIAL
+from img_recog_testing.sdf import BOX, INERTIAL, convert, load
 
 TURNED = '<pose>1 0 0 0 0 1.5707963267948966</pose>'       # of a model: its x is the world's y
 LINK = '<link name="{}"><pose>{}</pose>' + INERTIAL + BOX.format(
     'collision', '<pose>0.1 0 0 0 0 0</pose>', '0.2 0.2 0.2') + '</link>'
 JOINT = ('<joint name="{0}_{1}" type="{2}"><parent>{0}</parent><child>{1}</child>{3}</joint>')
 TIE = JOINT.format('{0}', '{1}', 'fixed', '')
-
-
-def convert(*inside, version=(1, 6), problems=()):
-    """Return the trees of a model of these elements; problems: the names of what is left out."""
-    model = ElementTree.fromstring('<model name="m">{}</model>'.format(''.join(inside)))
-    found = Problems()
-    trees = sdf_models.trees(model, version, lambda uri: None, found)
-    assert found.names == tuple(problems)
-    return trees
-
-
-def load(*inside, **more):
-    return World(PhysicsSettings(), WorldFile('w', tuple(convert(*inside, **more))), connect())
 
 
 def centers(world):

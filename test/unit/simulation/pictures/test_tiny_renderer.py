@@ -10,17 +10,12 @@ from img_recog.rendering.opengl import Renderer
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
                                VisualScene)
+from img_recog_testing.drawn import at
 
 CAMERA = Camera(160, 120, math.radians(60), 0.05, 50.0)
 LIGHT = Light((0.5, -0.1, 0.9), (0.7, 0.7, 0.7), floor=False)
 OBJ = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
 POSES = np.array([[0.0, 0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, math.sin(0.1), math.cos(0.1)]])
-
-
-def at(x, y, z):
-    matrix = np.eye(4)
-    matrix[:3, 3] = x, y, z
-    return matrix
 
 
 def visual(shape, pose, color=(0.2, 0.5, 0.9, 1.0), part=0, texture=''):
