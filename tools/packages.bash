@@ -181,7 +181,7 @@ show_apt() {
 has_venv() { cmp -s "$root/requirements.txt" "$venv/requirements.txt"; }
 
 make_venv() {
-  say 'installing into .venv, {} MB: {}' "$venv_mb" "$(listed "$root/requirements.txt" | xargs)"
+  say 'installing into .venv what requirements.txt lists, {} MB' "$venv_mb"
   # without pip in it, it uses the distribution's pip and setuptools, which catkin needs
   logged "python3 -m venv" venv.log "$python" -m venv --clear --system-site-packages --without-pip \
     "$venv"
