@@ -1,6 +1,8 @@
 """The page in a real browser, on a real demo."""
 import asyncio
+import contextlib
 import json
+import math
 import os
 import re
 import time
@@ -12,8 +14,10 @@ import yaml
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from img_recog_testing import wire
 from img_recog_testing.browser import Browser, need_chromium, status_of
 from img_recog_testing.processes import Ros
+from img_recog_testing.service_calls import ServiceCalls
 from img_recog_testing.simulator_tools import Echo
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
@@ -49,44 +53,59 @@ def demo(tmp_path_factory):
     with Ros(folder) as ros:
         ros.demo_process = ros.demo(
             'world:=empty', 'web:=true', 'camera:={}/card.png'.format(folder),
-            'colors:={}/colors.yaml'.format(folder), 'x_pos:=0', 'y_pos:=0', 'framerate:=15',
+            'colors:={}/colors.yaml'.format(folder), 'x_pos:=0', 'y_pos:=0', 'framerate:=5',
             cwd=str(folder), env=dict(ros.env, PWD=str(folder)))
         ros.url = ros.demo_process.wait_output(r'the page: (http://\S+)').group(1)
         ros.origin, ros.token = ros.url.split('/?token=')
         ros.folder = folder
         ros.speeds = Echo(ros, '/odom/twist/twist/linear/x')
+        ros.services = ServiceCalls(ros)
         yield ros
-
-
-@pytest.fixture
-def browse(demo, tmp_path):
-    """A function that opens the page in another browser."""
-    opened = []
-
-    def start(**options):
-        opened.append(Browser(tmp_path / 'browser{}'.format(len(opened)), **options))
-        opened[-1].open(demo.url)
-        return opened[-1]
-    yield start
-    for browser in opened:
-        browser.close()
+        ros.services.close()
 
 
 @pytest.fixture(scope='module')
-def browser(demo, tmp_path_factory):
-    """A browser for tests that leave it as it was; the start of one takes seconds."""
-    browser = Browser(tmp_path_factory.mktemp('browser'))
-    yield browser
-    browser.close()
+def windows(demo, tmp_path_factory):
+    """A function that returns a browser for tests that leave it as it was.
+
+    The start of a browser takes five seconds of CPU time.
+    """
+    opened = {}
+
+    def window(name='desk', **options):
+        if name not in opened:
+            opened[name] = Browser(tmp_path_factory.mktemp(name), **options)
+        return opened[name]
+    yield window
+    for browser in opened.values():
+        browser.close()
+
+
+def shown(demo, browser):
+    """Show the page in a browser that other tests use too; return it.
+
+    It stays open from test to test: to load it takes two seconds of CPU time.
+    """
+    if not browser.js('return location.href').startswith(demo.origin):
+        browser.open(demo.url)
+    browser.tab('live')
+    wait_for(lambda: browser.text('[data-bind=pose]'), 'measurements in the page')
+    browser.errors()        # so that the test gets only its own
+    return browser
 
 
 @pytest.fixture
-def page(demo, browser):
-    """The page, opened again, in a browser that other tests use too."""
-    browser.open(demo.url)
-    yield browser
-    browser.errors()        # so that the next test gets only its own
-    browser.leave()
+def page(demo, windows):
+    """The page in the window of a desk."""
+    return shown(demo, windows())
+
+
+@pytest.fixture
+def phone(demo, windows):
+    """The page on a phone: narrow, Japanese and dark."""
+    browser = windows('phone', width=390, height=844, language='ja', dark=True)
+    yield shown(demo, browser)
+    browser.leave()         # what is not looked at, is not drawn
 
 
 def speeds(demo, count=1):
@@ -94,9 +113,26 @@ def speeds(demo, count=1):
     return [speed for speed, in demo.speeds.wait_more(count)[-count:]]
 
 
+def wait_drives(page):
+    """Wait until the robot has driven in any direction: another test may have turned it."""
+    start = page.pose()
+    wait_for(lambda: math.dist(page.pose(), start) > 0.1, 'the robot to drive')
+
+
 def blueness(page):
     """Return the mean blue, 0 to 255, of the picture of the blue pixels; -1 if there is none."""
     return (page.pixels(BLUE) or [-1])[-1]
+
+
+def parameter(demo, name):
+    """Return a parameter of the recognition."""
+    return demo.master().getParam('/test', '/color_extract/' + name)[2]
+
+
+def set_parameters(demo, **integers):
+    """Change parameters of the recognition, as dynparam does."""
+    demo.services.call('/color_extract/set_parameters', {'config': {'ints': [
+        {'name': name, 'value': value} for name, value in integers.items()]}})
 
 
 def repeat_until(action, condition, what):
@@ -175,26 +211,25 @@ def test_arrow_keys_drive_after_a_click_on_a_tab(page):
     assert page.js(HELD) == []
 
 
-def test_the_robot_stops_when_the_browser_goes_away(demo, browse):
-    page = browse()
-    start_x, _ = page.pose()
-    page.hold_key('w', True)
-    wait_for(lambda: page.pose()[0] > start_x + 0.1, 'the robot to drive')
-    page.kill()
+def test_the_robot_stops_when_the_browser_goes_away(demo, tmp_path):
+    with contextlib.closing(Browser(tmp_path)) as page:
+        page.open(demo.url)
+        page.hold_key('w', True)
+        wait_drives(page)
+        page.kill()
     wait_for(lambda: speeds(demo) == pytest.approx([0.0], abs=0.01), 'the robot to stand')
 
 
-def test_a_held_key_ends_with_the_connection(demo, browse):
-    page = browse()
-    page.driver.execute_cdp_cmd('Page.addScriptToEvaluateOnNewDocument', {'source': '''
+def test_a_held_key_ends_with_the_connection(demo, page):
+    script = page.driver.execute_cdp_cmd('Page.addScriptToEvaluateOnNewDocument', {'source': '''
         window.sockets = [];
         window.WebSocket = class extends WebSocket {
           constructor(...words) { super(...words); window.sockets.push(this); }
         };'''})
     page.open(demo.url)
-    start_x, _ = page.pose()
+    page.driver.execute_cdp_cmd('Page.removeScriptToEvaluateOnNewDocument', script)
     page.hold_key('w', True)
-    wait_for(lambda: page.pose()[0] > start_x + 0.1, 'the robot to drive')
+    wait_drives(page)
     opened = 'return sockets.filter((each) => each.url.includes("/live")'
     count = len(page.js(opened + ')'))
     page.js(opened + ').forEach((each) => each.close())')
@@ -216,15 +251,13 @@ def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     wait_for(lambda: page.js('return {}.getAttribute("aria-valuenow")'.format(slider)) == '100',
              'the slider to move')
     wait_for(lambda: 0 <= blueness(page) < 1, 'no more blue pixels')
-    read = ('rosrun', 'dynamic_reconfigure', 'dynparam', 'get', 'color_extract')
-    wait_for(lambda: "'blue_hue_max': 100" in demo.run(*read), 'the parameter')
+    wait_for(lambda: parameter(demo, 'blue_hue_max') == 100, 'the parameter')
     page.click('Save as a file')
     saved = wait_for(lambda: list(demo.folder.glob('colors_*.yaml')), 'a file')
     values = yaml.safe_load(saved[0].read_text())
     assert values['blue_hue_max'] == 100 and values['colors'] == ['blue', 'red']
     assert values['blue_area_limit'] == 200000
-    demo.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract', 'blue_hue_max',
-             '150')
+    set_parameters(demo, blue_hue_max=150)
     wait_for(lambda: blueness(page) > 40, 'blue pixels')
     wait_for(lambda: page.js('return {}.getAttribute("aria-valuenow")'.format(slider)) == '150',
              'the value that another program has set')
@@ -240,13 +273,11 @@ def test_a_click_into_the_picture_proposes_bounds(demo, page):
                const box = canvas.getBoundingClientRect();
                canvas.dispatchEvent(new MouseEvent("click", { bubbles: true,
                  clientX: box.left + box.width / 2, clientY: box.top + box.height / 2 }));''')
-    read = ('rosrun', 'dynamic_reconfigure', 'dynparam', 'get', 'color_extract')
     hue = int(cv2.cvtColor(np.uint8([[(215, 70, 25)]]), cv2.COLOR_BGR2HSV)[0, 0, 0])
-    wait_for(lambda: "'blue_hue_min': {}".format(hue - 10) in demo.run(*read), lambda: (
+    wait_for(lambda: parameter(demo, 'blue_hue_min') == hue - 10, lambda: (
         'the bounds; the page says: ' + page.text('.q-notifications')))
-    demo.run('rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract',
-             "{'blue_hue_min': 50, 'blue_hue_max': 150, 'blue_saturation_min': 100, "
-             "'blue_value_min': 100}")
+    set_parameters(demo, blue_hue_min=50, blue_hue_max=150, blue_saturation_min=100,
+                   blue_value_min=100)
 
 
 def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(page):
@@ -268,9 +299,9 @@ def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(page):
                  lambda: page.pose() == pytest.approx((0.0, 0.0), abs=0.05), 'the start')
 
 
-@pytest.mark.parametrize('options', [{}, dict(width=390, height=844, language='ja', dark=True)])
-def test_camera_and_color_are_in_sight_while_a_slider_of_the_color_is_touched(browse, options):
-    page = browse(**options)
+@pytest.mark.parametrize('window', ['page', 'phone'])
+def test_camera_and_color_are_in_sight_while_a_slider_of_the_color_is_touched(request, window):
+    page = request.getfixturevalue(window)
     page.tab('colors')
     slider = 'const sliders = [...document.querySelectorAll(".q-slider [tabindex]")];' \
              'const slider = sliders[(arguments[0] + sliders.length) % sliders.length];'
@@ -287,14 +318,13 @@ def test_the_speed_is_seen_beside_commands_far_above_it(demo, page):
     chart = ('const name = document.querySelector("[data-chart=speeds]").id;'
              'const option = getElement(Number(name.slice(1))).chart.getOption();'
              'return [option.yAxis[0].max, option.series[0].name]')
-    change = 'rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'color_extract', 'blue_area_limit'
-    demo.run(*change, '100')
+    set_parameters(demo, blue_area_limit=100)
     try:
         name = ['asked: 0 to 10, cut off at the edge']
         wait_for(lambda: page.js(chart)[1:] == name, lambda: page.js(chart))
         assert 0.2 < page.js(chart)[0] <= 1.0
     finally:
-        demo.run(*change, '200000')
+        set_parameters(demo, blue_area_limit=200000)
         page.click('Back to the start')
 
 
@@ -323,9 +353,12 @@ def test_the_graph_has_the_nodes_of_the_article(demo, page):
 
 
 def test_a_recording(demo, page):
+    gazebo = wire.node_uri(demo.master_uri, '/gazebo')
     page.click('Record')
     wait_for(lambda: page.has_button('Stop recording'), 'the start')
-    demo.wait_run(r'topic: /odom\s+\* to: /record', 'rosnode', 'info', '/gazebo')
+    wait_for(lambda: any(topic == '/odom' and node.startswith('/record')
+                         for _, node, _, _, topic, *_ in wire.call(gazebo, 'getBusInfo')),
+             'odometry for the recording')
     speeds(demo, 20)
     page.click('Stop recording')
     bag = demo.folder / 'recording_1.bag'
@@ -387,11 +420,10 @@ def test_what_is_malformed_or_too_much_is_dropped_and_the_page_lives(demo, page)
     wait_for(lambda: page.js(drawn) > before, 'a new picture')
 
 
-def test_two_browsers_of_which_one_drives_and_both_stop(demo, browse):
-    first, second = browse(), browse(width=390, height=844, language='ja', dark=True)
-    start_x, _ = first.pose()
+def test_two_browsers_of_which_one_drives_and_both_stop(demo, page, phone):
+    first, second = page, phone
     first.hold_key('w', True)
-    wait_for(lambda: second.pose()[0] > start_x + 0.1, 'the robot to drive')
+    wait_drives(second)
 
     def is_refused():
         """Try to drive with the second; it takes over if the first browser has just paused."""
@@ -406,8 +438,7 @@ def test_two_browsers_of_which_one_drives_and_both_stop(demo, browse):
         first.hold_key('w', True)
         return False
     wait_for(is_refused, 'the second to be refused')
-    x, _ = first.pose()
-    wait_for(lambda: first.pose()[0] > x + 0.05, 'the robot to drive on')
+    wait_drives(first)
     second.hold_key('x', False)
     second.hold_key('s', True)
     wait_for(lambda: 'Another page' in first.text('[data-bind=busy]'), 'the stop')
