@@ -13,8 +13,6 @@ from img_recog.camera.image_source import (FolderSource, ImageSource, is_jpeg_vi
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError, check_size, convert
 from img_recog.camera.synthetic import SyntheticSource
-from img_recog.camera.url_source import open_url
-from img_recog.camera.video_source import VideoSource, not_playable
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 DEFAULT_DEVICE = '/dev/video0'
@@ -46,6 +44,7 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
                    settings.max_image_pixels)
         return SyntheticSource(settings.image_width, settings.image_height, settings.framerate)
     if '://' in name:
+        from img_recog.camera.url_source import open_url    # PyAV takes 0.1 s to load
         return open_url(settings, warn)
     path = _find(name, folders)
     mode = os.stat(path).st_mode
@@ -69,15 +68,17 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     """
     if not os.access(path, os.R_OK):
         raise SourceError('cannot read {}: permission denied'.format(path))
-    if is_jpeg_video(path):
-        return VideoSource(path, loop, warn, max_pixels)
-    image = read_image(path, max_pixels)
+    is_video = is_jpeg_video(path)
+    image = None if is_video else read_image(path, max_pixels)
     if image is not None:
         count = still_images.count(path)
         if count > 1:
             warn('{} has {} images, only the first is used; convert it to a video, or write each '
                  'to a file of a folder'.format(path, count))
         return ImageSource(path, convert(image, 'rgb8'), rate_hz)
+    from img_recog.camera.video_source import VideoSource, not_playable
+    if is_video:
+        return VideoSource(path, loop, warn, max_pixels)
     if is_truncated(path):
         raise SourceError('cannot read {}: the image is truncated'.format(path))
     # ffmpeg plays images too, of any size, and text files

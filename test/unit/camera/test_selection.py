@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.camera import selection
+from img_recog.camera import selection, video_source
 from img_recog.camera.image_source import FolderSource, ImageSource
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
@@ -178,7 +178,7 @@ def test_other_url_is_refused_with_the_known_schemes():
     (b'\x0b', False), (b'\xff', True), (b'a\0', False), (b'a' * 4095 + b'\0', False),
     (b'a' * 4096 + b'\0', True)])
 def test_text_has_no_control_characters_at_its_start(tmp_path, monkeypatch, content, is_text):
-    monkeypatch.setattr(selection, 'VideoSource', lambda *_: 'a video')
+    monkeypatch.setattr(video_source, 'VideoSource', lambda *_: 'a video')
     (tmp_path / 'file').write_bytes(content)
     if is_text:
         with pytest.raises(SourceError, match='neither a video nor an image that OpenCV reads'):
