@@ -20,6 +20,7 @@ _OF_A_BUSY_MACHINE = ('this machine is too slow', 'the simulation waits for imag
                       'waits for: the process that draws',
                       'it has sent no complete header')
 _POLL_S = 0.02
+_CONNECT_POLL_S = 0.1       # the master takes 3 ms for each try
 _numbers_of_nodes = itertools.count()
 BURGER = os.path.join(os.path.dirname(__file__), '..', '..', 'urdf', 'turtlebot3_burger.urdf')
 
@@ -49,7 +50,7 @@ class Echo:
         ros.stack.callback(self.close)
 
     def _run(self):
-        while not self._has_ended.wait(_POLL_S):
+        while not self._has_ended.wait(_CONNECT_POLL_S):
             with contextlib.suppress(*wire.ERRORS):
                 self._read()
 

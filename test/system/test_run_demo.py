@@ -21,6 +21,8 @@ END_S = 10.0
 PATIENT = {'IMG_RECOG_END_SCALE': '10'}
 NODES = ('rosout', 'robot_state_publisher', 'gazebo', 'color_extract', 'usb_cam',
          'turtlebot3_teleop_keyboard')
+# the demo for tests that look only at how it ends
+SMALL = 'camera:=none', 'recognition:=false', 'teleop:=false', 'world:=empty'
 F_SETPIPE_SZ, PIPE_BYTES = 1031, 4096       # fcntl.h of Linux
 
 
@@ -101,8 +103,8 @@ def test_ctrl_c_while_nodes_are_started_is_no_error(run_demo, tmp_path):
 
 
 def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
-    demo = run_demo('camera:=synthetic')
-    demo.wait_output('the robot drives forward')
+    demo = run_demo(*SMALL)
+    demo.wait_output('the robot is at the start')
     # like a roslaunch that was interrupted while it started a node, it ignores signals
     roslaunch = psutil.Process(node(demo, 'gazebo')).ppid()
     os.kill(roslaunch, signal.SIGSTOP)
@@ -111,8 +113,8 @@ def test_roslaunch_stuck_in_its_own_locks_is_killed(run_demo):
 
 
 def test_roslaunch_ends_when_its_supervisor_is_killed(run_demo):
-    demo = run_demo('camera:=synthetic')
-    demo.wait_output('the robot drives forward')
+    demo = run_demo(*SMALL)
+    demo.wait_output('the robot is at the start')
     os.kill(demo.pid, signal.SIGKILL)
     wait_for(lambda: not marked(run_demo.mark), lambda: 'the end of:\n' + demo.output)
 
@@ -237,9 +239,6 @@ def test_xacro_that_cannot_be_expanded_is_refused_before_anything_starts(run_dem
     assert 'process[' not in demo.output
 
 
-SMALL = 'camera:=none', 'recognition:=false', 'teleop:=false', 'world:=empty'
-
-
 def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
     first = run_demo(*SMALL)
     first.wait_output('the robot is at the start')
@@ -255,8 +254,8 @@ def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
 
 
 def test_a_killed_master_is_reported_and_ends_the_demo(run_demo):
-    demo = run_demo('camera:=synthetic')
-    demo.wait_output('the robot drives forward')
+    demo = run_demo(*SMALL)
+    demo.wait_output('the robot is at the start')
     master, = [pid for pid, line in marked(run_demo.mark).items() if 'rosmaster' in line]
     os.kill(master, signal.SIGKILL)
     assert demo.wait() == 1
