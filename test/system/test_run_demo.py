@@ -71,7 +71,7 @@ def test_ctrl_c_is_not_lost_in_a_program_that_ends_normally(run_demo, tmp_path):
     assert 'process[' not in demo.output
 
 
-@pytest.mark.parametrize('moment', ['setup', 'the robot drives forward'])
+@pytest.mark.parametrize('moment', ['setup', 'the robot is at the start'])
 def test_ctrl_c_ends_what_a_script_has_started_in_the_background(run_demo, ros, tmp_path, moment):
     if moment == 'setup':
         program = tmp_path / 'bin' / 'mkdir'
@@ -80,8 +80,8 @@ def test_ctrl_c_ends_what_a_script_has_started_in_the_background(run_demo, ros, 
         program.chmod(0o755)
         run_demo.env['PATH'] = '{}:{}'.format(program.parent, run_demo.env['PATH'])
     # bash starts it with SIGINT ignored
-    script = ros.start('bash', '-c', '{}/run demo camera:=synthetic web:=false & echo pid $!; wait'
-                       .format(ROOT), env=run_demo.env, start_new_session=True)
+    script = ros.start('bash', '-c', '{}/run demo {} web:=false & echo pid $!; wait'.format(
+        ROOT, ' '.join(SMALL)), env=run_demo.env, start_new_session=True)
     script.wait_output(moment)
     pid = int(script.wait_output(r'pid (\d+)\n').group(1))
     for each in [*process_table.descendants(pid), pid] if moment == 'setup' else [pid]:
@@ -186,7 +186,8 @@ def test_a_part_that_cannot_start_and_is_needed_ends_the_demo(
         run_demo, tmp_path, argument, content, node, part, reason):
     path = tmp_path / 'file'
     path.write_text(content)
-    demo = run_demo('camera:=synthetic', '{}:={}'.format(argument, path))
+    demo = run_demo('camera:=none', 'teleop:=false', 'world:=empty',
+                    '{}:={}'.format(argument, path))
     assert demo.wait() == 1
     assert re.match(r'\[run\] {} \({}\) has ended: .*{}'.format(part, node, reason),
                     last_line(demo)), demo.output
@@ -278,8 +279,8 @@ def test_camera_that_cannot_start_is_reported_and_the_other_nodes_continue(
 
 
 def test_a_killed_node_is_reported(run_demo):
-    demo = run_demo('camera:=synthetic', 'respawn:=false')
-    demo.wait_output('the robot drives forward')
+    demo = run_demo('camera:=synthetic', 'recognition:=false', 'teleop:=false', 'respawn:=false')
+    demo.wait_output('camera: synthetic scene')
     os.kill(node(demo, 'usb_cam'), signal.SIGKILL)
     demo.wait_output(r'\[run\] the camera \(usb_cam\) has ended: killed by SIGKILL; the other')
 
