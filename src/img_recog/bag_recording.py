@@ -8,6 +8,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import Callable, Optional, Sequence
 
+from img_recog import process_tree
 from img_recog.errors import UserError, one_line, shortened
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
@@ -121,11 +122,7 @@ class BagRecording:
         self._is_over = True
         if self.is_running:
             self._process.send_signal(signal.SIGINT)
-            try:
-                self._process.wait(_END_TIMEOUT_S)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+            process_tree.wait_or_kill(self._process, _END_TIMEOUT_S)
 
 
 class Recorder:

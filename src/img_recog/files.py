@@ -36,13 +36,8 @@ def cache_folder(kind: str) -> str:
                         'img_recog', kind)
 
 
-def find_user_path(path: str, except_names: Sequence[str] = ()) -> str:
-    """Return the first existing file that a relative path can mean, or else the path as given.
-
-    except_names: names that are not paths, even where a file has the same name.
-    """
-    if path in except_names:
-        return path
+def find_user_path(path: str) -> str:
+    """Return the first existing file that a relative path can mean, or else the path as given."""
     candidates = (os.path.join(folder, os.path.expanduser(path)) for folder in user_folders())
     return next(filter(os.path.isfile, candidates), path)
 

@@ -2,6 +2,7 @@
 import ctypes
 import os
 import signal
+import subprocess
 from typing import Dict, Iterable, List
 
 PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
@@ -55,6 +56,15 @@ def send(signum: int, pids: Iterable[int]) -> None:
             os.kill(pid, signum)
         except ProcessLookupError:
             pass
+
+
+def wait_or_kill(process: 'subprocess.Popen[bytes]', timeout_s: float) -> None:
+    """Wait for the end of a child; kill it after a time."""
+    try:
+        process.wait(timeout_s)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def reap() -> Dict[int, int]:

@@ -14,20 +14,11 @@ class TextureError(UserError):
     """A texture cannot be read."""
 
 
-def read(path: str) -> np.ndarray:
-    """Return the image of a file, RGB of shape (rows, columns, 3); TextureError naming the file.
+def read(path: str, mode: str = 'RGB') -> np.ndarray:
+    """Return the image of a file, (rows, columns, channels); mode: RGB or RGBA.
 
-    An image with a side of more than 4096 pixels is reduced.
+    An image with a side of more than 4096 pixels is reduced. Raises TextureError naming the file.
     """
-    return _read(path, 'RGB')
-
-
-def read_with_alpha(path: str) -> np.ndarray:
-    """Return the image of a file like `read`, RGBA of shape (rows, columns, 4)."""
-    return _read(path, 'RGBA')
-
-
-def _read(path: str, mode: str) -> np.ndarray:
     try:
         with Image.open(path) as image:
             if image.width * image.height > _MAX_PIXELS:

@@ -29,7 +29,7 @@ ALLOWED = {
     **{folder: ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file',
                 'rotations', 'settings', 'still_images', 'textures', 'visuals')
        for folder in PURE},
-    'bag_recording': ('errors',), 'markup': ('errors',), 'new_package': ('errors',),
+    'bag_recording': ('errors', 'process_tree'), 'markup': ('errors',), 'new_package': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
     'messages': (),
     'option_types': (), 'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (),

@@ -47,10 +47,7 @@ def check_packages(chapter):
 def _end(process):
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
-        try:
-            process.wait(_END_S)
-        except subprocess.TimeoutExpired:
-            process.kill()
+        process_tree.wait_or_kill(process, _END_S)
 
 
 def _has_clock(path):

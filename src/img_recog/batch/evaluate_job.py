@@ -5,7 +5,6 @@ import csv
 import logging
 import os
 import re
-import sys
 from collections import Counter
 from typing import Any, Dict, List, Sequence
 
@@ -26,10 +25,9 @@ _log = logging.getLogger('evaluate.py')
 
 def main() -> int:
     """Run the program; return its exit code, 1 if a recording cannot be used."""
-    programs.log_to_terminal('evaluate.py')
     problems: List[str] = []
-    code = programs.run(lambda words, interrupts: _main(words, interrupts, problems),
-                        sys.argv[1:], _log, 'cannot write')
+    code = programs.run('evaluate.py', lambda words, interrupts: _main(
+        words, interrupts, problems), 'cannot write')
     return code or int(bool(problems))
 
 

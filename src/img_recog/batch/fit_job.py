@@ -36,9 +36,7 @@ class Recorded(NamedTuple):
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
-    programs.log_to_terminal('fit_colors.py')
-    return programs.run(_run, sys.argv[1:] if arguments is None else arguments, _log,
-                        'cannot fit the colors')
+    return programs.run('fit_colors.py', _run, 'cannot fit the colors', arguments)
 
 
 def _run(arguments: List[str], interrupts: Interrupts) -> str:

@@ -6,7 +6,6 @@ import argparse
 import logging
 import os
 import re
-import sys
 import time
 from typing import List, Sequence, Tuple
 
@@ -28,11 +27,10 @@ _log = logging.getLogger('sweep.py')
 
 def main() -> int:
     """Run the program; return its exit code, 1 if a run has no result."""
-    programs.log_to_terminal('sweep.py')
     _log.setLevel(logging.INFO)
     failed: List[str] = []
-    code = programs.run(lambda words, interrupts: _main(words, interrupts, failed), sys.argv[1:],
-                        _log, 'cannot write')
+    code = programs.run('sweep.py', lambda words, interrupts: _main(words, interrupts, failed),
+                        'cannot write')
     return code or int(bool(failed))
 
 

@@ -83,13 +83,11 @@ def _leaves(edges: FrozenSet[Edge], topics: FrozenSet[str]) -> FrozenSet[str]:
                      if count < 2 or topic not in subscribed)
 
 
-def clusters_of(name: str, levels: int = 2) -> Tuple[str, ...]:
-    """Return the namespaces of a name, from the outermost one, without the root.
-
-    levels: how many at most; rqt_graph draws a box around each.
+def clusters_of(name: str) -> Tuple[str, ...]:
+    """Return the two outer namespaces of a name, around which rqt_graph draws boxes.
 
     >>> clusters_of('/tb3_0/camera/rgb/image_raw')
     ('/tb3_0', '/tb3_0/camera')
     """
-    parts = name.strip('/').split('/')[:-1][:levels]
+    parts = name.strip('/').split('/')[:-1][:2]
     return tuple('/' + '/'.join(parts[:number + 1]) for number in range(len(parts)))

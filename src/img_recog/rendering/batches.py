@@ -1,4 +1,5 @@
 """What a scene is loaded into: triangles in the memory of OpenGL, in batches."""
+from functools import partial
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import moderngl
@@ -90,7 +91,7 @@ class Loader:
                                      fragment_shader=shaders.SHADOW_FRAGMENT)
         self._meshes = FileCache(prepared.read_mesh)
         self._images = FileCache(prepared.read_texture)
-        self._cutouts = FileCache(prepared.read_texture_with_alpha)
+        self._cutouts = FileCache(partial(prepared.read_texture, mode='RGBA'))
         # by the id of their image, which therefore is kept
         self._textures: Dict[int, Tuple[np.ndarray, moderngl.Texture]] = {}
         self._missing: List[str] = []

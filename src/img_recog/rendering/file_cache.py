@@ -3,7 +3,6 @@ import os
 from typing import Callable, Dict, Generic, Tuple, TypeVar
 
 Value = TypeVar('Value')
-_Key = Tuple[str, int, int]
 
 
 class FileCache(Generic[Value]):
@@ -12,12 +11,12 @@ class FileCache(Generic[Value]):
     def __init__(self, read: Callable[[str], Value]):
         """read: returns what is in the file at a path."""
         self._read = read
-        self._kept: Dict[_Key, Value] = {}
-        self._used: Dict[_Key, Value] = {}
+        self._kept: Dict[Tuple[str, int, int], Value] = {}
+        self._used: Dict[Tuple[str, int, int], Value] = {}
 
     def get(self, path: str) -> Value:
         """Return what is in a file; what `read` raises is not kept."""
-        key = _key(path)
+        key = version(path)
         if key not in self._used:
             self._used[key] = self._kept[key] if key in self._kept else self._read(path)
         return self._used[key]
@@ -27,9 +26,10 @@ class FileCache(Generic[Value]):
         self._kept, self._used = self._used, {}
 
 
-def _key(path: str) -> _Key:
+def version(path: str) -> Tuple[str, int, int]:
+    """Return what tells whether a file has changed."""
     try:
         status = os.stat(path)
     except (OSError, ValueError):
         return path, 0, 0
-    return path, status.st_mtime_ns, status.st_size
+    return os.path.abspath(path), status.st_mtime_ns, status.st_size

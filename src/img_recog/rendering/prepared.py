@@ -7,6 +7,7 @@ import numpy as np
 from img_recog import mesh_file, textures
 from img_recog.mesh_file import Triangles
 from img_recog.rendering import disk_cache
+from img_recog.rendering.file_cache import version
 
 _TRIANGLES = np.dtype([('positions', 'f8', (3, 3)), ('normals', 'f8', (3, 3)),
                        ('uvs', 'f8', (3, 2))])
@@ -14,7 +15,7 @@ _TRIANGLES = np.dtype([('positions', 'f8', (3, 3)), ('normals', 'f8', (3, 3)),
 
 def read_mesh(path: str) -> List[Triangles]:
     """Return the triangles of a mesh file like `mesh_file.read`, whose errors it raises."""
-    key = ('mesh', *map(_version, [path, *mesh_file.material_files(path)]))
+    key = ('mesh', *map(version, [path, *mesh_file.material_files(path)]))
     kept = disk_cache.load(*key)
     parts = None if kept is None else _unpacked(*kept)
     if parts is None:
@@ -25,33 +26,15 @@ def read_mesh(path: str) -> List[Triangles]:
     return parts
 
 
-def read_texture(path: str) -> np.ndarray:
+def read_texture(path: str, mode: str = 'RGB') -> np.ndarray:
     """Return an image like `textures.read`, whose errors it raises."""
-    return _read_image(path, 'RGB')
-
-
-def read_texture_with_alpha(path: str) -> np.ndarray:
-    """Return an image like `textures.read_with_alpha`, whose errors it raises."""
-    return _read_image(path, 'RGBA')
-
-
-def _read_image(path: str, mode: str) -> np.ndarray:
-    key = 'texture', mode, *_version(path)
+    key = 'texture', mode, *version(path)
     kept = disk_cache.load(*key)
     if kept is not None:
         return kept[0][::-1]
-    image = textures.read(path) if mode == 'RGB' else textures.read_with_alpha(path)
+    image = textures.read(path, mode)
     disk_cache.store(image[::-1], None, *key)       # as OpenGL wants it: the lowest row first
     return image
-
-
-def _version(path: str) -> Tuple[str, int, int]:
-    """Return what tells whether a file has changed."""
-    try:
-        status = os.stat(path)
-    except (OSError, ValueError):
-        return path, 0, 0
-    return os.path.abspath(path), status.st_mtime_ns, status.st_size
 
 
 def _are_found(parts: List[Triangles]) -> bool:

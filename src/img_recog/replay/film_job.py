@@ -4,7 +4,6 @@ import contextlib
 import logging
 import math
 import os
-import sys
 from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -36,9 +35,7 @@ _log = logging.getLogger('film.py')
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
-    programs.log_to_terminal('film.py')
-    return programs.run(_make, sys.argv[1:] if arguments is None else arguments, _log,
-                        'cannot make the film')
+    return programs.run('film.py', _make, 'cannot make the film', arguments)
 
 
 def _make(arguments: List[str], interrupts: Interrupts) -> str:

@@ -5,7 +5,6 @@ import functools
 import io
 import logging
 import os
-import sys
 import time
 from typing import TYPE_CHECKING, Callable, List, Optional, Sequence, Tuple, Union
 
@@ -40,10 +39,8 @@ def main(painter: Painter, begin_s: float) -> int:
 
     begin_s: start time of the program, by time.perf_counter.
     """
-    programs.log_to_terminal('replay.py')
-    return programs.run(
-        lambda words, interrupts: replay(cli.parse(words), painter, begin_s, interrupts),
-        sys.argv[1:], _log, 'cannot write')
+    return programs.run('replay.py', lambda words, interrupts: replay(
+        cli.parse(words), painter, begin_s, interrupts), 'cannot write')
 
 
 def replay(options: argparse.Namespace, painter: Painter, begin_s: float,

@@ -3,7 +3,6 @@ import argparse
 import contextlib
 import logging
 import os
-import sys
 import tempfile
 import time
 from typing import Iterator, List, Optional, Sequence, Tuple
@@ -36,9 +35,7 @@ _log = logging.getLogger('plot.py')
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Run the program; return its exit code."""
-    programs.log_to_terminal('plot.py')
-    return programs.run(_make, sys.argv[1:] if arguments is None else arguments, _log,
-                        'cannot draw')
+    return programs.run('plot.py', _make, 'cannot draw', arguments)
 
 
 def _make(arguments: List[str], _: Interrupts) -> str:

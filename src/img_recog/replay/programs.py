@@ -3,7 +3,7 @@ import logging
 import os
 import signal
 import sys
-from typing import Callable, List, Sequence
+from typing import Callable, List, Optional, Sequence
 
 from img_recog.errors import UserError, one_line
 from img_recog.recognition import parameter_file
@@ -22,21 +22,19 @@ class _Lines(logging.Formatter):
         return super().formatMessage(logging.makeLogRecord(levels))
 
 
-def log_to_terminal(program: str) -> None:
-    """Have the log of this process in the terminal. program: its name."""
-    handler = logging.StreamHandler()
-    handler.setFormatter(_Lines(program))
-    logging.basicConfig(handlers=[handler])
-
-
-def run(program: Callable[[List[str], Interrupts], str], words: Sequence[str],
-        log: logging.Logger, failed: str) -> int:
+def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
+        words: Optional[Sequence[str]] = None) -> int:
     """Run a program, print the summary that it returns, and return the exit code.
 
-    words: of the command line, also __name:=... and __log:=..., which roslaunch adds. An error is
-    one line of the log; failed: its beginning, where the system names no file.
+    name: of the program, and of its log, which is in the terminal then. An error is one line of
+    it; failed: its beginning, where the system names no file. words: by default those of the
+    command line, also __name:=... and __log:=..., which roslaunch adds.
     """
-    interrupts = Interrupts()
+    handler = logging.StreamHandler()
+    handler.setFormatter(_Lines(name))
+    logging.basicConfig(handlers=[handler])
+    log, interrupts = logging.getLogger(name), Interrupts()
+    words = sys.argv[1:] if words is None else words
     try:
         arguments = [word for word in words if not (word.startswith('__') and ':=' in word)]
         sys.stdout.write(program(arguments, interrupts) + '\n')

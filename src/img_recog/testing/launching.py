@@ -14,6 +14,7 @@ import roslaunch
 import roslaunch.config
 import roslaunch.rlutil
 
+from img_recog import process_tree
 from img_recog.errors import UserError, one_line
 from img_recog.launch_output import Death, LaunchOutput, plain
 from img_recog.testing.tracebacks import of_reasons
@@ -181,11 +182,7 @@ class Launch:
         """End all nodes, and wait for that."""
         assert self._process.stdin is not None
         self._process.stdin.close()
-        try:
-            self._process.wait(_END_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        process_tree.wait_or_kill(self._process, _END_TIMEOUT_S)
         self._reader.join(_END_TIMEOUT_S)
         assert self._process.stdout is not None
         self._process.stdout.close()

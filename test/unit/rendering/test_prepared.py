@@ -23,12 +23,10 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def reads(monkeypatch, module, *names):
-    """Return a list of the paths that functions of a module read from now on."""
-    found = []
-    for name in names:
-        read = getattr(module, name)
-        monkeypatch.setattr(module, name, lambda path, read=read: found.append(path) or read(path))
+def reads(monkeypatch, module):
+    """Return a list of what `read` of a module reads from now on."""
+    found, read = [], module.read
+    monkeypatch.setattr(module, 'read', lambda *given: found.append(given) or read(*given))
     return found
 
 
@@ -44,7 +42,7 @@ def cached_files(folder):
 
 
 def test_a_mesh_is_read_once_and_the_same_the_next_time(folder, monkeypatch):
-    found = reads(monkeypatch, mesh_file, 'read')
+    found = reads(monkeypatch, mesh_file)
     first, second = read_mesh(folder), read_mesh(folder)
     assert len(found) == 1 and len(first) == len(second) == 2
     for one, other in zip(first, second):
@@ -65,7 +63,7 @@ def test_a_mesh_that_has_changed_is_read_again(folder, name, text):
 
 
 def test_a_mesh_whose_texture_is_not_found_is_read_each_time(folder, monkeypatch):
-    found = reads(monkeypatch, mesh_file, 'read')
+    found = reads(monkeypatch, mesh_file)
     read_mesh(folder)
     (folder / 'a.png').rename(folder / 'b.png')
     read_mesh(folder)
@@ -73,19 +71,18 @@ def test_a_mesh_whose_texture_is_not_found_is_read_each_time(folder, monkeypatch
     assert len(found) == 3
 
 
-@pytest.mark.parametrize('mode, shape', [('read', (4, 3, 3)), ('read_with_alpha', (4, 3, 4))])
+@pytest.mark.parametrize('mode, shape', [('RGB', (4, 3, 3)), ('RGBA', (4, 3, 4))])
 def test_a_texture_is_decoded_once(folder, monkeypatch, mode, shape):
     path = str(folder / 'a.png')
-    expected = getattr(textures, mode)(path)
-    found = reads(monkeypatch, textures, 'read', 'read_with_alpha')
-    read = prepared.read_texture if mode == 'read' else prepared.read_texture_with_alpha
+    expected = textures.read(path, mode)
+    found = reads(monkeypatch, textures)
     for _ in range(2):
-        image = read(path)
+        image = prepared.read_texture(path, mode)
         disk_cache.wait()
         assert image.shape == shape and np.array_equal(image, expected)
     assert len(found) == 1
     os.utime(path, (1, 1))
-    read(path)
+    prepared.read_texture(path, mode)
     assert len(found) == 2
 
 
@@ -103,7 +100,7 @@ def test_a_damaged_file_of_the_cache_is_written_anew(folder, monkeypatch, size):
     path, = cached_files(folder)
     with open(path, 'r+b') as file:
         file.truncate(size % os.path.getsize(path))
-    found = reads(monkeypatch, mesh_file, 'read')
+    found = reads(monkeypatch, mesh_file)
     for _ in range(2):
         assert np.array_equal(read_mesh(folder)[1].positions, first[1].positions)
     assert len(found) == 1

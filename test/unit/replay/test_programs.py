@@ -1,19 +1,15 @@
 """What replay.py and film.py have in common."""
-import logging
-
 import pytest
 
 from img_recog.errors import UserError
 from img_recog.replay import programs
-
-LOG = logging.getLogger('program')
 
 
 @pytest.fixture
 def run(caplog, capsys, handlers_as_before):
     """A function that runs a program; it returns the exit code, the output and the log."""
     def run(program, *words):
-        code = programs.run(program, words, LOG, 'cannot do it')
+        code = programs.run('program', program, 'cannot do it', words)
         return code, capsys.readouterr().out, caplog.messages
     return run
 

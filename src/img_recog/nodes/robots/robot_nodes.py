@@ -6,6 +6,7 @@ import subprocess
 import time
 from typing import Any, List, Mapping, Optional
 
+from img_recog import process_tree
 from img_recog.nodes.robots.robot_list import RobotRow
 
 _LONG_LIFE_S = 10.0         # of a roslaunch that is started again if it ends
@@ -58,11 +59,7 @@ class RobotNodes:
     def wait(self) -> None:
         """Wait until the nodes have ended, after `interrupt`."""
         if self._process is not None:
-            try:
-                self._process.wait(_EXIT_TIMEOUT_S)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+            process_tree.wait_or_kill(self._process, _EXIT_TIMEOUT_S)
             self._process = None
 
 

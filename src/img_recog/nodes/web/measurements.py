@@ -32,6 +32,7 @@ class Topics:
 
     def __init__(self) -> None:
         self.updates = Updates()
+        self._topics: List[Topic] = []
         self._lock = threading.Lock()
         self._is_watched, self._is_changing = False, False
         self._subscribers: Dict[str, rospy.Subscriber] = {}
@@ -46,7 +47,7 @@ class Topics:
 
     def topics(self) -> List[Topic]:
         """Return what is subscribed while somebody looks."""
-        raise NotImplementedError
+        return self._topics
 
     def _forget(self) -> None:
         """Forget what was measured before: it is no start of what follows."""
@@ -82,7 +83,7 @@ class SystemTopics(Topics):
         self._places_s = 0.0
         self._warn = ThrottledWarning()
         resolve = rospy.resolve_name
-        self._fixed = [
+        self._topics = [
             (resolve('gazebo/real_time_factor'), Float64, self._factor),
             (resolve('gazebo/world_outlines'), MarkerArray, self._outlines),
             *(topic for source in sources for topic in source(self.updates))]
@@ -96,8 +97,8 @@ class SystemTopics(Topics):
 
     def topics(self) -> List[Topic]:
         """Return what is subscribed while somebody looks."""
-        return [*self._fixed, *((topic, Odometry, partial(self._placed, name))
-                                for name, topic in self._robots.items())]
+        return [*self._topics, *((topic, Odometry, partial(self._placed, name))
+                                 for name, topic in self._robots.items())]
 
     def _forget(self) -> None:
         super()._forget()
@@ -139,14 +140,10 @@ class RobotTopics(Topics):
         self._path_end: Optional[Tuple[float, float]] = None
         self._colors: List[str] = []
         self._warn = ThrottledWarning()
-        self._topics: List[Topic] = [
+        self._topics = [
             (resolve('cmd_vel'), Twist, self._asked), (resolve('odom'), Odometry, self._driven),
             (resolve('scan'), LaserScan, self._scanned),
             (resolve('color_detection'), PointCloud, self._detected)]
-
-    def topics(self) -> List[Topic]:
-        """Return what is subscribed while somebody looks."""
-        return self._topics
 
     def _forget(self) -> None:
         super()._forget()

@@ -48,7 +48,6 @@ class NavigationTopics(Topics):
         """
         super().__init__()
         self._resolve, self._odom_frame = resolve, odom_frame
-        self._topics: List[Topic] = []
         self._plans: Dict[str, Any] = {}
         self._transforms: Dict[Tuple[str, str], Transform] = {}
         self._shown: Optional[Transform] = None
@@ -85,10 +84,6 @@ class NavigationTopics(Topics):
                   and types.get(updates) == 'map_msgs/OccupancyGridUpdate' else []),
                 ('/tf', TFMessage, self._moved), ('/tf_static', TFMessage, self._moved),
                 *((name, Path, partial(self._planned, name)) for name in plans[:_MAX_PLANS])]
-
-    def topics(self) -> List[Topic]:
-        """Return what is subscribed while somebody looks."""
-        return self._topics
 
     def _forget(self) -> None:
         super()._forget()
