@@ -25,7 +25,7 @@ from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings
 from img_recog.nodes.robots.node import ManagerSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
-from img_recog.nodes.web.settings import WebSettings
+from img_recog.nodes.web.node import WebSettings
 from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, with_colors
 from img_recog.settings import SettingError, Settings
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings

@@ -34,7 +34,7 @@ def main() -> int:
 def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> str:
     given = _parser().parse_args(words)
     where = options.of(given)
-    named = _named(list(map(os.path.abspath, recordings.expand(given.recordings))))
+    named = _named([os.path.abspath(path) for path in recordings.expand(given.recordings)])
     sets = _color_sets(given.colors)
     truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),

@@ -5,7 +5,7 @@ import sys
 from typing import Callable, Iterator, List, Optional, Sequence
 
 from img_recog.doctor import machine, running
-from img_recog.doctor.finding import Finding
+from img_recog.doctor.machine import Finding
 from img_recog.messages import message
 
 Check = Callable[[], Iterator[Finding]]

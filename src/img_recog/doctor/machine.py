@@ -10,9 +10,8 @@ import subprocess
 import sys
 import tempfile
 import urllib.parse
-from typing import Iterator, Set
+from typing import Iterator, NamedTuple, Set
 
-from img_recog.doctor.finding import Finding
 from img_recog.errors import one_line, shortened
 from img_recog.messages import message
 
@@ -25,6 +24,17 @@ _SYSTEM_PYTHON = '/usr/bin/python3'     # the one that the packages of ROS are f
 _NOETIC = '/opt/ros/noetic'
 _MIN_FREE_MB = 200
 _TIMEOUT_S = 60
+
+
+class Finding(NamedTuple):
+    """Something that is wrong, and what to do about it.
+
+    is_note: it may be meant to be so.
+    """
+
+    problem: str
+    advice: str
+    is_note: bool = False
 
 
 def check_python() -> Iterator[Finding]:

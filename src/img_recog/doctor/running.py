@@ -8,8 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
 
 from img_recog import timed_xmlrpc
-from img_recog.doctor.finding import Finding
-from img_recog.doctor.machine import DEFAULT_MASTER, missing_packages
+from img_recog.doctor.machine import DEFAULT_MASTER, Finding, missing_packages
 from img_recog.errors import most_similar, one_line, shortened
 from img_recog.messages import message
 from img_recog.timed_xmlrpc import Master

@@ -10,7 +10,7 @@ from std_msgs.msg import Header
 from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
-from img_recog.ros import image_topics, lifecycle, parameters
+from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import Counter
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import LatestValue
@@ -41,7 +41,7 @@ class CompressedImages:
         redelivery: sends the images, from the first subscriber on.
         Raises ParameterError when a parameter has a value that is not allowed.
         """
-        name = image_topics.topic_beside(topic)
+        name = rospy.resolve_name(topic) + '/compressed'
         settings = parameters.read(CompressionSettings, namespace=name)
         parameters.warn_of_unknown(CompressionSettings, namespace=name)
         self._images, self._closed = LatestValue(), threading.Event()

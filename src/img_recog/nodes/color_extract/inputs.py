@@ -9,7 +9,6 @@ from sensor_msgs.msg import CompressedImage, Image
 from img_recog.conversions import compressed_image_msgs
 from img_recog.conversions.image_msgs import ColorImages
 from img_recog.nodes.color_extract.diagnostics import RecognitionDiagnostics
-from img_recog.ros import image_topics
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_subscriber import ImageSubscriber
 
@@ -85,7 +84,7 @@ class CompressedInput:
         self._counts, self._max_pixels = counts, max_pixels
         self._latest = LatestValue()
         self.take, self.wake = self._latest.take, self._latest.wake
-        rospy.Subscriber(image_topics.topic_beside(topic), CompressedImage, self._receive,
+        rospy.Subscriber(rospy.resolve_name(topic) + '/compressed', CompressedImage, self._receive,
                          queue_size=1, buff_size=1 << 24, tcp_nodelay=True)
 
     def decode(self, msg: CompressedImage) -> Tuple[np.ndarray, str]:
