@@ -167,6 +167,11 @@ class Images(Echo):
         return wait_for(newest, lambda: 'an image; the newest: {}'.format(self.rows[-1:]))[0]
 
 
-def standing(rows):
-    """Return whether x differs by less than 1 mm in 30 rows, which are one second."""
-    return len(rows) == 30 and max(x for x, *_ in rows) - min(x for x, *_ in rows) < 1e-3
+def wait_standing(place):
+    """Wait until x of an Echo differs by less than 1 mm in 30 rows, one second; return the last.
+    """
+    def last():
+        rows = place.rows[-30:]
+        is_standing = len(rows) == 30 and np.ptp([x for x, *_ in rows]) < 1e-3
+        return is_standing and rows[-1]
+    return wait_for(last, lambda: 'the robot to stand: {}'.format(place.rows[-30:]))

@@ -11,7 +11,7 @@ from img_recog.ros.transport.switch import is_plain
 from img_recog_testing import wire
 from img_recog_testing.process_table import descendants, is_alive
 from img_recog_testing.simulator_tools import (Echo, Images, burger, call, complaints, drawing,
-                                               drive, standing)
+                                               drive, wait_standing)
 from img_recog_testing.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
@@ -89,9 +89,7 @@ def test_a_command_ends_after_the_timeout(ros, simulate):
     drive(ros, 0.2)
     place.wait(lambda x, y, z: x > -1.95, 'the robot to leave')
     # at 0.2 m/s for 0.5 s; both ends are ramps of 0.2 s
-    rows = wait_for(lambda: place.rows[-30:] if standing(place.rows[-30:]) else None,
-                    lambda: place.rows[-30:])
-    assert rows[-1][0] == pytest.approx(-1.9, abs=0.02)
+    assert wait_standing(place)[0] == pytest.approx(-1.9, abs=0.02)
 
 
 def test_encoder_odometry_starts_at_zero_also_after_a_reset(ros, simulate):
@@ -216,9 +214,7 @@ def test_the_real_time_factor_is_changed_while_it_runs(ros, simulate):
     # a command lasts 0.5 s of wall time, 2 s of simulated time
     drive(ros, 0.2)
     place.wait(lambda x, y, z: x > -1.95, 'the robot to leave')
-    rows = wait_for(lambda: place.rows[-30:] if standing(place.rows[-30:]) else None,
-                    lambda: place.rows[-30:])
-    assert rows[-1][0] == pytest.approx(-1.6, abs=0.05)
+    assert wait_standing(place)[0] == pytest.approx(-1.6, abs=0.05)
     set_parameters(ros, "{'real_time_factor': -1}")
     wait_for(lambda: any('real_time_factor' in line and '0.001 to 1000' in line
                          for line in complaints(node)),

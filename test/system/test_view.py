@@ -5,7 +5,8 @@ import signal
 import pytest
 
 from img_recog_testing.process_table import cpu_s, descendants
-from img_recog_testing.simulator_tools import Echo, Images, complaints, drawing, drive, standing
+from img_recog_testing.simulator_tools import (Echo, Images, complaints, drawing, drive,
+                                               wait_standing)
 from img_recog_testing.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures('shared_ros')       # one master
@@ -53,7 +54,7 @@ def test_view_from_above_shows_the_robot_at_its_position(ros, simulate):
     place.wait(lambda x, y, z: y > 0.5, 'the robot to drive')
     driving.close()
     drive(ros, 0.0)
-    x, y, _ = wait_for(lambda: place.rows[-1] if standing(place.rows[-30:]) else None, 'a halt')
+    x, y, _ = wait_standing(place)
     expected = pytest.approx((320 - y * 46.2, 240 + (0.8 - x) * 46.2), abs=4)
     # the newest image may be from before the halt
     images.wait(lambda image: image['dark']['middle'] and image['dark']['middle'] == expected)

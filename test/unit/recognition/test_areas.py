@@ -165,14 +165,6 @@ def test_black_grey_and_white_have_no_color(value):
     assert found.centroid(0) is None and found.centroid(1) is None
 
 
-def test_frame_filled_with_a_color():
-    image = np.full((48, 64, 3), (215, 70, 25), np.uint8)
-    found = extractor()
-    assert found.measure(image) == [48 * 64, 0]
-    assert np.array_equal(found.masked(0), image)
-    assert found.centroid(0) == (31.5, 23.5)
-
-
 def test_input_is_unchanged_and_shares_no_memory_with_results():
     image = random_image(7)
     before, found = image.copy(), extractor()

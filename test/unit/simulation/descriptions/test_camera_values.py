@@ -103,14 +103,6 @@ def test_the_format_of_images(given, encoding, problems):
     assert found.cameras[0].camera_encoding == encoding and found.not_simulated == problems
 
 
-def test_the_pose_of_the_camera_is_in_the_frame_of_the_sensor():
-    camera, = read('camera', '<pose>1 0 0.5 0 0 {}</pose><camera><pose>0.1 0 0 0 0.2 0</pose>'
-                   '</camera>'.format(math.pi / 2)).cameras
-    assert (camera.camera_x, camera.camera_y, camera.camera_z) == pytest.approx((1, 0.1, 0.5))
-    assert (camera.camera_roll, camera.camera_pitch, camera.camera_yaw) == pytest.approx(
-        (0, 0.2, math.pi / 2))
-
-
 @pytest.mark.parametrize('given, topic', [('tb3', 'tb3/eye/raw'), ('/', 'eye/raw'),
                                           ('/a/b/', 'a/b/eye/raw')])
 def test_the_namespace_of_the_plugin(given, topic):

@@ -138,17 +138,6 @@ def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():
     assert values(CONTROL, planar, given=controllers())['drive'] == 'planar'
 
 
-def test_a_controller_by_what_it_assumes():
-    found = values(CONTROL, given=controllers(2))
-    assert not differing(
-        found, left_joint='left_0_joint, left_1_joint', wheel_separation=None,
-        right_joint='right_0_joint, right_1_joint', wheel_diameter=None, wheel_acceleration=0.0,
-        wheel_separation_multiplier=1.0, odometry_source='encoder', odometry_period_s=0.02,
-        base_frame='base_link', odom_frame='odom', publish_odom_tf=True, cmd_vel_timeout=0.5,
-        command_topic='base/cmd_vel', odometry_topic='base/odom', stamped_commands=False,
-        max_linear_velocity=None)
-
-
 def test_a_controller_with_its_parameters():
     given = controllers(
         left_wheel='left_0_joint', wheel_separation=0.3, wheel_separation_multiplier=1.5,
@@ -183,15 +172,6 @@ def test_of_another_robots_controllers_none_is_used():
 @pytest.mark.parametrize('given', [{}, {'base': controllers()['base']}])
 def test_no_controller_without_the_plugin_that_runs_them(given):
     assert 'left_joint' not in values(given=given)
-
-
-def test_mecanum_wheels_are_a_base_that_moves_itself():
-    corners = {name + '_wheel_joint': joint for name, joint in (
-        ('front_left', 'left_0_joint'), ('front_right', 'right_0_joint'),
-        ('back_left', 'left_1_joint'), ('back_right', 'right_1_joint'))}
-    found = values(CONTROL, given={'base': {
-        'type': 'mecanum_drive_controller/MecanumDriveController', **corners}})
-    assert not differing(found, drive='planar', command_topic='base/cmd_vel')
 
 
 @pytest.mark.parametrize('parameters, wanted', [
