@@ -24,8 +24,9 @@ def frame(number, stamp_ns, *colors):
 
 
 def contents(folder, part='.replay.'):
-    """Return the contents of the files in a folder whose names have this part."""
-    return {path.name: path.read_bytes() for path in folder.iterdir() if part in path.name}
+    """Return the contents of the files in a folder whose names have this part, in order."""
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())
+            if part in path.name}
 
 
 class EventLog(Recorder):

@@ -16,6 +16,7 @@ from img_recog.simulation.vehicle import Vehicle
 from img_recog_testing.pages import ROOT
 from img_recog_testing.replaying import contents
 from img_recog_testing.simulator_tools import BURGER, burger
+from img_recog_testing.videos import opencv_frames
 from img_recog_testing.waiting import wait_for
 
 VIDEO = os.path.join(ROOT, 'test', 'data', 'bikes.mp4')
@@ -47,14 +48,9 @@ def refused(result):
 
 def video_areas():
     """Return blue and red area of each frame of the video, computed with OpenCV only."""
-    capture, areas = cv2.VideoCapture(VIDEO, cv2.CAP_FFMPEG), []
-    good, bgr = capture.read()
-    while good:
-        hsv = cv2.cvtColor(bgr, cv2.COLOR_BGR2HSV)
-        areas.append([cv2.countNonZero(cv2.inRange(hsv, *map(np.array, bounds)))
-                      for bounds in RANGES])
-        good, bgr = capture.read()
-    return areas
+    return [[cv2.countNonZero(cv2.inRange(cv2.cvtColor(rgb, cv2.COLOR_RGB2HSV),
+                                          *map(np.array, bounds))) for bounds in RANGES]
+            for rgb in opencv_frames(VIDEO)]
 
 
 def drive(areas):
@@ -156,13 +152,15 @@ def test_interrupted_replay_leaves_no_files(ros, tmp_path):
 
 
 CASES = {
-    'missing': (['no.mp4'], 'cannot replay no.mp4: no such file', 'give a video'),
+    'missing': (['no.mp4'], 'cannot replay no.mp4: no such file',
+                'give a video that FFmpeg plays, or a bag with images'),
     'folder': (['.'], 'cannot replay .: it is not a file', 'give a video'),
     'text': (['text.txt'], 'cannot play text.txt', 'give a video'),
     'empty video': (['empty.mp4'], 'cannot play empty.mp4', 'give a video'),
     'cut video': (['cut.mp4'], 'cannot play cut.mp4', 'give a video'),
     'text as bag': (['text.bag'], 'cannot read text.bag as a bag', 'give a video'),
-    'topic of a video': ([VIDEO, '--topic', '/eye'], VIDEO, '--topic is for a bag'),
+    'topic of a video': ([VIDEO, '--topic', '/eye'], VIDEO,
+                         '--topic is for a bag, and it is not a bag'),
     'colors': ([VIDEO, '--colors', 'text.txt'], 'parameters in text.txt', 'blue_hue_min'),
     'robot': ([VIDEO, '--urdf', 'text.txt'], 'the robot in text.txt: not XML', 'check'),
     'no robot': ([VIDEO, '--urdf', 'no.urdf'], 'the robot in no.urdf', 'set --urdf'),

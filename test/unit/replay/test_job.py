@@ -204,30 +204,6 @@ def test_options_that_make_no_sense_together(run, make_video, caplog, arguments,
     assert caplog.messages == [line]
 
 
-@pytest.mark.parametrize('arguments, line', [
-    (['no.avi'], 'cannot replay no.avi: no such file; give a video that FFmpeg plays, or a bag '
-     'with images'),
-    (['.'], 'cannot replay .: it is not a file; give a video that FFmpeg plays, or a bag with '
-     'images'),
-    (['video.avi', '--topic', 'x'],
-     'cannot replay video.avi: --topic is for a bag, and it is not a bag')])
-def test_input_that_is_refused_is_one_line(run, make_video, caplog, arguments, line):
-    make_video()
-    assert run(*arguments)[:2] == (1, '')
-    assert caplog.messages == [line] and caplog.records[0].levelname == 'ERROR'
-
-
-@pytest.mark.parametrize('error, code, lines', [
-    (OSError(28, 'No space left on device', 'a.bag'), 1, ['a.bag: No space left on device']),
-    (OSError(28, 'No space left on device'), 1, ['cannot write: No space left on device']),
-    (KeyboardInterrupt(), 130, [])])
-def test_what_ends_the_program(run, monkeypatch, caplog, error, code, lines):
-    def fail(*_):
-        raise error
-    monkeypatch.setattr(job, 'replay', fail)
-    assert run('a')[0] == code and caplog.messages == lines
-
-
 @pytest.mark.parametrize('closed, code, wanted', [
     ((), 0, 0), (('stdout',), 0, 1), (('stderr',), 0, 1), (('stdout',), 3, 3), ((), 3, 3)])
 def test_exit_code_when_nobody_reads_the_output(monkeypatch, closed, code, wanted):
