@@ -163,13 +163,14 @@ class _Reader:
             raise SimulationError('models are nested more than {} deep, at {} in {}'.format(
                 _MAX_NESTED, model.get('name', ''), path), 'include the innermost ones directly')
         self._depth += 1
+        inside = model.findall('model')         # those that are included are expanded already
         for include in model.findall('include'):
             model.remove(include)
             with self._problems.left_out():
                 included = self._included(include, path, stack)
                 if included is not None:
                     model.append(included[0])
-        for nested in model.findall('model'):
+        for nested in inside:
             with self._problems.left_out():
                 self._expand(nested, path, stack)
         self._depth -= 1

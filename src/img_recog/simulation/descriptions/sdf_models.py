@@ -63,8 +63,9 @@ def trees(model: ElementTree.Element, version: Version, find: FindFile,
     name, pose = model.get('name', ''), pose_of(model)
     parts = Joints(model, version, problems)
     found: List[Tree] = []
+    joints_of = _joints_of_links(parts)
     for root in _roots(parts):
-        for tree in _Builder(parts, root, find, problems).trees(name, pose):
+        for tree in _Builder(parts, joints_of, root, find, problems).trees(name, pose):
             found.append(tree._replace(first=False) if found else tree._replace(name=name))
     return found
 
@@ -90,16 +91,23 @@ def _roots(parts: Joints) -> List[Link]:
             for group in unique.values()]
 
 
+def _joints_of_links(parts: Joints) -> Dict[str, List[Joint]]:
+    """Return the joints of each link, those to its parent and those to its children."""
+    found: Dict[str, List[Joint]] = {name: [] for name in parts.links}
+    for joint in parts.joints:
+        found[joint.child].append(joint)
+        if joint.parent != WORLD:
+            found[joint.parent].append(joint)
+    return found
+
+
 class _Builder:
     """Builds the tree of the links that hang on a root, whichever way their joints point."""
 
-    def __init__(self, parts: Joints, root: Link, find: FindFile, problems: Problems):
-        self._links, self._root, self._find, self._problems = parts.links, root, find, problems
-        self._of_links: Dict[str, List[Joint]] = {name: [] for name in parts.links}
-        for joint in parts.joints:
-            self._of_links[joint.child].append(joint)
-            if joint.parent != WORLD:
-                self._of_links[joint.parent].append(joint)
+    def __init__(self, parts: Joints, joints_of: Dict[str, List[Joint]], root: Link,
+                 find: FindFile, problems: Problems):
+        self._links, self._of_links, self._root = parts.links, joints_of, root
+        self._find, self._problems = find, problems
         self._warnings: List[str] = []
         self._terrains: List[Tree] = []
 
