@@ -53,12 +53,14 @@ def reset_world(starts):
 
     starts: x and y by the Recorder of a robot's odometry.
     """
-    before = {recorder: len(recorder.messages) for recorder in starts}
     call('/gazebo/reset_world')
+    # what was sent before may still be on its way, from robots that have hardly left their starts
+    since = rospy.Time.now() + rospy.Duration(0.1)
 
     def stamps():       # they may drive away at once
-        found = [[msg.header.stamp for msg in recorder.messages[before[recorder]:]
-                  if math.dist(place(msg), start) < 0.05] for recorder, start in starts.items()]
+        found = [[msg.header.stamp for msg in list(recorder.messages)
+                  if msg.header.stamp > since and math.dist(place(msg), start) < 0.05]
+                 for recorder, start in starts.items()]
         return [each[-1] for each in found] if all(found) else None
     return max(wait_for(stamps, 'the robots at their starts'))
 
