@@ -57,10 +57,13 @@ def test_refused_files(tmp_path, text, words):
     assert '\n' not in str(caught.value)
 
 
-def test_a_missing_file(tmp_path):
+@pytest.mark.parametrize('name, reason', [
+    ('none.yaml', 'none.yaml: No such file or directory'), ('', ': Is a directory')])
+def test_a_missing_file(tmp_path, name, reason):
     with pytest.raises(ParameterError) as caught:
-        parameter_file.read(str(tmp_path / 'none.yaml'))
-    assert 'none.yaml: No such file or directory' in str(caught.value)
+        parameter_file.read(str(tmp_path / name))
+    assert str(caught.value).endswith(
+        reason + '; give a parameter file of color_extract, like config/colors.yaml')
 
 
 def test_parameters_of_the_node_alone_are_accepted(tmp_path):

@@ -59,28 +59,6 @@ def test_a_start_inside_of_a_post_is_warned_of(caplog):
     assert caplog.messages[0].endswith('set --x-pos, --y-pos, --z-pos')
 
 
-@pytest.mark.parametrize('text, said', [
-    ('hello', 'cannot use the robot in {}: not XML'),
-    ('<robot name="r"/>', 'cannot use the robot in {}: got 0 root links'),
-    (robots.burger().replace('wheel_left_joint', 'left'),
-     'cannot use the robot in {}: the robot has no movable joint wheel_left_joint'),
-    (robots.burger().replace('</robot>', DRIVE.replace('0.3', '-1')),
-     'cannot use the robot in {}: wheel_separation: got -1.0, allowed is')],
-    ids=['not XML', 'no link', 'no wheel', 'tag'])
-def test_robot_that_is_refused(robot_file, text, said):
-    path = robot_file(text)
-    with pytest.raises(UserError) as refused:
-        build(path)
-    assert str(refused.value).startswith(said.format(path)) and '\n' not in str(refused.value)
-
-
-def test_robot_and_world_that_are_not_there():
-    with pytest.raises(UserError, match='/no/such.urdf: No such file or directory; set --urdf'):
-        build('/no/such.urdf')
-    with pytest.raises(UserError, match='world: got \'mars\''):
-        build(resources.burger(), 'mars')
-
-
 def test_a_partial_world_is_an_option_of_the_command_line(tmp_path):
     path = tmp_path / 'a.world'
     path.write_text('<sdf version="1.6"><world name="w"><actor name="walker"/></world></sdf>')
