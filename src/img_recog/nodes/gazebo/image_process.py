@@ -20,7 +20,6 @@ from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durat
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog.visuals import VisualScene
 
-_NICENESS = 5               # where OpenGL runs on the processor, the physics comes first
 _POLL_PERIOD_S = 0.1
 _MAX_WAIT_S = 60.0          # for images, a scene or the start; then the process hangs
 _WARN_AFTER_S = 5.0
@@ -42,8 +41,12 @@ class ImageProcess:
     """
 
     def __init__(self, scene: VisualScene, poses: np.ndarray, cameras: Sequence[Camera],
+                 niceness: int = 0,
                  make: server.Make = functools.partial(renderer.make_or, TinyRenderer)):
-        """poses (n, 7): of all parts; make: makes what draws, in the process."""
+        """poses (n, 7): of all parts; niceness: how far other processes come first; make: makes
+        what draws, in the process.
+        """
+        self._niceness = niceness
         self._scene, self._poses, self._cameras, self._make = scene, poses, cameras, make
         self._helper: Optional[HelperProcess] = None
         self._memory = np.empty((server.SLOTS, 0), np.uint8)
@@ -80,7 +83,8 @@ class ImageProcess:
         try:
             memory = multiprocessing.get_context('spawn').RawArray(
                 'B', server.SLOTS * self._memory_size())
-            helper = HelperProcess(server.serve, (self._make,), _NICENESS, inherited=(memory,))
+            helper = HelperProcess(server.serve, (self._make,), self._niceness,
+                                   inherited=(memory,))
         except OSError as error:        # too many open files, for example
             self._give_up('cannot start the process that draws: ' + one_line(error))
             return

@@ -26,6 +26,9 @@ from img_recog.simulation.settings import CameraSettings, ViewSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Reading, Vehicle
 
+# Where OpenGL runs on the processor, the physics comes first; in lockstep, it waits.
+_NICENESS = 5
+
 
 class _Exposed(NamedTuple):
     """What the cameras with these topics have read at one time, to be drawn at `poses`."""
@@ -59,7 +62,8 @@ class Images:
         self._window: Optional[Window] = (
             Window(scene, above(simulator.world)) if view.gui else None)
         self._process = make_process(visual_scene.read(scene, self._parts),
-                                     self._parts.poses(), [self._view.camera])
+                                     self._parts.poses(), [self._view.camera],
+                                     _NICENESS if lockstep is None else 0)
         # by the names of robot and sensor
         self._cameras: Dict[Tuple[str, str], Tuple[Vehicle, CameraTopics]] = {}
         self._last_poses, self._last_poses_s = self._parts.poses(), -1.0

@@ -67,7 +67,7 @@ def make(warnings):
     made = []
 
     def make_process(renderer=fake_renderers.make):
-        made.append(ImageProcess(SCENE, POSES, [CAMERA] * 2, renderer))
+        made.append(ImageProcess(SCENE, POSES, [CAMERA] * 2, make=renderer))
         return made[-1], Drawn(made[-1])
     assert multiprocessing.active_children() == []
     yield make_process

@@ -1,5 +1,6 @@
 """When images of the cameras on robots and of the view are drawn, and where they go."""
 import threading
+from unittest import mock
 
 import pytest
 
@@ -23,8 +24,8 @@ _NOT_YET_S = 0.2        # in which a thread must not have ended
 class FakeProcess:
     """Takes requests."""
 
-    def __init__(self, scene, poses, cameras):
-        self.scene, self.poses, self.cameras = scene, poses, cameras
+    def __init__(self, scene, poses, cameras, niceness):
+        self.scene, self.poses, self.cameras, self.niceness = scene, poses, cameras, niceness
         self.is_ready = self.is_busy = self.is_started = self.has_lost = False
         self.requests = []
 
@@ -59,12 +60,12 @@ class FakeStatics(dict):
 class Rig:
     """Images of a simulated robot with two cameras, of 32 and 16 pixels in a row."""
 
-    def __init__(self, publishers, **settings):
+    def __init__(self, publishers, lockstep=None, **settings):
         self.simulator, self.statics = robots.simulator(x=1.0), FakeStatics()
         self.vehicle, self.publishers = self.simulator.vehicles[0], publishers
         self.images = Images(self.simulator, ViewSettings(view_width=64, view_height=48,
                                                           **settings),
-                             self.statics, self._make_process)
+                             self.statics, self._make_process, lockstep)
         self.images.add_cameras(self.vehicle, [CAMERA, BACK], Names())
 
     def publish_others(self):
@@ -83,6 +84,11 @@ class Rig:
 @pytest.fixture
 def rig(publishers):
     return Rig(publishers)
+
+
+def test_in_lockstep_no_other_process_comes_before_the_one_that_draws(publishers):
+    assert Rig(publishers).process.niceness > 0
+    assert Rig(publishers, lockstep=mock.Mock()).process.niceness == 0
 
 
 def test_a_camera_is_used_while_it_has_a_subscriber_and_can_be_drawn(rig, publishers):
