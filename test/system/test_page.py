@@ -263,21 +263,59 @@ def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
              'the value that another program has set')
 
 
-def test_a_click_into_the_picture_proposes_bounds(demo, page):
+def touch(page, *places):
+    """Press at the first place in the camera picture, move to the others, and let go at the last.
+    """
+    page.js('''
+        const canvas = [...document.querySelectorAll("canvas.pick")].find(
+          (each) => each.offsetParent);
+        canvas.setPointerCapture = () => {};
+        const box = canvas.getBoundingClientRect();
+        const send = (kind, [x, y]) => canvas.dispatchEvent(new PointerEvent(kind, {
+          bubbles: true, pointerId: 1, isPrimary: true, clientX: box.left + x * box.width,
+          clientY: box.top + y * box.height }));
+        const places = arguments[0];
+        send("pointerdown", places[0]);
+        places.slice(1).forEach((place) => send("pointermove", place));
+        send("pointerup", places[places.length - 1]);''', places)
+
+
+def test_samples_give_bounds_that_are_used_and_files_for_fit_colors(demo, page):
     page.tab('colors')
     wait_for(lambda: page.js('return document.querySelectorAll(".q-slider").length') > 4,
              'the sliders')
     wait_for(lambda: page.pixels(CAMERA), 'a picture')
-    page.js('''const canvas = [...document.querySelectorAll("canvas.pick")].find(
-                 (each) => each.offsetParent);
-               const box = canvas.getBoundingClientRect();
-               canvas.dispatchEvent(new MouseEvent("click", { bubbles: true,
-                 clientX: box.left + box.width / 2, clientY: box.top + box.height / 2 }));''')
-    hue = int(cv2.cvtColor(np.uint8([[(215, 70, 25)]]), cv2.COLOR_BGR2HSV)[0, 0, 0])
-    wait_for(lambda: parameter(demo, 'blue_hue_min') == hue - 10, lambda: (
-        'the bounds; the page says: ' + page.text('.q-notifications')))
-    set_parameters(demo, blue_hue_min=50, blue_hue_max=150, blue_saturation_min=100,
-                   blue_value_min=100)
+    said = (lambda: 'the page says: ' + page.text('.q-notifications') + page.text('.offers'))
+    lines = 'return document.querySelectorAll(".picture.held polygon").length'
+    touch(page, (0.5, 0.5))
+    wait_for(lambda: page.js(lines) == 1, said)
+    page.click('none of them')
+    touch(page, (0.02, 0.05), (0.08, 0.3), (0.12, 0.35))
+    wait_for(lambda: page.js(lines) == 2, said)
+    touch(page, (0.15, 0.5), (0.35, 0.6))
+    wait_for(lambda: 'contradict each other: 50.0% of sample 3 is blue' in page.text(
+        '.q-notifications'), said)
+    wait_for(lambda: page.has_button('Use for blue'), said)
+    numbers = [float(each) for each in re.findall(r'[0-9.]+[0-9]', page.text('.offers'))]
+    assert len(numbers) == 8 and numbers[6] > 99.5 and numbers[7] < 0.1
+    names = ['blue_{}_{}'.format(part, end) for part in ('hue', 'saturation', 'value')
+             for end in ('min', 'max')]
+    offered = dict(zip(names, map(int, numbers)))
+    page.click('Use for blue')
+    wait_for(lambda: {name: parameter(demo, name) for name in names} == offered, said)
+    wait_for(lambda: page.has_button('Undo'), said)
+    page.click('Undo')
+    wait_for(lambda: parameter(demo, 'blue_hue_min') == 50, said)
+    page.click('Save the samples')
+    folder = demo.folder / 'samples_1'
+    wait_for(folder.exists, said)
+    page.click('Live picture')
+    wait_for(lambda: page.js(lines) == 0 and page.has_button('Hold the picture'), said)
+    fit = demo.start_node('fit_colors.py', folder, '--samples', folder / 'samples.yaml',
+                          '--jobs', '1', cwd=str(demo.folder))
+    assert fit.wait() == 0, fit.output
+    fitted = yaml.safe_load((demo.folder / 'fit_colors.yaml').read_text())
+    assert {name: fitted[name] for name in names} == offered
 
 
 def test_a_click_into_the_map_moves_the_robot_and_a_button_moves_it_back(page):

@@ -4,11 +4,9 @@ from typing import Any, Dict, Mapping, Optional, Sequence
 import yaml
 
 from img_recog.recognition import parameter_file
-from img_recog.recognition.fitting.histograms import HUES
+from img_recog.recognition.fitting.bounds import as_parameters
 from img_recog.recognition.fitting.volume import Box
 from img_recog.recognition.settings import Color, RecognitionSettings, color_in, with_colors
-
-_PARTS = 'hue', 'saturation', 'value'
 
 
 class BaseSettings:
@@ -62,11 +60,5 @@ def settings_of(values: Mapping[str, Any]) -> RecognitionSettings:
 
 
 def _bounds(boxes: Mapping[str, Box]) -> Dict[str, int]:
-    values = {}
-    for name, box in boxes.items():
-        for part, (low, high) in zip(_PARTS, box):
-            values['{}_{}_min'.format(name, part)] = low
-            # the whole range, as users write it
-            values['{}_{}_max'.format(name, part)] = (
-                HUES if part == 'hue' and (low, high) == (0, HUES - 1) else high)
-    return values
+    return {name: value for color, box in boxes.items()
+            for name, value in as_parameters(color, box).items()}

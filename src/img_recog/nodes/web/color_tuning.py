@@ -3,19 +3,15 @@ import threading
 import time
 from typing import Any, Callable, Dict, List, Mapping
 
-import cv2
-import numpy as np
 import yaml
 
 from img_recog import files
 from img_recog.errors import UserError
-from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.tuning import Tuning
 from img_recog.recognition.parameter_file import COLORS
-from img_recog.recognition.proposal import propose_bounds
 
-_saving = threading.Lock()      # of all robots: a name is free until its file is there
-_FOLDER_ADVICE = 'start it in a folder where files can be written'
+saving = threading.Lock()       # of all robots: a name is free until its file is there
+FOLDER_ADVICE = 'start it in a folder where files can be written'
 _ANSWER_TIMEOUT_S, _POLL_S = 10.0, 0.05
 _FIRST = '_hue_min'             # each color has it
 
@@ -26,29 +22,20 @@ def color_names_in(values: Mapping[str, Any]) -> List[str]:
 
 
 class ColorTuning(Tuning):
-    """Parameters of color_extract, a proposal of bounds, and a file."""
+    """Parameters of color_extract, and a file of them."""
 
-    def __init__(self, node: str, pictures: PictureTopics):
-        """Do nothing yet; node: the resolved name of the node."""
-        super().__init__(node)
-        self._pictures = pictures
+    def replace(self, changes: Mapping[str, Any]) -> Dict[str, Any]:
+        """Change parameters, wait until the node has them, and return what they were before.
 
-    def propose(self, topic: str, x: float, y: float, color: str) -> Dict[str, int]:
-        """Set bounds of a color around that in a picture; return them.
-
-        Waits for both for a moment: a page that has just opened a tab shows the last picture, but
-        its topic and the parameters may not be followed again yet.
+        Raises UserError if it does not answer.
         """
-        picture = _wait(lambda: self._pictures.latest(topic))
-        if picture is None:
-            raise UserError('there is no picture of {}'.format(topic[:100]),
-                            'click again when there is one')
-        if not _wait(lambda: color in color_names_in(self.values())):
-            raise UserError('{} does not answer'.format(self.node), 'start it')
-        image = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR)
-        bounds = propose_bounds(image, x, y)
-        self.change(**{'{}_{}'.format(color, part): value for part, value in bounds.items()})
-        return bounds
+        before = self.values()
+        if not set(changes) <= set(before):
+            raise self._silence()
+        self.change(**changes)
+        if not wait_until(self.is_settled):
+            raise self._silence()
+        return {name: before[name] for name in changes}
 
     def as_file(self) -> str:
         """Return the parameters as the text of a file, '' if the node does not answer."""
@@ -58,18 +45,21 @@ class ColorTuning(Tuning):
 
     def save(self) -> str:
         """Save the parameters with the last changes as a file; return its path."""
-        is_settled = _wait(self.is_settled)
+        is_settled = wait_until(self.is_settled)
         text = self.as_file()
         if not text or not is_settled:
-            raise UserError('{} does not answer'.format(self.node), 'start it')
-        with _saving:
+            raise self._silence()
+        with saving:
             path = files.free_output_path('colors', '.yaml')
-            with files.atomic_write([path], _FOLDER_ADVICE) as (file,):
+            with files.atomic_write([path], FOLDER_ADVICE) as (file,):
                 file.write(text.encode())
         return path
 
+    def _silence(self) -> UserError:
+        return UserError('{} does not answer'.format(self.node), 'start it')
 
-def _wait(condition: Callable[[], Any]) -> Any:
+
+def wait_until(condition: Callable[[], Any]) -> Any:
     """Return the first true value of a condition, or its last value after a time limit."""
     end_s = time.monotonic() + _ANSWER_TIMEOUT_S
     value = condition()

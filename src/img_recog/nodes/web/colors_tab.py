@@ -1,13 +1,16 @@
 """The tab with the bounds, limits and commands of the colors."""
 import json
 from functools import partial
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Optional
 
 from nicegui import ui
 
+from img_recog.nodes.web import sample_card
 from img_recog.nodes.web.color_tuning import color_names_in
 from img_recog.nodes.web.elements import OneCall, Slider, card, paragraph, picture
+from img_recog.nodes.web.sample_card import SampleCard
 from img_recog.nodes.web.visit import Visit
+from img_recog.recognition.fitting.samples import NO_COLOR
 
 TEXTS = {
     'colors': ('Colors', '色'),
@@ -20,15 +23,13 @@ TEXTS = {
     'area_limit': ('Command above (pixels)', '指令を出す面積の下限（画素数）'),
     'linear_x': ('Speed (m/s)', '速度 (m/s)'),
     'angular_z': ('Turn rate (rad/s)', '旋回速度 (rad/s)'),
-    'pick': ('Choose a color here, then click it in the camera picture: that sets its bounds. '
-             'A color is also chosen when its sliders are touched.',
-             'ここで色を選び、カメラ画像でその色をクリックすると、範囲が設定されます。'
-             'スライダに触れても、その色が選ばれます。'),
-    'proposed': ('Bounds of {} from the picture: hue {} to {}', '{} の範囲を画像から設定: 色相 {}〜{}'),
+    'touched': ('The picture of the chosen color is shown. Touching its sliders chooses it, too.',
+                '選んだ色の画像が表示されます。スライダに触れても、その色が選ばれます。'),
     'save': ('Save as a file', 'ファイルに保存'),
     'saved': ('Saved. To use it: ./run demo colors:={}', '保存しました。使い方: ./run demo colors:={}'),
     'no_recognition': ('The node color_extract does not answer.',
-                       'ノード color_extract が応答しません。')}
+                       'ノード color_extract が応答しません。'),
+    **sample_card.TEXTS}
 
 
 class ColorsTab:
@@ -36,7 +37,8 @@ class ColorsTab:
 
     def __init__(self, visit: Visit):
         """Add its elements; the sliders follow as soon as the node answers."""
-        self._colors, self._t, self._calls = visit.robot.colors, visit.texts, OneCall()
+        self._visit, self._colors, self._t = visit, visit.robot.colors, visit.texts
+        self._calls, self._samples = OneCall(), None    # type: OneCall, Optional[SampleCard]
         self._sliders: Dict[str, Slider] = {}
         self._masks: Dict[str, Any] = {}
         self._revision = -1
@@ -50,10 +52,12 @@ class ColorsTab:
                         self._masks[each.color] = picture(self._t, each)
             self._tuning = ui.element('div').classes('column-cards')
         self._build({}, [])
-        ui.on('pick', self._on_pick, throttle=0.2)
+        ui.on('mark', self._on_mark, throttle=0.2)
 
     def update(self) -> None:
         """Show what other pages and nodes have changed."""
+        if self._samples is not None:
+            self._samples.update()
         revision = self._colors.revision
         if revision == self._revision:
             return
@@ -72,17 +76,23 @@ class ColorsTab:
         self._names = names
         self._tuning.clear()
         self._sliders.clear()
+        if self._samples is not None:
+            self._samples = None
+            ui.run_javascript('holdPicture(null, [])')
         with self._tuning:
             if not names:
                 paragraph(self._t('no_recognition'))
                 self._show_mask(next(iter(self._masks), ''))
                 return
             chosen = self._choice.value if self._choice is not None else ''
-            self._choice = ui.toggle(names, value=chosen if chosen in names else names[0]).props(
-                'dense no-caps role=group aria-label="{}"'.format(self._t('colors')))
+            options = {**{name: name for name in names}, NO_COLOR: self._t('no_color')}
+            self._choice = ui.toggle(
+                options, value=chosen if chosen in options else names[0]).props(
+                    'dense no-caps role=group aria-label="{}"'.format(self._t('colors')))
             self._choice.on_value_change(lambda event: self._show_mask(event.value))
             self._show_mask(self._choice.value)
-            paragraph(self._t('pick'))
+            self._samples = SampleCard(self._visit, self._choice)
+            paragraph(self._t('touched'))
             for name in names:
                 section = card(name)
                 for touch in ('pointerdown', 'focusin'):
@@ -92,6 +102,8 @@ class ColorsTab:
             ui.button(self._t('save'), icon='save', on_click=self._save).props('no-caps')
 
     def _show_mask(self, color: str) -> None:
+        if color == NO_COLOR:       # the last one stays
+            return
         for name, shown in self._masks.items():
             shown.set_visibility(name == color)
 
@@ -114,15 +126,16 @@ class ColorsTab:
         self._sliders[parameter] = Slider(title, low, high, step, values[parameter], change,
                                           classes, '{}: {}'.format(color, title))
 
-    async def _on_pick(self, event: Any) -> None:
+    async def _on_mark(self, event: Any) -> None:
         try:
-            topic, (x, y) = str(event.args['topic']), (float(event.args[key]) for key in 'xy')
+            place = [float(event.args[key]) for key in ('x', 'y', 'width', 'height')
+                     if key in event.args]
         except (TypeError, ValueError, KeyError):
             return
-        color = self._choice.value if self._choice is not None else ''
-        bounds = await self._calls.wait_for(self._colors.propose, topic, x, y, color)
-        if bounds:
-            ui.notify(self._t('proposed', color, bounds['hue_min'], bounds['hue_max']))
+        if self._samples is None:
+            ui.notify(self._t('no_recognition'), type='negative')
+        elif len(place) in (2, 4):
+            await self._samples.mark(*place)
 
     async def _save(self) -> None:
         path = await self._calls.wait_for(self._colors.save)

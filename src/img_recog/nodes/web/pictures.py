@@ -64,6 +64,11 @@ class PictureTopics:
         topic = self._topics.get(name)
         return topic.picture if topic is not None else None
 
+    def image(self, name: str) -> Optional[np.ndarray]:
+        """Return a copy of the newest image of a topic in its own size, bgr8; None without one."""
+        topic = self._topics.get(name)
+        return topic.image() if topic is not None else None
+
     def _run(self) -> None:
         """Encode the newest images at RATE_HZ, while somebody looks."""
         while not rospy.is_shutdown():
@@ -99,6 +104,8 @@ class _Topic:
     def __init__(self, name: str, max_bytes: int):
         self._latest, self._warn = LatestValue(), ThrottledWarning()
         self._name, self._number, self._images = name, 0, ColorImages()
+        self._kept: Optional[Image] = None      # the newest one that was taken, for `image`
+        self._lock = threading.Lock()
         self.picture: Optional[Picture] = None
         self._subscriber = ImageSubscriber(name, self._put, max_bytes)
 
@@ -110,24 +117,41 @@ class _Topic:
         msg = self._latest.take()
         if msg is None:
             return
+        with self._lock:
+            before, self._kept = self._kept, msg
+        if before is not None:
+            self._subscriber.release(before)
         try:
             image, encoding = self._images.from_msg(msg)
-            image = _fitted(image)
-            if encoding != 'bgr8':
-                image = cv2.cvtColor(image, _TO_BGR[encoding])
-            jpeg = cv2.imencode('.jpg', image, (cv2.IMWRITE_JPEG_QUALITY, _QUALITY))[1].tobytes()
+            jpeg = encoded(_as_bgr(_fitted(image), encoding))
         except ImageError as error:
             self._warn('no picture of %s: %s', self._name, error)
             return
-        finally:
-            self._subscriber.release(msg)
         self._number += 1
         self.picture = Picture(self._number, jpeg)
+
+    def image(self) -> Optional[np.ndarray]:
+        """Return a copy of the newest image, bgr8."""
+        with self._lock:
+            try:
+                return None if self._kept is None else _as_bgr(
+                    *ColorImages().from_msg(self._kept)).copy()
+            except ImageError:
+                return None
 
     def _put(self, msg: Image) -> None:
         replaced = self._latest.put(msg)
         if replaced is not None:
             self._subscriber.release(replaced)
+
+
+def encoded(image: np.ndarray) -> bytes:
+    """Return a bgr8 image as the JPEG that pages show."""
+    return cv2.imencode('.jpg', _fitted(image), (cv2.IMWRITE_JPEG_QUALITY, _QUALITY))[1].tobytes()
+
+
+def _as_bgr(image: np.ndarray, encoding: str) -> np.ndarray:
+    return image if encoding == 'bgr8' else cv2.cvtColor(image, _TO_BGR[encoding])
 
 
 def _fitted(image: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ import rosgraph
 import rospy
 
 from img_recog.errors import one_line
+from img_recog.nodes.web.color_samples import ColorSamples
 from img_recog.nodes.web.color_tuning import ColorTuning
 from img_recog.nodes.web.driving import Driving
 from img_recog.nodes.web.measurements import RobotTopics, Topics
@@ -48,7 +49,8 @@ class ShownRobot:
         self.navigation = NavigationTopics(self.resolve, lambda: own.frame_id)
         self.topics = system, own, self.navigation
         self.driving = Driving(limits, self.resolve('cmd_vel'))
-        self.colors = ColorTuning(self.resolve('color_extract'), pictures)
+        self.colors = ColorTuning(self.resolve('color_extract'))
+        self.samples = ColorSamples(self.resolve('usb_cam/image_raw'), pictures)
         self.pose = PosePublisher(self.name, lambda: own.frame_id)
 
     def resolve(self, name: str) -> str:

@@ -1,5 +1,5 @@
 """The bounds of a color that are fitted to histograms, with their scores and margin."""
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -164,3 +164,17 @@ def described(box: Box) -> str:
     'hue 170-10, saturation 100-255, value 0-255'
     """
     return ', '.join('{} {}-{}'.format(name, *part) for name, part in zip(_NAMES, box))
+
+
+def as_parameters(color: str, box: Box) -> Dict[str, int]:
+    """Return bounds as parameters of color_extract; the whole range of hues as users write it.
+
+    >>> as_parameters('red', Box((0, 179), (100, 255), (0, 255)))['red_hue_max']
+    180
+    """
+    values = {}
+    for part, (low, high) in zip(_NAMES, box):
+        values['{}_{}_min'.format(color, part)] = low
+        values['{}_{}_max'.format(color, part)] = (
+            HUES if part == 'hue' and (low, high) == (0, HUES - 1) else high)
+    return values

@@ -1,8 +1,12 @@
 """Which topics give pictures, with stand-ins for the subscribers."""
 from types import SimpleNamespace
 
+import cv2
+import numpy as np
 import pytest
+from std_msgs.msg import Header
 
+from img_recog.conversions import image_msgs
 from img_recog.nodes.web import pictures
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog_testing.waiting import wait_for
@@ -43,3 +47,27 @@ def test_only_topics_that_are_allowed_are_subscribed(closed, wait_for_threads):
     topics.watch({'/odom'})
     wait_for_threads()
     assert closed == ['/camera']
+
+
+def test_the_newest_image_in_its_own_size_and_colors(monkeypatch):
+    released = []
+    monkeypatch.setattr(pictures, 'ImageSubscriber', lambda name, callback, max_bytes:
+                        SimpleNamespace(callback=callback, release=released.append))
+    topics = PictureTopics(10**8)
+    topic = topics._topics['/camera'] = pictures._Topic('/camera', 10**8)
+    assert topics.image('/camera') is None and topics.image('/other') is None
+    images = [np.full((50, 1000, 3), value, np.uint8) for value in (10, 20)]
+    messages = [image_msgs.to_msg(image, 'rgb8', Header()) for image in images]
+    for image, msg in zip(images, messages):
+        image[..., 0] += 5
+        msg.data = image.tobytes()
+        topic._subscriber.callback(msg)
+        topic.encode()
+        found = topics.image('/camera')
+        assert found.shape == (50, 1000, 3) and (found[..., ::-1] == image).all()
+        shown = cv2.imdecode(np.frombuffer(topics.latest('/camera').jpeg, np.uint8), 1)
+        assert shown.shape == (32, 640, 3)
+    # the buffer of the newest one is still needed
+    assert released == messages[:1]
+    messages[1].data = b''
+    assert topics.image('/camera') is None

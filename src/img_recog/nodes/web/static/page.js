@@ -112,22 +112,26 @@
   async function draw(name, blob) {
     const bitmap = await createImageBitmap(blob);
     for (const canvas of all('canvas[data-picture]')) {
-      if (canvas.dataset.picture !== name || !visible.has(canvas)) continue;
-      if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
-        canvas.width = bitmap.width;
-        canvas.height = bitmap.height;
-        canvas.parentElement.style.setProperty('--ratio', bitmap.width / bitmap.height);
-      }
-      canvas.getContext('2d').drawImage(bitmap, 0, 0);
-      canvas.drawn = performance.now();
-      canvas.parentElement.classList.add('there');
+      if (canvas.dataset.picture !== name || !visible.has(canvas) || canvas.isHeld) continue;
+      paint(canvas, bitmap);
     }
     bitmap.close();
   }
 
+  function paint(canvas, bitmap) {
+    if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+      canvas.width = bitmap.width;
+      canvas.height = bitmap.height;
+      canvas.parentElement.style.setProperty('--ratio', bitmap.width / bitmap.height);
+    }
+    canvas.getContext('2d').drawImage(bitmap, 0, 0);
+    canvas.drawn = performance.now();
+    canvas.parentElement.classList.add('there');
+  }
+
   function showAge(canvas) {
     const age = performance.now() - canvas.drawn;       // NaN before the first image
-    canvas.parentElement.querySelector('.age').textContent = age > OLD_MS
+    canvas.parentElement.querySelector('.age').textContent = age > OLD_MS && !canvas.isHeld
       ? text('age').replace('{}', Math.round(age / 1000)) : '';
   }
 
@@ -154,5 +158,5 @@
     });
     connect();      // now, all scripts are there
   });
-  window.page = { add, all, css, send, show, text, visible };
+  window.page = { add, all, css, paint, send, show, text, visible };
 })();

@@ -1,0 +1,136 @@
+"""The samples of colors that visitors mark in pictures of a camera, and the bounds for them."""
+import contextlib
+import os
+import shutil
+import tempfile
+import threading
+from typing import Any, Callable, Dict, NamedTuple, Tuple
+
+from img_recog import files
+from img_recog.errors import UserError, one_line
+from img_recog.nodes.web.color_tuning import FOLDER_ADVICE, saving, wait_until
+from img_recog.nodes.web.pictures import PictureTopics, encoded
+from img_recog.recognition.fitting import marked
+from img_recog.recognition.fitting.marked import Marked
+from img_recog.recognition.fitting.offers import Offer, offers_of_a_process
+
+_FIT_TIMEOUT_S = 60.0
+_MIN_FREE_BYTES = 1_000_000_000
+_fitting = threading.Lock()     # one search at a time in this program
+
+
+class State(NamedTuple):
+    """What all pages of a robot share; offers: for the samples, or else is_searching.
+
+    problem: why there are no offers.
+    """
+
+    marked: Marked = Marked()
+    offers: Dict[str, Offer] = {}
+    is_searching: bool = False
+    problem: str = ''
+
+
+class ColorSamples:
+    """Samples in pictures of one topic. For any thread; most methods wait: not for the event loop.
+
+    After each change, bounds are searched in another process. state: replaced by each change.
+    """
+
+    def __init__(self, topic: str, pictures: PictureTopics):
+        """Keep nothing yet."""
+        self._topic, self._pictures = topic, pictures
+        self._lock = threading.Lock()
+        self._saved: Tuple[Any, str] = (None, '')
+        self.state = State()
+
+    def freeze(self) -> str:
+        """Keep the newest picture; return its name. Waits for a moment until there is one."""
+        wait_until(lambda: self._pictures.latest(self._topic))
+        image = self._pictures.image(self._topic)
+        if image is None:
+            raise UserError('there is no picture of {}'.format(self._topic),
+                            'try again when there is one')
+        with self._lock:
+            kept, name = marked.with_picture(self.state.marked, image)
+            self.state = self.state._replace(marked=kept)
+        return name
+
+    def mark(self, picture: str, color: str, *place: float) -> str:
+        """Add a sample in a picture, '' for the newest one; return the name of the picture.
+
+        place: x and y of a point, or x, y, width and height; shares of width and height.
+        """
+        picture = picture or self.freeze()
+        add = marked.with_click if len(place) == 2 else marked.with_rectangle
+        self._change(lambda now: add(now, picture, *place, color=color))
+        return picture
+
+    def remove(self, number: int) -> None:
+        """Remove a sample."""
+        self._change(lambda now: marked.without(now, number))
+
+    def set_rest(self, is_none: bool) -> None:
+        """Set whether what is not marked in a picture with samples has none of the colors."""
+        self._change(lambda now: now._replace(rest_is_none=is_none))
+
+    def shown(self, picture: str) -> Tuple[bytes, Any]:
+        """Return a picture as JPEG, and the lines around its samples."""
+        now = self.state.marked
+        return encoded(now.image(picture)), marked.outlines(now, picture)
+
+    def save(self) -> str:
+        """Write the samples with their pictures to a new folder; return its path."""
+        with saving:
+            now = self.state.marked
+            content, path = (now.samples, now.rest_is_none), self._saved[1]
+            if not now.colors:
+                raise UserError('there is no sample of a color', 'mark one in the camera picture')
+            if self._saved[0] == content and os.path.isdir(path):
+                return path
+            path = files.free_output_path('samples', '')
+            with _refusal(path):
+                folder = tempfile.mkdtemp(prefix='.samples', dir=os.path.dirname(path))
+                try:
+                    if shutil.disk_usage(folder).free < _MIN_FREE_BYTES:
+                        raise UserError('cannot write {}: less than 1 GB is free'.format(path),
+                                        'remove files')
+                    marked.write(now, folder)
+                    os.chmod(folder, 0o755)
+                    os.rename(folder, path)
+                finally:
+                    shutil.rmtree(folder, ignore_errors=True)
+            self._saved = content, path
+        return path
+
+    def _change(self, change: Callable[[Marked], Marked]) -> None:
+        with self._lock:
+            is_idle = not self.state.is_searching
+            self.state = State(change(self.state.marked), is_searching=True)
+            if is_idle:
+                threading.Thread(target=self._search, daemon=True).start()
+
+    def _search(self) -> None:
+        """Search bounds until nothing has changed meanwhile."""
+        while True:
+            now, found, problem = self.state.marked, {}, ''
+            try:
+                with _fitting:
+                    found = offers_of_a_process(now, _FIT_TIMEOUT_S) if now.colors else {}
+            except UserError as error:
+                problem = one_line(error)
+            with self._lock:
+                # pictures may have come and gone
+                if self.state.marked[1:3] == now[1:3]:
+                    self.state = self.state._replace(
+                        offers=found, is_searching=False, problem=problem)
+                    return
+
+
+@contextlib.contextmanager
+def _refusal(path: str) -> Any:
+    try:
+        yield
+    except OSError as error:
+        raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()),
+                        FOLDER_ADVICE)

@@ -1,0 +1,158 @@
+"""The card in which samples of colors are marked, and the bounds that are offered for them."""
+import base64
+import json
+from functools import partial
+from typing import Any, Dict
+
+from nicegui import ui
+
+from img_recog.nodes.web.color_samples import State
+from img_recog.nodes.web.elements import OneCall, button, card, paragraph
+from img_recog.nodes.web.visit import Visit
+from img_recog.recognition.fitting.bounds import as_parameters
+from img_recog.recognition.fitting.marked import SAMPLES_FILE
+from img_recog.recognition.fitting.offers import Offer
+from img_recog.recognition.fitting.samples import NO_COLOR
+
+TEXTS = {
+    'samples': ('Samples', 'サンプル'),
+    'mark': ('Choose a color above, then click an object of it in the camera picture, or drag a '
+             'rectangle. The picture stands still: mark all objects of all colors in it.',
+             '上で色を選び、カメラ画像でその色の物体をクリックするか、四角形をドラッグします。'
+             '画像は静止します。その中の、すべての色のすべての物体に印を付けてください。'),
+    'no_color': ('none of them', 'どれでもない'),
+    'rest': ('Everything else in these pictures has none of the colors',
+             'これらの画像の残りの部分は、どの色でもない'),
+    'sample': ('{}: {}, {} pixels', '{}: {}、{} 画素'),
+    'remove': ('Remove sample {}', 'サンプル {} を削除'),
+    'freeze': ('Hold the picture', '画像を止める'),
+    'live_picture': ('Live picture', 'ライブ画像に戻る'),
+    'save_samples': ('Save the samples', 'サンプルを保存'),
+    'saved_samples': ('Saved. To fit the colors to more pictures: ./run shell rosrun img_recog '
+                      'fit_colors.py {0} --samples {0}/{1}',
+                      '保存しました。ほかの画像も使って範囲を求めるには: ./run shell rosrun img_recog '
+                      'fit_colors.py {0} --samples {0}/{1}'),
+    'searching': ('Searching for bounds...', '範囲を計算中...'),
+    'offered': ('{}: hue {} to {}, saturation {} to {}, value {} to {}. Within: {:.1%} of the '
+                'marked pixels, {:.2%} of the others.',
+                '{}: 色相 {}〜{}、彩度 {}〜{}、明度 {}〜{}。範囲内の画素: 印を付けた部分の {:.1%}、'
+                'その他の {:.2%}。'),
+    'use': ('Use for {}', '{} に使う'),
+    'undo': ('Undo', '元に戻す')}
+
+
+class SampleCard:
+    """The card of one visitor. All visitors share the samples; each has a picture of their own."""
+
+    def __init__(self, visit: Visit, choice: Any):
+        """Add its elements; choice: the element whose value is the chosen color."""
+        self._samples, self._colors, self._t = visit.robot.samples, visit.robot.colors, visit.texts
+        self._choice, self._calls = choice, OneCall()
+        self._picture = ''              # that is held; '' while it is live
+        self._before: Dict[str, Any] = {}
+        self._shown: Any = None
+        with card(self._t('samples')):
+            paragraph(self._t('mark'))
+            self._list = ui.element('div').classes('samples')
+            self._rest = ui.checkbox(self._t('rest'), value=True,
+                                     on_change=self._set_rest).props('dense size=xs')
+            self._offers = ui.element('div').classes('offers').props('role=status')
+            with ui.element('div').classes('samples'):
+                self._freeze = button('pause', self._t('freeze'), self._hold)
+                button('save', self._t('save_samples'), self._save)
+                self._undo = button('undo', self._t('undo'), self._take_back)
+        self._undo.set_visibility(False)
+        self.update()
+
+    async def mark(self, *place: float) -> None:
+        """Add a sample in the picture; place: as ColorSamples.mark has it."""
+        picture = await self._calls.wait_for(
+            self._samples.mark, self._picture, self._choice.value, *place)
+        if picture:
+            await self._show(picture)
+
+    def update(self) -> None:
+        """Show what this page and others have changed."""
+        state = self._samples.state
+        if state is self._shown:
+            return
+        before, self._shown = self._shown, state
+        self._offers.clear()
+        with self._offers:
+            if state.is_searching:
+                paragraph(self._t('searching'))
+            if state.problem:
+                paragraph(state.problem)
+            for color, offer in state.offers.items():
+                self._offer(color, offer)
+        if before is not None and before.marked[1:3] == state.marked[1:3]:
+            return
+        self._rest.value = state.marked.rest_is_none
+        self._list_samples(state)
+
+    def _list_samples(self, state: State) -> None:
+        self._list.clear()
+        with self._list:
+            for each in state.marked.samples:
+                color = self._t('no_color') if each.color == NO_COLOR else each.color
+                button('close', self._t('sample', each.number, color, each.area_px),
+                       partial(self._remove, each.number)).props(
+                           'outline title="{0}" aria-label="{0}"'.format(
+                               self._t('remove', each.number)))
+
+    def _offer(self, color: str, offer: Offer) -> None:
+        if offer.box is None:
+            paragraph(offer.problem)
+            return
+        hue, saturation, value = offer.box
+        paragraph(self._t('offered', color, *hue, *saturation, *value, offer.marked_inside,
+                          offer.others_inside))
+        button('check', self._t('use', color), partial(
+            self._use, as_parameters(color, offer.box)))
+
+    # what a visitor does
+
+    async def _use(self, values: Dict[str, Any]) -> None:
+        before = await self._calls.wait_for(self._colors.replace, values)
+        if before:
+            self._before = before
+            self._undo.set_visibility(True)
+
+    async def _take_back(self) -> None:
+        if await self._calls.wait_for(self._colors.replace, self._before):
+            self._undo.set_visibility(False)
+
+    async def _remove(self, number: int) -> None:
+        self._samples.remove(number)
+        await self._show(self._picture)
+
+    def _set_rest(self, event: Any) -> None:
+        if bool(event.value) != self._samples.state.marked.rest_is_none:
+            self._samples.set_rest(bool(event.value))
+
+    async def _hold(self) -> None:
+        """Hold the picture, or show the live one again."""
+        picture = '' if self._picture else await self._calls.wait_for(self._samples.freeze)
+        if picture is not None:
+            await self._show(picture)
+
+    async def _show(self, picture: str) -> None:
+        """Show a picture with its samples; '' for the live one."""
+        self._picture = picture
+        self._freeze.text = self._t('live_picture' if picture else 'freeze')
+        self._freeze.props('icon=' + ('play_arrow' if picture else 'pause'))
+        if not picture:
+            ui.run_javascript('holdPicture(null, [])')
+            return
+        shown = await self._calls.wait_for(self._samples.shown, picture)
+        if shown:
+            ui.run_javascript('holdPicture({}, {})'.format(
+                json.dumps(base64.b64encode(shown[0]).decode()), json.dumps(shown[1])))
+        else:
+            await self._show('')
+
+    async def _save(self) -> None:
+        path = await self._calls.wait_for(self._samples.save)
+        if path:
+            ui.notify(self._t('saved_samples', path, SAMPLES_FILE), multi_line=True,
+                      timeout=10000)
