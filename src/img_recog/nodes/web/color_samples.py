@@ -14,7 +14,7 @@ from img_recog.recognition.fitting import marked
 from img_recog.recognition.fitting.marked import Marked
 from img_recog.recognition.fitting.offers import Offer, offers_of_a_process
 
-_FIT_TIMEOUT_S = 60.0
+_FIT_TIMEOUT_S = 120.0
 _MIN_FREE_BYTES = 1_000_000_000
 _fitting = threading.Lock()     # one search at a time in this program
 
@@ -62,7 +62,7 @@ class ColorSamples:
         place: x and y of a point, or x, y, width and height; shares of width and height.
         """
         picture = picture or self.freeze()
-        add = marked.with_click if len(place) == 2 else marked.with_rectangle
+        add: Any = marked.with_click if len(place) == 2 else marked.with_rectangle
         self._change(lambda now: add(now, picture, *place, color=color))
         return picture
 

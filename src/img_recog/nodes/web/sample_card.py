@@ -7,7 +7,7 @@ from typing import Any, Dict
 from nicegui import ui
 
 from img_recog.nodes.web.color_samples import State
-from img_recog.nodes.web.elements import OneCall, button, card, paragraph
+from img_recog.nodes.web.elements import OneCall, button, card, paragraph, wait_for
 from img_recog.nodes.web.visit import Visit
 from img_recog.recognition.fitting.bounds import as_parameters
 from img_recog.recognition.fitting.marked import SAMPLES_FILE
@@ -123,12 +123,12 @@ class SampleCard:
             self._undo.set_visibility(False)
 
     async def _remove(self, number: int) -> None:
-        self._samples.remove(number)
+        await wait_for(self._samples.remove, number)
         await self._show(self._picture)
 
-    def _set_rest(self, event: Any) -> None:
+    async def _set_rest(self, event: Any) -> None:
         if bool(event.value) != self._samples.state.marked.rest_is_none:
-            self._samples.set_rest(bool(event.value))
+            await wait_for(self._samples.set_rest, bool(event.value))
 
     async def _hold(self) -> None:
         """Hold the picture, or show the live one again."""
@@ -144,7 +144,7 @@ class SampleCard:
         if not picture:
             ui.run_javascript('holdPicture(null, [])')
             return
-        shown = await self._calls.wait_for(self._samples.shown, picture)
+        shown = await wait_for(self._samples.shown, picture)
         if shown:
             ui.run_javascript('holdPicture({}, {})'.format(
                 json.dumps(base64.b64encode(shown[0]).decode()), json.dumps(shown[1])))

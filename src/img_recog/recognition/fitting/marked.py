@@ -7,7 +7,8 @@ import numpy as np
 import yaml
 
 from img_recog.errors import UserError
-from img_recog.recognition.fitting.labels import Labeler
+from img_recog.recognition.fitting.labels import FrameLabels, Labeler
+from img_recog.recognition.fitting.sample_file import OTHER
 from img_recog.recognition.fitting.samples import IGNORED, NO_COLOR, Region, Samples
 
 SAMPLES_FILE = 'samples.yaml'
@@ -74,6 +75,12 @@ class Marked(NamedTuple):
             raise UserError('this picture is no longer kept', 'go on with the live picture')
         return _decoded(self.pictures[picture])
 
+    def labels(self, picture: str) -> FrameLabels:
+        """Return what the samples say of a picture; raise SampleError for a contradiction."""
+        samples = self.as_samples()
+        height, width = self.image(picture).shape[:2]
+        return Labeler(samples, samples.of(picture)).of(0, 0.0, (height, width))
+
 
 def with_picture(marked: Marked, image: np.ndarray) -> Tuple[Marked, str]:
     """Keep one more picture, bgr8, and those that have samples; return its name, too.
@@ -103,7 +110,7 @@ def with_click(marked: Marked, picture: str, x: float, y: float, color: str) -> 
     taken = np.zeros((height, width), np.uint8)
     for each in marked.samples:
         if each.picture == picture:
-            own = _inside(each, taken.shape)
+            own = _inside(each, (height, width))
             if own[row, column]:
                 raise UserError('this is sample {} already, which is {}'.format(
                     each.number, each.color), 'remove it, or mark another place')
@@ -168,9 +175,9 @@ def write(marked: Marked, folder: str) -> None:
             entries[-1]['rectangle'] = list(each.rectangle)
     for picture in {each.picture for each in marked.samples}:
         _write(os.path.join(folder, picture), marked.pictures[picture])
-    top = {} if marked.rest_is_none else {'unlabeled': IGNORED}
     _write(os.path.join(folder, SAMPLES_FILE), yaml.safe_dump(
-        {**top, 'samples': entries}, sort_keys=False, default_flow_style=None).encode())
+        {'unlabeled': OTHER if marked.rest_is_none else IGNORED, 'samples': entries},
+        sort_keys=False, default_flow_style=None).encode())
 
 
 def _with_sample(marked: Marked, picture: str, color: str, area_px: int,
@@ -181,8 +188,7 @@ def _with_sample(marked: Marked, picture: str, color: str, area_px: int,
                         'save them, and remove some')
     sample = Sample(marked.next_number, picture, color, area_px, rectangle, mask)
     added = marked._replace(samples=(*marked.samples, sample), next_number=sample.number + 1)
-    samples = added.as_samples()
-    Labeler(samples, samples.of(picture)).of(0, 0.0, marked.image(picture).shape[:2])
+    added.labels(picture)
     return added
 
 

@@ -9,7 +9,6 @@ from img_recog.errors import UserError, one_line
 from img_recog.recognition.areas import to_hsv
 from img_recog.recognition.fitting import bounds
 from img_recog.recognition.fitting.histograms import UNIT, Counter, of_color
-from img_recog.recognition.fitting.labels import Labeler
 from img_recog.recognition.fitting.marked import Marked
 from img_recog.recognition.fitting.volume import Box
 
@@ -32,15 +31,13 @@ class Offer(NamedTuple):
 
 def offers(marked: Marked) -> Dict[str, Offer]:
     """Return what is offered for each color that has samples, as fit_colors.py finds it."""
-    samples, counter = marked.as_samples(), Counter()
+    counter = Counter()
     for name in marked.pictures:
-        own = samples.of(name)
-        if own.regions:
-            image = marked.image(name)
-            counter.add_frame(Labeler(samples, own).of(0, 0.0, image.shape[:2]).parts(
-                to_hsv(image, 'bgr8')))
+        labels = marked.labels(name)
+        if labels.has_regions:
+            counter.add_frame(labels.parts(to_hsv(marked.image(name), 'bgr8')))
     histograms, found = counter.result(), {}
-    for color in samples.colors:
+    for color in marked.colors:
         sampled = of_color(histograms, color)
         try:
             fit = bounds.fits(color, sampled)[0]

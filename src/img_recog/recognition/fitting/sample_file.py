@@ -8,7 +8,7 @@ from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Range, Reg
                                                    Samples)
 from img_recog.recognition.settings import SettingError, color_names
 
-_OTHER = 'other'
+OTHER = 'other'
 _MAX_BYTES, _MAX_NUMBER = 1 << 24, 1e9
 _ADVICE = 'see the examples in doc/fitting.md'
 _SHAPES = 'rectangle', 'polygon', 'mask'
@@ -32,10 +32,10 @@ def read(path: str) -> Samples:
     _check_names(path, '', values, _TOP)
     if not values['samples']:
         raise SampleError('{}: there is no sample'.format(path), _ADVICE)
-    unlabeled = values.get('unlabeled', _OTHER)
-    if unlabeled not in (_OTHER, IGNORED):
+    unlabeled = values.get('unlabeled', OTHER)
+    if unlabeled not in (OTHER, IGNORED):
         raise SampleError('{}: unlabeled: got {}, allowed is {} or {}'.format(
-            path, shortened(repr(unlabeled)), _OTHER, IGNORED))
+            path, shortened(repr(unlabeled)), OTHER, IGNORED))
     reader = _Reader(path, _colors(path, values))
     entries = tuple(reader.entry(number, value)
                     for number, value in enumerate(values['samples'], 1))

@@ -40,7 +40,7 @@ def test_without_others_all_that_is_marked_is_inside(samples):
     ('import time; time.sleep(100)', 0.2, 'took more than 0.2 s; mark fewer pictures'),
     ('raise MemoryError("no memory")', 300, 'has ended: exit code 1, MemoryError: no memory')])
 def test_a_search_without_result_is_ended_and_named(samples, monkeypatch, program, timeout_s,
-                                                     problem):
+                                                    problem):
     monkeypatch.setattr(offers, '_PROGRAM', program)
     with pytest.raises(UserError, match=problem):
         offers.offers_of_a_process(samples, timeout_s)
