@@ -8,6 +8,7 @@ from dynamic_reconfigure import DynamicReconfigureCallbackException
 from dynamic_reconfigure.client import Client
 
 from img_recog.errors import one_line
+from img_recog.ros.master import master
 
 _CONNECT_TIMEOUT_S = 2.0
 _RETRY_PERIOD_S = 1.0
@@ -69,11 +70,17 @@ class Tuning:
                     while self._is_wanted():
                         self._send(client)
             except Exception as error:      # rospy raises more than it documents
-                if not self._is_told:
+                if not self._is_told and self._is_there():
                     rospy.logwarn('the parameters of %s: %s', self.node, one_line(error))
-                self._is_told = True
+                    self._is_told = True
                 with self._condition:
                     self._condition.wait_for(lambda: not self._watching, _RETRY_PERIOD_S)
+
+    def _is_there(self) -> bool:
+        """Return whether the master knows the node; a demo can be without recognition."""
+        with contextlib.suppress(OSError):
+            return master.calls().ask('lookupNode', self.node) is not None
+        return False
 
     def _is_wanted(self) -> bool:
         return bool(self._watching) and not rospy.is_shutdown()

@@ -1,4 +1,5 @@
 """Parameters of another node, with a stand-in for the client of dynamic_reconfigure."""
+import argparse
 import threading
 
 import pytest
@@ -14,6 +15,7 @@ class Client:
     """Counts how many are open at a time; `block` holds the updates."""
 
     opened, open_now, most_open = 0, 0, 0
+    address = 'http://localhost:1/'     # that the master knows, None for an unknown node
     updates, descriptions, block, fails, fails_to_update = [], [{'name': 'a'}], None, 0, None
     is_updating = False
 
@@ -47,9 +49,12 @@ def node(monkeypatch, wait_for_threads):
     """Tuning of a node that answers."""
     for name, value in (('opened', 0), ('open_now', 0), ('most_open', 0), ('updates', []),
                         ('descriptions', [{'name': 'a'}]), ('block', None), ('fails', 0),
-                        ('fails_to_update', None), ('is_updating', False)):
+                        ('fails_to_update', None), ('is_updating', False),
+                        ('address', Client.address)):
         monkeypatch.setattr(Client, name, value)
     monkeypatch.setattr(tuning, 'Client', Client)
+    monkeypatch.setattr(tuning.master, 'calls', lambda: argparse.Namespace(
+        ask=lambda method, name: Client.address))
     monkeypatch.setattr(tuning, '_RETRY_PERIOD_S', 0.05)
     monkeypatch.setattr(tuning, '_CONNECT_TIMEOUT_S', 0.05)
     monkeypatch.setattr(rospy, 'is_shutdown', lambda: False)
@@ -94,6 +99,13 @@ def test_a_node_that_does_not_answer_is_told_once_until_it_has_answered(node, wa
     node.change(a=2)
     wait_for(lambda: node.values() == {'a': 2}, 'the change')
     assert warnings[1:] == ['the parameters of /color_extract: gone']
+
+
+def test_a_node_that_is_not_there_is_no_reason_to_warn(node, warnings):
+    Client.fails, Client.address = 3, None
+    node.watch('page', True)
+    wait_for(node.values, 'the values')
+    assert warnings == []
 
 
 def test_a_change_that_could_not_be_sent_is_forgotten_when_nobody_looks_any_more(
