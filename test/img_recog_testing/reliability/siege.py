@@ -120,8 +120,7 @@ def _sustain(demo: Demo, rng: random.Random, targets: Mapping[Address, Mapping[s
         while time.monotonic() < end:
             address = own.choice(list(targets))
             kind = own.choice(list(targets[address]))
-            _attack(address, targets[address][kind](own),
-                    own.uniform(0, min(_ATTACK_S, duration_s)))
+            _attack(address, targets[address][kind](own), own.uniform(0, _ATTACK_S))
             next(count)
     with ThreadPoolExecutor(_AT_ONCE) as pool:
         running = [pool.submit(attack_all, rng.randrange(1 << 32)) for _ in range(_AT_ONCE)]
