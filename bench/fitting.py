@@ -14,12 +14,13 @@ from img_recog.batch import recordings
 from img_recog.batch.pieces import Part
 from img_recog.recognition.areas import ColorExtractor, to_hsv
 from img_recog.recognition.fitting.histograms import NOT, Counter, Label
-from img_recog.recognition.fitting.limits import BLOB_SIZES, areas_of_blobs
+from img_recog.recognition.fitting.limits import BLOB_SIZES, blobs
 from img_recog.recognition.settings import with_colors
 
 SIZES = ((640, 480), (1920, 1080))
 FRAMES, RUNS = 100, 3
 _LABEL = Label(NOT, '')
+_NOTHING = np.zeros((1, 1), bool)
 _SHAPE, _RANGES = [180, 256, 256], [0, 180, 0, 256, 0, 256]
 
 
@@ -40,7 +41,7 @@ def _measure(path: str) -> None:
     for frame in recordings.read(path, Part(0, FRAMES)):
         extractor.measure(frame.image, frame.encoding)
         for number in range(2):
-            areas_of_blobs(extractor.mask(number), BLOB_SIZES)
+            blobs(extractor.mask(number), BLOB_SIZES, _NOTHING, _NOTHING)
 
 
 def _plain(path: str) -> None:

@@ -49,7 +49,7 @@ def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
         with _starting_workers(interrupts):
             cluster = stack.enter_context(LocalCluster(
                 n_workers=jobs, threads_per_worker=1, processes=True, host='127.0.0.1',
-                dashboard_address='127.0.0.1:0' if has_page else None, memory_limit=0,
+                dashboard_address='127.0.0.1:0', memory_limit=0,
                 silence_logs=logging.CRITICAL + 1,
                 local_directory=stack.enter_context(tempfile.TemporaryDirectory())))
             client = stack.enter_context(Client(cluster, set_as_default=False))

@@ -10,13 +10,14 @@ from img_recog.batch.pieces import Part
 from img_recog.recognition.areas import ColorExtractor, to_hsv
 from img_recog.recognition.fitting.histograms import Counter, Histograms
 from img_recog.recognition.fitting.labels import FrameLabels, Labeler
-from img_recog.recognition.fitting.limits import areas_of_blobs
+from img_recog.recognition.fitting.limits import blobs
 from img_recog.recognition.fitting.samples import RecordingSamples, SampleError, Samples
 from img_recog.replay.chain import SECOND_NS
 
 # Which samples say something of a frame: those to fit by, or those to check the result.
 FIT, CHECK = 0, 1
 _UNKNOWN = -1
+_UNLABELED = np.zeros((2, 1, 1), bool)
 
 
 class Source(NamedTuple):
@@ -52,8 +53,8 @@ class Measured(NamedTuple):
     frames: int64, their numbers; times_s: float, from the first frame.
     chosen: int8, FIT or CHECK, -1 without samples; in_view: int8 of shape (frames, colors), 1 or
     0, -1 if unknown; has_regions: bool.
-    pixels: int32 of shape (frames, candidates, colors, 3): a Score of the labeled ones; areas:
-    int32 of shape (frames, candidates, colors, sizes).
+    pixels: int32 of shape (frames, candidates, colors, sizes, 3): a Score of the labeled ones;
+    areas: int32 of shape (frames, candidates, colors, sizes).
     """
 
     frames: np.ndarray
@@ -91,21 +92,20 @@ def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[s
     rows = []
     for frame in recordings.read(paths[0], source.part, source.max_pixels):
         chosen, labels = _labels(labelers, source, frame)
-        pixels = np.zeros((len(extractors), colors, 3), np.int32)
+        pixels = np.zeros((len(extractors), colors, len(sizes), 3), np.int32)
         areas = np.zeros((len(extractors), colors, len(sizes)), np.int32)
         for index, extractor in enumerate(extractors):
             extractor.measure(frame.image, frame.encoding)
             for number in range(colors):
-                mask = extractor.mask(number)
-                areas[index, number] = areas_of_blobs(mask, sizes)
-                if labels is not None:
-                    pixels[index, number] = _pixel_score(mask, labels, number)
+                truth = _UNLABELED if labels is None else labels.truth(number)
+                areas[index, number], pixels[index, number] = blobs(
+                    extractor.mask(number), sizes, *truth)
         in_view = [_UNKNOWN] * colors if labels is None else [
             _UNKNOWN if each is None else int(each) for each in labels.is_in_view]
         rows.append((frame.number, (frame.stamp_ns - source.start_ns) / SECOND_NS, chosen, in_view,
                      labels is not None and labels.has_regions, pixels, areas))
-    shapes = (), (), (), (colors,), (), (len(extractors), colors, 3), (
-        len(extractors), colors, len(sizes))
+    shapes = (), (), (), (colors,), (), (
+        len(extractors), colors, len(sizes), 3), (len(extractors), colors, len(sizes))
     kinds = np.int64, float, np.int8, np.int8, bool, np.int32, np.int32
     columns = list(zip(*rows)) if rows else [()] * len(shapes)
     return Measured(*(np.array(column, kind).reshape((len(rows), *shape))
@@ -133,10 +133,3 @@ def _labels(labelers: Sequence[Labeler], source: Source, frame) -> Tuple[int,
             frame.number, *(samples.path for samples in source.samples)),
             'remove it from one of them')
     return found[0] if found else (_UNKNOWN, None)
-
-
-def _pixel_score(mask: np.ndarray, labels: FrameLabels, number: int) -> Tuple[int, int, int]:
-    is_color, is_not = labels.truth(number)
-    inside = mask > 0
-    found = np.count_nonzero(inside & is_color)
-    return found, np.count_nonzero(inside & is_not), np.count_nonzero(is_color) - found

@@ -95,7 +95,7 @@ class Report:
                 for name, candidate, blob_size, limit_px in ways:
                     lines.append(Line(
                         color, name, chosen,
-                        statistics.pixels(chosen, candidate, number),
+                        statistics.pixels(chosen, candidate, number, blob_size),
                         statistics.score(chosen, candidate, number, blob_size, limit_px)))
         return lines
 

@@ -37,7 +37,7 @@ class Statistics:
         self._areas: Dict[Tuple[int, int, int, int], Areas] = {}
         self.frames = 0
         # of FIT and CHECK, of frames without and with the color: inside, wrong and missed pixels
-        self._pixels = np.zeros((2, 2, candidates, colors, 3), np.int64)
+        self._pixels = np.zeros((2, 2, candidates, colors, len(sizes), 3), np.int64)
         self._frames = np.zeros((2, 2, colors), np.int64)
 
     def add(self, measured: Measured) -> None:
@@ -48,7 +48,7 @@ class Statistics:
                 picked = (measured.in_view == is_in_view) & (measured.chosen == chosen)[:, None]
                 self._frames[chosen, is_in_view] += picked.sum(axis=0)
                 self._pixels[chosen, is_in_view] += (
-                    measured.pixels * picked[:, None, :, None]).sum(axis=0)
+                    measured.pixels * picked[:, None, :, None, None]).sum(axis=0)
         for row, chosen in enumerate(measured.chosen):
             for color in range(self._colors):
                 in_view = int(measured.in_view[row, color])
@@ -66,13 +66,15 @@ class Statistics:
                               key=lambda choice: choice.limit.score.f1)
                           for color in range(self._colors)]
                    for number, size in enumerate(self._sizes)}
-        size = best_size({size: [choice.limit for choice in each]
-                          for size, each in choices.items()})
+        size = best_size(
+            {size: [choice.limit for choice in each] for size, each in choices.items()},
+            {size: sum(self.pixels(FIT, choice.candidate, color, size).f1
+                       for color, choice in enumerate(each)) for size, each in choices.items()})
         return size, choices[size]
 
-    def pixels(self, chosen: int, candidate: int, color: int) -> Score:
+    def pixels(self, chosen: int, candidate: int, color: int, size: int) -> Score:
         """Return the score of the pixels of FIT or CHECK, weighted as in histograms.Sampled."""
-        without, with_color = self._pixels[chosen, :, candidate, color]
+        without, with_color = self._pixels[chosen, :, candidate, color, self._sizes.index(size)]
         frames = self._frames[chosen, :, color]
         weight = min(1.0, frames[1] / max(1, frames[0]))
         return Score(int(with_color[0]), int(with_color[1] + round(weight * without[1])),
@@ -101,7 +103,7 @@ def rows(measured: Measured, choices: Sequence[Choice], size_index: int
     for index in range(len(measured.frames)):
         yield [Row(int(measured.areas[index, choice.candidate, color, size_index]),
                    int(measured.in_view[index, color]),
-                   Score(*map(int, measured.pixels[index, choice.candidate, color])))
+                   Score(*map(int, measured.pixels[index, choice.candidate, color, size_index])))
                for color, choice in enumerate(choices)]
 
 

@@ -6,12 +6,11 @@ import numpy as np
 from img_recog.errors import UserError
 from img_recog.recognition.fitting.boxes import BoxSearch, Found, Objective
 from img_recog.recognition.fitting.histograms import HUES, LEVELS, SHAPE, UNIT, Sampled
+from img_recog.recognition.fitting.limits import TIE
 from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.fitting.volume import Box, box_of, edges_of
 
 PIXELS, FRAMES, MARGIN = OBJECTIVES = 'pixels', 'frames', 'margin'
-# boxes whose F1 differ by no more are equally good
-_TIE = 0.002
 # how far a bound may be beyond the outermost sample where there is none of another color
 _MOST_BEYOND = (10, 60, 60)
 # the objective `margin`: so many levels of hue, saturation and value together, of which the
@@ -88,7 +87,7 @@ def _centered(objective: Objective, edges: np.ndarray) -> Tuple[Box, Tuple[Optio
 
     Also returns their margin, as in Fit.
     """
-    least = float(objective.score(edges)) - _TIE
+    least = float(objective.score(edges)) - TIE
     inner = _moved(objective, edges, least, -1, SHAPE)
     outer = _moved(objective, inner, least, 1, [2 * most for most in _MOST_BEYOND])
     edges, margin = inner.copy(), []

@@ -10,6 +10,7 @@ from img_recog.recognition.fitting.score import Score
 BLOB_SIZES = 0, 4, 16, 64, 256, 1024
 # Areas are known to this many digits, so that the memory does not grow with the frames.
 _DIGITS = 1000
+TIE = 0.002         # F1 of pixels that differ by no more are equally good
 _MIN_GAIN = 1.5     # a larger blob size has to make the gap between areas so much wider
 
 
@@ -59,23 +60,41 @@ class Areas:
         return best
 
 
-def areas_of_blobs(mask: np.ndarray, sizes: Sequence[int]) -> List[int]:
-    """Return the areas of a mask without blobs of fewer pixels, for each size, as in areas.py.
+class Blobs(NamedTuple):
+    """What is left of a mask without its blobs of fewer pixels, for each size; int arrays.
 
-    mask: uint8 of shape (height, width), 0 outside.
+    areas_px: (sizes,), as in areas.py. pixels: (sizes, 3), the Score of the labeled ones.
     """
-    if not mask.any():
-        return [0] * len(sizes)
-    _, _, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    blobs_px = stats[1:, cv2.CC_STAT_AREA]
-    return [int(blobs_px[blobs_px >= size].sum()) for size in sizes]
+
+    areas_px: np.ndarray
+    pixels: np.ndarray
 
 
-def best_size(limits: Dict[int, List[Limit]]) -> int:
+def blobs(mask: np.ndarray, sizes: Sequence[int], is_color: np.ndarray, is_not: np.ndarray
+          ) -> Blobs:
+    """Return the blobs of a mask, uint8 of shape (height, width), 0 outside.
+
+    is_color, is_not: where pixels are of the color, and where they are not, as FrameLabels.truth
+    returns them.
+    """
+    blobs_px = found = wrong = np.zeros(0, np.int64)
+    if mask.any():
+        count, numbers, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+        blobs_px = stats[1:, cv2.CC_STAT_AREA]
+        found, wrong = (np.bincount(numbers[np.broadcast_to(part, mask.shape)],
+                                    minlength=count)[1:] for part in (is_color, is_not))
+    kept = (blobs_px >= np.reshape(sizes, (-1, 1))).astype(np.int64)
+    found, wrong = kept @ found, kept @ wrong
+    return Blobs(kept @ blobs_px,
+                 np.stack([found, wrong, np.count_nonzero(is_color) - found], axis=1))
+
+
+def best_size(limits: Dict[int, List[Limit]], pixels_f1: Dict[int, float]) -> int:
     """Return the blob size by which the colors are told apart best.
 
-    limits: for each size, the limit of each color. A size is chosen before a smaller one if F1 is
-    better, or equal with much wider gaps. It is not above the limits.
+    limits: for each size, the limit of each color; pixels_f1: the sum of F1 of their pixels. A
+    size is chosen before a smaller one if F1 of the frames is better, or equal with a better F1 of
+    the pixels, or both are equal with much wider gaps. It is not above the limits.
     """
     best = min(limits)
     for size in sorted(limits)[1:]:
@@ -83,7 +102,9 @@ def best_size(limits: Dict[int, List[Limit]]) -> int:
             continue
         f1, best_f1 = (sum(limit.score.f1 for limit in limits[each]) for each in (size, best))
         gap, best_gap = (min(limit.gap for limit in limits[each]) for each in (size, best))
-        if f1 > best_f1 or f1 == best_f1 and gap >= _MIN_GAIN * best_gap:
+        gain = pixels_f1[size] - pixels_f1[best]
+        if f1 > best_f1 or f1 == best_f1 and (
+                gain > TIE or gain >= -TIE and gap >= _MIN_GAIN * best_gap):
             best = size
     return best
 
