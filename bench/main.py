@@ -16,6 +16,7 @@ import recognition
 import robot_camera
 import simulator
 import start
+import sweep
 import textured
 import transport
 from tqdm import tqdm
@@ -23,7 +24,8 @@ from tqdm import tqdm
 BENCHMARKS = {'start': start, 'simulator': simulator, 'drawing': drawing,
               'robot_camera': robot_camera, 'textured': textured, 'camera': camera,
               'recognition': recognition, 'growth': growth, 'transport': transport, 'page': page,
-              'fleet': fleet, 'lockstep': lockstep, 'fitting': fitting}
+              'fleet': fleet, 'lockstep': lockstep, 'fitting': fitting,
+              'sweep': sweep}
 
 
 def main() -> int:

@@ -5,8 +5,10 @@ import logging
 import signal
 import tempfile
 import time
+import warnings
 from typing import Any, ContextManager, Dict, Iterator, List, Sequence
 
+import dask
 from distributed import Client, Future, LocalCluster, as_completed
 from distributed.scheduler import KilledWorker
 
@@ -20,6 +22,9 @@ _WAIT_S = 10            # for the scheduler, and for its first worker
 _IN_FLIGHT = 1000       # pieces that the scheduler knows
 _SAME = ('python', 'dask', 'distributed')       # versions that have to be equal
 _START = 'start some: ./run shell python3 -m distributed.cli.dask_worker {}'
+# Workers on this machine need no profile of their functions and no ticks: each took 2 % of a core.
+_QUIET = {'distributed.worker.profile.interval': '1h', 'distributed.worker.profile.cycle': '1h',
+          'distributed.admin.tick.interval': '1s'}
 _PROBLEMS = (OSError, RuntimeError, TypeError, ValueError, KeyError, AttributeError, ImportError)
 _log = logging.getLogger(__name__)
 
@@ -47,6 +52,7 @@ def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
     has_page = importlib.util.find_spec('bokeh') is not None
     with contextlib.ExitStack() as stack:
         with _starting_workers(interrupts):
+            dask.config.set(_QUIET)
             cluster = stack.enter_context(LocalCluster(
                 n_workers=jobs, threads_per_worker=1, processes=True, host='127.0.0.1',
                 dashboard_address='127.0.0.1:0', memory_limit=0,
@@ -78,7 +84,9 @@ def add_workers(client: Client, jobs: int, interrupts: Interrupts) -> None:
 @contextlib.contextmanager
 def _cluster(address: str) -> Iterator[Client]:
     try:
-        client = _Client(address, timeout=_WAIT_S, set_as_default=False)
+        with warnings.catch_warnings():     # of other versions: `_check` says it in one line
+            warnings.simplefilter('ignore')
+            client = _Client(address, timeout=_WAIT_S, set_as_default=False)
     except _PROBLEMS as error:
         raise UserError('--scheduler {}: no scheduler of Dask answers: {}'.format(
             address, one_line(error)), 'start one: dask-scheduler')

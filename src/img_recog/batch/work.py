@@ -15,6 +15,9 @@ from img_recog.errors import UserError, one_line
 # Called with the paths of the files of a piece and its arguments. A function of a module: workers
 # import it.
 Function = Callable[..., Any]
+# llvmpipe and numpy: there are as many processes as cores; with 0, llvmpipe draws in the thread
+# that asks for it
+_THREADS = {'LP_NUM_THREADS': '0', 'OMP_NUM_THREADS': '1', 'OPENBLAS_NUM_THREADS': '1'}
 # mallopt(3): up to how many bytes free memory is kept, and from how many on a block is mapped
 _M_TRIM_THRESHOLD, _KEPT_BYTES = -1, 1 << 28
 _M_MMAP_THRESHOLD, _MAPPED_BYTES = -3, 1 << 25
@@ -62,6 +65,8 @@ def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes
 def _prepare() -> None:
     """Prepare this process: once."""
     faulthandler.enable(2)      # if a library crashes, stderr says where
+    for name, threads in _THREADS.items():
+        os.environ.setdefault(name, threads)
     cv2.setNumThreads(1)
     # Dask has its workers give memory back at once (MALLOC_TRIM_THRESHOLD_). Then the kernel maps
     # and clears that of each image anew, 100,000 pages for a loop of 15 s.

@@ -1,4 +1,5 @@
 """The folder with the results of the pieces of a run, until all are there."""
+import contextlib
 import functools
 import hashlib
 import io
@@ -48,8 +49,14 @@ class WorkFolder:
             os.makedirs(os.path.dirname(path), exist_ok=True)
         except OSError as error:
             raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
-        with atomic_write([path], _ADVICE) as (file,):
-            file.write(content)
+        try:
+            with atomic_write([path], _ADVICE) as (file,):
+                file.write(content)
+        except UserError:
+            for folder in (os.path.dirname(path), self.path):
+                with contextlib.suppress(OSError):      # it has other results
+                    os.rmdir(folder)
+            raise
 
     def read(self, name: str) -> Any:
         """Return the result of a piece."""
