@@ -17,7 +17,7 @@ from img_recog.replay.chain import SECOND_NS
 # Which samples say something of a frame: those to fit by, or those to check the result.
 FIT, CHECK = 0, 1
 _UNKNOWN = -1
-_UNLABELED = np.zeros((2, 1, 1), bool)
+_UNLABELED = np.zeros((1, 1), bool), np.zeros((1, 1), bool)
 
 
 class Source(NamedTuple):
@@ -97,9 +97,9 @@ def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[s
         for index, extractor in enumerate(extractors):
             extractor.measure(frame.image, frame.encoding)
             for number in range(colors):
-                truth = _UNLABELED if labels is None else labels.truth(number)
+                is_color, is_not = _UNLABELED if labels is None else labels.truth(number)
                 areas[index, number], pixels[index, number] = blobs(
-                    extractor.mask(number), sizes, *truth)
+                    extractor.mask(number), sizes, is_color, is_not)
         in_view = [_UNKNOWN] * colors if labels is None else [
             _UNKNOWN if each is None else int(each) for each in labels.is_in_view]
         rows.append((frame.number, (frame.stamp_ns - source.start_ns) / SECOND_NS, chosen, in_view,
