@@ -23,6 +23,7 @@ from img_recog.nodes.gazebo.lockstep_settings import LockstepSettings
 from img_recog.nodes.gazebo.robot_plans import RobotsSettings, robot_settings_classes
 from img_recog.nodes.gazebo.stepping import SteppingSettings
 from img_recog.nodes.gazebo.physics_services import RuntimeSettings
+from img_recog.nodes.republish import RepublishSettings
 from img_recog.nodes.robots.node import ManagerSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
 from img_recog.nodes.web.node import WebSettings
@@ -44,6 +45,7 @@ NODES = {
                                LockstepSettings, SteppingSettings, *robot_settings_classes()),
                ()),
     'turtlebot3_teleop_keyboard': ('teleop_key', (TeleopSettings,), ()),
+    'image_republisher': ('republish', (RepublishSettings,), ()),
     'robots': ('robots.node', (ManagerSettings, NodeSettings), ()),
     'web': ('web.node', (WebSettings, VelocityLimits), ())}
 # topics that are in no docstring, with their types

@@ -15,6 +15,7 @@ NODES = {
     'color_img_recog.py': ('color_extract', ('usb_cam/image_raw', 'cmd_vel (geometry_msgs/Twist')),
     'pybullet_sim.py': ('gazebo', ('cmd_vel (geometry_msgs/Twist', '/clock', '~reset_world')),
     'teleop_key.py': ('turtlebot3_teleop_keyboard', ('cmd_vel (geometry_msgs/Twist)', '~yield')),
+    'republish.py': ('image_republisher', ('in/compressed (sensor_msgs/CompressedImage)',)),
     'robots.py': ('robots', ('~reload (std_srvs/Trigger)',)),
     'web.py': ('web', ('gazebo/set_pose (geometry_msgs/PoseStamped', 'odom (nav_msgs/Odometry)'))}
 # parameters that are in no settings class; their docstrings name them
