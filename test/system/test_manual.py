@@ -1,16 +1,10 @@
 """./run manual: what is missing is one line; the whole of slam, with a mapper of this test."""
-import os
 import re
-import subprocess
 
 import pytest
 
-from img_recog_testing.pages import ROOT
+from img_recog_testing.manual import Workspace
 
-PACKAGE = """<package format="2">
-  <name>{}</name><version>1.0.0</version><description>-</description><license>-</license>
-  <maintainer email="nobody@example.com">nobody</maintainer>
-</package>"""
 LAUNCH = """<launch>
   <arg name="model"/><arg name="slam_methods"/><arg name="open_rviz"/>
   <node name="robot_state_publisher" pkg="robot_state_publisher" type="robot_state_publisher"/>
@@ -57,59 +51,107 @@ while not rospy.is_shutdown():
 """
 
 
-def manual(env, *words):
-    done = subprocess.run(['./run', 'manual', *map(str, words)], cwd=ROOT, env=env, check=False,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600)
-    return done.returncode, done.stdout.decode(errors='replace')
+# a map that is turned by 4 degrees about the start, where this move_base sets the robot down
+NAVIGATION = """#!{python}
+import math
+import numpy as np
+import rospy
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from nav_msgs.msg import OccupancyGrid
+
+TURN, START = math.radians(4), np.array((-2.0, -0.5))
+turn = np.array(((math.cos(TURN), -math.sin(TURN)), (math.sin(TURN), math.cos(TURN))))
+rospy.init_node('navigation')
+grid = OccupancyGrid()
+grid.header.frame_id = 'map'
+grid.info.width = grid.info.height = 160
+grid.info.resolution = 0.05
+grid.info.origin.position.x = grid.info.origin.position.y = -4
+cells = np.zeros((160, 160), np.int8)
+angles = np.radians(range(360))
+for pillar in ((x, y) for x in (-1.1, 0, 1.1) for y in (-1.1, 0, 1.1)):
+    x, y = turn @ (pillar - START) + START
+    cells[((y + 0.15 * np.sin(angles) + 4) / 0.05).astype(int),
+          ((x + 0.15 * np.cos(angles) + 4) / 0.05).astype(int)] = 100
+grid.data = cells.ravel().tolist()
+grids = rospy.Publisher('map', OccupancyGrid, queue_size=1, latch=True)
+grids.publish(grid)
+poses = rospy.Publisher('amcl_pose', PoseWithCovarianceStamped, queue_size=1)
+robot = rospy.Publisher('gazebo/set_pose', PoseStamped, queue_size=1)
+rospy.Subscriber('initialpose', PoseWithCovarianceStamped, poses.publish)
+states = []
+status = rospy.Publisher('move_base/status', GoalStatusArray, queue_size=1)
+
+def drive(goal):
+    place = np.array((goal.pose.position.x, goal.pose.position.y))
+    x, y = turn.T @ (place - START) + START
+    goal.header.frame_id = 'odom'
+    goal.pose.position.x, goal.pose.position.y = x, y
+    robot.publish(goal)
+    rospy.sleep(0.5)
+    states.append(GoalStatus(GoalID(id=str(x)), GoalStatus.SUCCEEDED, ''))
+
+rospy.Subscriber('move_base_simple/goal', PoseStamped, drive)
+while not rospy.is_shutdown():
+    status.publish(GoalStatusArray(status_list=states))
+    rospy.sleep(0.1)
+"""
 
 
 @pytest.fixture
-def env(ros, tmp_path):
-    """Of a shell that sees, beside this package, only the packages in a folder of the test."""
-    return dict(ros.env, ROS_PACKAGE_PATH=str(tmp_path / 'packages'))
+def workspace(ros, tmp_path):
+    return Workspace(tmp_path, ros.env)
 
 
-def add(tmp_path, *names):
-    for name in names:
-        (tmp_path / 'packages' / name).mkdir(parents=True)
-        (tmp_path / 'packages' / name / 'package.xml').write_text(PACKAGE.format(name))
-
-
-def test_packages_that_are_missing_are_named_in_one_line(env, tmp_path):
-    add(tmp_path, 'gmapping', 'turtlebot3_slam')
-    code, output = manual(env, 'slam', '--dir', tmp_path)
+def test_packages_that_are_missing_are_named_in_one_line(workspace, tmp_path):
+    workspace.add('gmapping', 'turtlebot3_slam')
+    code, output = workspace.manual('slam', '--dir', tmp_path)
     assert code == 1
     line, = [line for line in output.splitlines() if 'missing' in line]
     assert line.startswith('[run] these packages of ROS are missing: turtlebot3_bringup '
                            'turtlebot3_description; ')
 
 
-def test_navigation_needs_a_map(env, tmp_path):
-    add(tmp_path, 'amcl', 'dwa_local_planner', 'map_server', 'move_base', 'turtlebot3_bringup',
-        'turtlebot3_description', 'turtlebot3_navigation')
-    code, output = manual(env, 'navigation', '--dir', tmp_path)
+def test_navigation_needs_a_map(workspace, tmp_path):
+    workspace.add('amcl', 'dwa_local_planner', 'map_server', 'move_base', 'turtlebot3_bringup',
+                  'turtlebot3_description', 'turtlebot3_navigation')
+    code, output = workspace.manual('navigation', '--dir', tmp_path)
     assert code == 1
     assert 'there is no map {}/map.yaml; make it: ./run manual slam'.format(tmp_path) in output
 
 
-def test_a_launch_file_that_fails_ends_it_at_once(env, tmp_path):
-    add(tmp_path, 'gmapping', 'turtlebot3_bringup', 'turtlebot3_description', 'turtlebot3_slam')
-    code, output = manual(env, 'slam', '--dir', tmp_path, 'web:=false', 'gui:=false')
+def test_a_launch_file_that_fails_ends_it_at_once(workspace, tmp_path):
+    workspace.add('gmapping', 'turtlebot3_bringup', 'turtlebot3_description', 'turtlebot3_slam')
+    code, output = workspace.manual('slam', '--dir', tmp_path)
     assert code == 1
     assert '[run] no message on /map before roslaunch has ended; see what ' in output, output
 
 
-def test_slam_maps_the_world_and_says_how_well(env, tmp_path):
-    add(tmp_path, 'gmapping', 'turtlebot3_bringup', 'turtlebot3_description', 'turtlebot3_slam')
-    packages = tmp_path / 'packages'
-    (packages / 'turtlebot3_slam' / 'turtlebot3_slam.launch').write_text(LAUNCH)
-    mapper = packages / 'gmapping' / 'mapper.py'
-    mapper.write_text(MAPPER.format(python=os.path.join(ROOT, '.venv', 'bin', 'python3')))
-    mapper.chmod(0o755)
-    code, output = manual(env, 'slam', '--dir', tmp_path, 'web:=false', 'gui:=false',
-                          'real_time_factor:=3')
+def test_slam_maps_the_world_and_says_how_well(workspace, tmp_path):
+    workspace.add('gmapping', 'turtlebot3_bringup', 'turtlebot3_description', 'turtlebot3_slam')
+    workspace.write('turtlebot3_slam/turtlebot3_slam.launch', LAUNCH)
+    workspace.write('gmapping/mapper.py', MAPPER)
+    code, output = workspace.manual('slam', '--dir', tmp_path, 'real_time_factor:=3')
     assert code == 0, output
     assert '9 of 9 pillars are in the map' in output, output
     error = re.search(r'frame of the world, .* at most (\S+) m', output)
     assert error and float(error.group(1)) < 0.05, output
     assert (tmp_path / 'map.pgm').exists() and (tmp_path / 'map.yaml').exists()
+
+
+def test_goals_are_in_the_frame_of_a_map_that_is_turned(workspace, tmp_path):
+    workspace.add('amcl', 'dwa_local_planner', 'map_server', 'move_base', 'turtlebot3_bringup',
+                  'turtlebot3_description', 'turtlebot3_navigation')
+    workspace.write('turtlebot3_navigation/turtlebot3_navigation.launch',
+                    '<launch><arg name="model"/><arg name="map_file"/><arg name="open_rviz"/>'
+                    '<node name="navigation" pkg="move_base" type="navigation.py"/></launch>')
+    workspace.write('move_base/navigation.py', NAVIGATION)
+    (tmp_path / 'map.yaml').write_text('')
+    code, output = workspace.manual('navigation', '--dir', tmp_path, '--goal', 1.7, 0.55, 0)
+    assert code == 0, output
+    line = re.search(r'goal 1.7 0.55: reached after \d+ s, (\S+) m from it in the frame of the '
+                     r'map, (\S+) m in the frame of the world', output)
+    assert line, output
+    # 3.85 m from the start, about which the map is turned
+    assert float(line.group(1)) < 0.03 and abs(float(line.group(2)) - 0.269) < 0.03, output

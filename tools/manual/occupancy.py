@@ -7,7 +7,7 @@ import numpy as np
 Point = Tuple[float, float]
 
 _SEARCH_M = 0.35        # around a pillar; the wall and other pillars are farther away
-_MIN_CELLS = 3
+_MIN_CELLS, _PASSES = 3, 3
 _OCCUPIED, _FREE = 65, 0
 _WHITE, _GREY, _BLACK = 254, 205, 0     # of map_server
 
@@ -38,27 +38,45 @@ def save(grid: Grid, path: str) -> None:
 def find_pillars(grid: Grid, pillars: Sequence[Point], radius: float) -> Dict[Point, np.ndarray]:
     """Return the centers, m, of the pillars that are in the map, by their true centers.
 
-    pillars: the true centers in the frame of the map, m.
+    pillars: the true centers in the world, m. They are looked for there first, then where the
+    frame of the map that follows has them: at its far end, a map that is turned is far off.
     """
     rows, columns = np.nonzero(grid.cells >= _OCCUPIED)
     points = (np.stack([columns, rows], 1) + 0.5) * grid.resolution + grid.origin
-    near = {pillar: points[np.hypot(*(points - pillar).T) < _SEARCH_M] for pillar in pillars}
-    return {pillar: _center(cells, radius) for pillar, cells in near.items()
-            if len(cells) >= _MIN_CELLS}
+    places = np.array(pillars, float)
+    for _ in range(_PASSES):
+        near = {pillar: points[np.hypot(*(points - place).T) < _SEARCH_M]
+                for pillar, place in zip(pillars, places)}
+        found = {pillar: _center(cells, radius) for pillar, cells in near.items()
+                 if len(cells) >= _MIN_CELLS}
+        if len(found) > 1:
+            places = MapFrame(found).from_world(pillars)
+    return found
+
+
+class MapFrame:
+    """The frame of a map, which SLAM chooses, in that of the world.
+
+    It is the rotation and the translation that fit the pillars best (Kabsch 1976).
+    """
+
+    def __init__(self, found: Dict[Point, np.ndarray]):
+        """found: two pillars or more, as of `find_pillars`."""
+        true, seen = np.array(list(found)), np.array(list(found.values()))
+        self._true, self._seen = true.mean(axis=0), seen.mean(axis=0)
+        u, _, v = np.linalg.svd((true - self._true).T @ (seen - self._seen))
+        self._turn = u @ np.diag([1.0, np.linalg.det(u @ v)]) @ v
+
+    def from_world(self, points: Sequence[Sequence[float]]) -> np.ndarray:
+        """Return where points of the world, m, are in the map."""
+        return (np.array(points) - self._true) @ self._turn + self._seen
 
 
 def errors(found: Dict[Point, np.ndarray]) -> Tuple[float, float]:
-    """Return the largest distance of a center from the true one in m: as it is, and aligned.
-
-    Aligned: after the rotation and translation that fit best (Kabsch 1976). They are those of the
-    frame of the map, which SLAM chooses.
-    """
-    true, seen = np.array(list(found)), np.array(list(found.values()))
-    around = true - true.mean(axis=0), seen - seen.mean(axis=0)
-    u, _, v = np.linalg.svd(around[1].T @ around[0])
-    turn = u @ np.diag([1.0, np.linalg.det(u @ v)]) @ v
+    """Return the largest distances of a center from the true one, m: in world and map."""
+    true, seen = list(found), np.array(list(found.values()))
     return (float(np.hypot(*(seen - true).T).max()),
-            float(np.hypot(*(around[1] @ turn - around[0]).T).max()))
+            float(np.hypot(*(seen - MapFrame(found).from_world(true)).T).max()))
 
 
 def _center(points: np.ndarray, radius: float, steps: int = 30) -> np.ndarray:

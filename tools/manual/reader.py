@@ -2,7 +2,7 @@
 import math
 import threading
 import time
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
 import numpy as np
 import rospy
@@ -14,13 +14,14 @@ from occupancy import Grid
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 
+from img_recog import rotations
 from img_recog.conversions.plane_msgs import PlanePose, initial_pose, pose_to_msg
 from img_recog.errors import UserError
 from img_recog.messages import message
 
 _FIRST_S, _MAP_S = 60, 10           # of wall time
 _EXPLORE_S, _GOAL_S = 300, 180      # simulated
-_POLL_S = 0.1
+_POLL_S, _LANE_POLL_S = 0.1, 0.02
 _ENDS = {GoalStatus.SUCCEEDED: message('reached'), GoalStatus.ABORTED: message('given up'),
          GoalStatus.PREEMPTED: message('preempted'), GoalStatus.REJECTED: message('rejected')}
 
@@ -28,13 +29,13 @@ _ENDS = {GoalStatus.SUCCEEDED: message('reached'), GoalStatus.ABORTED: message('
 class Arrival(NamedTuple):
     """How a goal ended.
 
-    is_reached: says move_base. text: the same for the user. error_m: from the goal to the true
-    position. time_s: simulated.
+    is_reached: says move_base. text: the same for the user. position: the true one in the world,
+    m. time_s: simulated.
     """
 
     is_reached: bool
     text: str
-    error_m: float
+    position: Tuple[float, float]
     time_s: float
 
 
@@ -81,6 +82,11 @@ class Reader:
         where = self._newest['odom'].pose.pose.position
         return where.x, where.y
 
+    def yaw(self):
+        """Return the true heading in the world, rad."""
+        turn = self._newest['odom'].pose.pose.orientation
+        return rotations.yaw((turn.x, turn.y, turn.z, turn.w))
+
     def explore(self):
         """Follow the wall until the robot is back where it has begun."""
         self._wait('map')
@@ -98,13 +104,36 @@ class Reader:
             rospy.sleep(_POLL_S)
         self._velocity.publish(Twist())
 
-    def grid(self):
-        """Return the next map, which has what the robot has seen until now."""
+    def grid(self, is_new=True):
+        """Return the next map, which has what the robot has seen so far; or the one there is."""
         now = rospy.Time.now()
-        msg = self._wait('map', _FIRST_S + _MAP_S, lambda msg: msg.header.stamp > now)
+        msg = self._wait('map', _FIRST_S + _MAP_S,
+                         lambda msg: not is_new or msg.header.stamp > now)
         info = msg.info
         return Grid(np.array(msg.data, np.int8).reshape(info.height, info.width),
                     info.resolution, (info.origin.position.x, info.origin.position.y))
+
+    def follow_lane(self, take, is_done, most_s):
+        """Pass the true pose on until all is done, but for `most_s` of simulated time at most.
+
+        Returns the simulated time, the number of images that were searched, and of those in which
+        a lane was found: detect_lane counts the third part of the images.
+        """
+        counts = {'white_line_reliability': 0, 'lane': 0}
+        for topic in counts:
+            rospy.Subscriber('detect/' + topic, rospy.AnyMsg,
+                             lambda _, topic=topic: counts.update({topic: counts[topic] + 1}))
+        end = time.monotonic() + _FIRST_S
+        while not counts['lane']:
+            if time.monotonic() > end or not self.is_running():
+                raise UserError(message('detect_lane has found no lane'),
+                                message('see what the nodes have printed above'))
+            time.sleep(_POLL_S)
+        begin_s = rospy.get_time()
+        while not is_done() and rospy.get_time() < begin_s + most_s and self.is_running():
+            take(*self.position(), self.yaw())
+            time.sleep(_LANE_POLL_S)
+        return rospy.get_time() - begin_s, *counts.values()
 
     def localize(self, start):
         """Say where the robot is, as by "2D Pose Estimate" of rviz, until amcl has it."""
@@ -149,4 +178,4 @@ class Reader:
             time.sleep(_POLL_S)
         return Arrival(GoalStatus.SUCCEEDED in ended,
                        _ENDS[ended[0]] if ended else message('not reached'),
-                       math.dist(self.position(), goal[:2]), rospy.get_time() - start)
+                       self.position(), rospy.get_time() - start)

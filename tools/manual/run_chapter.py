@@ -14,21 +14,17 @@ import time
 
 import rosgraph
 import rospkg
-from chapters import CHAPTERS, GOAL_RADIUS, GOALS, PILLAR_RADIUS, PILLARS, START
+from chapters import CHAPTERS, DEBIAN
+from tasks import TASKS, say
 
 from img_recog import process_tree
 from img_recog.errors import UserError
 from img_recog.messages import message
 
-_ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+_HERE = os.path.dirname(os.path.abspath(__file__))
+_ROOT = os.path.dirname(os.path.dirname(_HERE))
 _NOETIC = '/opt/ros/noetic'
 _START_S, _END_S = 60.0, 20.0
-
-
-def say(text):
-    """Print a line of ./run."""
-    sys.stdout.write('[run] {}\n'.format(text))
-    sys.stdout.flush()
 
 
 def check_packages(chapter):
@@ -37,11 +33,26 @@ def check_packages(chapter):
     missing = [name for name in chapter.packages if name not in known]
     if not missing:
         return
-    raise UserError(
-        message('these packages of ROS are missing: {}', ' '.join(missing)),
-        message('install {}', ' '.join(chapter.noetic)) if os.path.isdir(_NOETIC) else
-        message('Debian has none of them: source the setup.bash of a workspace that has them '
-                'before ./run; see doc/manual.md'))
+    if os.path.isdir(_NOETIC):
+        names = ' '.join(chapter.noetic)
+    else:
+        names = ' '.join(DEBIAN[name] for name in missing if name in DEBIAN)
+    advice = [message('install {}', names)] if names else []
+    if not set(missing) <= set(DEBIAN):
+        advice.append(message('source the setup.bash of a workspace that has them before ./run; '
+                              'see doc/manual.md'))
+    raise UserError(message('these packages of ROS are missing: {}', ' '.join(missing)),
+                    '; '.join(advice))
+
+
+def filled(words):
+    """Return words with the folders of packages in place of {NAME}, and of this one of {here}."""
+    packages = rospkg.RosPack()
+
+    class Folders(dict):
+        def __missing__(self, name):
+            return packages.get_path(name)
+    return [word.format_map(Folders(here=_HERE)) for word in words]
 
 
 def _end(process):
@@ -88,9 +99,8 @@ def simulator(words):
 
 @contextlib.contextmanager
 def launched(chapter, words):
-    """Run the launch file of the chapter; yield its process."""
-    command = ['roslaunch', *chapter.launch, *words,
-               'open_rviz:={}'.format('true' if os.environ.get('DISPLAY') else 'false')]
+    """Run the launch file of a chapter; yield its process."""
+    command = ['roslaunch', *filled(chapter.launch), *words]
     say(' '.join(command))
     process = subprocess.Popen(command, env=dict(os.environ, TURTLEBOT3_MODEL='burger'),
                                preexec_fn=process_tree.end_with_parent)
@@ -100,46 +110,26 @@ def launched(chapter, words):
         _end(process)
 
 
-def slam(reader, folder):
-    """Drive round, save the map, and return whether all pillars are in it, within one cell."""
-    import occupancy
-    say(message('driving round along the wall, about 2 min'))
-    reader.explore()
-    grid = reader.grid()
-    path = os.path.join(folder, 'map')
-    occupancy.save(grid, path)
-    found = occupancy.find_pillars(grid, PILLARS, PILLAR_RADIUS)
-    say(message('the map is in {}.yaml and {}.pgm', path, path))
-    say(message('{} of {} pillars are in the map', len(found), len(PILLARS)))
-    if len(found) < len(PILLARS):
-        return False
-    in_world, in_map = occupancy.errors(found)
-    say(message('in the frame of the world, their centers are off by at most {} m, {} cells',
-                *_figures(in_world, grid)))
-    say(message('in the frame of the map, their centers are off by at most {} m, {} cells',
-                *_figures(in_map, grid)))
-    return in_map <= grid.resolution
+def own_words(given):
+    """Return the words for roslaunch that are not the same each time."""
+    if given.chapter == 'autorace':
+        has_plugin = 'compressed_image_transport' in rospkg.RosPack().list()
+        return ['republish:={}'.format(str(not has_plugin).lower())]
+    words = ['open_rviz:={}'.format('true' if os.environ.get('DISPLAY') else 'false')]
+    if given.chapter == 'navigation':
+        path = os.path.join(os.path.abspath(given.dir), 'map.yaml')
+        if not os.path.exists(path):
+            raise UserError(message('there is no map {}', path),
+                            message('make it: ./run manual slam'))
+        words.append('map_file:=' + path)
+    return words
 
 
-def _figures(error_m, grid):
-    return '{:.3f}'.format(error_m), '{:.2f}'.format(error_m / grid.resolution)
-
-
-def navigation(reader, goals):
-    """Drive to the goals; return whether the robot came near all of them, and so move_base says.
-
-    Near is GOAL_RADIUS, at its true position.
-    """
-    reader.localize(START)
-    is_good = True
-    for goal in goals:
-        end = reader.drive_to(goal)
-        say(message('goal {} {}: {} after {} s, {} m from it', *goal[:2], end.text,
-                    '{:.0f}'.format(end.time_s), '{:.3f}'.format(end.error_m)))
-        if end.is_reached and end.error_m > GOAL_RADIUS:
-            say(message('that is too far: at most {} m are allowed', GOAL_RADIUS))
-        is_good = is_good and end.is_reached and end.error_m <= GOAL_RADIUS
-    return is_good
+def _count(text):
+    if not text.isdigit() or not 0 < int(text) < 10 ** 6:
+        raise argparse.ArgumentTypeError('got {}, allowed is a whole number from 1 to 999999'
+                                         .format(text))
+    return int(text)
 
 
 def main(words=None):
@@ -155,26 +145,23 @@ def main(words=None):
     parser.add_argument('--goal', action='append', nargs=3, type=float,
                         metavar=('X', 'Y', 'YAW'),
                         help='of navigation, in m and rad; can be repeated')
+    parser.add_argument('--steps', type=_count, default=50,
+                        help='of dqn (default: %(default)s)')
     parser.add_argument('--stay', action='store_true', help='go on at the end until Ctrl-C')
     given = parser.parse_intermixed_args(words)
-    chapter, launch_words = CHAPTERS[given.chapter], []
+    chapter = CHAPTERS[given.chapter]
     try:
         check_packages(chapter)
         os.makedirs(given.dir, exist_ok=True)
-        if given.chapter == 'navigation':
-            path = os.path.join(os.path.abspath(given.dir), 'map.yaml')
-            if not os.path.exists(path):
-                raise UserError(message('there is no map {}', path),
-                                message('make it: ./run manual slam'))
-            launch_words = ['map_file:=' + path]
+        words = own_words(given)
         with contextlib.ExitStack() as running:
-            running.enter_context(simulator(given.arguments))
+            running.enter_context(simulator([*filled(chapter.demo), *given.arguments]))
             from reader import Reader       # rospy reads ROS_MASTER_URI when it is loaded
             reader = Reader()
-            process = running.enter_context(launched(chapter, launch_words))
-            reader.is_running = lambda: process.poll() is None
-            is_good = (slam(reader, given.dir) if given.chapter == 'slam'
-                       else navigation(reader, given.goal or GOALS))
+            if chapter.launch:
+                process = running.enter_context(launched(chapter, words))
+                reader.is_running = lambda: process.poll() is None
+            is_good = TASKS[given.chapter](reader, given)
             if given.stay:
                 say(message('done; Ctrl-C ends it'))
                 signal.pause()

@@ -12,7 +12,7 @@ dynamic_reconfigure can change.
 """
 import os
 from dataclasses import dataclass
-from typing import List, Tuple
+from typing import List, Tuple, Union
 
 import numpy as np
 import rospy
@@ -110,7 +110,9 @@ class Republish:
                             'for example: republish.py raw in:=/image compressed out:=/image')
         settings = parameters.read(RepublishSettings)
         parameters.warn_of_unknown(RepublishSettings)
-        self._way = (_Compressor if words[0] == _RAW else _Decompressor)(settings.max_image_pixels)
+        max_pixels = settings.max_image_pixels
+        self._way: Union[_Compressor, _Decompressor] = (
+            _Compressor(max_pixels) if words[0] == _RAW else _Decompressor(max_pixels))
         self._latest, self._warn = LatestValue(), ThrottledWarning()
         lifecycle.on_shutdown(self._latest.wake)
 
