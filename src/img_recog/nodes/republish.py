@@ -23,7 +23,7 @@ from img_recog.conversions.compressed_image_msgs import CompressionSettings
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, shortened
 from img_recog.nodes.compressed_images import CompressedImages
-from img_recog.ros import image_topics, lifecycle, parameters
+from img_recog.ros import lifecycle, parameters
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.image_publisher import ImagePublisher
@@ -79,7 +79,7 @@ class _Decompressor:
         return self.publisher.get_num_connections() > 0
 
     def subscribe(self, callback) -> '_Subscriber':
-        return _Subscriber(image_topics.topic_beside('in'), CompressedImage, callback,
+        return _Subscriber(rospy.resolve_name('in') + '/compressed', CompressedImage, callback,
                            queue_size=1, buff_size=_BUFFER_BYTES, tcp_nodelay=True)
 
     def convert(self, msg: CompressedImage) -> Tuple[np.ndarray, str]:
