@@ -1,4 +1,5 @@
 """Elements of the page that several tabs have."""
+import asyncio
 import itertools
 import time
 from typing import Any, Callable
@@ -104,17 +105,18 @@ class OneCall:
     """Makes one call at a time: each may hold one of few threads for some seconds."""
 
     def __init__(self) -> None:
-        self._is_waiting = False
+        self._count, self._lock = 0, asyncio.Lock()
 
     async def wait_for(self, function: Callable, *arguments: Any) -> Any:
-        """Do what `wait_for` does; nothing while the last call goes on."""
-        if self._is_waiting:
+        """Do what `wait_for` does, after the last call; nothing if another one waits already."""
+        if self._count > 1:
             return None
-        self._is_waiting = True
+        self._count += 1
         try:
-            return await wait_for(function, *arguments)
+            async with self._lock:
+                return await wait_for(function, *arguments)
         finally:
-            self._is_waiting = False
+            self._count -= 1
 
 
 async def wait_for(function: Callable, *arguments: Any) -> Any:

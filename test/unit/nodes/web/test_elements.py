@@ -69,18 +69,22 @@ def test_a_value_that_the_slider_cannot_have_is_dropped(visitor, value):
     assert visitor.changes == [11]
 
 
-def test_one_call_at_a_time(monkeypatch):
+def test_one_call_at_a_time_while_another_waits(monkeypatch):
     async def visit():
         is_free = asyncio.Event()       # made here: it belongs to the loop that runs
+        begun = []
 
         async def wait_for(function, *arguments):
+            begun.append(arguments)
             await is_free.wait()
             return function(*arguments)
         monkeypatch.setattr(elements, 'wait_for', wait_for)
         calls = OneCall()
         first = asyncio.ensure_future(calls.wait_for(abs, -1))
+        second = asyncio.ensure_future(calls.wait_for(abs, -2))
         await asyncio.sleep(0)
-        dropped = await calls.wait_for(abs, -2)
+        dropped = await calls.wait_for(abs, -3)
+        assert begun == [(-1,)]
         is_free.set()
-        return dropped, await first, await calls.wait_for(abs, -3)
-    assert asyncio.run(visit()) == (None, 1, 3)
+        return dropped, await first, await second, await calls.wait_for(abs, -4)
+    assert asyncio.run(visit()) == (None, 1, 2, 4)
