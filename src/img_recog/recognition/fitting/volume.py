@@ -3,8 +3,6 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-_CORNERS = [(1, 1, 1), (0, 1, 1), (1, 0, 1), (1, 1, 0), (0, 0, 1), (0, 1, 0), (1, 0, 0),
-            (0, 0, 0)]
 _MAX_UINT32 = 1 << 32
 
 
@@ -46,8 +44,8 @@ class SummedVolume:
     """Counts the pixels in any box by eight look-ups, whatever its size.
 
     It is the table of Crow, "Summed-area tables for texture mapping" (SIGGRAPH 1984), in three
-    dimensions. The hues are in it twice, one after the other, so that a range through 0 is one
-    box as well.
+    dimensions. Levels at which there are no pixels are not in it. The hues are in it twice, one
+    after the other, so that a range through 0 is one box as well.
 
     shape: number of hues, saturations and values; total: of all counts.
     """
@@ -55,18 +53,27 @@ class SummedVolume:
     def __init__(self, counts: np.ndarray):
         """Sum a histogram up; counts: whole numbers of shape (hues, saturations, values)."""
         self.shape = counts.shape
-        self.total = int(counts.sum())
-        hues, saturations, values = counts.shape
+        filled = np.flatnonzero(counts != 0)        # five times faster than of the counts
+        places, filled_counts = np.unravel_index(filled, self.shape), counts.reshape(-1)[filled]
+        self.total = int(filled_counts.sum())
+        # for each edge, how many levels below it have pixels
+        below = [np.zeros(size + 1, np.intp) for size in self.shape]
+        for each, levels in zip(below, places):
+            each[levels + 1] = 1
+            np.cumsum(each, out=each)
+        hues, saturations, values = (int(each[-1]) for each in below)
         # half the memory; differences are right even if sums overflow, being below the total
         kind = np.uint32 if self.total < _MAX_UINT32 else np.uint64
         table = np.zeros((2 * hues + 1, saturations + 1, values + 1), kind)
         once = table[1:hues + 1, 1:, 1:]
-        once[:] = counts
+        once[tuple(each[levels] for each, levels in zip(below, places))] = filled_counts
         for axis in range(3):
             np.cumsum(once, axis=axis, out=once)
-        np.add(once, once[-1], out=table[hues + 1:, 1:, 1:])
+        np.add(once, table[hues, 1:, 1:], out=table[hues + 1:, 1:, 1:])
         self._table = table.reshape(-1)
-        self._strides = np.array([(saturations + 1) * (values + 1), values + 1, 1])
+        below[0] = np.concatenate([below[0], below[0][1:] + hues])
+        self._offsets = [each * step for each, step in zip(
+            below, ((saturations + 1) * (values + 1), values + 1, 1))]
 
     def count(self, edges: np.ndarray) -> np.ndarray:
         """Return the counts inside of boxes: int64 of shape (...).
@@ -74,12 +81,13 @@ class SummedVolume:
         edges: int of shape (..., 6): the first hue, saturation and value, each with the one after
         the last; a hue range ends at most 2 * hues. A box that ends before it begins has nothing.
         """
-        ends = edges.reshape(-1, 6)[:, 1::2]
-        lows = np.minimum(edges.reshape(-1, 6)[:, ::2], ends)
-        result = np.zeros(len(ends), self._table.dtype)
-        corners = lows * self._strides, ends * self._strides
-        for corner in _CORNERS:
-            index = sum(corners[end][:, axis] for axis, end in enumerate(corner))
-            looked_up = self._table[index]
-            result = result + looked_up if sum(corner) % 2 else result - looked_up
-        return result.astype(np.int64).reshape(edges.shape[:-1])
+        ranges = edges.reshape(-1, 3, 2).transpose(1, 2, 0)
+        hue, saturation, value = (offsets[np.minimum(levels, levels[1])]
+                                  for levels, offsets in zip(ranges, self._offsets))
+        columns = []
+        for first in hue:
+            for second in saturation:
+                sums = self._table[first + second + value]
+                columns.append(sums[1] - sums[0])
+        inside = columns[3] - columns[2] - columns[1] + columns[0]
+        return inside.astype(np.int64).reshape(edges.shape[:-1])
