@@ -171,13 +171,22 @@ class ColorExtractor:
                 self._areas_px[number] = cv2.countNonZero(mask) if mask.size else 0
 
     def _drop_small_blobs(self) -> None:
-        for number in range(len(self._areas_px)):
+        smallest = self._settings.min_blob_size
+        for number, area_px in enumerate(self._areas_px):
+            if not area_px:
+                continue
             mask = self._masks.mask(number)
-            self._changed.add(number)
+            if area_px == mask.size >= smallest:
+                continue        # one blob of all pixels
+            x, y, width, height = cv2.boundingRect(mask)        # takes little time
+            mask = mask[y:y + height, x:x + width]
             _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-            large = stats[:, cv2.CC_STAT_AREA] >= self._settings.min_blob_size
+            large = stats[:, cv2.CC_STAT_AREA] >= smallest
             large[0] = False        # the background
-            np.take(np.where(large, 255, 0).astype(np.uint8), labels, out=mask)
+            if large[1:].all():
+                continue
+            self._changed.add(number)
+            mask[:] = np.where(large, 255, 0).astype(np.uint8)[labels]
             self._areas_px[number] = cv2.countNonZero(mask)
 
     def _buffer(self, key: object, shape: Tuple[int, ...]) -> np.ndarray:

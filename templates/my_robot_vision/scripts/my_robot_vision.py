@@ -8,8 +8,9 @@ from sensor_msgs.msg import Image
 
 def answer(msg):
     """Publish the command for an image (rgb8)."""
-    pixels = numpy.frombuffer(msg.data, 'u1').reshape(msg.height, msg.width, 3).astype(int)
-    is_blue = pixels[..., 2] > pixels[..., :2].max(axis=2) + 60
+    pixels = numpy.frombuffer(msg.data, 'u1').reshape(msg.height, msg.width, 3).astype('i2')
+    red, green, blue = pixels[..., 0], pixels[..., 1], pixels[..., 2]
+    is_blue = blue > numpy.maximum(red, green) + 60
     columns = numpy.flatnonzero(is_blue.any(axis=0)) / msg.width
     command = Twist()
     if not columns.size:
