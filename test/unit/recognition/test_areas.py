@@ -291,6 +291,13 @@ def test_small_blobs_do_not_count():
         assert found.masked(0).any(axis=2).sum() == area_px
 
 
+@pytest.mark.parametrize('blob_px, area_px', [(3072, 3072), (3073, 0)])
+def test_a_blob_of_all_pixels(blob_px, area_px):
+    found = extractor(min_blob_size=blob_px)
+    assert found.measure(np.full((48, 64, 3), (215, 70, 25), np.uint8)) == [area_px, 0]
+    assert (found.mask(0) == 255).sum() == area_px
+
+
 def test_centroids_are_the_mean_of_the_pixels():
     image, found = random_image(11), extractor()
     found.measure(image)
