@@ -36,8 +36,8 @@ def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> Lis
     film = os.path.join(nodes.folder, 'film.avi')
     chain.write_film(film)
     now_s, times_s = 1000.0, []
-    # rospy may open two connections to one publisher: to count them does not tell that each node
-    # has the time
+    # each new connection gets the time: one that a node has given up, after a pause of the whole
+    # machine, is counted too, and another node may connect after a message that is sent once
     clock = wire.RawPublisher(nodes.master_uri, '/clock', Clock, '/clock_source',
                               first=Clock(genpy.Time.from_sec(now_s)))
     scripts = [nodes.start_node('usb_cam_node.py', '_video_device:=' + film),
