@@ -81,8 +81,7 @@ class Renderer:
         self._set_frame(to_clip, camera_pose[:3, 3], ceiling)
         self._draw_background(camera, view, shadowed)
         if is_seen.any():
-            target.begin(self._context, coverage.runs(rectangles[is_seen], camera.width,
-                                                      camera.height))
+            target.begin(coverage.runs(rectangles[is_seen], camera.width, camera.height))
             if ceiling < math.inf:
                 self._context.enable_direct(_CLIP_DISTANCE1)
             self._render(self._opaque, models, is_seen)
@@ -93,7 +92,7 @@ class Renderer:
             self._render(self._transparent, models, is_seen)
             target.samples.depth_mask = True
             self._context.disable_direct(_CLIP_DISTANCE1)
-            target.resolve(self._context)
+            target.resolve()
         return target.read()
 
     def _draw_shadows(self, poses: np.ndarray, models: np.ndarray, boxes: np.ndarray,

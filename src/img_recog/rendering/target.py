@@ -26,28 +26,24 @@ class Target:
         self.depths = context.framebuffer(depth_attachment=context.depth_texture(size))
         self._rgba = np.empty((size[1], size[0], 4), np.uint8)
         self._tiles = context.buffer(reserve=48 * coverage.count_tiles(*size), dynamic=True)
-        self._count = 0
+        self._count, self._area = 0, 0.0
         self._clear, self._resolve = (
             context.vertex_array(program, [(self._tiles, '2f', 'corner')])
             for program in (clear, resolve))
+        self._context = context
+        self.samples.clear(depth=1.0)
 
-    def begin(self, context: moderngl.Context, rectangles: np.ndarray) -> None:
-        """Use the samples, clear in rectangles (k, 4): no two overlap, all is from -1 to 1."""
+    def begin(self, rectangles: np.ndarray) -> None:
+        """Use the samples for what is in rectangles (k, 4), from -1 to 1: no two overlap."""
         self.samples.use()
         self._tiles.write(coverage.triangles(rectangles))
         self._count = len(rectangles)
-        if np.prod(rectangles[:, 2:] - rectangles[:, :2], axis=1).sum() > _MUCH:
-            self.samples.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
-            return
-        context.enable_only(moderngl.DEPTH_TEST)
-        context.depth_func = '1'
-        self._clear.render(moderngl.TRIANGLES, vertices=6 * self._count)
-        context.depth_func = '<'
+        self._area = np.prod(rectangles[:, 2:] - rectangles[:, :2], axis=1).sum()
 
-    def resolve(self, context: moderngl.Context) -> None:
+    def resolve(self) -> None:
         """Draw the average of the samples of each pixel over the image, in those rectangles."""
-        context.enable_only(moderngl.BLEND)
-        context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self._context.enable_only(moderngl.BLEND)
+        self._context.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         self.pixels.use()
         self._texture.use(0)
         self._resolve.render(moderngl.TRIANGLES, vertices=6 * self._count)
@@ -56,4 +52,20 @@ class Target:
         """Return the image, uint8 RGB."""
         # in four bytes a pixel, as they are stored: OpenGL converts slowly
         self.pixels.read_into(self._rgba, components=4, alignment=1)
+        if self._count:
+            self._clear_samples()
         return cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2RGB)
+
+    def _clear_samples(self) -> None:
+        """Clear what was drawn, for the next image: OpenGL does it while this one is sent."""
+        self.samples.use()
+        if self._area > _MUCH:
+            self.samples.clear(depth=1.0)
+        else:
+            self._context.enable_only(moderngl.DEPTH_TEST)
+            self._context.depth_func = '1'
+            self._clear.render(moderngl.TRIANGLES, vertices=6 * self._count)
+            self._context.depth_func = '<'
+        self._count = 0
+        self.pixels.use()
+        self.pixels.clear()         # OpenGL begins to clear the samples
