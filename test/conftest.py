@@ -1,4 +1,6 @@
 """What all tests need."""
+import gc
+
 from img_recog_testing.signals import handle_ignored_signals
 
 _LONGEST_ID = 80
@@ -6,6 +8,11 @@ _LONGEST_ID = 80
 
 def pytest_configure():
     handle_ignored_signals()
+
+
+def pytest_collection_finish():
+    # to look through what stays until the end again and again takes 4 % of the unit tests' time
+    gc.freeze()
 
 
 def pytest_make_parametrize_id(val, argname):
