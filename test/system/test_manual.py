@@ -4,6 +4,7 @@ import re
 import pytest
 
 from img_recog_testing.manual import Workspace
+from img_recog_testing.reliability.parts import PARTS, Options
 
 LAUNCH = """<launch>
   <arg name="model"/><arg name="slam_methods"/><arg name="open_rviz"/>
@@ -111,6 +112,26 @@ def test_packages_that_are_missing_are_named_in_one_line(workspace, tmp_path):
     line, = [line for line in output.splitlines() if 'missing' in line]
     assert line.startswith('[run] these packages of ROS are missing: turtlebot3_bringup '
                            'turtlebot3_description; ')
+
+
+def test_the_long_test_skips_chapters_whose_packages_or_map_are_missing(workspace, monkeypatch):
+    workspace.add('amcl', 'dwa_local_planner', 'map_server', 'move_base', 'turtlebot3_bringup',
+                  'turtlebot3_description', 'turtlebot3_navigation')
+    monkeypatch.setenv('ROS_PACKAGE_PATH', workspace.env['ROS_PACKAGE_PATH'])
+    rows = [row[:2] for row in PARTS['manual'](Options(seed=0))]
+    results = dict(rows)
+    assert list(results) == ['slam', 'navigation', 'dqn', 'autorace'] and len(rows) == 4
+    assert results.pop('navigation').startswith('skipped: there is no map '), rows
+    assert all(result.startswith('skipped: these packages of ROS are missing: ')
+               for result in results.values()), rows
+
+
+def test_a_package_without_its_nodelets_is_missing(workspace):
+    workspace.add('image_proc', 'turtlebot3_autorace_camera', 'turtlebot3_autorace_detect',
+                  'turtlebot3_autorace_driving', 'turtlebot3_description', 'turtlebot3_gazebo')
+    code, output = workspace.manual('autorace')
+    assert code == 1
+    assert '[run] these packages of ROS are missing: image_proc; install ' in output, output
 
 
 def test_navigation_needs_a_map(workspace, tmp_path):

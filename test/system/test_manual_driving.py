@@ -184,6 +184,7 @@ def test_an_environment_that_cannot_start_is_one_line(workspace, tmp_path):
 def test_autorace_drives_round_two_corners(workspace):
     workspace.add('image_proc', 'turtlebot3_autorace_camera', 'turtlebot3_autorace_detect',
                   'turtlebot3_autorace_driving', 'turtlebot3_description', 'turtlebot3_gazebo')
+    workspace.write('image_proc/nodelet_plugins.xml', '<library/>')
     model = 'turtlebot3_gazebo/models/turtlebot3_autorace_2020/course/materials/'
     workspace.env['GAZEBO_MODEL_PATH'] = str(workspace.folder / 'turtlebot3_gazebo' / 'models')
     workspace.write('turtlebot3_gazebo/worlds/turtlebot3_autorace_2020.world', COURSE)

@@ -45,7 +45,9 @@ CHAPTERS: Dict[str, Chapter] = {
          'wait_for_subscribers:=true')),
 }
 # what Debian has of these packages
-DEBIAN = {'image_proc': 'ros-image-proc', 'tf': 'libtf-dev python3-tf'}
+DEBIAN = {'image_proc': 'ros-image-proc libimage-proc-dev', 'tf': 'libtf-dev python3-tf'}
+# files without which a package is not complete: the second one of image_proc has this one
+FILES = {'image_proc': 'nodelet_plugins.xml'}
 
 # what the package of turtlebot3_world is in Gazebo, m: the centers and the radius of the pillars
 PILLARS = [(x, y) for x in (-1.1, 0.0, 1.1) for y in (-1.1, 0.0, 1.1)]

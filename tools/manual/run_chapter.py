@@ -14,7 +14,7 @@ import time
 
 import rosgraph
 import rospkg
-from chapters import CHAPTERS, DEBIAN
+from chapters import CHAPTERS, DEBIAN, FILES
 from tasks import TASKS, say
 
 from img_recog import process_tree
@@ -29,7 +29,9 @@ _START_S, _END_S = 60.0, 20.0
 
 def check_packages(chapter):
     """Raise UserError if a package of ROS that the chapter needs is missing."""
-    known = set(rospkg.RosPack().list())
+    packages = rospkg.RosPack()
+    known = {name for name in packages.list() if name not in FILES
+             or os.path.exists(os.path.join(packages.get_path(name), FILES[name]))}
     missing = [name for name in chapter.packages if name not in known]
     if not missing:
         return
