@@ -19,7 +19,9 @@ def run(arguments: tuple) -> dict:
                      'world:=color_posts',
                      'recognition:=false', 'teleop:=false', 'gui:=false', 'image_view:=false',
                      'web:=false', 'real_time_factor:=0', *arguments)
-        master.start(sys.executable, os.path.join(HERE, 'follower_node.py'))
+        # as the launch file of templates/my_robot_vision starts a node
+        master.start(sys.executable, os.path.join(HERE, 'follower_node.py'),
+                     env={'OPENCV_FOR_THREADS_NUM': '1'})
         found = run_script('lockstep_sample.py', SECONDS, env=master.env)
     return dict(found, whole_s=time.monotonic() - begin_s)
 

@@ -115,8 +115,9 @@ class Launch:
         self._process = subprocess.Popen(
             [sys.executable, _SUPERVISOR, 'roslaunch', '--screen', '--no-summary',
              '--disable-title', '--skip-log-check', path],
-            env={'ROSCONSOLE_FORMAT': _LOG_FORMAT, 'PYTHONUNBUFFERED': '1', **os.environ,
-                 'PWD': os.getcwd()},
+            # OpenCV's own threads wait in a busy loop, on a core that draws the next image
+            env={'ROSCONSOLE_FORMAT': _LOG_FORMAT, 'PYTHONUNBUFFERED': '1',
+                 'OPENCV_FOR_THREADS_NUM': '1', **os.environ, 'PWD': os.getcwd()},
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             start_new_session=True)         # Ctrl-C is for the test, which ends this then
         self._reader = threading.Thread(target=self._read, daemon=True)
