@@ -76,8 +76,7 @@ class BoxSearch:
         """Sum up the pixels of the color and all others: whole numbers of the same shape."""
         self._steps = [max(1, size // bins) for size, bins in zip(positive.shape, _COARSE)]
         self._fine = SummedVolume(positive), SummedVolume(negative)
-        self._coarse = tuple(SummedVolume(_binned(counts, self._steps))
-                             for counts in (positive, negative))
+        self._coarse = tuple(SummedVolume(_binned(volume, self._steps)) for volume in self._fine)
 
     def objective(self, beta: float = 1.0, margin: Margin = (0, 0, 0)) -> Objective:
         """Return an objective of all boxes."""
@@ -142,10 +141,11 @@ def _search(objective: Objective, lowest: np.ndarray, highest: np.ndarray, best:
     return best
 
 
-def _binned(counts: np.ndarray, steps: List[int]) -> np.ndarray:
+def _binned(volume: SummedVolume, steps: List[int]) -> np.ndarray:
     """Return a histogram in which so many hues, saturations and values are one bin."""
-    shape = [part for size, step in zip(counts.shape, steps) for part in (size // step, step)]
-    return counts.reshape(shape).sum(axis=(1, 3, 5))
+    bins = [size // step for size, step in zip(volume.shape, steps)]
+    lows = np.indices(bins).reshape(3, -1).T * steps
+    return volume.count(np.stack([lows, lows + steps], axis=2).reshape(-1, 6)).reshape(bins)
 
 
 def _best_descent(objective: Objective, starts: List[np.ndarray]) -> Found:

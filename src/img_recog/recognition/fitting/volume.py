@@ -82,12 +82,12 @@ class SummedVolume:
         the last; a hue range ends at most 2 * hues. A box that ends before it begins has nothing.
         """
         ranges = edges.reshape(-1, 3, 2).transpose(1, 2, 0)
-        hue, saturation, value = (offsets[np.minimum(levels, levels[1])]
+        hue, saturation, value = (offsets.take(np.minimum(levels, levels[1]))
                                   for levels, offsets in zip(ranges, self._offsets))
         columns = []
         for first in hue:
             for second in saturation:
-                sums = self._table[first + second + value]
+                sums = self._table.take(first + second + value)
                 columns.append(sums[1] - sums[0])
         inside = columns[3] - columns[2] - columns[1] + columns[0]
         return inside.astype(np.int64).reshape(edges.shape[:-1])
