@@ -6,10 +6,11 @@ import signal
 import tempfile
 import time
 import warnings
+from collections import deque
 from typing import Any, ContextManager, Dict, Iterator, List, Sequence
 
 import dask
-from distributed import Client, Future, LocalCluster, as_completed
+from distributed import Client, Future, LocalCluster, WorkerPlugin, as_completed
 from distributed.scheduler import KilledWorker
 
 from img_recog.batch import code_version
@@ -22,11 +23,25 @@ _WAIT_S = 10            # for the scheduler, and for its first worker
 _IN_FLIGHT = 1000       # pieces that the scheduler knows
 _SAME = ('python', 'dask', 'distributed')       # versions that have to be equal
 _START = 'start some: ./run shell python3 -m distributed.cli.dask_worker {}'
+_RECORDS = 100          # of Dask, about pieces that are done; it keeps up to 100,000
 # Workers on this machine need no profile of their functions and no ticks: each took 2 % of a core.
 _QUIET = {'distributed.worker.profile.interval': '1h', 'distributed.worker.profile.cycle': '1h',
-          'distributed.admin.tick.interval': '1s'}
+          'distributed.admin.tick.interval': '1s',
+          'distributed.admin.system-monitor.interval': '10s',
+          'distributed.scheduler.transition-log-length': _RECORDS,
+          'distributed.scheduler.events-log-length': _RECORDS}
 _PROBLEMS = (OSError, RuntimeError, TypeError, ValueError, KeyError, AttributeError, ImportError)
 _log = logging.getLogger(__name__)
+
+
+class _FewRecords(WorkerPlugin):
+    """Has a worker forget the pieces that are done: no setting of Dask 2022.12 does that."""
+
+    def setup(self, worker: Any) -> None:
+        with contextlib.suppress(AttributeError):       # of other versions
+            for owner, name in ((worker, 'transfer_outgoing_log'), (worker.state, 'log'),
+                                (worker.state, 'stimulus_log')):
+                setattr(owner, name, deque(getattr(owner, name), _RECORDS))
 
 
 class _Client(Client):
@@ -59,6 +74,7 @@ def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
                 silence_logs=logging.CRITICAL + 1,
                 local_directory=stack.enter_context(tempfile.TemporaryDirectory())))
             client = stack.enter_context(Client(cluster, set_as_default=False))
+            client.register_worker_plugin(_FewRecords())
         if has_page:
             _log.warning('progress: %s', cluster.dashboard_link)
         yield client

@@ -5,7 +5,6 @@ on the way it gives old pictures or green borders, and does not tell the new siz
 """
 import contextlib
 import logging
-import os
 import re
 import threading
 from collections import deque
@@ -65,8 +64,9 @@ class Decoder:
         self._packets: Optional[Iterator[av.Packet]] = None
         self.width = self.height = 0
         if self._context is not None:
-            # not one thread more than processors, the default: each delays a stream by a frame
-            self._context.thread_count = len(os.sched_getaffinity(0))
+            # not one thread more than processors, the default: each delays a stream by a frame; and
+            # one, like OpenCV, in a process that is one of many
+            self._context.thread_count = cv2.getNumThreads()
             self._context.thread_type = 'AUTO'
             self.width, self.height = self._context.width, self._context.height
         self.codec, self._turn = _description(self._container, stream.index)

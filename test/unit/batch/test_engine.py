@@ -101,6 +101,11 @@ def test_freed_memory_of_a_worker_is_used_again(tmp_path, handlers_as_before):
     assert max(faults) < 3000       # 25000 if each of the 100 buffers of 1 MB is mapped anew
 
 
+def test_a_worker_has_no_more_records_after_many_pieces(run):
+    found = [each.value for each in run(batch_work.records, numbers(count=90), jobs=2)]
+    assert max(found) == 100        # 400 of what 45 pieces did
+
+
 def test_a_file_that_has_changed_is_read_again(run, tmp_path):
     path = tmp_path / 'a.txt'
     path.write_text('abc')

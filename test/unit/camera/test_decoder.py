@@ -121,6 +121,19 @@ def test_release_frees_the_memory_at_once(make_film):
         gc.enable()
 
 
+@pytest.mark.parametrize('threads, started', [(1, 0), (2, 2)])
+def test_it_has_as_many_threads_as_opencv(make_film, threads, started):
+    path, before = make_film('a.mp4', *H264), cv2.getNumThreads()
+    cv2.setNumThreads(threads)
+    try:
+        running = set(os.listdir('/proc/self/task'))
+        with open_decoder(path, 1 << 28) as decoder:
+            assert decoder.read() is not None
+            assert len(set(os.listdir('/proc/self/task')) - running) == started
+    finally:
+        cv2.setNumThreads(before)
+
+
 class Record(Listener):
     """Keeps what a capture says: sizes of frames and changes, and the mean of each frame."""
 
