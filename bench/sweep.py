@@ -13,7 +13,7 @@ from typing import Callable, Dict, List
 
 from ros_processes import HERE, run_script
 
-LOOPS, SECONDS, RUNS = 12, 10.0, 3      # loops of a measurement, simulated time of each
+LOOPS, SECONDS, RUNS = 4, 10.0, 3      # loops of a measurement, simulated time of each
 BARE = 'bare loop'
 _SCRIPT = os.path.join(os.path.dirname(HERE), 'scripts', 'replay.py')
 _REPLAY = (_SCRIPT, '--camera', 'robot', '--seconds', str(SECONDS), '--world', 'color_posts',
