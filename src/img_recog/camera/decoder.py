@@ -64,8 +64,8 @@ class Decoder:
         self._packets: Optional[Iterator[av.Packet]] = None
         self.width = self.height = 0
         if self._context is not None:
-            # not one thread more than processors, the default: each delays a stream by a frame; and
-            # one, like OpenCV, in a process that is one of many
+            # not one thread more than processors, the default: each delays a stream by a frame;
+            # and one, as of OpenCV, in a process that is one of many
             self._context.thread_count = cv2.getNumThreads()
             self._context.thread_type = 'AUTO'
             self.width, self.height = self._context.width, self._context.height
