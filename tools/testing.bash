@@ -61,7 +61,7 @@ run_all_tests() {
   local jobs
   jobs=$(($(nproc) + 1))
   [ $jobs -le 4 ] || jobs=4
-  say 'running the tests, {} at a time, about 20 min; the full output is in build/test.log' "$jobs"
+  say 'running the tests, {} at a time, about 15 min; the full output is in build/test.log' "$jobs"
   show_targets run_tests -j "$jobs"
 }
 
