@@ -85,8 +85,10 @@ def _starting_workers(interrupts: Interrupts) -> Iterator[None]:
     """Have Ctrl-C go to this process alone, which then ends the others."""
     with interrupts.deferred():
         handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
-        yield
-        signal.signal(signal.SIGINT, handler)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, handler)
 
 
 def add_workers(client: Client, jobs: int, interrupts: Interrupts) -> None:
