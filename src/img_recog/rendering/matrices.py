@@ -84,6 +84,9 @@ def looking(direction: Vector) -> np.ndarray:
     """Return the rotation (4, 4) of OpenGL's camera frame that looks along `direction`: its view.
 
     The x axis of the image is horizontal in the world.
+
+    >>> (looking((3, 0, 0)) @ (2, 1, 5, 1)).tolist()    # 2 m ahead, 1 m to the left, 5 m up
+    [-1.0, 5.0, -2.0, 1.0]
     """
     backward = -np.asarray(direction, float) / math.sqrt(np.dot(direction, direction))
     up = (0, 0, 1) if abs(backward[2]) < 0.999 else (0, 1, 0)

@@ -22,6 +22,10 @@ def matrix(model):
     return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
 
 
+def test_directions_are_shared_and_cannot_be_changed():
+    assert not directions(camera(None)).flags.writeable
+
+
 def places(model, rays):
     """Return where OpenCV's functions for a model project directions, (n, 2) px."""
     points, zero = rays.reshape(-1, 1, 3), np.zeros(3)

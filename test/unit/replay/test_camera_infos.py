@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from img_recog.camera.calibration import Calibration
 from img_recog.errors import UserError
 from img_recog.replay.bags import BagFrames
-from img_recog.replay.camera_infos import of_calibration
+from img_recog.replay.camera_infos import of_calibration, recorded
 from img_recog_testing.replaying import frame
 
 CALIBRATION = Calibration('', 400, 80, 'plumb_bob', (0.1,) * 5,
@@ -65,3 +65,11 @@ def test_those_of_a_bag_are_the_last_ones_before_the_image(tmp_path, infos, leng
 def test_those_of_another_camera_are_not_used(tmp_path, topic):
     frames = written(tmp_path / 'a.bag', '/eye/image_raw', [(1, 7.0)], topic)
     assert frames.camera_infos()(frame(0, 0)).K[0] == 0.0
+
+
+@pytest.mark.parametrize('type_name, md5sum', [
+    ('a/CameraInfo', CameraInfo._md5sum), ('sensor_msgs/CameraInfo', '0'),
+    ('z/CameraInfo', CameraInfo._md5sum)])
+def test_what_is_no_camera_info_is_left_out(type_name, md5sum):
+    messages = [('/eye/camera_info', (type_name, b'', md5sum, 0), genpy.Time(1))]
+    assert recorded(messages)(frame(0, 5)).width == 200
