@@ -36,8 +36,7 @@ def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> Lis
     film = os.path.join(nodes.folder, 'film.avi')
     chain.write_film(film)
     now_s, times_s = 1000.0, []
-    # each new connection gets the time: one that a node has given up, after a pause of the whole
-    # machine, is counted too, and another node may connect after a message that is sent once
+    # each new connection gets the time, as nodes may connect at any moment, or again
     clock = wire.RawPublisher(nodes.master_uri, '/clock', Clock, '/clock_source',
                               first=Clock(genpy.Time.from_sec(now_s)))
     scripts = [nodes.start_node('usb_cam_node.py', '_video_device:=' + film),
@@ -46,7 +45,6 @@ def clock_jumps(count: int, seed: int, nodes: Nodes, factor: float = 1.0) -> Lis
                nodes.start_node('teleop_key.py')]
     check = chain.Chain(nodes.master_uri, chain.RECOGNITION + (chain.TELEOP,))
     try:
-        wait_for(lambda: clock.get_num_connections() >= len(scripts), nodes.output)
         check.wait(START_LIMIT_S * factor)
         for _ in range(count):
             now_s = rng.choice((0.0, 1.0, now_s + 3600.0, now_s - 3600.0, _MAX_CLOCK_S,
