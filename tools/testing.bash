@@ -113,10 +113,10 @@ run_tests() {
   # the tests start hundreds of processes, which otherwise compile every module again
   unset PYTHONDONTWRITEBYTECODE
   export LC_ALL=C.UTF-8     # the language of the texts that they expect
-  keep_versions
   if [ -z "$kind$expression" ]; then
     log="build/test.log and $log"
     rm -f "$build/test.log"
+    keep_versions
     run_all_tests || verdict=$?
     repeat_failed
   else
