@@ -67,7 +67,7 @@ run_all_tests() {
 
 # Makes targets; shows a line for each test, without the log of the nodes.
 show_targets() {
-  cmake --build "$build" --target "$1" -- "${@:2}" 2>&1 | tee -a "$build/test.log" |
+  cmake --build "$cmake" --target "$1" -- "${@:2}" 2>&1 | tee -a "$build/test.log" |
     grep --line-buffered -E '^\[img_recog\.|^\[Testcase|^[.FEsx]+ +\[|^FAILED|^E  |passed|failed|RESULT'
 }
 
