@@ -168,7 +168,7 @@ class ShadowMap:
         self._kept.use(0)
         for rectangle in rectangles:
             self._target.scissor = rectangle
-            self._copy.render(moderngl.TRIANGLE_STRIP)
+            self._copy.render()
         self._target.scissor = None
         self._context.depth_func = '<'
 
@@ -226,5 +226,5 @@ def _depth_target(context: moderngl.Context, size: Tuple[int, int]
 
 
 def whole_image(context: moderngl.Context) -> moderngl.Buffer:
-    """Return the corners of a strip that covers an image."""
-    return context.buffer(np.array([-1, -1, 1, -1, -1, 1, 1, 1], 'f4').tobytes())
+    """Return the corners of two triangles that cover an image."""
+    return context.buffer(coverage.triangles(np.array([[-1, -1, 1, 1]])))

@@ -35,4 +35,4 @@ class Sky:
         self._program['to_ray'].write(matrices.to_bytes(to_ray))
         self._program['horizon'].value = tuple(horizon)
         self._program['zenith'].value = tuple(zenith)
-        self._array.render(moderngl.TRIANGLE_STRIP)
+        self._array.render()

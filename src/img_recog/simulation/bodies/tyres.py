@@ -19,9 +19,11 @@ from typing import Collection, Dict, Sequence, Tuple
 
 import numpy as np
 
+from img_recog.simulation.descriptions import urdf_tree
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import words
 from img_recog.simulation.descriptions.urdf_elements import origin_of, set_origin
+from img_recog.simulation.descriptions.urdf_tree import Joint
 from img_recog.simulation.descriptions.wheels import axis_of, mesh_outline
 
 SUFFIX = '/tyre'        # of the joints and links that are added
@@ -42,35 +44,32 @@ def added(urdf: str, joints: Collection[str], slip_radius: float) -> str:
     slip_radius: of the wheels in m if they slip when the robot turns, else 0.
     """
     robot = ElementTree.fromstring(urdf)
-    links = {link.get('name', ''): link for link in robot.findall('link')}
-    wheels = []
-    for joint in robot.findall('joint'):
-        child = joint.find('child')
-        if joint.get('name') in joints and child is not None:
-            wheels.append((joint, links[child.get('link', '')]))
-            for shape in wheels[-1][1].findall('collision'):
-                _make_round(shape, axis_of(joint))
+    tree = urdf_tree.read(robot)
+    wheels = [(joint, tree.links[link]) for link, joint in tree.parents.items()
+              if joint.name in joints]
+    for joint, wheel in wheels:
+        for shape in wheel.findall('collision'):
+            _make_round(shape, axis_of(joint.element))
     min_width = _MIN_WIDTH_M if _lean_alike(wheels) else _TREAD_M
     for joint, wheel in wheels:
         for shape in wheel.findall('collision'):
-            _add_tread(wheel, shape, axis_of(joint), min_width)
+            _add_tread(wheel, shape, axis_of(joint.element), min_width)
         if slip_radius:
             robot.extend(_side_joint(joint, wheel, slip_radius))
     return ElementTree.tostring(robot, 'unicode')
 
 
-def _lean_alike(wheels: Sequence[Tuple[ElementTree.Element, ElementTree.Element]]) -> bool:
+def _lean_alike(wheels: Sequence[Tuple[Joint, ElementTree.Element]]) -> bool:
     """Return whether all wheels, given with their joints, lean to the same side.
 
     Then they touch the floor with the edges of the same side, and are as far apart as they look:
     the axles of the burger, by rpy 1.57, slope by 0.0008 rad.
     """
-    axles = [origin_of(joint).rotation @ axis_of(joint) for joint, _ in wheels]
+    axles = [origin_of(joint.element).rotation @ axis_of(joint.element) for joint, _ in wheels]
     leans = [axle[2] * np.sign(axle @ axles[0]) for axle in axles]
-    turned = [abs(origin_of(shape).rotation[:, 2] @ axis_of(joint)) for joint, wheel in wheels
-              for shape in wheel.findall('collision')]
-    return bool(leans) and min(turned, default=0.0) > 1 - _MIN_LEAN ** 2 and (
-        min(leans) > _MIN_LEAN or max(leans) < -_MIN_LEAN)
+    return bool(leans) and (min(leans) > _MIN_LEAN or max(leans) < -_MIN_LEAN) and all(
+        abs(origin_of(shape).rotation[:, 2] @ axis_of(joint.element)) > 1 - _MIN_LEAN ** 2
+        for joint, wheel in wheels for shape in wheel.findall('collision'))
 
 
 def _make_round(shape: ElementTree.Element, axis: np.ndarray) -> None:
@@ -96,24 +95,24 @@ def _add_tread(wheel: ElementTree.Element, shape: ElementTree.Element, axis: np.
     """Give a wheel a tread if a shape of it is a cylinder about the axis, wider than `min_width`.
     """
     cylinder = shape.find('geometry/cylinder')
-    if cylinder is None or float(cylinder.get('length', 0)) <= min_width:
+    if cylinder is None or float(cylinder.attrib['length']) <= min_width:
         return
     if abs(origin_of(shape).rotation[:, 2] @ axis) > _PARALLEL:
         tread = copy.deepcopy(shape)
         tread.find('geometry/cylinder').set('length', repr(_TREAD_M))    # type: ignore
         wheel.append(tread)
-        radius = float(cylinder.get('radius', 0))
+        radius = float(cylinder.attrib['radius'])
         cylinder.set('radius', repr(max(radius - _CLEARANCE_M, radius / 2)))
 
 
-def _side_joint(joint: ElementTree.Element, wheel: ElementTree.Element,
-                radius: float) -> Collection[ElementTree.Element]:
+def _side_joint(joint: Joint, wheel: ElementTree.Element, radius: float
+                ) -> Collection[ElementTree.Element]:
     """Return a link and a joint that come between a wheel and the robot."""
-    name, parent = joint.get('name', '') + SUFFIX, joint.find('parent')
+    name = joint.name + SUFFIX
     mass, inertia = wheel.find('inertial/mass'), wheel.find('inertial/inertia')
-    if parent is None or mass is None or inertia is None:
+    if mass is None or inertia is None:
         return ()
-    kilograms = float(mass.get('value', 0))
+    kilograms = float(mass.attrib['value'])
     mass.set('value', repr(kilograms * (1 - _SHARE)))
     _add_inertia(inertia, kilograms * radius ** 2)
     link = ElementTree.fromstring(
@@ -123,16 +122,16 @@ def _side_joint(joint: ElementTree.Element, wheel: ElementTree.Element,
     side = ElementTree.fromstring(
         '<joint name="{0}" type="prismatic"><parent link="{1}"/><child link="{0}"/>'
         '<axis xyz="{2}"/><limit lower="-{3}" upper="{3}" effort="1e6" velocity="1e3"/>'
-        '</joint>'.format(name, parent.get('link', ''), words(axis_of(joint)), _LIMIT_M))
-    set_origin(side, origin_of(joint))
-    parent.set('link', name)
-    set_origin(joint, IDENTITY)
+        '</joint>'.format(name, joint.parent_link, words(axis_of(joint.element)), _LIMIT_M))
+    set_origin(side, origin_of(joint.element))
+    joint.parent.set('link', name)
+    set_origin(joint.element, IDENTITY)
     return link, side
 
 
 def _add_inertia(inertia: ElementTree.Element, wanted: float) -> None:
     """Make all moments of inertia at least `wanted` kg m2."""
-    moments: Dict[str, float] = {key: float(inertia.get(key, 0)) for key in ('ixx', 'iyy', 'izz')}
+    moments: Dict[str, float] = {key: float(inertia.attrib[key]) for key in ('ixx', 'iyy', 'izz')}
     # the same to all, so that it stays the inertia of a body
     missing = max(0.0, wanted - min(moments.values()))
     for key, moment in moments.items():

@@ -8,6 +8,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation.descriptions import camera_values
 from img_recog.simulation.descriptions.description import root_of
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.settings import CameraSettings, SimulationError
 
 _PLUGINS = {'camera': ('gazebo_ros_camera',), 'wideanglecamera': ('gazebo_ros_camera',),
@@ -41,13 +42,13 @@ def read(urdf: str) -> Cameras:
     problems: List[str] = []
     owners: Dict[str, str] = {}         # of topics
     robot = root_of(urdf)
-    links = [link.get('name', '') for link in robot.findall('link')]
+    links = [name_of(link) for link in robot.findall('link')]
     for tag in robot.findall('gazebo'):
         for sensor in tag.findall('sensor'):
             plugin = plugin_of(sensor)
             if plugin is None:
                 continue
-            name, link = sensor.get('name', ''), tag.get('reference', '')
+            name, link = name_of(sensor), tag.get('reference', '')
             if link not in links:
                 problems.append('sensor {}, because the reference of its <gazebo> tag is no link'
                                 .format(name))
@@ -77,7 +78,7 @@ def _settings_of(sensor: ElementTree.Element, plugin: ElementTree.Element,
             yield from_mapping(CameraSettings, values)
         except SettingError as error:
             raise SimulationError('sensor {}: {}'.format(
-                sensor.get('name', ''), error.problem), error.advice)
+                name_of(sensor), error.problem), error.advice)
 
 
 def _cameras(sensor: ElementTree.Element) -> List[Tuple[ElementTree.Element, str]]:

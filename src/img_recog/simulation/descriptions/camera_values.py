@@ -5,6 +5,7 @@ from typing import Any, Dict, Iterator, List
 from img_recog import lenses, rotations
 from img_recog.simulation.descriptions.geometry import Transform, from_rpy
 from img_recog.simulation.descriptions.numbers import read_number, read_numbers
+from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.settings import SimulationError
 
 Values = Dict[str, Any]
@@ -32,7 +33,7 @@ _OTHER_TOPICS = {'reflectanceTopicName': 'reflectance', 'normalsTopicName': 'nor
 
 def side_of(camera: ElementTree.Element) -> str:
     """Return which of a stereo pair a <camera> is to libgazebo_ros_multicamera, '' for none."""
-    return next((side for side in (_LEFT, _RIGHT) if side in camera.get('name', '')), '')
+    return next((side for side in (_LEFT, _RIGHT) if side in name_of(camera)), '')
 
 
 def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> List[str]:
@@ -48,12 +49,12 @@ def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> L
         if camera.find('lens/intrinsics') is not None:
             found.append('lens intrinsics')
         if sensor.get('type') == 'multicamera' and not side_of(camera):
-            found.append('camera {}, neither left nor right,'.format(camera.get('name', '')))
+            found.append('camera {}, neither left nor right,'.format(name_of(camera)))
     return found
 
 
 def _format(camera: ElementTree.Element) -> str:
-    return camera.findtext('image/format', '').strip() or 'R8G8B8'
+    return text_of(camera, 'image/format') or 'R8G8B8'
 
 
 def _is_given(owner: ElementTree.Element, path: str) -> bool:
@@ -66,7 +67,7 @@ def of_camera(sensor: ElementTree.Element, camera: ElementTree.Element) -> Value
 
     Raises SimulationError naming what cannot be read.
     """
-    of = ' of sensor ' + sensor.get('name', '')
+    of = ' of sensor ' + name_of(sensor)
     is_wide = sensor.get('type') == _WIDE
     values = _pose(sensor, camera, of)
     if _format(camera) in _ENCODINGS:
@@ -97,7 +98,7 @@ def _numbers(pose: Transform) -> List[float]:
 
 
 def _lens(camera: ElementTree.Element, of: str) -> Values:
-    kind = camera.findtext('lens/type', '').strip() or 'stereographic'
+    kind = text_of(camera, 'lens/type') or 'stereographic'
     if kind != lenses.CUSTOM:
         return {'camera_lens': kind, **_scale(camera, of)}
     if camera.find('lens/custom_function') is None:     # like Gazebo
@@ -106,7 +107,7 @@ def _lens(camera: ElementTree.Element, of: str) -> Values:
     for path, setting in _CUSTOM.items():
         if camera.find(path) is not None:
             values[setting] = read_number('<{}>{}'.format(path, of), camera.findtext(path))
-    function = camera.findtext('lens/custom_function/fun', '').strip()
+    function = text_of(camera, 'lens/custom_function/fun')
     return {**values, **({'camera_fun': function} if function else {})}
 
 
@@ -121,7 +122,7 @@ def of_plugin(sensor: ElementTree.Element, plugin: ElementTree.Element, side: st
 
     Raises SimulationError naming what cannot be read.
     """
-    of = ' of sensor ' + sensor.get('name', '')
+    of = ' of sensor ' + name_of(sensor)
     values: Values = dict(_names(plugin, sensor.get('type') == _DEPTH, side))
     rates = [read_number('<{}>{}'.format(tag, of), owner.findtext(tag))
              for owner, tag in ((plugin, 'updateRate'), (sensor, 'update_rate'))

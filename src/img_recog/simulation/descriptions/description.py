@@ -19,6 +19,7 @@ from img_recog.simulation.descriptions import inertias, urdf_tree, urdf_visuals
 from img_recog.simulation.descriptions.friction import FLOOR_FRICTION, frictions, of_surface
 from img_recog.simulation.descriptions.geometry import IDENTITY, NO_INERTIA, Inertia, Transform
 from img_recog.simulation.descriptions.meshes import resolve
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import (add_massless, origin_of,
                                                              set_friction, set_inertial,
                                                              set_origin)
@@ -80,7 +81,7 @@ def parse(urdf: str, find_mesh: FindFile = find_in(os.sep)) -> Description:
         warnings.append('it contains xacro ({}), which is not expanded'.format(xacro))
     coefficients = frictions(robot)
     watched: Dict[str, List[str]] = {
-        tag.get('reference', ''): [] for tag in robot.findall('gazebo')
+        tag.attrib['reference']: [] for tag in robot.findall('gazebo[@reference]')
         if tag.find("sensor[@type='contact']/plugin") is not None}
     for tag in robot.findall('gazebo'):
         robot.remove(tag)
@@ -128,7 +129,7 @@ def without_unused_tags(urdf: str, robot: Description) -> Tuple[str, List[str]]:
     unused = [tag for tag in root.findall('gazebo') if tag.get('reference') not in known]
     for tag in unused:
         root.remove(tag)
-    names = list(dict.fromkeys(tag.get('reference', '') for tag in unused))
+    names = list(dict.fromkeys(tag.attrib['reference'] for tag in unused))
     return ElementTree.tostring(root, 'unicode') if unused else urdf, names
 
 
@@ -206,10 +207,10 @@ def _lump(robot: ElementTree.Element, tree: UrdfTree, frames: Dict[str, Frame],
                     robot, carrier, '{}/{:g}'.format(name, value)
                     if name in friction or name == carrier else name)
                 set_friction(surface, value)
-                friction[surface.get('name', '')] = value
+                friction[name_of(surface)] = value
                 surfaces[key] = surface
                 if name in watched:
-                    watched[name].append(surface.get('name', ''))
+                    watched[name].append(name_of(surface))
             if surfaces[key] is not link:
                 link.remove(shape)
                 _move([shape], surfaces[key], pose)

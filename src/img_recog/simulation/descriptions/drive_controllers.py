@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tup
 
 from img_recog.errors import shortened
 from img_recog.simulation.descriptions.gazebo_tags import Values
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.settings import PLANAR, SimulationError, nearest_period
 
 # the parameters of each controller by its name, which begins with its namespace
@@ -75,7 +76,7 @@ def find(robot: ElementTree.Element, controllers: Controllers,
 
     step_s: of the physics. Raises SimulationError naming a parameter that cannot be used.
     """
-    joints = {joint.get('name', ''): joint for joint in robot.findall('joint')}
+    joints = {name_of(joint): joint for joint in robot.findall('joint')}
     for name, values in controllers.items():
         read = TYPES.get(values['type'])
         found = read and read(_Parameters(name, values, step_s), joints)

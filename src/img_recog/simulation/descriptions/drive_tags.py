@@ -10,6 +10,7 @@ from img_recog.simulation.descriptions.description import root_of
 from img_recog.simulation.descriptions.drive_controllers import Controllers
 from img_recog.simulation.descriptions.gazebo_tags import (FLAG, NAME, NUMBER, POSITIVE, RATE,
                                                            TOPIC, Row, Tags, Values, choice, is_of)
+from img_recog.simulation.descriptions.texts import text_of
 from img_recog.simulation.settings import PLANAR
 
 _WORLD, _ENCODER = 'world', 'encoder'
@@ -138,7 +139,7 @@ def control_namespace(urdf: str) -> Optional[str]:
     """
     for plugin in root_of(urdf).findall('gazebo/plugin'):
         if is_of(plugin, _CONTROL):
-            return plugin.findtext('robotNamespace', '').strip().strip('/')
+            return text_of(plugin, 'robotNamespace').strip('/')
     return None
 
 

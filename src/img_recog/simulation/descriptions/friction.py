@@ -3,6 +3,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import Dict
 
 from img_recog.simulation.descriptions.numbers import read_coefficient
+from img_recog.simulation.descriptions.texts import name_of
 
 # Of the floor, and of links without a coefficient (Gazebo's default). PyBullet multiplies the
 # coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
@@ -20,7 +21,7 @@ def frictions(robot: ElementTree.Element) -> Dict[str, float]:
     of_tags = [(tag.get('reference'), element) for path in ('mu1', 'collision/' + _MU)
                for tag in robot.findall('gazebo') for element in tag.findall(path)]
     for link in robot.findall('link'):
-        name = link.get('name', '')
+        name = name_of(link)
         of_tag = next((each for reference, each in of_tags if reference == name), None)
         of_link = link.find('contact/lateral_friction')
         if of_tag is not None:

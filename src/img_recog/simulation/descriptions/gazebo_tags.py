@@ -12,6 +12,7 @@ from img_recog.simulation.descriptions import camera_tags
 from img_recog.simulation.descriptions.description import root_of
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
 from img_recog.simulation.descriptions.numbers import read_numbers
+from img_recog.simulation.descriptions.texts import text_of
 from img_recog.simulation.settings import SimulationError, nearest_period
 
 Values = Dict[str, Union[str, float, int, bool]]
@@ -166,9 +167,9 @@ def _sensor_parts(sensor: ElementTree.Element, link: Optional[str],
 def _place_of(part: _Part) -> Optional[Place]:
     """Return where a sensor is; the plugins outside of sensors name the link."""
     if part.sensor is None:
-        link = part.plugin is not None and part.plugin.findtext('bodyName', '').strip()
+        link = part.plugin is not None and text_of(part.plugin, 'bodyName')
         return Place(link, IDENTITY) if link else None
-    text, numbers = part.sensor.findtext('pose', '').strip(), [0.0] * 6
+    text, numbers = text_of(part.sensor, 'pose'), [0.0] * 6
     if text:
         numbers = read_numbers('<pose> of ' + _label(part.sensor, 'name'), text, 6).tolist()
     return Place(part.link, from_rpy(numbers[:3], numbers[3:])) if part.link else None
@@ -200,20 +201,20 @@ def _values_in(part: _Part, tags: Tags, step_s: float) -> Values:
                 if row.reader is RATE:      # of a sensor's and a plugin's, the lower one counts
                     value = max(nearest_period(value, step_s), values.get(row.setting, 0))
                 elif row.reader is TOPIC:
-                    value = _in_namespace(value, part.plugin)
+                    value = _in_namespace(value, owner)
                 values[row.setting] = value
     return values
 
 
-def _in_namespace(topic: str, plugin: Optional[ElementTree.Element]) -> str:
+def _in_namespace(topic: str, plugin: ElementTree.Element) -> str:
     """Return a topic, without a leading slash, as the plugin makes it."""
-    namespace = '' if plugin is None else plugin.findtext('robotNamespace', '').strip().strip('/')
+    namespace = text_of(plugin, 'robotNamespace').strip('/')
     return topic.lstrip('/') if topic.startswith('/') or not namespace else '/'.join(
         (namespace, topic))
 
 
 def _value(owner: ElementTree.Element, path: str, reader: Reader) -> Any:
-    text = owner.findtext(path, '').strip()
+    text = text_of(owner, path)
     try:
         return reader.read(text)
     except (ValueError, KeyError):

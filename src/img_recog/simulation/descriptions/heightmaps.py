@@ -11,6 +11,7 @@ from img_recog.files import FindFile
 from img_recog.simulation.descriptions import generated_meshes
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import read_lengths, read_number, words
+from img_recog.simulation.descriptions.texts import text_of
 from img_recog.simulation.settings import SimulationError
 from img_recog.visuals import Material
 
@@ -39,7 +40,7 @@ def urdf_element(name: str, element: ElementTree.Element, find: FindFile
 
     name: of the shape; element: of the SDF. Raises SimulationError when it cannot be used.
     """
-    uri = element.findtext('uri', '').strip()
+    uri = text_of(element, 'uri')
     path = find(uri)
     if path is None or not os.path.isfile(path):
         raise SimulationError('heightmap ' + uri)
@@ -106,7 +107,7 @@ def material(element: ElementTree.Element, find: FindFile) -> Material:
     """Return what a heightmap of an SDF looks like: its first texture, else the color of earth."""
     size = read_lengths('size', element.findtext('size', '1 1 1'), 3)
     texture = element.find('texture')
-    path = None if texture is None else find(texture.findtext('diffuse', '').strip())
+    path = None if texture is None else find(text_of(texture, 'diffuse'))
     if texture is None or path is None or not os.path.isfile(path):
         return Material(_EARTH)
     length = read_number('<size> of texture', texture.findtext('size', '10'))

@@ -5,6 +5,7 @@ from typing import Optional, Sequence, Tuple
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import gazebo_materials, material_scripts
 from img_recog.simulation.descriptions.numbers import read_number, read_numbers
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.visuals import Color, Material
 
 _AMBIENT_LIGHT = 0.4                    # of all light, in Gazebo's usual <scene>
@@ -38,7 +39,7 @@ def of_sdf(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Materi
 
 def opacity(visual: ElementTree.Element) -> float:
     """Return the opacity that the <transparency> of an SDF <visual> leaves."""
-    transparency = read_number('<transparency> of visual ' + visual.get('name', ''),
+    transparency = read_number('<transparency> of visual ' + name_of(visual),
                                visual.findtext('transparency', '0'))
     return min(max(1.0 - transparency, 0.0), 1.0)
 
@@ -46,7 +47,7 @@ def opacity(visual: ElementTree.Element) -> float:
 def _given_color(visual: ElementTree.Element, tag: str) -> Optional[Color]:
     text = visual.findtext('material/' + tag)
     return None if text is None else _color(read_numbers(
-        '<{}> of visual {}'.format(tag, visual.get('name', '')), _four(text), 4).tolist())
+        '<{}> of visual {}'.format(tag, name_of(visual)), _four(text), 4).tolist())
 
 
 def _product(first: Color, second: Color) -> Color:

@@ -6,6 +6,7 @@ from typing import List, Optional, Sequence
 
 from img_recog.files import FindFile
 from img_recog.mesh_file import READABLE
+from img_recog.simulation.descriptions.texts import text_of
 
 
 def resolve(root: ElementTree.Element, find: FindFile) -> List[str]:
@@ -34,7 +35,7 @@ def _resolve_shapes(link: ElementTree.Element, kind: str, find: FindFile,
         if mesh is None:
             continue
         sdf_uri = mesh.find('uri')
-        uri = mesh.get('filename') or mesh.findtext('uri', '').strip()
+        uri = mesh.get('filename') or text_of(mesh, 'uri')
         path = find(uri)
         if path is None or not path.lower().endswith(READABLE):
             removed.append(shape)

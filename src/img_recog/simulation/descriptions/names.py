@@ -3,6 +3,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 
 from img_recog.errors import shortened
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.settings import SimulationError
 
 # PyBullet 3.2.7 cuts names of 1024 bytes and crashes soon after: at 1100 for that of a robot
@@ -27,10 +28,10 @@ def check(kind: str, name: str) -> None:
 
 def check_robot(robot: ElementTree.Element) -> None:
     """Check the names in a <robot>, those of its links and joints and its own."""
-    check('robot or model', robot.get('name', ''))
+    check('robot or model', name_of(robot))
     for tag in ('link', 'joint'):
         for element in robot.findall(tag):
-            check(tag, element.get('name', ''))
+            check(tag, name_of(element))
 
 
 def _begin(name: str) -> str:

@@ -17,6 +17,7 @@ from img_recog.simulation.descriptions.numbers import read_numbers
 from img_recog.simulation.descriptions.problems import NOT_DOWNLOADED, Problems
 from img_recog.simulation.descriptions.sdf_joints import Version
 from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.settings import SimulationError
 
 _MODEL_URI = 'model://'
@@ -85,7 +86,7 @@ class _Reader:
              stack: Sequence[str]) -> None:
         """Add the models in a <world> or an <sdf>."""
         state = parent.find('state')
-        self._ignore(parent.findall('plugin'), parent.get('name', ''))
+        self._ignore(parent.findall('plugin'), name_of(parent))
         for element in list(parent):
             with self._problems.left_out():
                 if element.tag == 'include':
@@ -103,14 +104,14 @@ class _Reader:
                 elif element.tag == 'road':
                     self.trees.append(sdf_roads.tree(element, self._finder(path), self._problems))
                 elif element.tag == 'actor':
-                    raise SimulationError('actor {}'.format(element.get('name', '')).strip())
+                    raise SimulationError('actor {}'.format(name_of(element)).strip())
 
     def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:
         with self._problems.left_out():
             sdf_frames.apply_state(model, state)
         self._ignore([each for each in model.iter() if each.tag in ('plugin', 'sensor')],
-                     model.get('name', ''))
+                     name_of(model))
         self.has_ground_plane |= model.get('name') == _GROUND_PLANE
         self.trees += sdf_models.trees(model, version, self._finder(path), self._problems)
 
@@ -120,7 +121,7 @@ class _Reader:
 
         Raises SimulationError when it cannot be had.
         """
-        uri = include.findtext('uri', '').strip()
+        uri = text_of(include, 'uri')
         built_in = _BUILT_IN.fullmatch(unquote(uri))
         if built_in:
             self.has_ground_plane |= built_in.group(1).lower() != _SUN
@@ -145,7 +146,7 @@ class _Reader:
                 for old in model.findall(tag):
                     model.remove(old)
                 model.append(given)
-        model.set('name', include.findtext('name', '').strip() or model.get('name', ''))
+        model.set('name', text_of(include, 'name') or name_of(model))
         return model, _version(root), file
 
     def _check_include(self, file: str, stack: Sequence[str]) -> None:
@@ -161,7 +162,7 @@ class _Reader:
         """Replace each <include> in a model, at any depth; make the URIs in it absolute."""
         if self._depth >= _MAX_NESTED:
             raise SimulationError('models are nested more than {} deep, at {} in {}'.format(
-                _MAX_NESTED, model.get('name', ''), path), 'include the innermost ones directly')
+                _MAX_NESTED, name_of(model), path), 'include the innermost ones directly')
         self._depth += 1
         inside = model.findall('model')         # those that are included are expanded already
         for include in model.findall('include'):
@@ -196,7 +197,7 @@ class _Reader:
     def _ignore(self, elements: Sequence[ElementTree.Element], model: str) -> None:
         for element in elements:
             self.ignored.append('{} {} of {}'.format(
-                element.tag, element.get('filename') or element.get('name', ''), model))
+                element.tag, element.get('filename') or name_of(element), model))
 
 
 def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:

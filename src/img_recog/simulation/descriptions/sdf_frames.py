@@ -5,6 +5,7 @@ from typing import Dict, Optional, Sequence
 from img_recog import rotations
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
 from img_recog.simulation.descriptions.numbers import read_lengths, words
+from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.settings import SimulationError
 
 WORLD = 'world'
@@ -13,8 +14,8 @@ _MODEL = '__model__'
 
 def pose_of(element: ElementTree.Element) -> Transform:
     """Return the <pose> of an element, in the frame that it is given in."""
-    text = element.findtext('pose', '').strip() or '0 0 0 0 0 0'
-    values = read_lengths('<pose> of {} {}'.format(element.tag, element.get('name', '')), text, 6)
+    text = text_of(element, 'pose') or '0 0 0 0 0 0'
+    values = read_lengths('<pose> of {} {}'.format(element.tag, name_of(element)), text, 6)
     return from_rpy(values[:3], values[3:])
 
 
@@ -35,23 +36,23 @@ class Scope:
     """The frames of one model: of its links, joints, frames and models."""
 
     def __init__(self, model: ElementTree.Element):
-        self._name = model.get('name', '')
+        self._name = name_of(model)
         # until SDF 1.6 they may bear the same names, and poses were relative to links
         self._elements: Dict[str, ElementTree.Element] = {}
         for tag in ('link', 'model', 'frame', 'joint'):
             for element in model.findall(tag):
-                self._elements.setdefault(element.get('name', ''), element)
+                self._elements.setdefault(name_of(element), element)
 
     def pose(self, element: ElementTree.Element,
              visited: Sequence[ElementTree.Element] = ()) -> Transform:
         """Return the pose of a link, joint, frame or model in the model."""
         if any(element is each for each in visited):
             raise SimulationError('model {}: the pose of {} depends on itself'.format(
-                self._name, element.get('name', '')))
+                self._name, name_of(element)))
         pose = element.find('pose')
         base = '' if pose is None else (pose.get('relative_to') or pose.get('frame') or '').strip()
         if not base and element.tag == 'joint':
-            base = element.findtext('child', '').strip()
+            base = text_of(element, 'child')
         if not base and element.tag == 'frame':
             base = element.get('attached_to', '')
         return self.frame(base, (*visited, element)) @ pose_of(element)

@@ -9,6 +9,7 @@ from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import read_direction, read_number
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_frames import WORLD, Scope
+from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.settings import SimulationError
 
 FIXED, PRISMATIC, BALL = 'fixed', 'prismatic', 'ball'
@@ -83,7 +84,7 @@ class Joints:
                 self.links[name] = Link(name, link, pose @ scope.pose(link), is_static)
         for nested in model.findall('model'):
             with self._problems.left_out():
-                self._collect(nested, '{}{}::'.format(prefix, nested.get('name', '')),
+                self._collect(nested, '{}{}::'.format(prefix, name_of(nested)),
                               pose @ scope.pose(nested), is_static)
         for joint in model.findall('joint'):
             with self._problems.left_out():
@@ -91,8 +92,8 @@ class Joints:
 
     def _add_joint(self, element: ElementTree.Element, prefix: str, pose: Transform,
                    model: ElementTree.Element, scope: Scope) -> None:
-        name = prefix + element.get('name', '')
-        parent, child = (self._link_name(name, element.findtext(end, '').strip(), prefix, model)
+        name = prefix + name_of(element)
+        parent, child = (self._link_name(name, text_of(element, end), prefix, model)
                          for end in ('parent', 'child'))
         kind = element.get('type', '')
         if all(end == WORLD or self.links[end].is_static for end in (parent, child)):
@@ -134,7 +135,7 @@ class Joints:
         axis = joint.find(tag)
         if axis is None:
             return np.array([0.0, 0.0, 1.0])
-        direction = read_direction('<xyz> of joint ' + joint.get('name', ''),
+        direction = read_direction('<xyz> of joint ' + name_of(joint),
                                    axis.findtext('xyz', '0 0 1'))
         in_model = axis.findtext('use_parent_model_frame')
         expressed = axis.find('xyz[@expressed_in]')     # since SDF 1.7

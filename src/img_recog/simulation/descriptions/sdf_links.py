@@ -13,6 +13,7 @@ from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import (read_direction, read_lengths,
                                                        read_number, words)
 from img_recog.simulation.descriptions.sdf_frames import pose_of
+from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.descriptions.urdf_elements import (
     INERTIA_KEYS, check_mass, set_friction, set_inertial, set_origin)
 from img_recog.simulation.descriptions.urdf_visuals import (CENTERED, IS_PLANE, OPACITY, SUBMESH,
@@ -31,7 +32,7 @@ def add_inertial(link: ElementTree.Element, source: ElementTree.Element,
 
     offset: of the link in the frame of the URDF's link.
     """
-    name = source.get('name', '')
+    name = name_of(source)
     given = source.find('inertial')
     if given is None:
         given = ElementTree.Element('inertial')
@@ -52,7 +53,7 @@ def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None
     In Gazebo a negative one means as much as there can be, which is that of a link without one.
     """
     text = source.findtext('collision/surface/friction/ode/mu')
-    value = 0.0 if text is None else read_number('<mu> of link ' + source.get('name', ''), text)
+    value = 0.0 if text is None else read_number('<mu> of link ' + name_of(source), text)
     if text is not None and value >= 0:
         set_friction(link, value)
 
@@ -67,7 +68,7 @@ def add_shape(link: ElementTree.Element, shape: ElementTree.Element, pose: Trans
     Raises SimulationError when it cannot be had, or a number is wrong.
     """
     geometry, offset = _geometry(shape, find)
-    added = ElementTree.SubElement(link, shape.tag, name=shape.get('name', ''))
+    added = ElementTree.SubElement(link, shape.tag, name=name_of(shape))
     set_origin(added, pose @ offset)
     ElementTree.SubElement(added, 'geometry').append(geometry)
     if shape.tag == 'collision':
@@ -98,9 +99,9 @@ def add_terrain(link: ElementTree.Element, shape: ElementTree.Element, find: Fin
     Returns the pose, in the frame of the shape, that PyBullet gives the middle of its heights.
     Raises SimulationError when it cannot be had, or a number is wrong.
     """
-    name = '{} {}'.format(shape.tag, shape.get('name', ''))
+    name = '{} {}'.format(shape.tag, name_of(shape))
     element, pose = heightmaps.urdf_element(name, shape.findall('geometry/*')[0], find)
-    added = ElementTree.SubElement(link, shape.tag, name=shape.get('name', ''))
+    added = ElementTree.SubElement(link, shape.tag, name=name_of(shape))
     ElementTree.SubElement(added, 'geometry').append(element)
     return pose @ IDENTITY._replace(
         translation=np.array((0.0, 0.0, heightmaps.read(element).middle)))
@@ -108,16 +109,13 @@ def add_terrain(link: ElementTree.Element, shape: ElementTree.Element, find: Fin
 
 def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
     """Return the element in a URDF's <geometry>, and its pose in the frame of the shape."""
-    geometry = shape.find('geometry')
+    name, geometry = '{} {}'.format(shape.tag, name_of(shape)), shape.find('geometry')
     if geometry is None or not len(geometry):
-        raise SimulationError('<{} {}> has no geometry'.format(
-            shape.tag, shape.get('name', '')))
+        raise SimulationError('<{}> has no geometry'.format(name))
     element = geometry[0]
     make = _MAKERS.get(element.tag)
     if make is None:
-        raise SimulationError('<{}> of {} {}'.format(element.tag, shape.tag,
-                                                     shape.get('name', '')))
-    name = '{} {}'.format(shape.tag, shape.get('name', ''))
+        raise SimulationError('<{}> of {}'.format(element.tag, name))
     return make(name, element, find)
 
 
@@ -177,10 +175,10 @@ def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
         raise SimulationError('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
     scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
     mesh = ElementTree.Element('mesh', filename=os.path.abspath(path), scale=words(scale))
-    submesh = element.findtext('submesh/name', '').strip()
+    submesh = text_of(element, 'submesh/name')
     if submesh:
         mesh.set(SUBMESH, submesh)
-        if element.findtext('submesh/center', '').strip().lower() in ('1', 'true'):
+        if text_of(element, 'submesh/center').lower() in ('1', 'true'):
             mesh.set(CENTERED, 'true')
     return mesh, IDENTITY
 

@@ -12,6 +12,7 @@ from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_frames import WORLD, Scope, pose_of
 from img_recog.simulation.descriptions.sdf_joints import (
     FIXED, PRISMATIC, Axis, Joint, Joints, Link, Version)
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import add_massless, set_origin
 
 _FAR_M = 1e16
@@ -60,7 +61,7 @@ def trees(model: ElementTree.Element, version: Version, find: FindFile,
     which is added what cannot be used, a number, a joint or a shape; the rest is in the trees.
     Raises SimulationError when the pose of the model cannot be used.
     """
-    name, pose = model.get('name', ''), pose_of(model)
+    name, pose = name_of(model), pose_of(model)
     parts = Joints(model, version, problems)
     found: List[Tree] = []
     joints_of = _joints_of_links(parts)
@@ -192,7 +193,7 @@ class _Builder:
         added = ElementTree.SubElement(robot, 'link', name='link0')
         sdf_links.add_friction(added, link.element)
         pose = link.pose @ scope.pose(shape) @ sdf_links.add_terrain(added, shape, self._find)
-        self._terrains.append(Tree('{}::{}'.format(link.name, shape.get('name', '')),
+        self._terrains.append(Tree('{}::{}'.format(link.name, name_of(shape)),
                                    ElementTree.tostring(robot, 'unicode'), pose, True, pose,
                                    is_terrain=True))
 

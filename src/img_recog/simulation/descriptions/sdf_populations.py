@@ -10,6 +10,7 @@ from img_recog import rotations
 from img_recog.simulation.descriptions.geometry import IDENTITY
 from img_recog.simulation.descriptions.numbers import read_lengths, read_number, words
 from img_recog.simulation.descriptions.sdf_frames import pose_of
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.settings import SimulationError
 
 _MAX_COUNT = 5000
@@ -23,13 +24,13 @@ def models(population: ElementTree.Element) -> List[ElementTree.Element]:
     Random places are the same ones each time.
     Raises SimulationError when a number is wrong, or the distribution is not known.
     """
-    name, model = population.get('name', ''), population.find('model')
+    name, model = name_of(population), population.find('model')
     if model is None:
         raise SimulationError('population {} has no <model>'.format(name))
     pose, found = pose_of(population), []
     for number, place in enumerate(_places('population ' + name, population)):
         made = copy.deepcopy(model)
-        made.set('name', '{}_clone_{}'.format(model.get('name', ''), number))
+        made.set('name', '{}_clone_{}'.format(name_of(model), number))
         for old in made.findall('pose'):
             made.remove(old)
         at = pose @ IDENTITY._replace(translation=place) @ pose_of(model)

@@ -9,6 +9,7 @@ from img_recog.simulation.descriptions.geometry import IDENTITY
 from img_recog.simulation.descriptions.numbers import read_lengths, words
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import add_massless, set_origin
 from img_recog.simulation.descriptions.urdf_visuals import material_element
 from img_recog.simulation.settings import SimulationError
@@ -24,7 +25,7 @@ def tree(road: ElementTree.Element, find: FindFile, problems: Problems) -> Tree:
     find: returns the path of the file at a URI; problems: to which is added a look that is not
     found. Raises SimulationError when a number is wrong, or it has fewer than two points.
     """
-    name = 'road {}'.format(road.get('name', '')).strip()
+    name = 'road {}'.format(name_of(road)).strip()
     points = np.array([read_lengths('<point> of ' + name, point.text, 3)
                        for point in road.findall('point')]).reshape(-1, 3)
     width = float(read_lengths('<width> of ' + name, road.findtext('width', '1'), 1)[0])

@@ -7,6 +7,7 @@ import numpy as np
 from img_recog import rotations
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform, from_rpy
 from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers, words
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.settings import SimulationError
 
 INERTIA_KEYS = ('ixx', 'ixy', 'ixz', 'ixy', 'iyy', 'iyz', 'ixz', 'iyz', 'izz')   # row by row
@@ -17,7 +18,7 @@ _MIN_MASS, _MAX_MASS = 1e-20, 1e9
 def roots(robot: ElementTree.Element) -> List[str]:
     """Return the names of the links that are the child of no joint."""
     children = {child.get('link') for child in robot.findall('joint/child')}
-    return [link.get('name', '') for link in robot.findall('link')
+    return [name_of(link) for link in robot.findall('link')
             if link.get('name') not in children]
 
 
@@ -26,7 +27,7 @@ def origin_of(element: ElementTree.Element) -> Transform:
     origin = element.find('origin')
     if origin is None:
         return IDENTITY
-    name = '<origin> in <{} {}>'.format(element.tag, element.get('name', ''))
+    name = '<origin> in <{} {}>'.format(element.tag, name_of(element))
     return from_rpy(read_lengths(name, origin.get('xyz', '0 0 0'), 3),
                     read_numbers(name, origin.get('rpy', '0 0 0'), 3))
 

@@ -3,6 +3,7 @@ import xml.etree.ElementTree as ElementTree
 from typing import Dict, List, NamedTuple
 
 from img_recog.simulation.descriptions.numbers import read_direction
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
 
@@ -45,7 +46,7 @@ def read(robot: ElementTree.Element) -> UrdfTree:
     direction or a type that is not simulated.
     """
     _check_names(robot)
-    links = {link.get('name', ''): link for link in robot.findall('link')}
+    links = {name_of(link): link for link in robot.findall('link')}
     parents = _joints_by_child(robot, links)
     children: Dict[str, List[str]] = {}
     for link, joint in parents.items():
@@ -77,7 +78,7 @@ def _check_names(robot: ElementTree.Element) -> None:
 def _joints_by_child(robot: ElementTree.Element, links: Links) -> Dict[str, Joint]:
     joints: Dict[str, Joint] = {}
     for joint in robot.findall('joint'):
-        name = joint.get('name', '')
+        name = name_of(joint)
         parent, child = (_end(joint, end, links) for end in ('parent', 'child'))
         link = child.get('link', '')
         if link in joints:

@@ -7,6 +7,7 @@ from typing import Dict, Iterator, List, Optional, Tuple
 from img_recog.files import FindFile
 from img_recog.simulation.descriptions import materials
 from img_recog.simulation.descriptions.numbers import read_lengths, read_numbers, words
+from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.descriptions.urdf_elements import origin_of
 from img_recog.simulation.settings import SimulationError
 from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape, Submesh,
@@ -40,7 +41,7 @@ def read(urdf: str, numbers: Dict[str, int]) -> Iterator[Visual]:
     named = {material.get('name'): material for material in robot.findall('material')}
     for link in robot.findall('link'):
         for element in link.findall('visual'):
-            yield _visual(element, numbers[link.get('name', '')], named)
+            yield _visual(element, numbers[name_of(link)], named)
 
 
 def _visual(element: ElementTree.Element, part: int,
@@ -66,7 +67,7 @@ def _material(visual: ElementTree.Element,
         element = named.get(element.get('name'), element)
     color, texture = element.find('color'), element.find('texture')
     red, green, blue, opacity = read_numbers(
-        'rgba of material ' + element.get('name', ''),
+        'rgba of material ' + name_of(element),
         '1 1 1 1' if color is None else color.get('rgba'), 4).tolist()
     path = '' if texture is None else texture.get('filename', '')
     if color is None and not path:
@@ -89,14 +90,14 @@ def check_shapes(robot: ElementTree.Element) -> None:
                     _sizes(element.findall('geometry/*')[0])
             except SimulationError as error:
                 raise SimulationError('link {}, <{}>: {}'.format(
-                    link.get('name', ''), element.tag, error.problem), error.advice)
+                    name_of(link), element.tag, error.problem), error.advice)
 
 
 def read_shape(visual: ElementTree.Element) -> Shape:
     """Return the shape of a <visual>; SimulationError when it cannot be drawn."""
     geometry = visual.find('geometry')
     if geometry is None or not len(geometry):
-        raise SimulationError('<visual {}> has no geometry'.format(visual.get('name', '')))
+        raise SimulationError('<visual {}> has no geometry'.format(name_of(visual)))
     element = geometry[0]
     sizes = _sizes(element)
     if element.tag == 'mesh':
@@ -179,7 +180,7 @@ def material_element(material: Material) -> ElementTree.Element:
 def _materials(tag: ElementTree.Element) -> List[ElementTree.Element]:
     """Return the materials of a <gazebo> tag, each as an SDF <visual>; the last one counts."""
     shapes = [shape for shape in tag.findall('visual') if shape.find('material') is not None]
-    name = tag.findtext('material', '').strip()
+    name = text_of(tag, 'material')
     if name:
         shape = ElementTree.Element('visual')
         script = ElementTree.SubElement(ElementTree.SubElement(shape, 'material'), 'script')

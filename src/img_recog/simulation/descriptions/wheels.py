@@ -9,10 +9,13 @@ import numpy as np
 
 from img_recog import mesh_file
 from img_recog.mesh_file import MeshError
+from img_recog.simulation.descriptions import urdf_tree
 from img_recog.simulation.descriptions.description import Description
-from img_recog.simulation.descriptions.geometry import Transform
+from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import read_lengths, read_number, read_numbers
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import origin_of
+from img_recog.simulation.descriptions.urdf_tree import UrdfTree
 from img_recog.simulation.settings import DriveSettings
 
 _TOLERANCE = 0.05       # relative: Gazebo's tags are often rounded
@@ -69,14 +72,12 @@ def measure(description: Description, drive: DriveSettings) -> Wheels:
     without those: at cylinders or spheres, else at meshes. Unknown joints give Wheels(): those
     are refused when the robot is loaded.
     """
-    robot = ElementTree.fromstring(description.urdf)
-    joints = {joint.get('name', ''): joint for joint in robot.findall('joint')}
+    tree = urdf_tree.read(ElementTree.fromstring(description.urdf))
+    links = {joint.name: link for link, joint in tree.parents.items()}
     names = drive.left_joints + drive.right_joints
-    if not names or not set(names) <= set(joints) or len(set(names)) < len(names):
+    if not names or not set(names) <= set(links) or len(set(names)) < len(names):
         return Wheels()
-    links = {link.get('name', ''): link for link in robot.findall('link')}
-    parents = {_end(joint, 'child'): joint for joint in joints.values()}
-    left, right = ([_wheel(joints[name], links, parents) for name in side]
+    left, right = ([_wheel(links[name], tree) for name in side]
                    for side in (drive.left_joints, drive.right_joints))
     # to the micrometer: the rest is rounding
     separation = round(float(left[0].axis @ (_middle(left) - _middle(right))), 6)
@@ -89,26 +90,19 @@ def _middle(side: Sequence[_Wheel]) -> np.ndarray:
     return sum(wheel.middle for wheel in side) / len(side)      # type: ignore
 
 
-def _wheel(joint: ElementTree.Element, links: Dict[str, ElementTree.Element],
-           parents: Dict[str, ElementTree.Element]) -> _Wheel:
-    frame, axis = _pose(joint, parents), axis_of(joint)
-    link = links[_end(joint, 'child')]
-    middle, diameter = _measured(link.findall('collision') or link.findall('visual'), axis)
+def _wheel(link: str, tree: UrdfTree) -> _Wheel:
+    frame, axis = _pose(link, tree), axis_of(tree.parents[link].element)
+    shapes = tree.links[link]
+    middle, diameter = _measured(shapes.findall('collision') or shapes.findall('visual'), axis)
     return _Wheel(frame.apply(middle), frame.rotation @ axis, diameter)
 
 
-def _end(joint: ElementTree.Element, tag: str) -> str:
-    element = joint.find(tag)
-    return '' if element is None else element.get('link', '')
-
-
-def _pose(joint: ElementTree.Element, parents: Dict[str, ElementTree.Element]) -> Transform:
-    """Return the pose of a joint in the frame of the root link."""
-    pose = origin_of(joint)
-    link = _end(joint, 'parent')
-    while link in parents:
-        pose = origin_of(parents[link]) @ pose
-        link = _end(parents[link], 'parent')
+def _pose(link: str, tree: UrdfTree) -> Transform:
+    """Return the pose of a link in the frame of the root link."""
+    pose = IDENTITY
+    while link != tree.root:
+        pose = origin_of(tree.parents[link].element) @ pose
+        link = tree.parents[link].parent_link
     return pose
 
 
@@ -180,5 +174,5 @@ def axis_of(joint: ElementTree.Element) -> np.ndarray:
     """Return the axis (3,) of a URDF's joint in the frame of its link, a unit vector."""
     element = joint.find('axis')
     text = '1 0 0' if element is None else element.get('xyz', '1 0 0')
-    axis = read_numbers('axis of joint ' + joint.get('name', ''), text, 3)
+    axis = read_numbers('axis of joint ' + name_of(joint), text, 3)
     return axis / np.linalg.norm(axis)

@@ -9,6 +9,7 @@ from img_recog.simulation.descriptions import meshes, sdf_file, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
 
@@ -113,7 +114,7 @@ def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,
                       for tree in contents.trees for warning in tree.warnings)
     return WorldFile(name, contents.trees, gravity, contents.has_physics, warnings,
                      contents.has_floor, contents.camera, ignored=contents.ignored, lights=tuple(
-                         light.get('name', '') for light in root.iter('light')))
+                         name_of(light) for light in root.iter('light')))
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str],

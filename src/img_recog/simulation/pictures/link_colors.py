@@ -3,6 +3,7 @@ import copy
 import xml.etree.ElementTree as ElementTree
 from typing import Dict
 
+from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import add_massless
 
 
@@ -21,7 +22,7 @@ def split_links_by_color(urdf: str) -> str:
             material = visual.find('material')
             color = b'' if material is None else ElementTree.tostring(material).strip()
             if color not in links:
-                links[color] = _add_fixed_link(robot, link.get('name', ''), len(links))
+                links[color] = _add_fixed_link(robot, name_of(link), len(links))
             links[color].append(copy.deepcopy(visual))
     return ElementTree.tostring(robot, 'unicode')
 

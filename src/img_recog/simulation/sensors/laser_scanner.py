@@ -7,6 +7,7 @@ import numpy as np
 
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
 from img_recog.simulation.descriptions.gazebo_tags import NAME, NUMBER, TOPIC, Row, Tags
+from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
@@ -14,9 +15,9 @@ from img_recog.simulation.settings import SimulationError
 
 
 def _other_rows(sensor: ElementTree.Element) -> Sequence[str]:
-    rows = sensor.findtext('ray/scan/vertical/samples', '').strip()
+    rows = text_of(sensor, 'ray/scan/vertical/samples')
     return [] if rows in ('', '1') else [
-        'rows of rays of sensor {} above and below the middle one'.format(sensor.get('name', ''))]
+        'rows of rays of sensor {} above and below the middle one'.format(name_of(sensor))]
 
 
 # of libgazebo_ros_laser and _gpu_laser of gazebo_plugins, and of Gazebo's own ray sensors
