@@ -4,6 +4,8 @@ Not mutated are:
 - type annotations, TypeVar(...), and what is under `if TYPE_CHECKING`
 - docstrings, and string literals of two words or more or like ', ': these are texts for people
 - `==` to `is` and the other way round: for small numbers and interned strings nothing changes
+- the decorators lru_cache and abstractmethod: a cache changes only the speed, and an abstract
+  method only what is said of a class that lacks it
 """
 import ast
 import itertools
@@ -20,6 +22,7 @@ from cosmic_ray.operators import (binary_operator_replacement, boolean_replacer,
 from operators import OPERATORS
 
 _IDENTITY = ('Is', 'IsNot')
+_DECORATORS = ('lru_cache', 'abstractmethod')
 
 
 def _keeps_identity(operator) -> bool:
@@ -134,6 +137,9 @@ def _is_in_function(node) -> bool:
 
 def _is_ignored(node) -> bool:
     if node.type == 'string' and _is_text(node):
+        return True
+    if any(each.type == 'decorator' and any(name in each.get_code() for name in _DECORATORS)
+           for each in (node, *(parent for parent, _ in _ancestors(node)))):
         return True
     for parent, child in _ancestors(node):
         if parent.type == 'annassign' and child is parent.children[1]:
