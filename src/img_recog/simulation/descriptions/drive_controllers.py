@@ -34,7 +34,7 @@ class _Parameters:
             value = value.get(name) if isinstance(value, Mapping) else None
         return value
 
-    def number(self, path: str, default: float) -> float:
+    def number(self, path: str, default: float = math.nan) -> float:
         value = self.get(path)
         try:
             number = default if value is None else float(value)
@@ -123,9 +123,9 @@ def _diff_drive(parameters: _Parameters,
         'wheel_acceleration': 0.0,
         **_common(parameters)}
     if parameters.get('wheel_separation') is not None:
-        values['wheel_separation'] = parameters.number('wheel_separation', 0.0)
+        values['wheel_separation'] = parameters.number('wheel_separation')
     if parameters.get('wheel_radius') is not None:
-        values['wheel_diameter'] = 2 * parameters.number('wheel_radius', 0.0)
+        values['wheel_diameter'] = 2 * parameters.number('wheel_radius')
     return FoundDrive(values, _jerk(parameters))
 
 
@@ -202,4 +202,4 @@ def _effort(joint: ElementTree.Element) -> float:
         effort = float('' if limit is None else limit.get('effort', ''))
     except ValueError:
         return _NO_LIMIT
-    return effort if 0 < effort < _NO_LIMIT else _NO_LIMIT
+    return min(effort, _NO_LIMIT) if effort > 0 else _NO_LIMIT

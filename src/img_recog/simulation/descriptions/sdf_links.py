@@ -53,9 +53,10 @@ def add_friction(link: ElementTree.Element, source: ElementTree.Element) -> None
     In Gazebo a negative one means as much as there can be, which is that of a link without one.
     """
     text = source.findtext('collision/surface/friction/ode/mu')
-    value = 0.0 if text is None else read_number('<mu> of link ' + name_of(source), text)
-    if text is not None and value >= 0:
-        set_friction(link, value)
+    if text is not None:
+        value = read_number('<mu> of link ' + name_of(source), text)
+        if value >= 0:
+            set_friction(link, value)
 
 
 def add_shape(link: ElementTree.Element, shape: ElementTree.Element, pose: Transform,
