@@ -6,6 +6,7 @@ Not mutated are:
 - `==` to `is` and the other way round: for small numbers and interned strings nothing changes
 - the decorators lru_cache and abstractmethod: a cache changes only the speed, and an abstract
   method only what is said of a class that lacks it
+- the -1 of reshape(): NumPy takes any negative number for the length that is left
 """
 import ast
 import itertools
@@ -136,7 +137,7 @@ def _is_in_function(node) -> bool:
 
 
 def _is_ignored(node) -> bool:
-    if node.type == 'string' and _is_text(node):
+    if (node.type == 'string' and _is_text(node)) or _is_length_left(node):
         return True
     if any(each.type == 'decorator' and any(name in each.get_code() for name in _DECORATORS)
            for each in (node, *(parent for parent, _ in _ancestors(node)))):
@@ -154,6 +155,14 @@ def _is_ignored(node) -> bool:
                 'TypeVar('):
             return True
     return False
+
+
+def _is_length_left(node) -> bool:
+    """Return whether a node is the -1 of reshape(), or the 1 in it."""
+    number = node if node.type == 'factor' else node.parent
+    call = number.search_ancestor('trailer') if number and number.type == 'factor' else None
+    return (call is not None and number.get_code().strip() == '-1'
+            and call.get_previous_sibling().get_code() == '.reshape')
 
 
 def _is_text(node) -> bool:

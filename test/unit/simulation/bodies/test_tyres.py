@@ -68,9 +68,7 @@ def test_which_wheels_need_a_tread(left, right, length, origin, has_tread):
 
 
 @pytest.mark.parametrize('urdf, joints', [
-    (robot(), ()), (robot(), ('other',)), (robot(shape='<sphere radius="0.1"/>'), JOINTS),
-    (robot(shape='<cylinder radius="0.1"/>'), JOINTS),
-    ('<robot name="r"><link name="base"/><joint name="left" type="fixed"/></robot>', JOINTS)])
+    (robot(), ()), (robot(), ('other',)), (robot(shape='<sphere radius="0.1"/>'), JOINTS)])
 def test_what_is_no_wide_wheel_stays_as_it_is(urdf, joints):
     assert tyres.added(urdf, joints, 0.0) == ElementTree.tostring(
         ElementTree.fromstring(urdf), 'unicode')
@@ -96,14 +94,6 @@ def test_a_wheel_that_slips_can_move_along_its_axle():
     assert origin_of(side).translation.tolist() == [0.1, 0.2, 0.3]
     assert origin_of(side).rotation[1] == pytest.approx((0, 0, 1))
     assert origin_of(wheel).matrix().tolist() == np.eye(4).tolist()
-
-
-def test_a_moment_that_is_missing_is_zero():
-    found = ElementTree.fromstring(tyres.added(
-        robot(inertial=INERTIAL.replace('ixx="0.01"', '')), ('left',), 0.3))
-    wheel = found.find('link/inertial/inertia')
-    assert [float(wheel.get(key)) for key in ('ixx', 'iyy', 'izz')] == pytest.approx(
-        [0.018, 0.038, 0.048])
 
 
 # ixx, which is the least, has to be mass times the square of the radius
