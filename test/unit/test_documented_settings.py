@@ -1,4 +1,4 @@
-"""The settings have the limits that doc/reference.md states."""
+"""The settings have the defaults and limits that doc/reference.md states."""
 import re
 
 import pytest
@@ -22,7 +22,7 @@ CLASSES = {
     'turtlebot3_teleop_keyboard': (TeleopSettings,)}
 ROWS = {(node, row[0].strip('`')): row for node in CLASSES
         for row in rows(read('doc/reference.md'), node, 'name')}
-FIELDS = [pytest.param(settings_class, field, ROWS[node, field.name][2],
+FIELDS = [pytest.param(settings_class, field, *ROWS[node, field.name][1:3],
                        id='{}-{}'.format(node, field.name))
           for node, classes in CLASSES.items() for settings_class in classes
           for field in setting_fields(settings_class)]
@@ -43,10 +43,12 @@ def accepts(settings_class, name, value):
         return False
 
 
-@pytest.mark.parametrize('settings_class, field, allowed', FIELDS)
-def test_limits_are_those_of_the_page(settings_class, field, allowed):
+@pytest.mark.parametrize('settings_class, field, default, allowed', FIELDS)
+def test_defaults_and_limits_are_those_of_the_page(settings_class, field, default, allowed):
     name, kind = field.name, field.metadata['kind']
-    assert type(getattr(settings_class(), name)) is kind
+    value = getattr(settings_class(), name)
+    assert type(value) is kind
+    assert ((str(value).lower() if kind is bool else str(value)) or 'empty') == default.strip('`')
 
     def step(limit, sign):
         return limit + sign * (1 if kind is int else TINY * max(abs(limit), TINY))

@@ -31,17 +31,19 @@ class Record:
         """Return the tests for a place: groups of tests, and in each the fastest first.
 
         In a function: those that run it, then the other tests of its file (what is cached is run
-        by the first test only). Other lines are run once, by the import: the tests of the file,
-        those that run anything of it, all others of its top folder and of test/unit itself.
+        by the first test only). Other lines, and functions that no test calls, are run once, by
+        the import: the tests of the file, those that run anything of it, all others of its top
+        folder and of test/unit itself.
         """
         lines = self._lines[place.file]
         folder, name = os.path.split(os.path.relpath(place.file, SOURCES))
         mirror = 'test/unit/' + (folder + '/' if folder else '')
         top = 'test/unit/' + (folder.split('/')[0] + '/' if folder else '')
         of_file = [test for test in self._seconds if test.startswith(mirror + 'test_' + name[:-3])]
-        if place.in_function:
-            numbers = range(place.line, place.end_line + 1)
-            groups = [{test for number in numbers for test in lines[number]}, of_file]
+        numbers = range(place.line, place.end_line + 1)
+        of_lines = {test for number in numbers for test in lines[number]}
+        if place.in_function and of_lines:
+            groups = [of_lines, of_file]
         else:
             groups = [of_file, {test for tests in lines.values() for test in tests},
                       [test for test in self._seconds if test.startswith(top)

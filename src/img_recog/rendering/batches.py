@@ -46,9 +46,8 @@ class Batch(NamedTuple):
 
     def render(self, array: moderngl.VertexArray, is_seen: np.ndarray) -> None:
         """Draw what is seen; array: `shaded` or `depth`; is_seen (n,): of the bounds of all."""
-        steps = np.diff(is_seen[self.boxes].astype(np.int8), prepend=0, append=0)
-        begins, ends = self.ends[steps == 1].tolist(), self.ends[steps == -1].tolist()
-        for begin, end in zip(begins, ends):
+        changes = np.diff(is_seen[self.boxes], prepend=False, append=False)
+        for begin, end in self.ends[changes].reshape(-1, 2).tolist():
             array.render(vertices=end - begin, first=begin)
 
 

@@ -11,6 +11,7 @@ _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 _EDGES = np.array([(first, second) for first in range(8) for second in range(first)
                    if np.abs(_CORNERS[first] - _CORNERS[second]).sum() == 1]).T
 TRIANGLES = [0, 1, 2, 2, 1, 3]      # which of the `corners` of a rectangle are those of two
+WHOLE = np.array([[-1, -1, 1, 1]])  # the rectangle of an image
 
 
 class Boxes:
@@ -93,12 +94,11 @@ def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
     """
     size = np.array([width, height])
     counts = -(-size // TILE_PX)
-    marked = np.zeros((counts[1], counts[0] + 2), np.int8)
+    marked = np.zeros(counts[::-1], bool)
     for left, top, right, bottom in _tiles(rectangles_, size):
-        marked[top:bottom, left + 1:right + 1] = 1
-    steps = np.diff(marked, axis=1)
-    rows, lefts = np.nonzero(steps == 1)
-    _, rights = np.nonzero(steps == -1)
+        marked[top:bottom, left:right] = True
+    rows, edges = np.nonzero(np.diff(marked, axis=1, prepend=False, append=False))
+    rows, lefts, rights = rows[::2], edges[::2], edges[1::2]
     tiles = np.stack([lefts, rows, rights, rows + 1], axis=1) * TILE_PX
     return tiles / np.tile(size, 2) * 2 - 1
 

@@ -76,7 +76,6 @@ def _make_room(folder: str, size: int) -> None:
         files = [(entry.stat(), entry.path) for entry in entries if entry.is_file()]
     total = size + sum(status.st_size for status, _ in files)
     for status, path in sorted(files, key=lambda each: each[0].st_mtime_ns):
-        if total <= MAX_BYTES:
-            break
-        os.remove(path)
-        total -= status.st_size
+        if total > MAX_BYTES:
+            os.remove(path)
+            total -= status.st_size

@@ -6,7 +6,7 @@ from img_recog.rendering import coverage, shaders
 from img_recog.rendering.shadow_map import MAX_TEXELS
 
 _HALF_SIZE_M = 200.0
-WHOLE = _HALF_SIZE_M * np.array([[[-1, -1, 0], [1, -1, 0], [-1, 1, 0], [1, 1, 0]]])
+WHOLE = np.insert(_HALF_SIZE_M * coverage.corners(coverage.WHOLE), 2, 0, axis=2)
 _GRAY = 178 / 255
 _NORMAL_AND_COLOR = np.array([0, 0, 1, _GRAY, _GRAY, _GRAY, 1], 'f4')
 _MAX_SHADOWED = coverage.count_tiles(MAX_TEXELS, MAX_TEXELS)
@@ -25,7 +25,7 @@ class Floor:
                                    fragment_shader=shaders.FLAT_FRAGMENT)
         whole = context.buffer(_triangles(WHOLE))
         same = context.buffer(_NORMAL_AND_COLOR.tobytes())
-        self._shadowed = context.buffer(reserve=72 * _MAX_SHADOWED, dynamic=True)
+        self._shadowed = context.buffer(reserve=whole.size * _MAX_SHADOWED, dynamic=True)
         self._lit = context.vertex_array(self.lit, [
             (whole, '3f', 'position'), (same, '12x 4f /r', 'color')])
         self._shaded = context.vertex_array(shaded, [

@@ -134,7 +134,7 @@ class Renderer:
         """Return what OpenGL's depth buffer holds, from 0 at `near` to 1 at `far`."""
         target = self._target(camera.width, camera.height)
         target.depths.use()
-        target.depths.clear(depth=1.0)
+        target.depths.clear()
         to_clip = _projection(camera) @ matrices.view(camera_pose)
         is_seen = coverage.are_on_image(coverage.rectangles(
             self._boxes.in_world(models), to_clip, camera.near))

@@ -9,6 +9,7 @@ from img_recog.lenses import ID, TAN, Distortion, Lens
 from img_recog.rendering.camera import Camera, Intrinsics
 
 PLUMB_BOB, EQUIDISTANT = 'plumb_bob', 'equidistant'     # sensor_msgs/distortion_models.h
+_UNDISTORTED = (0.0,) * 5   # for plumb_bob
 _MAX_ERROR_PX = 0.5         # of a model
 _SAMPLES = 200
 _CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
@@ -71,13 +72,13 @@ def model_of(camera: Camera) -> Optional[CameraModel]:
     """
     lens = camera.lens
     if not isinstance(lens, Lens):
-        return CameraModel(PLUMB_BOB, tuple(lens or (0.0,) * 5), camera.intrinsics)
+        return CameraModel(PLUMB_BOB, tuple(lens or _UNDISTORTED), camera.intrinsics)
     focal_px = camera.width / 2 * lens.scale / lens.divisor
     intrinsics = camera.with_focal_length(focal_px)
     if lens.offset:
         return None         # its middle is not a point
     if lens.function == TAN and lens.divisor == 1:
-        return CameraModel(PLUMB_BOB, (0.0,) * 5, intrinsics)
+        return CameraModel(PLUMB_BOB, _UNDISTORTED, intrinsics)
     if lens.function == ID:
         return CameraModel(EQUIDISTANT, (0.0,) * 4, intrinsics)
     z = directions(camera)[..., 2]

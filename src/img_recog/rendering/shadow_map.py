@@ -86,7 +86,7 @@ class ShadowMap:
         if self._note_moved(models) or (to_clip != self._to_clip).any():
             self._to_clip = to_clip
             self._kept_target.use()
-            self._kept_target.clear(depth=1.0)
+            self._kept_target.clear()
             self._render(~self._moved)
             self._copy_kept([(0, 0, *self._size)])
         elif self._drawn:
@@ -227,4 +227,4 @@ def _depth_target(context: moderngl.Context, size: Tuple[int, int]
 
 def whole_image(context: moderngl.Context) -> moderngl.Buffer:
     """Return the corners of two triangles that cover an image."""
-    return context.buffer(coverage.triangles(np.array([[-1, -1, 1, 1]])))
+    return context.buffer(coverage.triangles(coverage.WHOLE))

@@ -31,7 +31,7 @@ class Target:
             context.vertex_array(program, [(self._tiles, '2f', 'corner')])
             for program in (clear, resolve))
         self._context = context
-        self.samples.clear(depth=1.0)
+        self.samples.clear()
 
     def begin(self, rectangles: np.ndarray) -> None:
         """Use the samples for what is in rectangles (k, 4), from -1 to 1: no two overlap."""
@@ -60,7 +60,7 @@ class Target:
         """Clear what was drawn, for the next image: OpenGL does it while this one is sent."""
         self.samples.use()
         if self._area > _MUCH:
-            self.samples.clear(depth=1.0)
+            self.samples.clear()
         else:
             self._context.enable_only(moderngl.DEPTH_TEST)
             self._context.depth_func = '1'
