@@ -172,7 +172,6 @@ class Renderer:
             program['shadows'].value = 1
         program = self._floor.lit
         program['to_clip'].write(matrices.to_bytes(to_clip))
-        program['grazing'].value = self._shadows.grazing
         program['eye'].value = tuple(eye)
         program['sun'].value = tuple(self._sun)
 

@@ -92,13 +92,12 @@ LIT_FLOOR_VERTEX = '''
 #version 330
 uniform mat4 to_clip;
 uniform vec3 eye, sun;
-uniform float grazing;
 in vec3 position;
 in vec4 color;
 flat out vec4 tint;
 void main() {
     float cosine = eye.z > 0.0 ? sun.z : -sun.z;
-    float lit = step(grazing, cosine);
+    float lit = step(0.0, cosine);
     float shade = SHADE;
     tint = vec4(shade, shade, shade, 1.0) * color;
     gl_Position = to_clip * vec4(position, 1.0);

@@ -96,6 +96,8 @@ def test_the_size_of_faces():
     # as sharp as the image, but for very large ones
     view, = faces(320, 240, 1.0)
     assert (view.width, view.height) == (pytest.approx(323, abs=1), pytest.approx(243, abs=1))
+    assert faces(320, 1, 1.0)[0].width == pytest.approx(323, abs=1)
+    assert faces(1, 240, 0.004)[0].height == pytest.approx(243, abs=1)
     view, = faces(9000, 2, 1.2)
     assert view.width == 4096 + 4
     view, = faces(9000, 2, 0.5)

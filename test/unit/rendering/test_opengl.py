@@ -46,6 +46,8 @@ def test_background_and_colors():
     assert image[0, 0].tolist() == [128, 64, 191]
     # it faces the camera, and the sun passes by: 0.675 to 0.75 of its color
     assert image[120, 160].tolist() in ([0, 0, 172], [0, 0, 191])
+    bright = draw(visual(Shape(BOX, (1, 1, 1)), at(5, 0, 0), (-1.0, 0.0, 1.5, 2.0)))
+    assert np.array_equal(image, bright)        # as files may have them
 
 
 @pytest.mark.parametrize('sun, share', [

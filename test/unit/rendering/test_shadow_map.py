@@ -20,6 +20,7 @@ def test_a_shadow_on_the_floor():
     edge = round(0.25 * fx / 8)
     assert image[120, 160 + edge + 3].tolist() == pytest.approx([lit] * 3, abs=1)
     assert image[120, 160 + edge - 3].tolist() == pytest.approx([dark] * 3, abs=1)
+    assert len(np.unique(image[120, 150:240, 1])) == 2      # nothing between
 
 
 def test_what_moves_takes_its_shadow_with_it():
@@ -60,7 +61,8 @@ def test_equal_scenes_and_poses_give_equal_bytes():
 
 
 def test_what_moves_through_the_shadow_of_another_part_leaves_it_there():
-    tiles = [visual(Shape(BOX, (0.5, 0.5, 0.02)), at(0, 0, height), RED, part)
+    # one is in the shadow of the other
+    tiles = [visual(Shape(BOX, (0.5, 0.5, 0.02)), at(-0.5 * part, 0, height), RED, part)
              for part, height in enumerate((1.0, 0.5))]
     content = scene(*tiles, sun=(1, 0, 1), floor=True, moving=(True, True))
     apart = np.concatenate([HERE, HERE])
@@ -99,6 +101,15 @@ def test_in_a_long_world_what_has_moved_leaves_no_shadow_behind(size):
     for poses in (here, there, here, there):
         assert np.array_equal(renderer.draw(CAMERA, looking_down(8.0), poses),
                               loaded(content, poses).draw(CAMERA, looking_down(8.0), poses))
+
+
+def test_what_reaches_out_of_all_that_cannot_move_has_its_whole_shadow():
+    image = draw(visual(Shape(BOX, (0.2, 0.2, 0.2)), np.eye(4), BLUE),
+                 visual(Shape(BOX, (4, 4, 0.02)), at(3.5, 0, 1), RED, part=1), sun=(-1, 0, 1),
+                 floor=True, moving=(False, True), poses=np.concatenate([HERE, HERE]),
+                 pose=looking_down(4.0, x=6.0))
+    assert image[120, 160, 1] == pytest.approx(
+        0.7 * 255 * (0.675 + 0.175 * math.sqrt(0.5)), abs=1)
 
 
 def _with_moved_tile(y, *others, sun, floor, place):

@@ -73,6 +73,9 @@ def test_a_texture_on_a_cylinder_is_upside_down_like_in_gazebo():
     assert part.uvs[side][:, 1] == pytest.approx((1 - z) / 2)
     u = part.uvs[side][:, 0]        # clockwise from the y axis, seen from above
     assert np.sin(2 * np.pi * u) == pytest.approx(x) and np.cos(2 * np.pi * u) == pytest.approx(y)
+    caps = ~side & (np.hypot(*part.positions[..., :2].transpose(2, 0, 1)) > 0.5)
+    assert part.uvs[caps][:, 1].tolist() == (part.positions[caps][:, 2] < 0).tolist()
+    assert np.sin(2 * np.pi * part.uvs[caps][:, 0]) == pytest.approx(part.positions[caps][:, 0])
 
 
 def test_the_poles_of_a_sphere_are_on_the_y_axis_like_in_gazebo():

@@ -14,7 +14,7 @@ from img_recog_testing import robots
 SHAPES = '''<robot name="shapes">
   <link name="world"><inertial><mass value="0"/>
     <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>
-    <collision><origin xyz="1 2 0.5" rpy="0 0 {}"/><geometry><box size="2 1 1"/></geometry>
+    <collision><origin xyz="1 2 0.5" rpy="{} 0 {}"/><geometry><box size="2 1 1"/></geometry>
     </collision>
     <collision><origin xyz="-1 0 0.5"/><geometry><cylinder radius="0.5" length="1"/></geometry>
     </collision>
@@ -23,10 +23,15 @@ SHAPES = '''<robot name="shapes">
     <collision><origin xyz="3 0 0"/><geometry><sphere radius="0.25"/></geometry></collision>
     <collision><origin xyz="3 2 0" rpy="{} 0 0"/><geometry><sphere radius="0.2"/></geometry>
     </collision>
-    <collision><origin xyz="3 4 0" rpy="0 {} 0"/><geometry><sphere radius="0.3"/></geometry>
+  </link>
+  <link name="arm"><inertial><mass value="1"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <collision><origin xyz="0 1 0" rpy="0 {} 0"/><geometry><sphere radius="0.3"/></geometry>
     </collision>
   </link>
-</robot>'''.format(math.pi / 6, *[math.pi / 2] * 3)
+  <joint name="j" type="fixed"><parent link="world"/><child link="arm"/>
+    <origin xyz="3 3 0"/></joint>
+</robot>'''.format(math.pi / 2, math.pi / 6, *[math.pi / 2] * 3)
 
 
 def area(outline):

@@ -1,6 +1,7 @@
 """Gazebo's tags in, settings out: each value with its type, each refusal, and what is left."""
 import os
 
+import numpy as np
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
@@ -26,6 +27,13 @@ SCAN_SETTINGS = {
     'scan_period_s': 0.2, 'scan_samples': 360, 'scan_angle_min': 0.0, 'scan_angle_max': 6.28319,
     'scan_range_min': 0.12, 'scan_range_max': 3.5, 'scan_noise': 0.01,
     'scan_resolution': 1.0, 'scan_frame': 'base_scan', 'scan_topic': 'scan'}
+RANGE_TAGS = {'updateRate': '4', 'gaussianNoise': '0.5', 'fov': '0.2', 'radiation': 'Ultrasound',
+              'frameName': 'ear', 'topicName': 'sonar'}
+RANGE_SETTINGS = {
+    'range_period_s': 0.25, 'range_samples': 360, 'range_angle_min': 0.0,
+    'range_angle_max': 6.28319, 'range_min': 0.12, 'range_max': 3.5, 'range_noise': 0.5,
+    'range_field_of_view': 0.2, 'range_radiation': 'ultrasound', 'range_frame': 'ear',
+    'range_topic': 'sonar'}
 IMU_SETTINGS = {'imu_frame': 'imu_link', 'imu_topic': 'imu', 'imu_period_s': 0.005,
                 'gyro_noise': 2e-4, 'accel_noise': 1.7e-2}
 NOISE = ('<imu><noise><type>gaussian</type><rate><mean>0.0</mean><stddev>2e-4</stddev></rate>'
@@ -176,6 +184,7 @@ def test_values(elements, wanted):
 @pytest.mark.parametrize('elements, wanted', [
     (gazebo(plugin('<torque>7</torque>', 'gazebo_ros_diff_drive')), {'wheel_torque': 7.0}),
     (ray('gpu_ray', 'gazebo_ros_gpu_laser'), SCAN_SETTINGS),
+    (ray(library='gazebo_ros_range', laser=tags(RANGE_TAGS)), RANGE_SETTINGS),
     (imu_sensor('<topicName>imu</topicName>', NOISE), {**IMU_SETTINGS, 'imu_period_s': 0.01}),
     (imu_sensor('<frameName>body</frameName><updateRateHZ>50</updateRateHZ>'),
      {'imu_frame': 'body', 'imu_period_s': 0.02})])
@@ -201,10 +210,11 @@ def test_of_two_drives_the_first_counts_and_all_sensors_are_simulated():
 def test_place_of_a_sensor_is_its_link_and_pose_and_of_a_plugin_its_body():
     posed = ray(laser='<frameName>nowhere</frameName>').replace(
         '<update_rate>', '<pose>1 2 3 0 0 0</pose><update_rate>')
-    scanner, unit = found(robot(posed, imu(bodyName='b', frameName='f'))).sensors
+    scanner, unit, middle = found(robot(posed, imu(bodyName='b', frameName='f'), ray())).sensors
     assert (scanner.place.link, scanner.values['scan_frame']) == ('base_scan', 'nowhere')
     assert scanner.place.pose.translation.tolist() == [1, 2, 3]
     assert (unit.place.link, unit.values['imu_frame']) == ('b', 'f')
+    assert np.array_equal(middle.place.pose.matrix(), np.eye(4))
 
 
 def test_defaults_of_range_plugins():

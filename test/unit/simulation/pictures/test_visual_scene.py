@@ -187,7 +187,8 @@ def test_a_camera_needs_its_link():
 
 
 @pytest.mark.parametrize('turn, is_warned', [
-    ('-1.57 0 -1.57', False), ('0 0 0', True), ('-1.57 0 1.57', True), (None, False)])
+    ('-1.57 0 -1.57', False), ('-1.57 0 -1.59', True), ('0 0 0', True), ('-1.57 0 1.57', True),
+    (None, False)])
 def test_a_link_that_is_not_turned_like_an_image_is_warned_of(turn, is_warned):
     link = '' if turn is None else (
         '<link name="lens"/><joint name="j" type="fixed"><parent link="base_scan"/><child '
