@@ -54,7 +54,8 @@ def test_file_and_path(monkeypatch, mesh):
     assert resources.find(str(mesh)) == str(mesh)
     assert resources.find('shelf.dae') == str(mesh)
     assert resources.find('file://' + str(mesh) + '.gz') is None
-    assert resources.find('http://example.org/shelf.dae') is None
+    for uri in ('http://example.org/shelf.dae', '', 'file://'):
+        assert resources.find(uri) is None
 
 
 @pytest.mark.parametrize('uri', ['file://shelf/meshes', 'file://shelf/meshes/shelf.dae',

@@ -17,6 +17,7 @@ from img_recog.batch import fit_job
 from img_recog.conversions import image_msgs
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
+from img_recog_testing.figures import assert_unchanged, of_matplotlib
 from img_recog_testing.pages import ROOT
 
 WIDTH, HEIGHT = 64, 48
@@ -73,7 +74,7 @@ def table():
         return list(csv.DictReader(file))
 
 
-def test_an_image_gives_bounds_that_find_its_cards_and_nothing_else(fit):
+def test_an_image_gives_bounds_that_find_its_cards_and_nothing_else(fit, tmp_path):
     code, output, log = fit('a.png')
     assert (code, log) == (0, [])
     assert 'fit_colors.yaml, fit_colors.md, fit_colors.png, fit_colors.csv' in output
@@ -91,9 +92,11 @@ def test_an_image_gives_bounds_that_find_its_cards_and_nothing_else(fit):
     assert '| red | fitted | fit | 100.0% | 100.0% | 100.0% | 100.0% |' in report
     # the article's red begins at the value 150, and the limit is 1000 px
     assert '| blue | before | fit | 100.0% | 100.0% | 0.0% | 0.0% |' in report
-    assert cv2.imread('fit_colors.png').shape[1] == 1200
     assert sorted(os.listdir('.')) == ['a.png', 'fit_colors.csv', 'fit_colors.md',
                                        'fit_colors.png', 'fit_colors.yaml', 's.yaml']
+    with open('fit_colors.png', 'rb') as file:
+        assert_unchanged(of_matplotlib(file.read()),
+                         os.path.join(os.path.dirname(__file__), 'fit_colors.png'), tmp_path)
 
 
 def test_bags_times_folders_and_a_check(fit, tmp_path):

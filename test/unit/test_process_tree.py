@@ -1,0 +1,90 @@
+"""The descendants of a process, also those whose parents have ended."""
+import concurrent.futures
+import multiprocessing
+import os
+import signal
+import subprocess
+
+from img_recog import process_tree
+from img_recog_testing.waiting import DEADLINE_S
+
+
+def in_fork(function, *args):
+    """Return what a function returns in a fork of this process: it may adopt orphans."""
+    context = multiprocessing.get_context('fork')
+    with concurrent.futures.ProcessPoolExecutor(1, context) as pool:
+        return pool.submit(function, *args).result(DEADLINE_S)
+
+
+def fork(run):
+    """Run a function in a child; return the id."""
+    pid = os.fork()
+    if pid == 0:
+        try:
+            run()
+        finally:
+            os._exit(3)
+    return pid
+
+
+def family(folder):
+    """Make children and grandchildren and end them; return what is found of them."""
+    program = os.path.join(folder, 'a) Z 1 (b')     # the name of the process
+    os.symlink('/bin/sleep', program)
+    reader, writer = os.pipe()
+
+    def parent():
+        for _ in range(2):
+            os.write(writer, b'%d ' % subprocess.Popen([program, '60']).pid)
+        signal.pause()
+    child = fork(parent)
+    process_tree.adopt_orphans()
+    ids = b''
+    while ids.count(b' ') < 2:
+        ids += os.read(reader, 99)
+    grandchildren = list(map(int, ids.split()))
+    found = [process_tree.descendants() == [child, *grandchildren], process_tree.reap() == {}]
+    process_tree.send(signal.SIGKILL, [child])
+    os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
+    # a child whose exit code nobody has asked for is no descendant, and orphans are ours
+    found += [process_tree.descendants() == grandchildren,
+              process_tree.reap() == {child: -signal.SIGKILL}]
+    process_tree.send(signal.SIGTERM, [child, *grandchildren])
+    for pid in grandchildren:
+        os.waitid(os.P_PID, pid, os.WEXITED | os.WNOWAIT)
+    return found + [process_tree.reap() == dict.fromkeys(grandchildren, -signal.SIGTERM),
+                    process_tree.reap() == {}]
+
+
+def test_children_grandchildren_and_orphans(tmp_path):
+    assert in_fork(family, str(tmp_path)) == [True] * 6
+
+
+def orphan():
+    """Return how a child and a grandchild end that shall end with its parent."""
+    process_tree.adopt_orphans()
+    reader, writer = os.pipe()
+
+    def grandchild():
+        process_tree.end_with_parent()
+        os.write(writer, b'%d' % os.getpid())
+        signal.sigtimedwait([], DEADLINE_S)
+
+    def parent():
+        os.read(reader, 99)
+    child = fork(lambda: (fork(grandchild), parent()))
+    codes = {}
+    while len(codes) < 2:
+        codes.update(process_tree.reap())
+    return codes.pop(child), *codes.values()
+
+
+def test_the_kernel_ends_a_process_with_its_parent():
+    assert in_fork(orphan) == (3, -signal.SIGTERM)
+
+
+def test_a_process_that_does_not_end_in_time_is_killed():
+    with subprocess.Popen(['sleep', '60']) as hangs, subprocess.Popen(['true']) as ends:
+        process_tree.wait_or_kill(hangs, 0.01)
+        process_tree.wait_or_kill(ends, DEADLINE_S)
+    assert (hangs.returncode, ends.returncode) == (-signal.SIGKILL, 0)
