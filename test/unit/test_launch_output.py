@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from img_recog.launch_output import PARTS, Death, LaunchOutput, describe
+from img_recog.launch_output import PARTS, Death, LaunchOutput, describe, last_error
 from img_recog_testing.pages import ROOT
 
 LOG = ('[rosout][INFO] 2026-01-31 10:00:00,000: it begins\n'
@@ -51,10 +51,10 @@ RAISED = 'img_recog.errors.UserError: it failed'
                                  LOG + '[FATAL] [1600000000.1]: no disk\nthe end\n'])
 def test_deaths(tmp_path, lines, deaths, log):
     path = tmp_path / 'node.log'
-    path.write_text(log)
+    path.write_bytes(b'\xff\n' + log.encode())
     output = LaunchOutput()
     assert list(filter(None, (output.read(line.format(path)) for line in lines))) == [
-        Death(*death) for death in deaths]
+        Death(*[*death, True][:4]) for death in deaths]         # most are over
 
 
 def test_the_log_of_a_node_that_has_logged_no_error_or_does_not_exist(tmp_path):
@@ -62,6 +62,7 @@ def test_the_log_of_a_node_that_has_logged_no_error_or_does_not_exist(tmp_path):
     for name in ('a', 'none'):
         death = LaunchOutput().read('[node-1] ' + DIED.format(1).format(tmp_path / name))
         assert death.reason == 'exit code 1'
+        assert last_error(str(tmp_path / name)) == ''
 
 
 def test_a_process_that_is_started():
