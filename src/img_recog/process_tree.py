@@ -24,7 +24,7 @@ def end_with_parent() -> None:
 
 def _prctl(option: int, value: int) -> None:
     libc = ctypes.CDLL(None, use_errno=True)
-    if libc.prctl(option, ctypes.c_ulong(value), 0, 0, 0) != 0:
+    if libc.prctl(option, ctypes.c_ulong(value)) != 0:
         raise OSError(ctypes.get_errno(), 'prctl')
 
 

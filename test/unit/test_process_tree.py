@@ -5,6 +5,8 @@ import os
 import signal
 import subprocess
 
+import pytest
+
 from img_recog import process_tree
 from img_recog_testing.waiting import DEADLINE_S
 
@@ -29,7 +31,8 @@ def fork(run):
 
 def family(folder):
     """Make children and grandchildren and end them; return what is found of them."""
-    program = os.path.join(folder, 'a) Z 1 (b')     # the name of the process
+    # the name of the process is cut after 15 bytes, within a character
+    program = os.path.join(folder, 'a) Z 1 (bbbbbbé')
     os.symlink('/bin/sleep', program)
     reader, writer = os.pipe()
 
@@ -83,6 +86,12 @@ def orphan():
 
 def test_the_kernel_ends_a_process_with_its_parent():
     assert in_fork(orphan) == (3, -signal.SIGTERM)
+
+
+def test_what_the_kernel_refuses_is_an_error(monkeypatch):
+    monkeypatch.setattr(process_tree, 'PR_SET_PDEATHSIG', -1)
+    with pytest.raises(OSError, match=r'^\[Errno 22\] prctl$'):
+        process_tree.end_with_parent()
 
 
 def test_a_process_that_does_not_end_in_time_is_killed():

@@ -64,9 +64,8 @@ def parameters():
             name, found = '/robot/' + name, '/robot/' + name
         elif method == 'getParam':
             found = values.get(name)
-        else:
-            values[name], = value
-            found = 0
+        elif method == 'setParam':
+            values[name], found = *value, 0
         return (1, '', found) if name in values else (-1, 'there is none', 0)
     server = XmlRpcServer(dispatch=answer)
     yield values, server.uri
@@ -82,9 +81,10 @@ def test_the_parameters_of_a_master(parameters):
         assert master.ask('getParam', '/none') is None
         assert master.shared_parameters() == values
         # an integer of more than 32 bits cannot be transmitted
-        assert master.set_missing({'/use_sim_time': False, '/own': 5, '/large': 1 << 40}) == 1
+        assert master.set_missing({'/use_sim_time': False, '/own': 5, '/large': 1 << 40,
+                                   '/nothing': None}) == 2
         assert values == {'/use_sim_time': True, '/robot/robot_description': '<robot/>',
-                          '/own': 5}
+                          '/own': 5, '/nothing': None}
         values.clear()
         assert master.shared_parameters() == {}
 
