@@ -30,7 +30,7 @@ def test_without_a_calibration_only_the_size_is_known():
     assert (info.width, info.height, set(info.K), info.D) == (200, 40, {0.0}, [])
 
 
-def written(path, image_topic, infos, info_topic='/eye/camera_info'):
+def written(path, image_topic, infos, info_topic='/robot1/eye/camera_info'):
     """Write three images at 1, 2 and 3 s, and camera infos (time in s, focal length)."""
     with rosbag.Bag(str(path), 'w') as bag:
         for number in (1, 2, 3):
@@ -45,7 +45,7 @@ def written(path, image_topic, infos, info_topic='/eye/camera_info'):
     return BagFrames(str(path))
 
 
-@pytest.mark.parametrize('topic', ['/eye/image_raw', '/eye/image_raw/compressed'])
+@pytest.mark.parametrize('topic', ['/robot1/eye/image_raw', '/robot1/eye/image_raw/compressed'])
 @pytest.mark.parametrize('infos, lengths', [
     ([(1, 7.0), (2, 7.0), (2.5, 8.0)], [7.0, 7.0, 8.0]),
     ([(2.5, 8.0), (1, 7.0)], [7.0, 7.0, 8.0]),      # recorded in another order
@@ -61,9 +61,9 @@ def test_those_of_a_bag_are_the_last_ones_before_the_image(tmp_path, infos, leng
     assert {info.binning_x for info in found} == {2 if infos else 0}
 
 
-@pytest.mark.parametrize('topic', ['/other/camera_info', '/eye/image_raw/camera_info'])
+@pytest.mark.parametrize('topic', ['/other/camera_info', '/robot1/eye/image_raw/camera_info'])
 def test_those_of_another_camera_are_not_used(tmp_path, topic):
-    frames = written(tmp_path / 'a.bag', '/eye/image_raw', [(1, 7.0)], topic)
+    frames = written(tmp_path / 'a.bag', '/robot1/eye/image_raw', [(1, 7.0)], topic)
     assert frames.camera_infos()(frame(0, 0)).K[0] == 0.0
 
 
@@ -71,5 +71,5 @@ def test_those_of_another_camera_are_not_used(tmp_path, topic):
     ('a/CameraInfo', CameraInfo._md5sum), ('sensor_msgs/CameraInfo', '0'),
     ('z/CameraInfo', CameraInfo._md5sum)])
 def test_what_is_no_camera_info_is_left_out(type_name, md5sum):
-    messages = [('/eye/camera_info', (type_name, b'', md5sum, 0), genpy.Time(1))]
+    messages = [('/robot1/eye/camera_info', (type_name, b'', md5sum, 0), genpy.Time(1))]
     assert recorded(messages)(frame(0, 5)).width == 200
