@@ -22,7 +22,7 @@ def of_matplotlib(png: bytes) -> np.ndarray:
     return cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)
 
 
-def assert_unchanged(picture: np.ndarray, path: str, folder) -> None:
+def assert_unchanged(picture: np.ndarray, path: str, folder, tolerance: int = _TOLERANCE) -> None:
     """Compare a BGR image with the one that is kept in a file; write what it is now to `folder`.
 
     By the largest difference: a marker that is one point longer changes the root mean square,
@@ -33,4 +33,4 @@ def assert_unchanged(picture: np.ndarray, path: str, folder) -> None:
     cv2.imwrite(new_path, new, [cv2.IMWRITE_PNG_COMPRESSION, 9])
     kept, advice = cv2.imread(path), 'if this is wanted, copy {} to {}'.format(new_path, path)
     assert kept is not None and kept.shape == new.shape, advice
-    assert np.abs(kept.astype(int) - new).max() <= _TOLERANCE, advice
+    assert np.abs(kept.astype(int) - new).max() <= tolerance, advice

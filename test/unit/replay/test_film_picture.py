@@ -22,7 +22,7 @@ def test_layout_is_as_it_was(tmp_path):
     for time_s in (0.0, 3.0, 6.5, 12.25):
         picture = draw(film, time_s, (0.5 + 0.1 * time_s, 2.0, 0.7),
                        areas_px=(4800 - int(300 * time_s), 90))
-    assert_unchanged(picture, os.path.join(os.path.dirname(__file__), 'film.png'), tmp_path)
+    assert_unchanged(picture, os.path.join(os.path.dirname(__file__), 'film.png'), tmp_path, 0)
 
 
 def test_all_parts_are_in_the_picture():
@@ -119,10 +119,32 @@ def test_old_values_leave_the_charts():
     assert np.array_equal(picture, draw(FilmPicture(SETTINGS.colors, []), 30.0))
 
 
-def test_a_long_legend_has_several_rows():
+@pytest.mark.parametrize('name, counts', [('name_{}', [3, 3, 2]), ('a_longer_name_{}', [2] * 4)])
+def test_a_long_legend_has_several_rows(name, counts):
     picture = np.full((200, 400, 3), 255, np.uint8)
-    lines = [('name_{}'.format(number), (0, 0, 200), []) for number in range(8)]
+    lines = [(name.format(number), (0, 0, 200), []) for number in range(8)]
     film_parts.put_chart(picture, (0, 0, 400, 200), 'a chart', lines, 0.0, [])
     drawn = (picture == (0, 0, 200)).all(axis=2)
-    assert [drawn[y].sum() for y in (32, 48, 64)] == [3 * 23, 3 * 23, 2 * 23]
+    assert [drawn[y].sum() for y in (32, 48, 64, 80)] == [23 * count for count in counts] + [0] * (
+        4 - len(counts))
     assert not drawn[:, 389:].any()
+
+
+def test_parts_look_the_same_wherever_they_are():
+    lines = [('line_{}'.format(number), (200, 80, 8 * number), [
+        (1.0, -3.0), (4.5, 2.0 * number), (9.0, 5.0)]) for number in range(5)]
+
+    def drawn(left, top):
+        picture = np.full((300, 700, 3), 255, np.uint8)
+        film_parts.put_chart(picture, (left, top, 400, 180), 'a chart', lines, 9.5,
+                             [(4.0, (0, 0, 200))])
+        film_parts.put_image(picture, (left + 410, top, 100, 80), 'an image', card())
+        return picture[top:top + 200, left:left + 530]
+    assert all(np.array_equal(drawn(*place), drawn(0, 0)) for place in ((38, 57), (97, 71)))
+
+
+@pytest.mark.parametrize('pose', [(-9.0, 2.0), (13.0, 2.0), (2.0, -9.0), (2.0, 13.0)])
+def test_the_map_grows_with_the_path(pose):
+    area = draw(FilmPicture(SETTINGS.colors, [SQUARE]), pose=(*pose, 0.0))[34:394, 740:1270]
+    x, y = center_of(area, ROBOT)
+    assert 5 < x < 525 and 5 < y < 355

@@ -119,3 +119,9 @@ def test_no_sample_and_no_bounds_are_one_line_each():
     assert 'have a precision of 10% and a recall of 100%' in line
     assert '100% of its pixels have a color that others have too' in line
     assert 'most at hue 100, saturation 180, value 150' in line
+
+
+def test_parameters_of_bounds():
+    assert bounds.as_parameters('a', Box((10, 50), (0, 179), (7, 255))) == {
+        'a_hue_min': 10, 'a_hue_max': 50, 'a_saturation_min': 0, 'a_saturation_max': 179,
+        'a_value_min': 7, 'a_value_max': 255}

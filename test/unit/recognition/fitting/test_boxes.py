@@ -61,6 +61,30 @@ def test_noise_without_a_color_is_searched_as_well():
         brute_force(positive, negative))
 
 
+def plain_count(counts, edges, by):
+    """Return the counts in a box whose sides are moved outwards, but for those at an end."""
+    low, end = edges[:2]
+    inside = [sorted({hue % counts.shape[0] for hue in (
+        range(low - by[0], end + by[0]) if end - low < counts.shape[0] else range(low, end))})]
+    for axis, size in enumerate(counts.shape[1:], 1):
+        low, end = edges[2 * axis:2 * axis + 2]
+        moved = range(low - by[axis] * (low > 0), end + by[axis] * (end < size))
+        inside.append([level for level in moved if 0 <= level < size])
+    return counts[np.ix_(*inside)].sum()
+
+
+@pytest.mark.parametrize('beta, margin', [(1.0, (0, 0, 0)), (2.0, (2, 1, 0)), (0.5, (1, 0, 2))])
+def test_scores_are_those_of_plain_numpy(beta, margin):
+    positive, negative = blob((12, 6, 5), 1, True)
+    edges = np.random.RandomState(2).permutation(all_boxes(positive.shape))[:300]
+    scores = BoxSearch(positive, negative).objective(beta, margin).score(edges)
+    for each, score in zip(edges.tolist(), scores):
+        inside = plain_count(positive, each, [-by for by in margin])
+        wrong = plain_count(negative, each, margin)
+        assert score == pytest.approx((1 + beta ** 2) * inside / (
+            beta ** 2 * positive.sum() + inside + wrong))
+
+
 def test_a_margin_keeps_sides_away_from_both():
     positive, negative = np.zeros((2, 180, 256, 256), int)
     positive[20:30, 150:200, 150:200] = 1
