@@ -6,6 +6,7 @@ import stat
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ElementTree
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -13,6 +14,7 @@ import pytest
 from img_recog import bag_recording
 from img_recog.bag_recording import BagRecording, Recorder
 from img_recog.errors import UserError, one_line
+from img_recog_testing.pages import ROOT
 from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 # rosrun with the arguments `rosbag record --quiet --lz4 --size=N -O PATH TOPICS`
@@ -67,7 +69,7 @@ def test_a_recording_is_complete_when_it_has_stopped(recording, tmp_path):
 def test_a_file_that_cannot_be_written(recording, tmp_path):
     with pytest.raises(UserError) as error:
         recording(OPEN + 'sleep 0.3; printf "\\033[31m[ERROR] [12.5]: Error writing: disk full'
-                         '\\033[0m\\n" >&2; echo "terminate called" >&2; exit 1')
+                         '\\033[0m\\n" >&2; printf "terminate \\377" >&2; exit 1')
     assert one_line(error.value).startswith(
         'cannot record {}: Error writing: disk full; '.format(tmp_path / 'new.bag'))
     assert not (tmp_path / 'new.bag.active').exists()
@@ -158,3 +160,9 @@ def test_a_recorder_after_a_failure(recording, tmp_path):
     assert [recorder.check(), recorder.check()] == [path, '']
     assert recorder.record(True) == path == recorder.path
     recorder.record(False)
+
+
+def test_the_page_records_the_topics_that_the_demo_does():
+    arguments = ElementTree.parse(os.path.join(ROOT, 'launch', 'demo.launch')).iter('arg')
+    value, = (each.get('value') for each in arguments if each.get('name') == 'record_topics')
+    assert value.split() == list(bag_recording.TOPICS)
