@@ -166,3 +166,9 @@ def test_the_page_records_the_topics_that_the_demo_does():
     arguments = ElementTree.parse(os.path.join(ROOT, 'launch', 'demo.launch')).iter('arg')
     value, = (each.get('value') for each in arguments if each.get('name') == 'record_topics')
     assert value.split() == list(bag_recording.TOPICS)
+
+
+def test_a_machine_without_setpriv(recording, monkeypatch, tmp_path):
+    monkeypatch.setenv('PATH', '')
+    with pytest.raises(UserError, match='^cannot record: setpriv: .*; install the package util-'):
+        BagRecording(str(tmp_path / 'new.bag'), [])

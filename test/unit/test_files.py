@@ -303,3 +303,10 @@ def test_a_free_name_is_not_that_of_a_file_or_of_a_recording(tmp_path, monkeypat
     (tmp_path / 'recording_1.bag').touch()
     (tmp_path / 'recording_2.bag.active').touch()       # rosbag records it
     assert files.free_output_path('recording', '.bag') == str(tmp_path / 'recording_3.bag')
+
+
+@pytest.mark.parametrize('chosen, folder', [('', '/home/a/.cache'), ('/cache', '/cache')])
+def test_folder_for_what_can_be_made_again(monkeypatch, chosen, folder):
+    monkeypatch.setenv('HOME', '/home/a')
+    monkeypatch.setenv('XDG_CACHE_HOME', chosen)
+    assert files.cache_folder('x') == folder + '/img_recog/x'

@@ -118,6 +118,11 @@ def test_names_of_worlds_without_turtlebot3_gazebo(monkeypatch, tmp_path):
     assert set(resources.worlds()) == {'color_posts', 'turtlebot3_world'}
 
 
+def test_the_colors_of_the_article():
+    path = resources.colors()
+    assert path.endswith('/config/colors.yaml') and os.path.isfile(path)
+
+
 def test_media_in_a_folder_that_a_package_exports(packages):
     path = packages['turtlebot3_gazebo'] / 'media' / 'materials'
     assert resources.find('file://materials') is None

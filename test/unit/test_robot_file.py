@@ -214,3 +214,8 @@ def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys):
         with pytest.raises(SystemExit, match='2'):
             robot_file.main()
         assert capsys.readouterr().err.startswith('usage: robot_description.py [-h] FILE\n')
+
+
+def test_what_is_no_xml_is_left_to_those_who_know_what_it_shall_be(tmp_path):
+    (tmp_path / 'a.urdf').write_text('<robot')
+    assert robot_file.read(str(tmp_path / 'a.urdf')) == '<robot'

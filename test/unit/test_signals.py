@@ -1,6 +1,8 @@
 """Interrupts: signals that this process sends to itself."""
 import os
 import signal
+import subprocess
+import sys
 
 import pytest
 
@@ -56,3 +58,14 @@ def test_of_ignored_signals_only_sighup_stays_ignored():
     os.kill(os.getpid(), signal.SIGHUP)
     assert [signum for signum in SIGNALS if signal.getsignal(signum) == signal.SIG_IGN] == [
         signal.SIGHUP]
+
+
+def test_in_the_last_calls_of_python_a_signal_ends_the_program():
+    for signum in SIGNALS:
+        done = subprocess.run([sys.executable, '-c', (
+            'import atexit, os, signal\n'
+            'from img_recog.signals import Interrupts\n'
+            'signal.signal(signal.SIGHUP, signal.SIG_DFL)\n'
+            'atexit.register(lambda: os.kill(os.getpid(), {}))\n'
+            'Interrupts()'.format(int(signum)))], stderr=subprocess.PIPE, check=False)
+        assert (done.returncode, done.stderr) == (-signum, b'')

@@ -1,4 +1,5 @@
 """Which library decodes a still image: none sees another size than the one that was checked."""
+import argparse
 import io
 import subprocess
 import sys
@@ -176,3 +177,24 @@ def test_png_of_many_chunks_is_decoded_whatever_follows_its_end(tmp_path, end):
     path.write_bytes(data + end)
     assert np.array_equal(read_image(str(path)), noise)
     assert np.array_equal(from_msg(CompressedImage(data=path.read_bytes())), noise)
+
+
+@pytest.mark.parametrize('kind, count', [('GIF', 3), ('TIFF', 3), ('MPO', 1), ('PNG', 1)])
+def test_how_many_images_a_file_has(tmp_path, kind, count):
+    path = str(tmp_path / 'image')
+    images = [Image.fromarray(COLOR // number) for number in (1, 2, 3)]
+    images[0].save(path, kind, save_all=kind != 'PNG', append_images=images[1:])
+    assert still_images.count(path) == count
+    (tmp_path / 'image').write_text('text')
+    assert still_images.count(path) == 1
+
+
+@pytest.mark.parametrize('words, pixels', [([], 50000000), (['--max-image-pixels', '7'], 7)])
+def test_the_option_of_programs(words, pixels):
+    parser = argparse.ArgumentParser()
+    still_images.add_option(parser)
+    assert parser.parse_args(words).max_image_pixels == pixels
+    with pytest.raises(SystemExit):
+        parser.parse_args(['--max-image-pixels', '0'])
+    with pytest.raises(SystemExit):
+        parser.parse_args(['--max-image-pixels', '\u00b2'])

@@ -82,3 +82,12 @@ def test_outlines_and_back():
     assert len({marker.id for marker in msg.markers[1:]}) == 2
     back = plane_msgs.outlines_from_msg(msg)
     assert [each.tolist() for each in back] == [each.tolist() for each in outlines]
+
+
+def test_an_initial_pose_says_that_it_is_not_sure_of_x_y_and_yaw():
+    msg = plane_msgs.initial_pose(plane_msgs.pose_to_msg(PlanePose(1.0, 2.0, 0.5), HEADER))
+    assert msg.header == HEADER
+    assert plane_msgs.pose_from_msg(msg.pose) == pytest.approx((1.0, 2.0, 0.5))
+    assert np.flatnonzero(msg.pose.covariance).tolist() == [0, 7, 35]
+    # as of rviz: half a meter, 15 degrees
+    assert np.sqrt(msg.pose.covariance)[[0, 7, 35]] == pytest.approx([0.5, 0.5, math.radians(15)])

@@ -1,4 +1,7 @@
-"""The program plot on bags: what it draws, and what is refused."""
+"""The program plot: what it draws of bags and of the running system, and what is refused."""
+import shutil
+from types import SimpleNamespace
+
 import cv2
 import genpy
 import numpy as np
@@ -15,6 +18,7 @@ from img_recog.replay import plot_job
 from img_recog.replay.drive import Drive
 from img_recog.replay.plot_data import PlotColor
 from img_recog_testing.films import SQUARE
+from img_recog_testing.xmlrpc_server import XmlRpcServer
 
 pytestmark = pytest.mark.usefixtures('handlers_as_before')
 COLORS = with_colors()().colors
@@ -132,6 +136,58 @@ def test_without_a_master(plot, tmp_path, monkeypatch, uri):
     code, _, log = plot(tmp_path / 'out.png')
     assert code == 1 and log.startswith('no master answers at {}: '.format(uri))
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def running(tmp_path, monkeypatch):
+    """A function that starts a master with these parameters of color_extract.
+
+    Instead of a recording there is a bag. Returns what is drawn, and which topics are recorded.
+    """
+    recorded = write(tmp_path / 'new.bag', ('/tb3/odom', odometry(1.0, 2.0), 10.0),
+                     ('/tb3/color_detection', detection(blue=70), 10.5))
+    drawn, topics, servers = [], [], []
+
+    def record(path, names):
+        topics.extend(names)
+        ends = [False, False, True]         # at its largest size
+        return SimpleNamespace(path=path, check=lambda: ends.pop(0),
+                               stop=lambda: shutil.copy(str(recorded), path))
+
+    def start(parameters):
+        def answer(method, node, name):
+            if method == 'getPublishedTopics':
+                return 1, '', [['/tb3/odom', 'nav_msgs/Odometry'], ['/x', 'std_msgs/String']]
+            assert (method, name) == ('getParam', '/tb3/color_extract')
+            return (-1, 'none', 0) if parameters is None else (1, '', parameters)
+        servers.append(XmlRpcServer(dispatch=answer))
+        monkeypatch.setenv('ROS_MASTER_URI', servers[0].uri)
+        return drawn, topics
+    monkeypatch.setattr(plot_job, 'BagRecording', record)
+    monkeypatch.setattr(plot_job, 'ReplayFigure', lambda: SimpleNamespace(
+        draw=lambda file, title, data: drawn.append((title, data))))
+    yield start
+    for server in servers:
+        server.stop()
+
+
+@pytest.mark.parametrize('parameters, words, limit_px, warning', [
+    ({'blue_area_limit': 7}, [], 7, ''), (None, [], 1000, ''),
+    ({'blue_area_limit': -7}, [], 1000, 'the limits are those of the article: /tb3/color_extract'),
+    ({'blue_area_limit': 7}, ['--colors', 'mine.yaml', '--duration', '0.1'], 9, '')])
+def test_the_running_system(plot, running, tmp_path, monkeypatch, parameters, words, limit_px,
+                            warning):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'mine.yaml').write_text('blue_area_limit: 9\n')
+    drawn, topics = running(parameters)
+    code, out, log = plot('out.png', '--robot', 'tb3', *words)
+    assert (code, out) == (0, 'out.png: 0.5 s, 1 poses, 0 commands\n')
+    assert log.startswith(warning) and bool(log) == bool(warning)
+    assert topics == ['/tb3/odom', '/tb3/cmd_vel', '/tb3/color_detection',
+                      '/gazebo/world_outlines']
+    (title, data), = drawn
+    assert title == 'Drive of the running system, 0.5 s'
+    assert [color.area_limit_px for color in data.colors] == [limit_px]
 
 
 @pytest.mark.parametrize('words, problem', [

@@ -2,6 +2,7 @@
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from img_recog.recognition.fitting import sample_file
 from img_recog.recognition.fitting.histograms import COLOR, IN_VIEW, NOT, Label
@@ -94,11 +95,13 @@ def test_a_mask(labels, tmp_path):
      'is in frame 0'),
     ('- {color: red, mask: small.png}', 'entry 1: the mask is 4x4, the frame 20x10'),
     ('- {color: red, mask: black.png}', 'entry 1: the mask is all black'),
-    ('- {color: red, mask: text.png}', 'entry 1: the mask is not a PNG')])
+    ('- {color: red, mask: text.png}', 'entry 1: the mask is not a PNG'),
+    ('- {color: red, mask: gif.png}', 'entry 1: cannot use the mask: it is GIF, allowed are')])
 def test_samples_that_cannot_be_used(labels, tmp_path, text, words):
     cv2.imwrite(str(tmp_path / 'small.png'), np.full((4, 4), 255, np.uint8))
     cv2.imwrite(str(tmp_path / 'black.png'), np.zeros(SHAPE, np.uint8))
     (tmp_path / 'text.png').write_text('a letter')
+    Image.new('L', SHAPE).save(str(tmp_path / 'gif.png'), 'GIF')
     with pytest.raises(SampleError) as refused:
         labels(text)
     assert words in str(refused.value) and 's.yaml' in str(refused.value)

@@ -44,3 +44,9 @@ def test_a_search_without_result_is_ended_and_named(samples, monkeypatch, progra
     monkeypatch.setattr(offers, '_PROGRAM', program)
     with pytest.raises(UserError, match=problem):
         offers.offers_of_a_process(samples, timeout_s)
+
+
+def test_a_search_that_cannot_be_started(samples, monkeypatch):
+    monkeypatch.setattr(offers.sys, 'executable', '/none')
+    with pytest.raises(UserError, match='^cannot search bounds: No such file or directory$'):
+        offers.offers_of_a_process(samples, 300)
