@@ -179,10 +179,10 @@ def test_png_of_many_chunks_is_decoded_whatever_follows_its_end(tmp_path, end):
     assert np.array_equal(from_msg(CompressedImage(data=path.read_bytes())), noise)
 
 
-@pytest.mark.parametrize('kind, count', [('GIF', 3), ('TIFF', 3), ('MPO', 1), ('PNG', 1)])
+@pytest.mark.parametrize('kind, count', [('GIF', 2), ('TIFF', 2), ('MPO', 1), ('PNG', 1)])
 def test_how_many_images_a_file_has(tmp_path, kind, count):
     path = str(tmp_path / 'image')
-    images = [Image.fromarray(COLOR // number) for number in (1, 2, 3)]
+    images = [Image.fromarray(COLOR // number) for number in (1, 2)]
     images[0].save(path, kind, save_all=kind != 'PNG', append_images=images[1:])
     assert still_images.count(path) == count
     (tmp_path / 'image').write_text('text')
