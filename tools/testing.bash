@@ -113,6 +113,7 @@ run_tests() {
   # the tests start hundreds of processes, which otherwise compile every module again
   unset PYTHONDONTWRITEBYTECODE
   export LC_ALL=C.UTF-8     # the language of the texts that they expect
+  hurry_roslaunch
   if [ -z "$kind$expression" ]; then
     log="build/test.log and $log"
     rm -f "$build/test.log"

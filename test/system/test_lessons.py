@@ -74,7 +74,8 @@ def is_endless(step, later):
 def follow(ros, todo, home):
     """Do what a lesson says."""
     ros.env.update(HOME=str(home), LANG='C.UTF-8')
-    ros.env.pop('ROS_HOSTNAME', None)   # ./run sets it
+    for name in ('ROS_HOSTNAME', 'SETUPTOOLS_USE_DISTUTILS'):       # ./run sets them
+        ros.env.pop(name, None)
     ros.stack.callback(end_all, ros.marker)
     folder = home / 'img_recog'
     folder.mkdir()

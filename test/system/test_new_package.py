@@ -1,13 +1,9 @@
-"""new_package.py: the package that it makes is built, and its tests pass, as doc/ci.md says.
-
-What it refuses is in test/unit/test_new_package.py.
-"""
+"""new_package.py and what it makes; what it refuses is in test/unit/test_new_package.py."""
 import json
 import os
 import pathlib
 import shutil
 import subprocess
-import xml.etree.ElementTree as ElementTree
 
 import pytest
 import yaml
@@ -30,20 +26,12 @@ def new_package(ros, name, folder):
     return process.wait(), process.output
 
 
-def test_its_tests_pass_in_a_workspace(ros, src):
+def test_it_has_the_name_everywhere(ros, src):
+    """That it is built and its tests pass, lesson 6 holds (test_lessons.py)."""
     assert new_package(ros, 'post_driver', src)[0] == 0
-    assert not [path for path in (src / 'post_driver').rglob('*') if path.is_file()
-                and 'my_robot' in str(path) + path.read_text()]
-    done = ros.start('bash', '-c', 'cd {} && catkin_make && catkin_make run_tests_post_driver && '
-                     'catkin_test_results build/test_results'.format(src.parent))
-    assert done.wait() == 0, done.output
-    results = src.parent / 'build' / 'test_results' / 'post_driver'
-    names = [case.get('name') for path in results.glob('*.xml')
-             for case in ElementTree.parse(str(path)).iter('testcase')]
-    assert sorted(names) == [
-        'test_the_robot_drives_to_the_post',
-        'test_the_robot_drives_to_the_post_on_the_same_path_each_time',
-        'testtest_post_driver']         # that the rostest has run
+    files = [path for path in (src / 'post_driver').rglob('*') if path.is_file()]
+    assert not [path for path in files if 'my_robot' in str(path) + path.read_text()]
+    assert len(files) > 10
 
 
 def test_a_name_that_cannot_be_used(ros, src):
