@@ -1,8 +1,9 @@
 """The mutations of a Python file: those of cosmic-ray, those of operators.py, less the filters.
 
 Not mutated are:
-- type annotations, TypeVar(...), and what is under `if TYPE_CHECKING`
-- docstrings, and string literals of two words or more or like ', ': these are texts for people
+- type annotations, TypeVar(...), and `if TYPE_CHECKING` with what is under it
+- docstrings, string literals of two words or more or like ', ', and those of `metavar`: these are
+  texts for people
 - `==` to `is` and the other way round: for small numbers and interned strings nothing changes
 - the decorators lru_cache and abstractmethod: a cache changes only the speed, and an abstract
   method only what is said of a class that lacks it
@@ -137,7 +138,7 @@ def _is_in_function(node) -> bool:
 
 
 def _is_ignored(node) -> bool:
-    if (node.type == 'string' and _is_text(node)) or _is_length_left(node):
+    if (node.type == 'string' and _is_text(node)) or _is_length_left(node) or _is_for_types(node):
         return True
     if any(each.type == 'decorator' and any(name in each.get_code() for name in _DECORATORS)
            for each in (node, *(parent for parent, _ in _ancestors(node)))):
@@ -147,14 +148,20 @@ def _is_ignored(node) -> bool:
             return True
         if parent.type == 'tfpdef' and child is not parent.children[0]:
             return True
+        if parent.type == 'argument' and parent.children[0].get_code().strip() == 'metavar':
+            return True
         if parent.type == 'funcdef' and parent.annotation is child:
             return True
-        if parent.type == 'if_stmt' and parent.children[1].get_code().strip() == 'TYPE_CHECKING':
+        if _is_for_types(parent):
             return True
         if parent.type == 'expr_stmt' and parent.children[-1].get_code().lstrip().startswith(
                 'TypeVar('):
             return True
     return False
+
+
+def _is_for_types(node) -> bool:
+    return node.type == 'if_stmt' and node.children[1].get_code().strip() == 'TYPE_CHECKING'
 
 
 def _is_length_left(node) -> bool:
