@@ -196,7 +196,7 @@ class Loader:
             height, width, channels = image.shape
             # OpenGL's first row is the lowest
             texture = self._context.texture((width, height), channels,
-                                            np.ascontiguousarray(image[::-1]), alignment=1)
+                                            np.ascontiguousarray(image[::-1]))
             texture.build_mipmaps()
             texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
             self._textures[key] = image, texture

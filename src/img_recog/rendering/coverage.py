@@ -106,8 +106,9 @@ def runs(rectangles_: np.ndarray, width: int, height: int) -> np.ndarray:
 def overlap(rectangles_: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return (n,) which of rectangles (n, 4) overlap one of others (k, 4), or touch it.
 
-    >>> overlap(np.array([[0, 0, 1, 1], [3, 0, 4, 1]]), np.array([[0, 0, 2, 2]])).tolist()
-    [True, False]
+    >>> given = np.array([[-1, -1, 0, 0], [2, 2, 3, 3], [3, 0, 4, 1]])
+    >>> overlap(given, np.array([[0, 0, 2, 2]])).tolist()
+    [True, True, False]
     """
     return ((rectangles_[:, np.newaxis, :2] <= others[:, 2:])
             & (rectangles_[:, np.newaxis, 2:] >= others[:, :2])).all(axis=2).any(axis=1)
@@ -134,4 +135,4 @@ def triangles(rectangles_: np.ndarray) -> bytes:
 def count_tiles(width: int, height: int) -> int:
     """Return how many rectangles `runs` returns at most."""
     columns, rows = -(-width // TILE_PX), -(-height // TILE_PX)
-    return rows * (columns + 1) // 2 + rows
+    return rows * -(-columns // 2)

@@ -12,6 +12,7 @@ PLUMB_BOB, EQUIDISTANT = 'plumb_bob', 'equidistant'     # sensor_msgs/distortion
 _UNDISTORTED = (0.0,) * 5   # for plumb_bob
 _MAX_ERROR_PX = 0.5         # of a model
 _SAMPLES = 200
+_POWERS = 3, 5, 7, 9        # of the angle, that k1 to k4 belong to
 _CRITERIA = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
 
 
@@ -87,9 +88,9 @@ def model_of(camera: Camera) -> Optional[CameraModel]:
     share = np.arange(1, _SAMPLES + 1) / _SAMPLES
     angle = share * np.arccos(np.nanmin(z))
     rest = camera.width / 2 * lens.radius(angle) - focal_px * angle
-    columns = np.stack([share ** power for power in (3, 5, 7, 9)], axis=1)
+    columns = np.stack([share ** power for power in _POWERS], axis=1)
     factors = np.linalg.lstsq(columns, rest, rcond=None)[0]
     if np.abs(columns @ factors - rest).max() > _MAX_ERROR_PX:
         return None
-    coefficients = factors / focal_px / angle[-1] ** np.array([3, 5, 7, 9])
+    coefficients = factors / focal_px / angle[-1] ** np.array(_POWERS)
     return CameraModel(EQUIDISTANT, tuple(coefficients.tolist()), intrinsics)

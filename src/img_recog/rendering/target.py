@@ -51,7 +51,7 @@ class Target:
     def read(self) -> np.ndarray:
         """Return the image, uint8 RGB."""
         # in four bytes a pixel, as they are stored: OpenGL converts slowly
-        self.pixels.read_into(self._rgba, components=4, alignment=1)
+        self.pixels.read_into(self._rgba, components=4)
         if self._count:
             self._clear_samples()
         return cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2RGB)

@@ -72,13 +72,13 @@ def pose_of(x, y, z, *rpy):
         rotations.from_rpy(rpy))]]))[0]
 
 
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(4))
 def test_boxes_their_shadows_and_the_floor(seed):
     random = np.random.RandomState(seed)
     count, floor = 8, seed != 1
     moving = np.arange(count) < 3
-    sizes, colors = random.uniform(0.3, 1.5, (count, 3)), random.uniform(0.2, 1.0, (count, 3))
-    sun = np.array([*random.uniform(-0.8, 0.8, 2), 0.6])
+    sizes, colors = random.uniform(0.3, 1.5, (count, 3)), random.randint(50, 256, (count, 3)) / 255
+    sun = np.array([*random.uniform(-0.8, 0.8, 2), 0.05 if seed == 3 else 0.6])
     sun /= np.linalg.norm(sun)
     poses = np.array([[*random.uniform(-3, 3, 2), random.uniform(0.8, 2.5),
                        *random.normal(size=4)] for _ in range(count)])
@@ -105,7 +105,7 @@ def test_boxes_their_shadows_and_the_floor(seed):
             is_inside = (cv2.dilate(expected, kernel)
                          - cv2.erode(expected, kernel)).max(axis=2) < 8
             wrong = np.abs(image - expected).max(axis=2)[is_inside] > 3
-            assert is_inside.mean() > 0.5 and wrong.mean() < 0.002
+            assert is_inside.mean() > 0.5 and wrong.mean() < 0.006
             if ceiling == math.inf:
                 depth = renderer.depth(CAMERA, pose, poses)
                 is_equal = np.isclose(depth, distances, rtol=0.002)[is_inside]

@@ -74,9 +74,13 @@ def test_tiles_hold_all_that_is_seen_and_do_not_overlap():
         assert count.max(initial=0) <= 1
         points = lows[:, np.newaxis] + random.uniform(0, 1, (4, 300, 3)) * (
             highs - lows)[:, np.newaxis]
-        clip = points.reshape(-1, 3) @ to_clip(pose)[:, :3].T + to_clip(pose)[:, 3]
-        clip = clip[clip[:, 3] > NEAR]
-        places = clip[:, :2] / clip[:, 3:]
+        points[:, ::2, 1:] = np.where(random.uniform(size=(4, 150, 2)) < 0.5, lows[:, None, 1:],
+                                      highs[:, None, 1:])      # on edges
+        clip = points @ to_clip(pose)[:, :3].T + to_clip(pose)[:, 3]
+        is_ahead, places = clip[..., 3] > NEAR, clip[..., :2] / clip[..., 3:]
+        assert ((places >= found[:, None, :2] - 1e-9) & (
+            places <= found[:, None, 2:] + 1e-9)).all(axis=2)[is_ahead].all()
+        places = places[is_ahead]
         pixels = ((places[(np.abs(places) < 1).all(axis=1)] + 1) / 2
                   * (CAMERA.width, CAMERA.height)).astype(int)
         assert (count[pixels[:, 1], pixels[:, 0]] == 1).all()
@@ -108,6 +112,12 @@ def test_tiles_hold_a_pixel_around():
     # pixels 64.5 to 95.5 of 160: 63.5 and 96.5 are in the tiles beside
     assert coverage.runs(np.array([[64.5 / 80 - 1, -1.0, 95.5 / 80 - 1, 1.0]]), 160, 32) == (
         pytest.approx(np.array([[32 / 80 - 1, -1.0, 128 / 80 - 1, 1.0]])))
+
+
+@pytest.mark.parametrize('width', [160, 161])
+def test_there_is_room_for_as_many_tiles_as_there_can_be(width):
+    places = [[x / width * 2 - 1, -1, x / width * 2 - 1, 1] for x in range(16, width, 64)]
+    assert len(coverage.runs(np.array(places), width, 33)) == coverage.count_tiles(width, 33)
 
 
 def test_triangles_of_a_rectangle():

@@ -20,6 +20,8 @@ def test_deviation_and_mean(noise):
     image = noisy(noise, 5).astype(float)
     assert image.mean() == pytest.approx(100, abs=0.05)
     assert image.std() == pytest.approx(0.02 * 255, rel=0.03)
+    small = [noisy(noise, number, shape=(4, 4, 3)) for number in range(20)]
+    assert np.std(small, axis=0).min() > 2      # of each color
 
 
 def test_equal_numbers_give_equal_noise_and_others_do_not(noise):

@@ -72,7 +72,7 @@ def _material(blocks: Sequence[str], folders: Sequence[str]) -> Tuple[Material, 
                        or default), 1.0][:4]
     glow = _numbers('emissive', 3, blocks) or (0.0, 0.0, 0.0)
     red, green, blue = (min(one + other, 1.0) for one, other in zip(rgb, glow))
-    width, height = [*(_numbers('scale', 1, blocks) or (1.0,)), 1.0][:2] if texture else (1.0, 1.0)
+    width, height = [*(_numbers('scale', 1, blocks) if texture else ()), 1.0, 1.0][:2]
     material = Material((red, green, blue, opacity), scale=(width or 1.0, height or 1.0),
                         is_cutout=_first(_CUTOUT, blocks) is not None)
     if texture is None:
