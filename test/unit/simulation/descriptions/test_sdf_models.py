@@ -237,7 +237,8 @@ FRICTION = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{
      "<upper> of joint a_b: got 'x', expected 1 finite number", ['a', 'b']),
     (TWO + JOINT.format('a', 'b', 'screw', ''), 'joint a_b of type screw, which is held', ['a b']),
     (TWO + JOINT.format('a', 'b', 'revolute', '') + JOINT.format(
-        'b', 'a', 'prismatic', ''), 'joint b_a, which closes a loop of links and slides', ['a b']),
+        'b', 'a', 'prismatic', '') + LINK.format('c', '') + TIE.format('a', 'c'),
+     'joint b_a, which closes a loop of links and slides', ['a b c']),
     (TWO + '<link name="c"><pose relative_to="d"/></link>',
      'model m: a pose is relative to d, which does not exist', ['a', 'b']),
     (TWO + '<link name="c"><pose relative_to="c"/></link>',

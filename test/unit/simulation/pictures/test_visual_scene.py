@@ -100,7 +100,9 @@ def test_the_floor_is_seen_where_the_world_has_it(tmp_path):
     (tmp_path / 'b.world').write_text(sdf())
     for world, has_floor in (('empty', True), (str(tmp_path / 'a.world'), True),
                              (str(tmp_path / 'b.world'), False)):
-        assert read(assemble(world))[0].light.floor is has_floor
+        light = read(assemble(world))[0].light
+        assert light.floor is has_floor
+        assert all(0 < color < 1 for color in light.background + light.zenith)
 
 
 @pytest.mark.parametrize('inside, shape, material', [

@@ -4,8 +4,10 @@ import math
 import numpy as np
 import pytest
 
+from img_recog.conversions.sensor_table import SENSORS
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.sensors.sensor import Mount
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing import robots
 from img_recog_testing.refusals import refusal
@@ -43,6 +45,16 @@ def built(tmp_path, *tags, height=1):
 
 def readings(sim, steps=100):
     return {each.sensor: each.value for each in sim.advance(steps)}
+
+
+@pytest.mark.parametrize('kind', [kind for kind in SENSORS if kind.frame(kind.settings())
+                                  or kind.only_in_tags], ids=lambda kind: kind.name)
+def test_a_frame_that_is_no_link_is_refused_with_the_name_of_the_setting(kind):
+    sim = robots.simulator()
+    vehicle, name = sim.vehicles[0], kind.name + '_frame'
+    mount = Mount(vehicle.robot, sim.world, np.random.RandomState(), vehicle.drive)
+    assert refusal(kind.make, mount, kind.settings(**{name: 'nose'})).startswith(
+        name + ': the robot has no link nose')
 
 
 def test_each_sensor_measures_from_its_link_and_pose_whatever_the_frame_is_called(tmp_path):
