@@ -98,3 +98,6 @@ def test_a_slow_machine_is_reported_once_then_when_it_is_worse_and_every_30_s(cl
         if pace.is_to_report():
             reported.append(time_s)
     assert reported == [2.0, 8.0, 38.0, 44.0]
+    clock.advance(2.0)
+    pace.measure(0.01)
+    assert not pace.is_to_report()      # nothing was late since

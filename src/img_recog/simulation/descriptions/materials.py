@@ -63,8 +63,10 @@ def _lit(ambient: Color, diffuse: Color) -> Color:
 def _scripted(visual: ElementTree.Element, find: FindFile) -> Tuple[Optional[Material], str]:
     """Return the material that the <script> of a visual names, and what was not found or ''."""
     script = visual.find('material/script')
-    name = '' if script is None else (script.findtext('name') or script.text or '').strip()
-    if script is None or name in ('', _DEFAULT):
+    if script is None:
+        return None, ''
+    name = (script.findtext('name') or script.text or '').strip()
+    if name in ('', _DEFAULT):
         return None, ''
     material = gazebo_materials.named(name)     # of a file that is a part of Gazebo
     if material is not None:

@@ -254,8 +254,9 @@ def test_window_gets_poses_at_30_hz_and_never_blocks(helpers, clock):
     assert shown.show(['lost']) is None and helpers[0].sent == [['pose']]
     helpers[0].is_broken = True
     assert shown.show(['pose']) == 'closed' and helpers[0].ended
-    helpers[0].end = lambda: 1
-    assert shown.show(['pose']) == 'it could not be opened or broke'
+    for code in (1, -11):
+        helpers[0].end = lambda code=code: code
+        assert shown.show(['pose']) == 'it could not be opened or broke'
     closed = window.Window('scene')
     closed.close()
     assert helpers[1].ended

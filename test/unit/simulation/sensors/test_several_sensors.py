@@ -7,6 +7,7 @@ import pytest
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.sensors.laser_scanner import LaserScanner, ScanSettings
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing import robots
@@ -45,6 +46,19 @@ def built(tmp_path, *tags, height=1):
 
 def readings(sim, steps=100):
     return {each.sensor: each.value for each in sim.advance(steps)}
+
+
+def test_rays_by_pybullet_go_through_the_robot_as_far_as_by_geometry(tmp_path):
+    sim = built(tmp_path)
+    vehicle = sim.vehicles[0]
+    scanner = LaserScanner(
+        Mount(vehicle.robot, sim.world, np.random.RandomState(), vehicle.drive),
+        ScanSettings(scan_frame='wheel_left_link', scan_samples=90, scan_range_max=4.0))
+    bundle = scanner.bundle()
+    expected = sim.world.solids.distances(bundle)[0]
+    expected[expected > 4.0] = np.inf
+    assert scanner.cast(bundle) == pytest.approx(expected, abs=0.002)
+    assert np.isfinite(expected).sum() > 20 and np.isinf(expected).any()
 
 
 @pytest.mark.parametrize('kind', [kind for kind in SENSORS if kind.frame(kind.settings())
