@@ -119,14 +119,16 @@ def test_through_a_transparent_shape_its_far_side_is_seen():
     assert image[120, 160, 0] > 128 + 20 and image[120, 160, 2] < 191 - 50
 
 
-def test_a_face_is_drawn_from_its_front_alone(tmp_path):
-    path = tmp_path / 'half.obj'
+@pytest.mark.parametrize('texture', ['', 'a.png'])
+def test_a_face_is_drawn_from_its_front_alone(tmp_path, texture):
+    path, image = tmp_path / 'half.obj', texture and str(tmp_path / texture)
+    Image.new('RGB', (8, 8), (255, 255, 255)).save(str(tmp_path / 'a.png'))
     path.write_text('v 0 -1 -1\nv 0 1 -1\nv 0 1 1\nv 0 -1 1\nf 1 2 3\nf 1 3 4\n')
     behind = matrices.from_poses(np.array([[4.0, 0, 0, 0, 0, 1, 0]]))[0]
     # a mirrored face stays a front
     for scale, (front, back) in ((1, (behind, at(-4, 0, 0))), (-1, (at(-4, 0, 0), behind))):
-        renderer = loaded(scene(visual(Shape(MESH, (scale, 1, 1), str(path)), np.eye(4), RED)),
-                          HERE)
+        renderer = loaded(scene(visual(Shape(MESH, (scale, 1, 1), str(path)), np.eye(4), RED,
+                                       texture=image)), HERE)
         red, _, blue = renderer.draw(CAMERA, front, HERE)[120, 160].tolist()
         assert red > 100 and blue == 0
         assert renderer.draw(CAMERA, back, HERE)[120, 160].tolist() == [128, 64, 191]

@@ -218,11 +218,11 @@ def test_a_robot_that_is_removed_is_gone_and_the_others_go_on():
 def test_the_scan_shows_a_robot_that_replaced_another_with_the_same_id():
     sim = several([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], 'empty', scan=ScanSettings(scan_noise=0.0))
     before = scans(sim)['tb3_0'][0]
-    old = sim.vehicles[1].robot.body_id
+    old, revision = sim.vehicles[1].robot.body_id, sim.world.revision
     sim.remove(sim.vehicles[1])
     without_scanner = burger().replace('radius="0.055"', 'radius="0.01"')
     assembly.add_robot(sim, source('tb3_1', without_scanner), settings(1.0, 0.0))
-    assert sim.vehicles[1].robot.body_id == old
+    assert sim.vehicles[1].robot.body_id == old and sim.world.revision == revision + 2
     assert scans(sim)['tb3_0'][0] == pytest.approx(before + 0.045, abs=0.003)
 
 

@@ -180,8 +180,9 @@ def test_a_pendulum_swings():
     ('continuous', '<limit><lower>0</lower><upper>2</upper></limit>', ('continuous', None))])
 def test_limits_of_joints(kind, axis, expected):
     tree, = convert(LINK.format('a', ''), LINK.format('b', ''),
-                    JOINT.format('a', 'b', kind, '<axis><xyz>0 0 1</xyz>' + axis + '</axis>'))
+                    JOINT.format('a', 'b', kind, '<axis><xyz>0 2 1</xyz>' + axis + '</axis>'))
     joint = ElementTree.fromstring(tree.urdf).find('joint')
+    assert joint.find('axis').get('xyz') == '0.0 2.0 1.0'
     limit = joint.find('limit')
     assert (joint.get('type'),
             None if limit is None else (limit.get('lower'), limit.get('upper'))) == expected

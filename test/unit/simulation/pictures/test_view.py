@@ -97,6 +97,7 @@ def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
     assert in_world(tmp_path, shelf(-300, 0), shelf(90, 60)).distance == 300.0
     plane = SHELF.replace('0.8 0.8 0.2', '99 99 0.01').replace('1 2 1 0 0 0', '0 0 0 0 0 0')
     assert in_world(tmp_path, plane) == ABOVE
+    assert in_world(tmp_path, plane.replace('99 99 0.01', '99 99 0.1')).distance > 50
 
 
 @pytest.mark.parametrize('pose, far', [

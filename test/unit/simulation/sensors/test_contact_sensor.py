@@ -50,6 +50,7 @@ def test_a_bumper_reports_the_wall_and_neither_the_floor_nor_other_parts(simulat
     assert np.all(np.abs(touch.positions[:, 1]) < 0.06)
     assert touch.normals == pytest.approx(np.tile([-1, 0, 0], (len(touch.positions), 1)), abs=0.02)
     assert touch.forces[:, 0].sum() < -0.5
+    assert touch.depths.min() >= 0 and touch.depths.max() < 0.003
     vehicle.command(0.2, 0.5)       # it rubs along the wall to the left
     forces = touches(simulator, 40)[-1][0].forces
     assert -0.5 < forces[:, 1].sum() / -forces[:, 0].sum() < -0.02

@@ -22,6 +22,7 @@ def test_backward_and_turning():
     assert state.update(moving(-0.2)) == 'drives backward'
     assert state.update(moving(0, 0.3)) == 'turns left'
     assert state.update(moving(0, -0.3)) == 'turns right'
+    assert state.update(moving(0, -0.03)) is None       # it began with more
     assert state.update(moving()) == 'stands'
 
 
