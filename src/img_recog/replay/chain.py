@@ -149,7 +149,7 @@ class Chain:
         teleop: whether to send zeros at 10 Hz, like the idle teleop; at the time of a frame they
         are sent just before its commands.
         """
-        self._simulator, self._vehicle = simulator, simulator.vehicles[0]
+        self._simulator, (self._vehicle,) = simulator, simulator.vehicles
         self._step_ns = round(simulator.world.step_s * SECOND_NS)
         self._steps = 0
         self._recorders = recorders

@@ -135,12 +135,10 @@ class FilmWriter:
         """Complete the file; raise UserError or OSError, as `write` does, if that fails."""
         with contextlib.suppress(OSError):
             self._input.close()
-        try:
-            code: Optional[int] = self._process.wait(_END_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            code = None
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(_END_TIMEOUT_S)
         # ffmpeg 4 also ends with 0 when it cannot write the end of the file
-        if code != 0 or self._disk_error():
+        if self._process.returncode != 0 or self._disk_error():
             raise self._failure()
 
     def cancel(self) -> None:

@@ -62,7 +62,7 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     frames = recording or _robot_frames(built, options.seconds)
     recognition = make_recognition(frames)
     simulator = built.simulator
-    vehicle = simulator.vehicles[0]
+    vehicle, = simulator.vehicles
     plot = PlotRecorder(settings.colors)
     with files.atomic_write(paths) as (bag_file, csv_file, png_file, *film_files), \
             contextlib.ExitStack() as stack:

@@ -46,7 +46,7 @@ class RobotFrames:
         """
         self._parts = Parts(built.simulator)
         self._settings, self._camera = settings, robot_cameras.camera_of(settings)
-        vehicle = built.simulator.vehicles[0]
+        vehicle, = built.simulator.vehicles
         self._sensor = RobotCamera(vehicle.robot, settings, self._parts.poses)
         self._noise = PixelNoise(settings.camera_noise) if settings.camera_noise else None
         self._noise_seed = noise_seed

@@ -48,8 +48,8 @@ NO_SPACE = 'Error writing trailer of /dev/fd/5: No space left on device'
     ('cat >/dev/null; echo "{}" >&2'.format(NO_SPACE), 'no space left on device; give a path'),
     ('kill -XFSZ $$', 'file too large; give a path that can be written'),
     ('cat >/dev/null; exit 3', 'ffmpeg: it has ended with 3; see whether ffmpeg works'),
-    ('for last; do :; done; cat >/dev/null; echo "$last: no\npacket" >&2; exit 1',
-     'ffmpeg: {out}: no packet; see whether ffmpeg works')])
+    ('for last; do :; done; cat >/dev/null; printf "$last: no\n\\377" >&2; exit 1',
+     'ffmpeg: {out}: no \ufffd; see whether ffmpeg works')])
 def test_what_ends_ffmpeg_names_the_film(bag, tmp_path, refused, ffmpeg, script, problem):
     ffmpeg(script)
     out = tmp_path / 'out.mp4'

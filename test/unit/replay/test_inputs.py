@@ -152,14 +152,15 @@ def test_stamps_may_be_an_hour_apart(make_bag, gap_s):
     OSError('bad'), EOFError('bad'), RuntimeError('bad'), ValueError('bad'), KeyError('bad'),
     AttributeError('bad'), TypeError('bad')], ids=lambda error: type(error).__name__)
 def test_whatever_rosbag_raises_while_it_reads_is_damage(make_bag, monkeypatch, error):
-    def fail(*_):
+    def fail(*_, **__):
         raise error
     path = make_bag((RAW, raw(0, 1), 1))
     frames = BagFrames(path)
     frames.bag.read_messages = fail
-    line = refusal(list, frames)
-    assert line.startswith('the bag {} is damaged: '.format(path)) and 'bad' in line
-    assert line.endswith('; try rosbag reindex, or record it again')
+    for read in (frames.camera_infos, lambda: list(frames)):
+        line = refusal(read)
+        assert line.startswith('the bag {} is damaged: '.format(path)) and 'bad' in line
+        assert line.endswith('; try rosbag reindex, or record it again')
     with monkeypatch.context() as patched:
         patched.setattr(rosbag.Bag, 'get_type_and_topic_info', fail)
         assert refusal(BagFrames, path).startswith('the bag {} is damaged: '.format(path))

@@ -22,6 +22,7 @@ DATA = PlotData(with_colors()().colors, np.ones((3, 6)), np.ones((3, 3)), np.one
 def test_a_killed_process_is_reported():
     with Painter() as painter:
         os.kill(painter.pid, signal.SIGKILL)
+        os.waitid(os.P_PID, painter.pid, os.WEXITED | os.WNOWAIT)
         painter.begin('a test', DATA)
         with pytest.raises(UserError, match='cannot be drawn: .* exit code -9; check whether it '
                            'was killed because memory ran out'):
