@@ -34,8 +34,8 @@ class Objective:
     all pixels move so far. Sides of saturation and value stay at 0 and 255.
     """
 
-    def __init__(self, positive: SummedVolume, negative: SummedVolume, beta: float = 1.0,
-                 margin: Margin = (0, 0, 0)):
+    def __init__(self, positive: SummedVolume, negative: SummedVolume, beta: float,
+                 margin: Margin):
         self.positive, self.negative = positive, negative
         self._beta, self._margin = beta * beta, margin
 
@@ -78,7 +78,7 @@ class BoxSearch:
         self._fine = SummedVolume(positive), SummedVolume(negative)
         self._coarse = tuple(SummedVolume(_binned(volume, self._steps)) for volume in self._fine)
 
-    def objective(self, beta: float = 1.0, margin: Margin = (0, 0, 0)) -> Objective:
+    def objective(self, beta: float, margin: Margin = (0, 0, 0)) -> Objective:
         """Return an objective of all boxes."""
         return Objective(*self._fine, beta, margin)
 

@@ -101,12 +101,13 @@ def test_the_objective_margin_gives_up_pixels_for_a_wider_margin():
     assert margin.margin[0] > pixels.margin[0]
 
 
-def test_the_objective_frames_has_several_to_choose_from():
-    card = counts(CARD, ((104, 110), (180, 190), (150, 160)))
-    others = counts(((104, 112), (180, 185), (150, 160)))
+def test_the_objective_frames_has_bounds_for_different_weights_of_recall():
+    card, others = counts(((100, 108), (180, 190), (150, 160))), counts()
+    for hue, share in zip(range(104, 108), (0.15, 0.8, 3.5, 15)):
+        others[hue, 180:190, 150:160] = share * UNIT
     found = bounds.fits('blue', Sampled(card, others), 'frames')
-    assert len(found) > 1 and len({fit.box for fit in found}) == len(found)
-    assert found[0] == bounds.fits('blue', Sampled(card, others))[0]
+    # the objective `pixels` first
+    assert [fit.score.found for fit in found] == [600, 400, 500, 700, 800]
 
 
 def test_no_sample_and_no_bounds_are_one_line_each():

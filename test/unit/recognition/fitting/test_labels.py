@@ -42,7 +42,7 @@ def parts(found):
 
 def test_a_region_and_what_is_beside_it(labels):
     found = labels(RED + BLUE)
-    assert found.is_in_view == (True, False)
+    assert found.is_in_view == (True, False) and found.has_regions is True
     red, not_red = found.truth(0)
     assert (red == rectangle()).all() and (not_red == ~rectangle()).all()
     assert found.truth(1)[0].sum() == 0 and found.truth(1)[1].all()
@@ -69,7 +69,7 @@ def test_times_in_which_a_color_is_in_view_or_not(labels):
                                            Label(IN_VIEW, 'red', ('red',)): 200}
     assert parts(labels(text, 7, 1.0)) == {Label(NOT, 'blue', ()): 200}
     empty = labels(text, 7, 2.0)
-    assert empty.is_empty and parts(empty) == {}
+    assert empty.is_empty and parts(empty) == {} and empty.has_regions is False
     # red is somewhere in the frame, so what is not labeled may be red
     sampled = labels(text, 1, 0.2)
     assert sampled.is_in_view == (True, True)
@@ -91,14 +91,16 @@ def test_a_mask(labels, tmp_path):
     (RED + '- {color: blue, rectangle: [5, 3, 4, 5]}', 'entry 1 and entry 2 contradict each '
      'other: 25.0% of entry 2 is red by the one and blue by the other'),
     (RED + '- {color: none, rectangle: [2, 3, 4, 5]}', 'contradict each other: 100.0% of entry 2'),
+    ('- {color: blue, rectangle: [15, 0, 2, 2]}\n' + RED + '- {color: none, rectangle: [2, 3, 4, '
+     '5]}', 'entry 2 and entry 3 contradict each other'),
     (RED + '- {color: red, not_in_view: [0, 1]}', 'entry 1 and entry 2 contradict each other: red '
      'is in frame 0'),
-    ('- {color: red, mask: small.png}', 'entry 1: the mask is 4x4, the frame 20x10'),
+    ('- {color: red, mask: small.png}', 'entry 1: the mask is 5x4, the frame 20x10'),
     ('- {color: red, mask: black.png}', 'entry 1: the mask is all black'),
     ('- {color: red, mask: text.png}', 'entry 1: the mask is not a PNG'),
     ('- {color: red, mask: gif.png}', 'entry 1: cannot use the mask: it is GIF, allowed are')])
 def test_samples_that_cannot_be_used(labels, tmp_path, text, words):
-    cv2.imwrite(str(tmp_path / 'small.png'), np.full((4, 4), 255, np.uint8))
+    cv2.imwrite(str(tmp_path / 'small.png'), np.full((4, 5), 255, np.uint8))
     cv2.imwrite(str(tmp_path / 'black.png'), np.zeros(SHAPE, np.uint8))
     (tmp_path / 'text.png').write_text('a letter')
     Image.new('L', SHAPE).save(str(tmp_path / 'gif.png'), 'GIF')
