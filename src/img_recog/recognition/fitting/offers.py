@@ -40,7 +40,7 @@ def offers(marked: Marked) -> Dict[str, Offer]:
     for color in marked.colors:
         sampled = of_color(histograms, color)
         try:
-            fit = bounds.fits(color, sampled)[0]
+            fit, = bounds.fits(color, sampled)
             others_px = max(1, int(sampled.negative.sum()) // UNIT)
             found[color] = Offer(fit.box, fit.score.recall, fit.score.wrong / others_px)
         except UserError as error:
