@@ -146,13 +146,11 @@ def test_nodes_that_die_without_a_master_come_back_with_their_parameters(demo):
 @WATCHED
 def test_nodes_end_while_the_master_does_not_answer(demo):
     pids = [demo.node(name) for name in PROGRAMS]
-    master = next(pid for pid, line in descendants(demo.ros.core.pid).items()
-                  if 'rosmaster' in line)
-    os.kill(master, signal.SIGSTOP)         # it accepts connections, and that is all
+    demo.ros.core.send_signal(signal.SIGSTOP)       # it accepts connections, and that is all
     try:
         for pid in pids:
             os.kill(pid, signal.SIGINT)
         wait_for(lambda: not any(map(is_alive, pids)), lambda: 'the end of {} in:\n{}'.format(
             [pid for pid in pids if is_alive(pid)], demo.output), 30.0)
     finally:
-        os.kill(master, signal.SIGCONT)
+        demo.ros.core.send_signal(signal.SIGCONT)
