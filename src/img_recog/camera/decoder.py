@@ -23,9 +23,10 @@ from img_recog.camera.urls import redacted
 
 # An RTSP server sends by UDP otherwise, and frames whose packets are lost are damaged.
 _OPTIONS = {'rtsp_transport': 'tcp'}
-_Turn = Tuple[int, int, int, int]
-# The part of a display matrix that turns, by the degrees clockwise.
-_TURNS = {90: (0, 1, -1, 0), 180: (-1, 0, 0, -1), 270: (0, -1, 1, 0)}
+# Whether an image is transposed, then mirrored from left to right, and from top to bottom.
+_Turn = Tuple[bool, bool, bool]
+# By the degrees clockwise.
+_TURNS = {90: (True, True, False), 180: (False, True, True), 270: (True, False, True)}
 
 # From 12.0 on, PyAV drops FFmpeg's lines unless asked; earlier ones pass them to Python's logging.
 _QUIET = None if av.logging.get_level() is None else av.logging.PANIC
@@ -192,19 +193,20 @@ def _turn_of(frame: 'av.VideoFrame') -> Optional[_Turn]:
     data = SideDataContainer(frame).get('DISPLAYMATRIX')
     if data is None:
         return None
-    matrix = np.sign(np.frombuffer(bytes(data), np.int32))
-    return matrix[0], matrix[1], matrix[3], matrix[4]
+    # of libavutil/display.h: x' = a x + c y, y' = b x + d y
+    a, b, _, c, d = np.frombuffer(bytes(data), np.int32)[:5]
+    return (True, c < 0, b < 0) if b and c else (False, a < 0, d < 0)
 
 
 def _upright(image: np.ndarray, turn: Optional[_Turn]) -> np.ndarray:
-    """Return an image turned and mirrored by a display matrix."""
+    """Return an image, turned and mirrored."""
     if turn is None:
         return image
-    a, b, c, d = turn       # of libavutil/display.h: x' = a x + c y, y' = b x + d y
-    if b and c:
-        image, a, d = cv2.transpose(image), c, b
-    if a < 0 or d < 0:
-        image = cv2.flip(image, -1 if a < 0 and d < 0 else 1 if a < 0 else 0)
+    is_transposed, left_right, top_bottom = turn
+    if is_transposed:
+        image = cv2.transpose(image)
+    if left_right or top_bottom:
+        image = cv2.flip(image, -1 if left_right and top_bottom else 1 if left_right else 0)
     return image
 
 

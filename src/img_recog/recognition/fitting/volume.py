@@ -3,8 +3,6 @@ from typing import NamedTuple, Tuple
 
 import numpy as np
 
-_MAX_UINT32 = 1 << 32
-
 
 class Box(NamedTuple):
     """A range of HSV: lowest and highest hue, saturation and value, both included.
@@ -63,7 +61,7 @@ class SummedVolume:
             np.cumsum(each, out=each)
         hues, saturations, values = (int(each[-1]) for each in below)
         # half the memory; differences are right even if sums overflow, being below the total
-        kind = np.uint32 if self.total < _MAX_UINT32 else np.uint64
+        kind = np.uint32 if self.total <= np.iinfo(np.uint32).max else np.uint64
         table = np.zeros((2 * hues + 1, saturations + 1, values + 1), kind)
         once = table[1:hues + 1, 1:, 1:]
         once[tuple(each[levels] for each, levels in zip(below, places))] = filled_counts
