@@ -49,7 +49,8 @@ def camera_settings(built: Assembly) -> CameraSettings:
     """
     if built.cameras[0]:
         return built.cameras[0][0]
-    if built.simulator.vehicles[0].robot.has_frame(_CAMERA_LINK):
+    vehicle, = built.simulator.vehicles
+    if vehicle.robot.has_frame(_CAMERA_LINK):
         return CameraSettings(camera_frame=_CAMERA_LINK, camera_optical_frame=_CAMERA_FRAME)
     raise UserError('--camera robot: the robot has no camera: neither a <sensor type="camera"> in '
                     'its URDF nor a link ' + _CAMERA_LINK, 'add one of them, or set --urdf to a '

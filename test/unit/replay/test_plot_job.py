@@ -73,6 +73,7 @@ def plot(capsys, caplog):
     """A function that runs the program; it returns the exit code, the output and the log."""
     def run(*arguments):
         code = plot_job.main([str(argument) for argument in arguments])
+        assert {each.name for each in caplog.records} <= {'plot.py'}
         return code, capsys.readouterr().out, ''.join(caplog.messages)
     return run
 
@@ -142,17 +143,18 @@ def test_without_a_master(plot, tmp_path, monkeypatch, uri):
 def running(tmp_path, monkeypatch):
     """A function that starts a master with these parameters of color_extract.
 
-    Instead of a recording there is a bag. Returns what is drawn, and which topics are recorded.
+    Instead of a recording there is a bag. Returns what is drawn, which topics are recorded, and
+    for how many ticks.
     """
     recorded = write(tmp_path / 'new.bag', ('/tb3/odom', odometry(1.0, 2.0), 10.0),
                      ('/tb3/color_detection', detection(blue=70), 10.5))
-    drawn, topics, servers = [], [], []
+    drawn, topics, ticks, servers = [], [], [], []
 
     def record(path, names):
         topics.extend(names)
-        ends = [False, False, True]         # at its largest size
-        return SimpleNamespace(path=path, check=lambda: ends.pop(0),
-                               stop=lambda: shutil.copy(str(recorded), path))
+        return SimpleNamespace(
+            path=path, stop=lambda: shutil.copy(str(recorded), path),
+            check=lambda: ticks.append('') or len(ticks) == 3)         # at its largest size
 
     def start(parameters):
         def answer(method, node, name):
@@ -162,7 +164,7 @@ def running(tmp_path, monkeypatch):
             return (-1, 'none', 0) if parameters is None else (1, '', parameters)
         servers.append(XmlRpcServer(dispatch=answer))
         monkeypatch.setenv('ROS_MASTER_URI', servers[0].uri)
-        return drawn, topics
+        return drawn, topics, ticks
     monkeypatch.setattr(plot_job, 'BagRecording', record)
     monkeypatch.setattr(plot_job, 'ReplayFigure', lambda: SimpleNamespace(
         draw=lambda file, title, data: drawn.append((title, data))))
@@ -179,10 +181,11 @@ def test_the_running_system(plot, running, tmp_path, monkeypatch, parameters, wo
                             warning):
     monkeypatch.chdir(tmp_path)
     (tmp_path / 'mine.yaml').write_text('blue_area_limit: 9\n')
-    drawn, topics = running(parameters)
+    drawn, topics, ticks = running(parameters)
     code, out, log = plot('out.png', '--robot', 'tb3', *words)
     assert (code, out) == (0, 'out.png: 0.5 s, 1 poses, 0 commands\n')
     assert log.startswith(warning) and bool(log) == bool(warning)
+    assert len(ticks) == (1 if words else 3)
     assert topics == ['/tb3/odom', '/tb3/cmd_vel', '/tb3/color_detection',
                       '/gazebo/world_outlines']
     (title, data), = drawn
@@ -197,4 +200,5 @@ def test_the_running_system(plot, running, tmp_path, monkeypatch, parameters, wo
 def test_options_that_are_refused(words, problem, capsys):
     with pytest.raises(SystemExit):
         plot_job.main(words)
-    assert problem in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert error.startswith('usage: plot.py ') and problem in error

@@ -139,8 +139,17 @@ def test_data_of_the_picture_are_pose_velocities_and_areas():
                     np.array((7.0, 8.0, 9.0)))
     plot.on_frame(FrameResult(frame(0, 0), 5 * 10 ** 8, [10, 11], [None, None], [], motion))
     data = plot.data(1.0, [])
+    assert plot.frames == 1
     assert data.motion.tolist() == [[0.5, 1.0, 2.0, pytest.approx(0.8), 4.0, 9.0]]
     assert data.areas.tolist() == [[0.5, 10.0, 11.0]]
+
+
+def test_a_number_that_is_rounded_to_zero_has_no_sign():
+    file = io.StringIO()
+    motion = Motion(np.full(3, -4e-7), (0.0, 0.0, 0.0, 1.0), np.zeros(3), np.full(3, -6e-7))
+    TableRecorder(file, []).on_frame(FrameResult(frame(0, 0), 0, [], [], [], motion))
+    row, = csv.DictReader(io.StringIO(file.getvalue()))
+    assert (row['x_m'], row['angular_z_rad_per_s']) == ('0.000000', '-0.000001')
 
 
 @pytest.mark.parametrize('world, seen', [('turtlebot3_world', PICTURE), ('empty', PICTURE),

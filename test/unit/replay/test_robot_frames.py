@@ -40,6 +40,7 @@ def test_frames_at_the_period_of_the_camera_with_their_time(field):
     assert [(frame.number, frame.stamp_ns) for frame in taken] == list(enumerate(simulated))
     assert taken[2].header.stamp.to_nsec() == 66000000 and taken[2].header.frame_id == 'lens'
     assert taken[0].image.shape == (48, 64, 3) and taken[0].encoding == 'rgb8'
+    assert frames.camera_infos()(taken[0]).K[2] == pytest.approx(32, abs=0.5)
 
 
 def test_a_frame_shows_where_the_robot_is_at_its_time(field):
