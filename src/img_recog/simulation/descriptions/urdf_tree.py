@@ -22,7 +22,7 @@ class Joint(NamedTuple):
     @property
     def parent_link(self) -> str:
         """The name of the link that it is attached to."""
-        return self.parent.get('link', '')
+        return self.parent.attrib['link']
 
     @property
     def is_fixed(self) -> bool:
@@ -80,7 +80,7 @@ def _joints_by_child(robot: ElementTree.Element, links: Links) -> Dict[str, Join
     for joint in robot.findall('joint'):
         name = name_of(joint)
         parent, child = (_end(joint, end, links) for end in ('parent', 'child'))
-        link = child.get('link', '')
+        link = child.attrib['link']
         if link in joints:
             raise SimulationError('link {} is the child of two joints, {} and {}'.format(
                 link, joints[link].name, name))

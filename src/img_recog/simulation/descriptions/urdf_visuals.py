@@ -69,7 +69,7 @@ def _material(visual: ElementTree.Element,
     red, green, blue, opacity = read_numbers(
         'rgba of material ' + name_of(element),
         '1 1 1 1' if color is None else color.get('rgba'), 4).tolist()
-    path = '' if texture is None else texture.get('filename', '')
+    path = '' if texture is None else texture.attrib['filename']
     if color is None and not path:
         return None
     width, height = element.get(_SCALE, '1 1').split()

@@ -182,6 +182,16 @@ def test_a_camera_on_the_robot_reads_its_pose_and_all_others():
     assert np.array_equal(exposure.poses, parts.poses())
 
 
+def test_both_links_of_a_body_have_poses(tmp_path):
+    path = tmp_path / 'door.sdf'
+    path.write_text(
+        '<sdf version="1.6"><model name="m"><link name="a"><pose>3 0 1 0 0 0</pose></link>'
+        '<link name="b"><pose>3 0 2 0 0 0</pose></link><joint name="j" type="revolute">'
+        '<parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint></model></sdf>')
+    poses = Parts(assemble(str(path)).simulator).poses()
+    assert poses[-2:, :3] == pytest.approx(np.array([[3.0, 0, 1], [3, 0, 2]]))
+
+
 def test_a_camera_needs_its_link():
     built = assemble()
     with pytest.raises(SimulationError, match='camera_frame: the robot has no link eye'):

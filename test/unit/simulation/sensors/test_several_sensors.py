@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.settings import SettingError
 from img_recog.simulation import assembly
 from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.sensors.laser_scanner import LaserScanner, ScanSettings
@@ -69,6 +70,12 @@ def test_a_frame_that_is_no_link_is_refused_with_the_name_of_the_setting(kind):
     mount = Mount(vehicle.robot, sim.world, np.random.RandomState(), vehicle.drive)
     assert refusal(kind.make, mount, kind.settings(**{name: 'nose'})).startswith(
         name + ': the robot has no link nose')
+
+
+@pytest.mark.parametrize('kind', SENSORS, ids=lambda kind: kind.name)
+def test_no_sensor_has_a_period_of_zero(kind):
+    with pytest.raises(SettingError):
+        kind.settings(**{kind.name + '_period_s': 0.0})
 
 
 def test_each_sensor_measures_from_its_link_and_pose_whatever_the_frame_is_called(tmp_path):
