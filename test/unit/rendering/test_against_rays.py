@@ -13,7 +13,7 @@ from img_recog.rendering.opengl import Renderer
 from img_recog.visuals import BOX, Shape
 from img_recog_testing.drawn import BACKGROUND, scene, visual
 
-CAMERA = Camera(160, 120, math.radians(70), 0.1, 60.0)
+CAMERA = Camera(120, 90, math.radians(70), 0.1, 60.0)
 GRAY = 178 / 255
 MIDDLE = np.array([7.0, -5.0, 0.0])     # of the scene: not the origin
 
