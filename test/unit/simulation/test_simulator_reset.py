@@ -81,3 +81,17 @@ def test_reset_simulation_sets_the_time_to_zero():
     readings = sim.advance(33)
     assert [(each.sensor, each.time_s) for each in readings if each.sensor != 'imu'] == [
         ('odometry', pytest.approx(0.033)), ('joint_states', pytest.approx(0.033))]
+
+
+def test_noise_after_a_reset_does_not_depend_on_whether_the_sensor_was_enabled_before():
+    def measured(is_enabled):
+        sim = simulator()
+        sim.advance(100)
+        sim.vehicles[0].set_sensor_enabled('imu', is_enabled)
+        sim.advance(200)
+        sim.reset_simulation()
+        sim.advance(200)
+        sim.vehicles[0].set_sensor_enabled('imu', True)
+        return [each.value.angular_velocity for each in sim.advance(20)
+                if each.sensor == 'imu']
+    assert measured(False) == measured(True) and len(measured(True)) == 4

@@ -326,12 +326,13 @@ def test_a_shape_that_is_lost_is_replaced_by_the_others():
             'visual', 'collision'}
 
 
-@pytest.mark.parametrize('static, concave', [('0', None), ('1', 'yes')])
-def test_meshes_of_what_does_not_move_are_concave(tmp_path, static, concave):
+@pytest.mark.parametrize('static, inside, concave', [
+    ('0', '', None), ('1', '', 'yes'), ('0', TIE.format('world', 'a'), 'yes')])
+def test_meshes_of_what_does_not_move_are_concave(tmp_path, static, inside, concave):
     (tmp_path / 'a.stl').write_text('')
     model = ElementTree.fromstring(
         '<model name="m"><static>{}</static><link name="a"><collision name="c"><geometry><mesh>'
-        '<uri>a</uri></mesh></geometry></collision></link></model>'.format(static))
+        '<uri>a</uri></mesh></geometry></collision></link>{}</model>'.format(static, inside))
     tree, = sdf_models.trees(model, (1, 6), lambda uri: str(tmp_path / 'a.stl'), Problems())
     shape = ElementTree.fromstring(tree.urdf).find('link/collision')
     assert shape.get('concave') == concave
