@@ -118,15 +118,17 @@ def _moved(objective: Objective, edges: np.ndarray, least: float, sign: int,
     while sides:
         for side in list(sides):
             # a level of hue is worth several of the others: all sides shall come equally far
-            for _ in range(_MARGIN_STEP[side // 2]):
-                moved = edges.copy()
-                moved[side] += sign if side % 2 else -sign
-                if (abs(moved[side] - start[side]) <= most[side // 2] and _is_box(moved)
-                        and float(objective.score(_normal(moved))) >= least):
-                    edges = moved
-                else:
-                    sides.remove(side)
-                    break
+            axis, step = side // 2, sign if side % 2 else -sign
+            moved = np.tile(edges, (_MARGIN_STEP[axis], 1))
+            moved[:, side] += step * np.arange(1, len(moved) + 1)
+            moved = moved[[abs(each[side] - start[side]) <= most[axis] and _is_box(each)
+                           for each in moved]]
+            scores = objective.scores_along(
+                axis, edges, _normal(moved)[:, 2 * axis:2 * axis + 2].T)
+            good = int(np.logical_and.accumulate(scores >= least).sum())
+            edges[side] += good * step
+            if good < _MARGIN_STEP[axis]:
+                sides.remove(side)
     return edges
 
 
@@ -136,9 +138,9 @@ def _is_box(edges: np.ndarray) -> bool:
 
 
 def _normal(edges: np.ndarray) -> np.ndarray:
-    """Return the same box with a first hue from 0 to HUES - 1."""
+    """Return the same boxes with a first hue from 0 to HUES - 1."""
     edges = edges.copy()
-    edges[:2] -= edges[0] // HUES * HUES
+    edges[..., :2] -= edges[..., :1] // HUES * HUES
     return edges
 
 

@@ -1,5 +1,6 @@
 """Search of the box of HSV that separates the pixels of a color from all others best."""
-from typing import List, NamedTuple, Tuple
+import functools
+from typing import List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -47,26 +48,40 @@ class Objective:
         """Return a score that no box between `inner` and `outer` exceeds; both like `edges`."""
         if any(self._margin):
             inner, outer = self._moved(inner, 1), self._moved(outer, -1)
-        inside = self.positive.count(outer)
-        wrong = self.negative.count(inner)
+        return self._measure(self.positive.count(outer), self.negative.count(inner))
+
+    def scores_along(self, axis: int, edges: np.ndarray, ranges: np.ndarray) -> np.ndarray:
+        """Return the scores of boxes that differ in one axis: float of shape (n,).
+
+        edges: of one of them, of shape (6,); ranges: their sides on the axis, of shape (2, n).
+        """
+        inner = outer = edges
+        narrow = wide = ranges
+        if any(self._margin):
+            inner, outer = self._moved(edges, 1), self._moved(edges, -1)
+            narrow, wide = (self._moved_range(axis, ranges, sign) for sign in (1, -1))
+        return self._measure(self.positive.count_along(axis, outer, wide),
+                             self.negative.count_along(axis, inner, narrow))
+
+    def _measure(self, inside: np.ndarray, wrong: np.ndarray) -> np.ndarray:
         return (1 + self._beta) * inside / np.maximum(
             self._beta * self.positive.total + inside + wrong, 1)
 
     def _moved(self, edges: np.ndarray, sign: int) -> np.ndarray:
         """Return boxes with their sides outwards by the margin; sign: -1 for inwards."""
-        hues, *levels = self.positive.shape
-        moved = edges.copy()
-        low, length = edges[..., 0], edges[..., 1] - edges[..., 0]
-        is_all, margin = length >= hues, self._margin[0]
-        moved[..., 0] = np.where(is_all, low, (low - sign * margin) % hues)
-        moved[..., 1] = moved[..., 0] + np.where(
-            is_all, hues, np.clip(length + 2 * sign * margin, 0, hues))
-        for axis, (size, margin) in enumerate(zip(levels, self._margin[1:]), 1):
-            low, end = edges[..., 2 * axis], edges[..., 2 * axis + 1]
-            moved[..., 2 * axis] = np.where(low <= 0, 0, np.maximum(low - sign * margin, 0))
-            moved[..., 2 * axis + 1] = np.where(end >= size, size,
-                                                np.minimum(end + sign * margin, size))
-        return moved
+        ranges = [self._moved_range(axis, (edges[..., 2 * axis], edges[..., 2 * axis + 1]), sign)
+                  for axis in range(3)]
+        return np.moveaxis(np.concatenate(ranges), 0, -1)
+
+    def _moved_range(self, axis: int, ranges: Sequence[np.ndarray], sign: int) -> np.ndarray:
+        (low, end), size, margin = ranges, self.positive.shape[axis], sign * self._margin[axis]
+        if axis:
+            return np.array([np.where(low <= 0, 0, np.maximum(low - margin, 0)),
+                             np.where(end >= size, size, np.minimum(end + margin, size))])
+        is_all = end - low >= size
+        moved = np.where(is_all, low, (low - margin) % size)
+        return np.array([moved, moved + np.where(
+            is_all, size, np.clip(end - low + 2 * margin, 0, size))])
 
 
 class BoxSearch:
@@ -124,7 +139,7 @@ def _search(objective: Objective, lowest: np.ndarray, highest: np.ndarray, best:
     bounds, examined = _bounds(objective, low, high), 0
     while len(bounds) and examined < _MAX_SETS:
         order = np.argsort(-bounds, kind='stable')      # the most promising sets first
-        chosen, others = order[:_BATCH], order[_BATCH:]
+        chosen = order[:_BATCH]
         examined += len(chosen)
         new_low, new_high = _halves(low[chosen], high[chosen])
         if len(new_low):
@@ -133,11 +148,12 @@ def _search(objective: Objective, lowest: np.ndarray, highest: np.ndarray, best:
             index = int(scores.argmax())
             if scores[index] > best.score:
                 best = _descent(objective, middles[index], _ORDERS[0])
-        bounds = np.concatenate([bounds[others], _bounds(objective, new_low, new_high)])
-        keep = bounds > best.score
-        low = np.concatenate([low[others], new_low])[keep]
-        high = np.concatenate([high[others], new_high])[keep]
-        bounds = bounds[keep]
+        new_bounds = _bounds(objective, new_low, new_high)
+        kept = order[_BATCH:int((bounds > best.score).sum())]
+        new = np.flatnonzero(new_bounds > best.score)
+        low, high, bounds = (np.concatenate([old.take(kept, axis=0), each.take(new, axis=0)])
+                             for old, each in ((low, new_low), (high, new_high),
+                                               (bounds, new_bounds)))
     return best
 
 
@@ -159,27 +175,22 @@ def _descent(objective: Objective, edges: np.ndarray, order: Tuple[int, ...]) ->
     for _ in range(_MAX_TURNS):
         before = score
         for axis in order:
-            ranges = _ranges(edges, axis, objective.positive.shape)
-            scores = objective.score(ranges)
+            ranges = _ranges(objective.positive.shape[axis], axis == 0)
+            scores = objective.scores_along(axis, edges, ranges)
             index = int(scores.argmax())
             if scores[index] > score:
-                edges, score = ranges[index], float(scores[index])
+                edges, score = edges.copy(), float(scores[index])
+                edges[2 * axis:2 * axis + 2] = ranges[:, index]
         if score == before:
             break
     return Found(edges, score)
 
 
-def _ranges(edges: np.ndarray, axis: int, shape: Tuple[int, ...]) -> np.ndarray:
-    """Return boxes with all ranges of one axis, and the other edges as they are."""
-    size = shape[axis]
-    low, end = (part.ravel() for part in np.mgrid[:size, 1:size + 1])
-    if axis == 0:
-        end = low + end
-    else:
-        low, end = low[low < end], end[low < end]
-    ranges = np.tile(edges, (len(low), 1))
-    ranges[:, 2 * axis], ranges[:, 2 * axis + 1] = low, end
-    return ranges
+@functools.lru_cache(maxsize=None)
+def _ranges(size: int, is_hue: bool) -> np.ndarray:
+    """Return all ranges of an axis, of shape (2, n)."""
+    low, end = np.mgrid[:size, 1:size + 1].reshape(2, -1)
+    return np.stack([low, low + end] if is_hue else [low[low < end], end[low < end]])
 
 
 def _bounds(objective: Objective, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -89,3 +89,17 @@ class SummedVolume:
                 columns.append(sums[1] - sums[0])
         inside = columns[3] - columns[2] - columns[1] + columns[0]
         return inside.astype(np.int64).reshape(edges.shape[:-1])
+
+    def count_along(self, axis: int, edges: np.ndarray, ranges: np.ndarray) -> np.ndarray:
+        """Return the counts inside of boxes that differ in one axis: int64 of shape (n,).
+
+        edges: of one of them, of shape (6,); ranges: their sides on the axis, of shape (2, n).
+        """
+        places = [offsets.take(np.minimum(sides, sides[1]))
+                  for offsets, sides in zip(self._offsets, edges.reshape(3, 2))]
+        first, second = (each for number, each in enumerate(places) if number != axis)
+        # up to each level of the axis
+        sums = self._table.take(np.add.outer(np.add.outer(first, second), self._offsets[axis]))
+        sums = sums[1, 1] - sums[1, 0] - sums[0, 1] + sums[0, 0]
+        low, end = sums.take(np.minimum(ranges, ranges[1]))
+        return (end - low).astype(np.int64)
