@@ -86,6 +86,7 @@ class _Document:
         if scene is None:
             raise ValueError('it has no visual scene')
         waiting = [(node, np.eye(4), '') for node in reversed(scene.findall('node'))]
+        transforms: Dict[ElementTree.Element, np.ndarray] = {}
         count = 0
         while waiting:
             node, pose, name = waiting.pop()
@@ -93,7 +94,9 @@ class _Document:
             count += 1
             if count > _MAX_NODES:
                 raise ValueError('it has more than {} nodes'.format(_MAX_NODES))
-            pose = pose @ _transform(node)
+            if node not in transforms:
+                transforms[node] = _transform(node)
+            pose = pose @ transforms[node]
             for child in node:
                 if child.tag == 'node':
                     waiting.append((child, pose, name))

@@ -10,7 +10,6 @@ from std_msgs.msg import Header
 from img_recog.camera.selection import open_file
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded, SourceError, SourceTooLarge
-from img_recog.camera.video_source import VideoSource
 from img_recog.errors import UserError
 from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.still_images import DEFAULT_MAX_PIXELS
@@ -40,6 +39,7 @@ class VideoFrames:
 
     def __init__(self, path: str, max_pixels: int = DEFAULT_MAX_PIXELS):
         """Open a video; raise UserError if it cannot be played or has more pixels."""
+        from img_recog.camera.video_source import VideoSource  # takes time; a bag does not need it
         self._path = path
         self._truncated: List[str] = []
         try:
