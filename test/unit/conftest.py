@@ -11,7 +11,7 @@ from img_recog_testing.videos import VIDEO_RATE_HZ, smooth_image
 from img_recog_testing.waiting import DEADLINE_S
 
 
-_MAX_PHYSICS_CLIENTS = 1024
+_MAX_PHYSICS_CLIENTS = 128      # PyBullet takes the first one that is free
 
 
 class FakeClock:

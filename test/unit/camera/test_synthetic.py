@@ -18,9 +18,12 @@ KEY_FRAMES = {
 }
 
 
+SETTINGS = with_colors()()
+
+
 def areas_px(frame):
     bgr = cv2.cvtColor(frame, cv2.COLOR_RGB2BGR)
-    return tuple(ColorExtractor(with_colors()()).measure(bgr))
+    return tuple(ColorExtractor(SETTINGS).measure(bgr))
 
 
 def test_frame_ranges():

@@ -150,12 +150,12 @@ def test_of_a_scene_of_many_shapes_each_image_is_that_of_all(tmp_path):
                     color) for angle in np.arange(0, 2 * math.pi, 1.0)
              for up, color in ((-0.6, RED), (0.6, BLUE))]
     renderer = loaded(scene(*boxes), HERE)
+    single = [loaded(scene(box), HERE) for box in boxes]
     for angle in (0.2, 2.5, 4.4):
         pose = matrices.from_poses(np.array([[
             0.3, 0, 0, 0, 0, math.sin(angle / 2), math.cos(angle / 2)]]))[0]
         image, depths = (draw_(CAMERA, pose, HERE) for draw_ in (renderer.draw, renderer.depth))
-        one_by_one = np.min([loaded(scene(box), HERE).depth(CAMERA, pose, HERE)
-                             for box in boxes], axis=0)
+        one_by_one = np.min([each.depth(CAMERA, pose, HERE) for each in single], axis=0)
         assert np.array_equal(depths, one_by_one)
         seen = (image != draw(pose=pose)).any(axis=2)
         assert seen[np.isfinite(depths)].mean() > 0.97 and np.isfinite(depths).any()

@@ -23,14 +23,15 @@ def test_mass_is_the_burgers():
     assert simulator().vehicles[0].robot.mass() == pytest.approx(1.0017329, abs=1e-6)
 
 
-def test_stands_still_for_a_minute():
+def test_stands_still():
     sim = simulator()
     sim.advance(1000)
     before = sim.vehicles[0].robot.motion()
-    sim.advance(60000)
+    sim.advance(12000)
     after = sim.vehicles[0].robot.motion()
-    assert np.linalg.norm(after.position - before.position) < 0.001
-    assert abs(yaw_of(after) - yaw_of(before)) < math.radians(0.1)
+    # not 1 mm and 0.1 degrees in a minute
+    assert np.linalg.norm(after.position - before.position) < 0.001 / 5
+    assert abs(yaw_of(after) - yaw_of(before)) < math.radians(0.1 / 5)
 
 
 @pytest.mark.parametrize('yaw, speed', [(0.0, 0.22), (2.0, 0.22), (math.pi / 2, -0.22)])
@@ -40,18 +41,18 @@ def test_drives_straight_and_its_wheels_turn_as_far(yaw, speed):
     sim.vehicles[0].command(speed, 0.0)
     sim.advance(1000)
     before, turned = robot.motion(), robot.wheel_positions()
-    sim.advance(22727)
+    sim.advance(10000)
     motion, states = robot.motion(), robot.joint_states()
     way = (motion.position - before.position)[:2]
-    assert way @ [math.cos(yaw), math.sin(yaw)] == pytest.approx(22.727 * speed, rel=0.02)
-    assert abs(way @ [-math.sin(yaw), math.cos(yaw)]) < 0.02
+    assert way @ [math.cos(yaw), math.sin(yaw)] == pytest.approx(10 * speed, rel=0.02)
+    assert abs(way @ [-math.sin(yaw), math.cos(yaw)]) < 0.004
     assert before.position[2] == pytest.approx(0.0, abs=0.001)
     # the twist is in the robot's own frame
     assert motion.linear[0] == pytest.approx(speed, rel=0.02) and abs(motion.linear[1]) < 0.005
     assert states.names == ('wheel_right_joint', 'wheel_left_joint')
     assert states.velocities == pytest.approx([speed / 0.033] * 2, rel=0.01)
     assert np.subtract(states.positions, turned) == pytest.approx(
-        [22.727 * speed / 0.033] * 2, rel=0.02)
+        [10 * speed / 0.033] * 2, rel=0.02)
 
 
 def test_turns_in_place_to_the_left():
@@ -60,11 +61,11 @@ def test_turns_in_place_to_the_left():
     sim.advance(1000)
     start, turned = sim.vehicles[0].robot.motion(), 0.0
     last = yaw_of(start)
-    for _ in range(200):
+    for _ in range(80):
         sim.advance(100)
         turned += math.remainder(yaw_of(sim.vehicles[0].robot.motion()) - last, 2 * math.pi)
         last = yaw_of(sim.vehicles[0].robot.motion())
-    assert turned == pytest.approx(20.0, rel=0.03)
+    assert turned == pytest.approx(8.0, rel=0.03)
     assert np.linalg.norm(sim.vehicles[0].robot.motion().position - start.position) < 0.03
 
 
@@ -158,12 +159,18 @@ def drive_with(switches):
     return places, readings
 
 
+@pytest.fixture(scope='module')
+def usual():
+    """Poses and readings of a drive whose sensors are always enabled."""
+    return drive_with({})
+
+
 def seen_by(sensor, readings):
     return [(each.time_s, each.value) for each in readings if each.sensor == sensor]
 
 
-def test_disabled_sensors_read_nothing_and_change_nothing():
-    places, readings = drive_with({})
+def test_disabled_sensors_read_nothing_and_change_nothing(usual):
+    places, readings = usual
     assert [len(seen_by(name, readings)) for name in SENSORS] == [121, 121, 800, 20]
     for off in ({name: False for name in SENSORS}, {'imu': False}, {'scan': False}):
         others, fewer = drive_with({0: off})
@@ -179,18 +186,20 @@ def test_disabled_sensors_read_nothing_and_change_nothing():
 @pytest.mark.parametrize('sensor, count, switches', [
     ('scan', 20, {0: {'imu': False}}), ('imu', 800, {0: {'scan': False}}),
     ('imu', 800, {quarter: {'imu': True} for quarter in range(4)})])
-def test_other_sensors_and_enabling_it_again_do_not_change_the_noise(sensor, count, switches):
-    usual, other = ([np.asarray(getattr(value, 'linear_acceleration', value)).tolist()
-                     for _, value in seen_by(sensor, drive_with(each)[1])]
-                    for each in ({}, switches))
-    assert usual == other and len(usual) == count
+def test_other_sensors_and_enabling_it_again_do_not_change_the_noise(sensor, count, switches,
+                                                                     usual):
+    first, other = ([np.asarray(getattr(value, 'linear_acceleration', value)).tolist()
+                     for _, value in seen_by(sensor, readings)]
+                    for _, readings in (usual, drive_with(switches)))
+    assert first == other and len(first) == count
 
 
 @pytest.mark.parametrize('sensor, first, off', [
     ('scan', 10, {}), ('imu', 401, {}), ('scan', 10, {0: {'scan': False}}),
     ('imu', 401, {0: {'imu': False}})])
-def test_noise_of_a_reading_does_not_depend_on_when_the_sensor_was_enabled(sensor, first, off):
-    usual = seen_by(sensor, drive_with({})[1])[first:]
+def test_noise_of_a_reading_does_not_depend_on_when_the_sensor_was_enabled(sensor, first, off,
+                                                                           usual):
+    usual = seen_by(sensor, usual[1])[first:]
     late = seen_by(sensor, drive_with({**off, 1: {sensor: False}, 2: {sensor: True}})[1])
     # the first acceleration is that of the robot at rest
     assert repr(late[-len(usual):]) == repr(usual)

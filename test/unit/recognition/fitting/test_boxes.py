@@ -1,4 +1,5 @@
 """The search of the best box compared with all boxes there are."""
+import functools
 import itertools
 
 import numpy as np
@@ -8,6 +9,7 @@ from img_recog.recognition.fitting.boxes import BoxSearch
 from img_recog.recognition.fitting.volume import SummedVolume
 
 
+@functools.lru_cache(maxsize=None)
 def all_boxes(shape):
     ranges = [[(low, low + size) for low in range(shape[0]) for size in range(1, shape[0] + 1)]]
     ranges += [[(low, end) for low in range(size) for end in range(low + 1, size + 1)]
