@@ -17,7 +17,7 @@ SHARE = r' ([\d.]+)% \|'
 FRAMES = 3000       # six parts
 CARD = '''
 samples:
-- {frame: 0, color: red, rectangle: [20, 20, 40, 40]}
+- {frame: 0, color: red, rectangle: [10, 10, 20, 20]}
 - {color: red, not_in_view: [60, 120]}
 '''
 
@@ -44,13 +44,14 @@ def fit(ros, tmp_path):
     """
     with av.open(str(tmp_path / 'film.avi'), 'w') as film:
         stream = film.add_stream('mjpeg', 25)
-        stream.width, stream.height, stream.pix_fmt = 160, 120, 'yuvj420p'
-        noise = np.random.RandomState(1).randint(-3, 4, (120, 160, 3))
-        for number in range(FRAMES):
-            image = 120 + noise
-            if number < FRAMES // 2:
-                image[20:60, 20:60] += (80, -90, -80)
-            film.mux(stream.encode(av.VideoFrame.from_ndarray(image.astype(np.uint8), 'rgb24')))
+        stream.width, stream.height, stream.pix_fmt = 80, 60, 'yuvj420p'
+        for color in ((80, -90, -80), (0, 0, 0)):
+            image = 120 + np.random.RandomState(1).randint(-3, 4, (60, 80, 3))
+            image[10:30, 10:30] += color
+            frame = av.VideoFrame.from_ndarray(image.astype(np.uint8), 'rgb24')
+            for _ in range(FRAMES // 2):
+                frame.pts = None        # the next one
+                film.mux(stream.encode(frame))
         film.mux(stream.encode(None))
     (tmp_path / 's.yaml').write_text(CARD)
 

@@ -1,4 +1,5 @@
 """--help of each script: it is printed without a master, and nothing is started."""
+import functools
 import os
 import re
 import subprocess
@@ -22,6 +23,7 @@ NODES = {
 OTHERS = ('intrinsic_controls', 'colors', 'blue_image_topic', 'red_image_topic')
 
 
+@functools.lru_cache(maxsize=None)
 def help_of(script, *arguments):
     """Return what the script prints; no master answers there."""
     done = subprocess.run(
@@ -38,6 +40,14 @@ def help_of(script, *arguments):
     - set(NODES)))
 def test_program_prints_its_usage(script):
     assert re.search(r'^usage: {} '.format(re.escape(script)), help_of(script, '--help'), re.M)
+
+
+@pytest.mark.parametrize('script', (
+    'check_robot.py', 'check_world.py', 'doctor.py', 'evaluate.py', 'film.py', 'fit_colors.py',
+    'graph.py', 'plot.py', 'replay.py', 'sweep.py'))
+def test_options_agree_with_the_script(script):
+    options = sorted(set(re.findall(r'(?<!\S)--[a-z-]+', help_of(script, '--help'))) - {'--help'})
+    assert sorted(row[0].strip('`') for row in rows(REFERENCE, script, 'option')) == options
 
 
 @pytest.mark.parametrize('script', sorted(NODES))
