@@ -10,12 +10,20 @@ import numpy as np
 import pytest
 
 from img_recog_testing.processes import Process
+from img_recog_testing.service_calls import ServiceCalls
 from img_recog_testing.waiting import DEADLINE_S, stretch, wait_for
 
 
 def start(roscore, *parameters):
     roscore.set_parameters('/usb_cam')
     return roscore.start_node('usb_cam_node.py', *parameters)
+
+
+@pytest.fixture(scope='module')
+def services(roscore):
+    calls = ServiceCalls(roscore)
+    yield calls
+    calls.close()
 
 
 @pytest.mark.parametrize('interrupt', [Process.interrupt, Process.interrupt_thread])
@@ -50,30 +58,28 @@ def test_folder_without_loop_ends_with_one_line_and_exit_code_0(roscore, tmp_pat
     assert not re.search(r'WARN|ERROR|FATAL', camera.output), camera.output
 
 
-def test_suspended_camera_opens_its_source_on_start_capture(roscore, tmp_path):
+def test_suspended_camera_opens_its_source_on_start_capture(roscore, services, tmp_path):
     camera = start(roscore, '_video_device:={}/later'.format(tmp_path), '_create_suspended:=true')
     camera.wait_output('camera: suspended until /usb_cam/start_capture is called')
-    roscore.wait_run('start_capture', 'rosservice', 'list')
-    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
+    services.call('/usb_cam/start_capture', {})
     camera.wait_output(r'\[ERROR\].*/later: no such file or device.*; still suspended')
     (tmp_path / 'later').mkdir()
     assert cv2.imwrite(str(tmp_path / 'later' / '0.png'), np.zeros((8, 8, 3), np.uint8))
-    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
+    services.call('/usb_cam/start_capture', {})
     camera.wait_output(r'camera: folder .*/later of 1 images, 8x8')
     assert camera.interrupt() == 0
 
 
-def test_start_of_a_source_that_is_gone_leaves_the_camera_stopped(roscore, tmp_path):
+def test_start_of_a_source_that_is_gone_leaves_the_camera_stopped(roscore, services, tmp_path):
     path = tmp_path / 'still.png'
     assert cv2.imwrite(str(path), np.zeros((8, 8, 3), np.uint8))
     camera = start(roscore, '_video_device:={}'.format(path))
-    roscore.wait_run('stop_capture', 'rosservice', 'list')      # the last one
-    roscore.run('rosservice', 'call', '/usb_cam/stop_capture')
+    services.call('/usb_cam/stop_capture', {})
     path.unlink()
-    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
+    services.call('/usb_cam/start_capture', {})
     camera.wait_output(r'\[ERROR\].*/still.png: no such file or device.*; still stopped')
     assert cv2.imwrite(str(path), np.zeros((6, 6, 3), np.uint8))
-    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
+    services.call('/usb_cam/start_capture', {})
     camera.wait_output(r'camera: image .*/still.png, 6x6')
     assert camera.interrupt() == 0
 
@@ -113,7 +119,7 @@ class Recognition:
         return [int(area) for area in re.findall(r'blue=(\d+), red=\d+\n', text)]
 
 
-def test_a_recorded_bag_gives_the_same_areas_as_the_camera(roscore, tmp_path):
+def test_a_recorded_bag_gives_the_same_areas_as_the_camera(roscore, services, tmp_path):
     bag = str(tmp_path / 'camera.bag')
     roscore.set_parameters('/usb_cam')
     live = Recognition(roscore, tmp_path / 'live')
@@ -124,8 +130,7 @@ def test_a_recorded_bag_gives_the_same_areas_as_the_camera(roscore, tmp_path):
     # the first frame is for both
     roscore.wait_run(r'(?s)\nConnections:(?=.*image_raw\n    \* to: /color_extract)'
                      r'(?=.*image_raw\n    \* to: /record_)', 'rosnode', 'info', '/usb_cam')
-    roscore.wait_run('start_capture', 'rosservice', 'list')
-    roscore.run('rosservice', 'call', '/usb_cam/start_capture')
+    services.call('/usb_cam/start_capture', {})
     wait_for(lambda: len(set(live.areas())) > 3 and live.areas()[-1] == 0, live.areas)
     for process in (camera, record, live.process):
         assert process.interrupt() == 0, process.output

@@ -61,20 +61,20 @@ def networks():
             ip('netns', 'del', name)
 
 
-@pytest.fixture
-def cluster(networks, tmp_path):
+@pytest.fixture(scope='module')
+def cluster(networks, tmp_path_factory):
     """The processes of the two workers, which a scheduler knows; --nanny starts them again."""
-    started = []
+    started, folder = [], tmp_path_factory.mktemp('cluster')
 
     def start(address, *words):
-        log = open(str(tmp_path / 'log{}'.format(len(started))), 'w')
+        log = open(str(folder / 'log{}'.format(len(started))), 'w')
         started.append(subprocess.Popen(
             ['ip', 'netns', 'exec', networks[address], sys.executable, '-m', *words],
-            stdout=log, stderr=log, cwd=str(tmp_path), start_new_session=True))
+            stdout=log, stderr=log, cwd=str(folder), start_new_session=True))
         return started[-1]
     start(SCHEDULER, 'distributed.cli.dask_scheduler', '--host', SCHEDULER, '--no-dashboard')
     yield [start(address, 'distributed.cli.dask_worker', ADDRESS, '--host', address, '--nthreads',
-                 '1', '--no-dashboard', '--local-directory', str(tmp_path / 'space'))
+                 '1', '--no-dashboard', '--local-directory', str(folder / 'space'))
            for address in WORKERS]
     for process in started:
         os.killpg(process.pid, signal.SIGKILL)
@@ -98,30 +98,6 @@ def run(networks, tmp_path):
 def ended(process):
     output = process.communicate()[0]
     assert process.returncode == 0, output
-
-
-def result(tmp_path):
-    return [(tmp_path / name).read_bytes() for name in ('s.sweep.csv', 's.sweep.png')]
-
-
-def some_are_done(tmp_path):
-    return any(name.endswith('.piece') for _, _, names in os.walk(
-        str(tmp_path / 's.sweep.work')) for name in names)
-
-
-def test_a_cluster_gives_the_bytes_of_one_process_also_after_kills(cluster, run, tmp_path):
-    sweep = 'sweep.py', 's.yaml', '--films', '0'
-    ended(run(*sweep, '--jobs', '1'))
-    expected = result(tmp_path)
-    interrupted = run(*sweep, '--scheduler', ADDRESS)
-    wait_for(lambda: some_are_done(tmp_path) or interrupted.poll() is not None, 'a result')
-    interrupted.send_signal(signal.SIGINT)
-    interrupted.communicate()
-    resumed = run(*sweep, '--scheduler', ADDRESS, '--copy')
-    wait_for(lambda: some_are_done(tmp_path) or resumed.poll() is not None, 'a result')
-    os.killpg(cluster[0].pid, signal.SIGKILL)
-    ended(resumed)
-    assert result(tmp_path) == expected
 
 
 @pytest.fixture
@@ -152,3 +128,27 @@ def test_recordings_are_copied_to_workers(cluster, run, tmp_path, film, program,
     expected = [(tmp_path / name).read_bytes() for name in results]
     ended(run(program, 's.avi', *options, '--scheduler', ADDRESS, '--copy'))
     assert [(tmp_path / name).read_bytes() for name in results] == expected
+
+
+def result(tmp_path):
+    return [(tmp_path / name).read_bytes() for name in ('s.sweep.csv', 's.sweep.png')]
+
+
+def some_are_done(tmp_path):
+    return any(name.endswith('.piece') for _, _, names in os.walk(
+        str(tmp_path / 's.sweep.work')) for name in names)
+
+
+def test_a_cluster_gives_the_bytes_of_one_process_also_after_kills(cluster, run, tmp_path):
+    sweep = 'sweep.py', 's.yaml', '--films', '0'
+    ended(run(*sweep, '--jobs', '1'))
+    expected = result(tmp_path)
+    interrupted = run(*sweep, '--scheduler', ADDRESS)
+    wait_for(lambda: some_are_done(tmp_path) or interrupted.poll() is not None, 'a result')
+    interrupted.send_signal(signal.SIGINT)
+    interrupted.communicate()
+    resumed = run(*sweep, '--scheduler', ADDRESS, '--copy')
+    wait_for(lambda: some_are_done(tmp_path) or resumed.poll() is not None, 'a result')
+    os.killpg(cluster[0].pid, signal.SIGKILL)
+    ended(resumed)
+    assert result(tmp_path) == expected
