@@ -1,4 +1,5 @@
 """The robot and worlds that the simulation's tests share."""
+import functools
 import os
 
 from img_recog.conversions.sensor_table import SENSORS
@@ -28,6 +29,7 @@ def assemble(world_name='empty', x=0.0, y=0.0, yaw=0.0, z=0.0, urdf=None, find_m
                           unused_sensors, option_name)
 
 
+@functools.lru_cache(maxsize=16)         # it takes as long as the rest of a simulator
 def read(urdf, source='robot.urdf', find_mesh=None):
     """Return what the text of a URDF gives."""
     return assembly.read_robot(urdf, PhysicsSettings().step_s, find_mesh or (lambda uri: None),

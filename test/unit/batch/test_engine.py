@@ -94,16 +94,15 @@ def test_the_processes_stay_for_more_pieces_and_more_are_started(tmp_path, handl
     assert os.getpid() not in found[1]
 
 
-def test_freed_memory_of_a_worker_is_used_again(tmp_path, handlers_as_before):
-    with Engine(Options(jobs=2), Interrupts()) as engine, engine.outcomes(
-            batch_work.page_faults, numbers(100), str(tmp_path / 'work')) as outcomes:
-        faults = [each.value for each in outcomes]
+def test_workers_use_freed_memory_again_and_keep_few_records(tmp_path, handlers_as_before):
+    with Engine(Options(jobs=2), Interrupts()) as engine:
+        faults, records = [], []
+        for function, pieces, found in ((batch_work.page_faults, numbers(100), faults),
+                                        (batch_work.records, numbers(count=90), records)):
+            with engine.outcomes(function, pieces, str(tmp_path / 'work')) as outcomes:
+                found += [each.value for each in outcomes]
     assert max(faults) < 3000       # 25000 if each of the 100 buffers of 1 MB is mapped anew
-
-
-def test_a_worker_has_no_more_records_after_many_pieces(run):
-    found = [each.value for each in run(batch_work.records, numbers(count=90), jobs=2)]
-    assert max(found) == 100        # 400 of what 45 pieces did
+    assert max(records) == 100      # 400 of what 45 pieces did
 
 
 def test_a_file_that_has_changed_is_read_again(run, tmp_path):

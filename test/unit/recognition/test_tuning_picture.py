@@ -161,7 +161,8 @@ def test_bars_have_the_color_of_their_hue():
 
 
 @pytest.mark.parametrize('shape, settings', [
-    ((1, 1, 3), FIVE), ((1, 3000, 3), ARTICLE), ((3000, 2, 3), ARTICLE), ((1080, 1920, 3), ARTICLE)])
+    ((1, 1, 3), FIVE), ((1, 3000, 3), ARTICLE), ((3000, 2, 3), ARTICLE),
+    ((1080, 1920, 3), ARTICLE)])
 def test_images_of_any_size(shape, settings):
     figure, areas_px = tuning_picture.draw(noise(2, shape), settings)
     assert rendered(figure).shape[1] == 1200
