@@ -116,6 +116,7 @@ def test_names_of_worlds(packages):
 def test_names_of_worlds_without_turtlebot3_gazebo(monkeypatch, tmp_path):
     monkeypatch.setattr(resources, '_packages', rospkg.RosPack([str(tmp_path)]))
     assert set(resources.worlds()) == {'color_posts', 'turtlebot3_world'}
+    assert all(map(os.path.isfile, resources.worlds().values()))
 
 
 def test_the_colors_of_the_article():

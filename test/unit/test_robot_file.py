@@ -219,3 +219,8 @@ def test_program_prints_the_urdf_or_one_line(tmp_path, monkeypatch, capsys):
 def test_what_is_no_xml_is_left_to_those_who_know_what_it_shall_be(tmp_path):
     (tmp_path / 'a.urdf').write_text('<robot')
     assert robot_file.read(str(tmp_path / 'a.urdf')) == '<robot'
+
+
+def test_a_file_that_is_not_there_names_the_option():
+    assert refusals.refusal(robot_file.read, '/none') == (
+        'cannot read the robot in /none: No such file or directory; set urdf to a URDF file')
