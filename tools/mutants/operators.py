@@ -30,10 +30,14 @@ class ReplaceString(_OneMutation):
 
 
 class ReturnNone(_OneMutation):
-    """Return None in place of a value."""
+    """Return None in place of a value.
+
+    Not of one that is false as well: mypy refuses that, and for most callers nothing changes.
+    """
 
     def accepts(self, node):
-        return node.type == 'return_stmt' and node.children[1].get_code().strip() != 'None'
+        return node.type == 'return_stmt' and node.children[1].get_code().strip() not in (
+            'None', 'False', "''", '0', '0.0', '()', '[]', '{}')
 
     def mutate(self, node, index):
         node.children[1] = parso.parse(' None')
