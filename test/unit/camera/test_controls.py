@@ -88,14 +88,15 @@ def test_automatic_modes_are_set_like_by_usb_cam(ids, settings, done):
     assert apply(device, settings, {}) == [] and device.done == done
 
 
-@pytest.mark.parametrize('name, value', [
-    ('brightness', 5), ('gain', 0), ('focus', 3), ('autofocus', True), ('autoexposure', False),
-    ('auto_white_balance', False)])
-def test_missing_control_is_named(name, value):
+@pytest.mark.parametrize('values', [
+    {'brightness': 5, 'contrast': 5, 'saturation': 5, 'sharpness': 5, 'gain': 0,
+     'auto_white_balance': False, 'white_balance': 9, 'autoexposure': False, 'exposure': 9,
+     'focus': 3}, {'autofocus': True}])
+def test_missing_controls_are_named(values):
     device = FakeDevice(0x00980903)
-    problems = apply(device, ControlSettings(**{name: value}), {})
-    assert problems[0] == (
-        'the camera has no control {}; v4l2-ctl --list-ctrls lists its controls'.format(name))
+    assert apply(device, ControlSettings(**values), {}) == [
+        'the camera has no control {}; v4l2-ctl --list-ctrls lists its controls'.format(name)
+        for name in values]
     assert device.done == []
 
 
