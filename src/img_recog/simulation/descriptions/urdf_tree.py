@@ -55,7 +55,7 @@ def read(robot: ElementTree.Element) -> UrdfTree:
     _check_ancestors(links, parents)
     found = roots(robot)
     if len(found) != 1:
-        others = sorted({element.tag for element in robot} - {'link', 'joint'})
+        others = sorted({element.tag for element in robot})
         raise SimulationError(
             'got {} root links ({}), expected one'.format(
                 len(found), ', '.join(found) or 'none'),

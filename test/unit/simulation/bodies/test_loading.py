@@ -115,9 +115,10 @@ def test_a_damaged_mesh_is_not_given_to_pybullet(tmp_path, capfd):
 def test_objects_of_an_obj_are_not_joined(tmp_path, attribute):
     (tmp_path / 'a.obj').write_text(TWO_BOXES)
     text = robot(mesh('collision', tmp_path / 'a.obj'))
-    client = loading.connect()
+    client, files = loading.connect(), len(os.listdir('/proc/self/fd'))
     body = loading.load_urdf(text.replace('<collision', '<collision' + attribute), client,
                              fixed=True)
+    assert len(os.listdir('/proc/self/fd')) == files
     found = pybullet.rayTestBatch([(x, 0.1, 3) for x in (0.1, 3, 5.1)],
                                   [(x, 0.1, -3) for x in (0.1, 3, 5.1)], physicsClientId=client)
     assert [hit[0] for hit in found] == [body, -1, body]

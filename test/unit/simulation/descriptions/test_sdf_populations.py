@@ -43,6 +43,17 @@ def test_a_line_goes_through_the_box(read, axis, ends):
     assert places(trees) == pytest.approx(expected)
 
 
+def test_what_a_model_includes_is_a_part_of_its_copies(read, tmp_path):
+    (tmp_path / 'part').mkdir()
+    (tmp_path / 'part' / 'a.obj').write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n')
+    (tmp_path / 'part' / 'a.sdf').write_text(
+        '<sdf version="1.6"><model name="part"><link name="l"><visual name="v"><geometry><mesh>'
+        '<filename>a.obj</filename></mesh></geometry></visual></link></model></sdf>')
+    can, part = read(POPULATION.format('').replace(
+        '</model>', '<include><uri>part/a.sdf</uri></include></model>'))
+    assert can.first and not part.first and str(tmp_path / 'part' / 'a.obj') in part.urdf
+
+
 @pytest.mark.parametrize('kind', ['random', 'uniform'])
 def test_random_places_are_within_the_box_and_the_same_each_time(read, kind):
     world = POPULATION.format(COUNT.format(40) + BOX + TYPE.format(kind, ''))
