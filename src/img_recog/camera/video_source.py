@@ -143,8 +143,10 @@ class VideoSource(FrameSource):
         # reopened, because seeking is inexact in many containers
         self._decoder.release()
         ahead, self._ahead = self._ahead, None
-        is_open = ahead is not None and ahead.exception() is None
-        self._decoder, image = ahead.result() if ahead and is_open else self._open_again()
+        if ahead is not None and ahead.exception() is None:
+            self._decoder, image = ahead.result()
+        else:
+            self._decoder, image = self._open_again()
         self._position = 0
         self._times.restart()
         return image
