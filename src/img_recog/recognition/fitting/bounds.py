@@ -100,7 +100,7 @@ def _centered(objective: Objective, edges: np.ndarray) -> Tuple[Box, Tuple[Optio
                 continue
             beyond = min(free // 2, most)
             edges[side] = inner[side] + sign * beyond
-            nearest.append(min(beyond, free - beyond))
+            nearest.append(beyond)
         margin.append(min(nearest) if nearest else None)
     edges[1] = min(edges[1], edges[0] + HUES)
     return box_of(_normal(edges), HUES), tuple(margin)
