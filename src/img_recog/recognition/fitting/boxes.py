@@ -1,6 +1,6 @@
 """Search of the box of HSV that separates the pixels of a color from all others best."""
 import functools
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Tuple
 
 import numpy as np
 
@@ -69,11 +69,12 @@ class Objective:
 
     def _moved(self, edges: np.ndarray, sign: int) -> np.ndarray:
         """Return boxes with their sides outwards by the margin; sign: -1 for inwards."""
-        ranges = [self._moved_range(axis, (edges[..., 2 * axis], edges[..., 2 * axis + 1]), sign)
-                  for axis in range(3)]
-        return np.moveaxis(np.concatenate(ranges), 0, -1)
+        sides = np.moveaxis(edges, -1, 0)
+        return np.moveaxis(np.concatenate([
+            self._moved_range(axis, sides[2 * axis:2 * axis + 2], sign) for axis in range(3)]),
+            0, -1)
 
-    def _moved_range(self, axis: int, ranges: Sequence[np.ndarray], sign: int) -> np.ndarray:
+    def _moved_range(self, axis: int, ranges: np.ndarray, sign: int) -> np.ndarray:
         (low, end), size, margin = ranges, self.positive.shape[axis], sign * self._margin[axis]
         if axis:
             return np.array([np.where(low <= 0, 0, np.maximum(low - margin, 0)),
