@@ -21,14 +21,14 @@ RUN_TIMEOUT_S = 180.0
 
 
 def copied(folder):
-    """Copy this package with the tests of the colored areas, and none that would run it again."""
+    """Copy this package with the tests of the commands, and none that would run it again."""
     path = str(folder / 'img_recog')
     shutil.copytree(ROOT, path, symlinks=True, ignore=shutil.ignore_patterns(
         'build', 'devel', '.git', '.venv', '.hypothesis', 'data', '__pycache__', 'unit',
         'test_*.py'))
-    areas = os.path.join('test', 'unit', 'recognition', 'test_areas.py')
-    os.makedirs(os.path.dirname(os.path.join(path, areas)))
-    shutil.copy(os.path.join(ROOT, areas), os.path.join(path, areas))
+    commands = os.path.join('test', 'unit', 'recognition', 'test_commands.py')
+    os.makedirs(os.path.dirname(os.path.join(path, commands)))
+    shutil.copy(os.path.join(ROOT, commands), os.path.join(path, commands))
     for name in SHARED:
         os.symlink(os.path.realpath(os.path.join(ROOT, name)), os.path.join(path, name))
     return path
@@ -81,13 +81,13 @@ ROSTEST = """<launch>
 
 
 def test_one_kind_and_name_with_coverage(checkout, env):
-    code, output = run(checkout, env, 'test', 'unit', '-k', 'test_areas')
+    code, output = run(checkout, env, 'test', 'unit', '-k', 'test_commands')
     assert code == 0, output
     assert re.search(r'\[run\] the unit tests run \d+% of the lines of camera ', output), output
     assert re.search(r'\n[1-9]\d* passed, 0 failed, 0 skipped\n$', output), output
     with open(os.path.join(checkout, 'build', 'coverage.txt')) as file:
         table = file.read()
-    assert re.search(r'src/img_recog/recognition/areas.py +\d+ +\d+ +\d+%', table), table
+    assert re.search(r'src/img_recog/recognition/commands.py +\d+ +\d+ +\d+%', table), table
     assert 'src/img_recog/ros/' not in table
 
 
@@ -232,7 +232,7 @@ def test_mutants_leave_no_copy_that_roslaunch_would_find(checkout, env):
         os.symlink(os.path.join(ROOT, tools), os.path.join(checkout, tools))
     for words in (('init', '-q'), ('add', '.')):
         subprocess.run(['git', *words], cwd=checkout, env=env, check=True)
-    _, made = run(checkout, env, 'mutants', '1', '--only', 'recognition/areas.py')
+    _, made = run(checkout, env, 'mutants', '1', '--only', 'recognition/commands.py')
     if 'pip failed' in made:
         pytest.skip(made)
     assert '[mutants] --seed' in made, made
