@@ -94,7 +94,7 @@ def setting(default: Any, allowed: Allowed = any_value(), description: str = '')
     return _field(default, type(default), allowed, description)
 
 
-def required(value_type: type, allowed: Allowed = any_value(), description: str = '') -> Any:
+def required(value_type: type, allowed: Allowed, description: str) -> Any:
     """Declare a field of a `Settings` class that has no default and must be given.
 
     value_type: the type that is accepted; the other arguments as for `setting`.

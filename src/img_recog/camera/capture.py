@@ -70,7 +70,6 @@ class Capture:
         """
         self._open_source, self._listener, self._now = open_source, listener, now
         self._wanted, self._stopping, self._closed = (threading.Event() for _ in range(3))
-        self._stopping.set()
         self._closed.set()
         self._wait = wait or self._stopping.wait
         self._lock = threading.Lock()

@@ -171,7 +171,7 @@ def line_colors(colors: Sequence[Color]) -> List[Tuple[int, int, int]]:
     """
     hues: List[int] = []
     for color in colors:
-        free = [hue for hue in range(0, 180, _HUE_STEP) if all(
+        free = [hue for hue in range(180)[::_HUE_STEP] if all(
             _hue_distance(hue, used) >= _HUE_STEP for used in hues)]
         wanted = color.middle_hue
         if any(_hue_distance(wanted, used) < _HUE_STEP for used in hues) and free:
