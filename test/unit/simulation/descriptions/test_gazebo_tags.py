@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.settings import setting_fields
 from img_recog.simulation.descriptions.drive_tags import DIFF_DRIVE, PLUGINS
 from img_recog.simulation.descriptions.gazebo_tags import read
 from img_recog_testing.refusals import refusal
@@ -215,6 +216,13 @@ def test_place_of_a_sensor_is_its_link_and_pose_and_of_a_plugin_its_body():
     assert scanner.place.pose.translation.tolist() == [1, 2, 3]
     assert (unit.place.link, unit.values['imu_frame']) == ('b', 'f')
     assert np.array_equal(middle.place.pose.matrix(), np.eye(4))
+
+
+@pytest.mark.parametrize('kind', SENSORS, ids=lambda kind: kind.name)
+def test_tags_and_defaults_of_plugins_are_of_settings_that_there_are(kind):
+    named = {row.setting for row in kind.tags.rows}.union([kind.tags.frame] * bool(
+        kind.tags.frame), *kind.tags.defaults.values())
+    assert named <= {field.name for field in setting_fields(kind.settings)}
 
 
 def test_defaults_of_range_plugins():

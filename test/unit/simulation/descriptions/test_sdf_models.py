@@ -326,6 +326,15 @@ def test_a_shape_that_is_lost_is_replaced_by_the_others():
             'visual', 'collision'}
 
 
+def test_a_loop_that_slides_is_left_out_and_another_is_closed():
+    tree, = convert(
+        TWO, LINK.format('c', ''), JOINT.format('a', 'b', 'revolute', ''),
+        JOINT.format('b', 'a', 'prismatic', ''), TIE.format('a', 'c'),
+        JOINT.format('c', 'a', 'revolute', ''),
+        problems=['joint b_a, which closes a loop of links and slides'])
+    assert [(loop.parent, loop.child) for loop in tree.loops] == [('c', 'a')]
+
+
 @pytest.mark.parametrize('static, inside, concave', [
     ('0', '', None), ('1', '', 'yes'), ('0', TIE.format('world', 'a'), 'yes')])
 def test_meshes_of_what_does_not_move_are_concave(tmp_path, static, inside, concave):

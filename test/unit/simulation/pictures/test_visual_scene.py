@@ -198,6 +198,14 @@ def test_a_camera_needs_its_link():
         RobotCamera(built.simulator.vehicles[0].robot, CameraSettings(camera_frame='eye'), list)
 
 
+def test_the_frame_of_the_images_is_where_the_camera_is():
+    frame = robot_camera.optical_frame(CameraSettings(
+        camera_x=1.0, camera_y=2.0, camera_z=3.0, camera_yaw=math.pi / 2))
+    assert frame.translation.tolist() == [1.0, 2.0, 3.0]
+    # x to the right is along the link's x, z forward along its y
+    assert frame.rotation == pytest.approx(np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]))
+
+
 @pytest.mark.parametrize('turn, is_warned', [
     ('-1.57 0 -1.57', False), ('-1.57 0 -1.59', True), ('0 0 0', True), ('-1.57 0 1.57', True),
     (None, False)])
