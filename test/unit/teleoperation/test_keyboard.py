@@ -4,6 +4,7 @@ import io
 import os
 import pty
 import termios
+from unittest import mock
 
 import pytest
 
@@ -59,11 +60,14 @@ def test_echo_and_line_mode_are_off_inside_and_restored_after(terminal, foregrou
     assert termios.tcgetattr(stream) == before
 
 
-def test_closed_terminal_has_no_keys_and_raises_no_error(terminal, foreground):
+@pytest.mark.parametrize('error', [None, OSError])
+def test_closed_terminal_has_no_keys_and_raises_no_error(terminal, foreground, monkeypatch, error):
     master, stream = terminal
     with Keyboard(stream) as keyboard:
         assert keyboard.present
         os.close(master)
+        if error:       # as on other systems
+            monkeypatch.setattr(os, 'read', mock.Mock(side_effect=error))
         assert keyboard.key(DEADLINE_S) is None
         assert not keyboard.present and keyboard.key(0) is None
 

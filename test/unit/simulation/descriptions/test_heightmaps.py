@@ -203,6 +203,7 @@ def test_images_of_a_wrong_size_are_refused(tmp_path, size, words):
         heightmaps.urdf_element, 'a', element_of('<uri>a</uri>'), lambda uri: path)
     nowhere = ElementTree.Element('heightmap', size='1 1 1')
     assert refusal(heightmaps.read, nowhere).startswith('heightmap : ')
+    assert refusal(heightmaps.read, ElementTree.Element('heightmap')).startswith("size: got ''")
 
 
 @pytest.mark.parametrize('mode', ['I', 'I;16B', 'I;16', 'L', 'F'])
