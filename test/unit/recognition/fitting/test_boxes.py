@@ -89,6 +89,16 @@ def test_scores_are_those_of_plain_numpy(beta, margin):
             beta ** 2 * positive.sum() + inside + wrong))
 
 
+@pytest.mark.parametrize('margin', [(0, 0, 0), (2, 1, 1)])
+def test_scores_of_boxes_that_differ_in_one_axis_are_theirs(margin):
+    objective = BoxSearch(*blob((12, 6, 6), 0, True)).objective(1.0, margin)
+    edges = all_boxes((12, 6, 6))[::500]
+    for axis in range(3):
+        boxes = np.tile(edges[7], (len(edges), 1))
+        boxes[:, 2 * axis:2 * axis + 2] = sides = edges[:, 2 * axis:2 * axis + 2]
+        assert (objective.scores_along(axis, edges[7], sides.T) == objective.score(boxes)).all()
+
+
 def test_a_margin_keeps_sides_away_from_both():
     positive, negative = np.zeros((2, 180, 256, 256), int)
     positive[20:30, 150:200, 150:200] = 1

@@ -21,11 +21,19 @@ def test_any_box_is_counted_also_through_zero(largest):
     edges = np.stack([starts, ends], axis=2).reshape(300, 6)
     assert list(SummedVolume(counts).count(edges)) == [plain(counts, each) for each in edges]
     assert SummedVolume(counts).total == counts.sum()
+    for axis in range(3):       # of the first box, and its sides on the axis those of each
+        boxes = np.tile(edges[0], (300, 1))
+        boxes[:, 2 * axis:2 * axis + 2] = sides = edges[:, 2 * axis:2 * axis + 2]
+        assert list(SummedVolume(counts).count_along(axis, edges[0], sides.T)) == [
+            plain(counts, each) for each in boxes]
 
 
 def test_a_box_that_ends_before_it_begins_is_empty():
     volume = SummedVolume(np.ones(SHAPE, int))
-    assert volume.count(np.array([5, 3, 0, 7, 0, 5])) == 0
+    empty = np.array([5, 3, 0, 7, 0, 5])
+    assert volume.count(empty) == 0
+    assert list(volume.count_along(0, empty, np.array([[5, 3], [3, 5]]))) == [0, 70]
+    assert list(volume.count_along(1, empty, np.array([[0], [7]]))) == [0]
     assert volume.count(np.array([[[3, 5, 2, 2, 0, 5]]])).shape == (1, 1)
 
 
