@@ -205,6 +205,15 @@ def test_depths_of_the_floor_and_of_what_moves():
     assert lower[120, 160] == pytest.approx(2.7, abs=1e-3)
 
 
+def test_of_several_parts_one_that_is_not_seen_leaves_out_no_other():
+    boxes = [visual(Shape(BOX, (1, 1, 1)), np.eye(4), color, part)
+             for part, color in enumerate((RED, GREEN, BLUE))]
+    poses = np.concatenate([HERE] * 3)
+    poses[:, 0] = -5, 5, -5
+    red, green, blue = draw(*boxes, poses=poses, moving=(True,) * 3)[120, 160].tolist()
+    assert green > 100 and red == blue == 0
+
+
 def test_another_scene_takes_the_place_of_the_first():
     left = scene(visual(Shape(BOX, (1, 1, 1)), at(3, 1, 0), RED), floor=True)
     poses = np.array([[0, 0, 0, 0, 0, 0, 1.0], [3, -1, 0, 0, 0, 0, 1]])

@@ -11,7 +11,9 @@ def test_reset_world_keeps_time_and_forgets_the_command():
     sim = simulator(x=-2.0)
     sim.vehicles[0].command(1.0, 0.5)
     sim.advance(2000)
+    revision = sim.world.revision
     sim.reset_world()
+    assert sim.world.revision == revision       # nothing to be drawn anew
     assert sim.vehicles[0].robot.motion().position == pytest.approx([-2.0, 0.0, 0.0], abs=1e-6)
     assert sim.time_s == pytest.approx(2.0)
     sim.advance(1000)
