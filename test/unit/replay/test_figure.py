@@ -32,10 +32,13 @@ def rows(colors, turns=True):
 
 
 def drawn(colors):
-    file, all_rows = io.BytesIO(), rows(TWO)
-    figure.ReplayFigure().draw(file, 'a test', PlotData(
+    file, all_rows, picture = io.BytesIO(), rows(TWO), figure.ReplayFigure()
+    all_rows[:, 1] += 1e5
+    picture.draw(file, 'a test', PlotData(
         colors, all_rows[:, :6], np.delete(all_rows, range(1, 6), 1)[:, :1 + len(colors)],
         np.empty((0, 3)), np.empty((0, 3)), 0.24, []))
+    close_up, = (axes for axes in picture.figure.axes if axes.get_title('left') == 'Close up')
+    assert close_up.yaxis.get_offset_text().get_text() == ''        # numbers are whole ones
     return cv2.imdecode(np.frombuffer(file.getvalue(), np.uint8), cv2.IMREAD_GRAYSCALE)
 
 
