@@ -55,7 +55,7 @@ class TinyRenderer:
         looks along its x axis; poses (n, 7): of all parts; ceiling: the height in m from which on
         nothing is drawn by a camera that looks down.
         """
-        if camera_pose[2, 0] < _STRAIGHT_DOWN and ceiling < math.inf:
+        if camera_pose[2, 0] < _STRAIGHT_DOWN:
             camera = camera._replace(near=max(camera.near, camera_pose[2, 3] - ceiling))
         pixels, depth = self._draw(camera, camera_pose, poses)
         pixels[depth > _BACKGROUND_DEPTH] = np.round(np.array(self._light.background) * 255)
