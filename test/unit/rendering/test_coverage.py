@@ -114,10 +114,11 @@ def test_tiles_hold_a_pixel_around():
         pytest.approx(np.array([[32 / 80 - 1, -1.0, 128 / 80 - 1, 1.0]])))
 
 
-@pytest.mark.parametrize('width', [160, 161])
-def test_there_is_room_for_as_many_tiles_as_there_can_be(width):
+@pytest.mark.parametrize('width, height', [(160, 33), (161, 32)])
+def test_there_is_room_for_as_many_tiles_as_there_can_be(width, height):
     places = [[x / width * 2 - 1, -1, x / width * 2 - 1, 1] for x in range(16, width, 64)]
-    assert len(coverage.runs(np.array(places), width, 33)) == coverage.count_tiles(width, 33)
+    assert len(coverage.runs(np.array(places), width, height)) == coverage.count_tiles(
+        width, height)
 
 
 def test_triangles_of_a_rectangle():

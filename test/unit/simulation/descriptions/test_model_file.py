@@ -59,6 +59,9 @@ def test_urdf_can_move_unless_its_root_is_the_world():
     ('<robot name="r">{}</robot>'.format(LINK.format('l')),
      'model m: link l can move but has no mass; add an <inertial>'),
     ('<robot name="r"><link name="world"><visual><geometry><mesh filename="package://a/b.dae"/>'
+     '</geometry></visual></link></robot>', 'not supported: mesh package://a/b.dae'),
+    ('<robot name="r"><link name="l">' + MASS + '<visual><geometry><mesh '
+     'filename="package://a/b.dae"/>'
      '</geometry></visual></link></robot>', 'not supported: mesh package://a/b.dae')])
 def test_refusals_are_one_line(text, words):
     assert words in refusal(model_file.read, text, 'm', nowhere)
