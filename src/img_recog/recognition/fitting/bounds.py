@@ -102,7 +102,6 @@ def _centered(objective: Objective, edges: np.ndarray) -> Tuple[Box, Tuple[Optio
             edges[side] = inner[side] + sign * beyond
             nearest.append(beyond)
         margin.append(min(nearest) if nearest else None)
-    edges[1] = min(edges[1], edges[0] + HUES)
     return box_of(_normal(edges), HUES), tuple(margin)
 
 
