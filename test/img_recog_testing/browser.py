@@ -74,8 +74,9 @@ class Browser:
         return self.driver.execute_script(script, *arguments)
 
     def has_button(self, text):
-        """Return whether there is a button with this text."""
-        return self.js(_BUTTON + 'return Boolean(button(arguments[0]))', text)
+        """Return whether there is a button with this text, and in sight."""
+        return self.js(_BUTTON + 'const found = button(arguments[0]);'
+                       'return Boolean(found && found.offsetParent)', text)
 
     def click(self, text):
         """Click the button with this text."""

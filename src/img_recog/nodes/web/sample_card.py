@@ -119,7 +119,8 @@ class SampleCard:
             self._undo.set_visibility(True)
 
     async def _take_back(self) -> None:
-        if await self._calls.wait_for(self._colors.replace, self._before):
+        # of the last use, which may not be done when this is clicked
+        if await self._calls.wait_for(lambda: self._colors.replace(self._before)):
             self._undo.set_visibility(False)
 
     async def _remove(self, number: int) -> None:
