@@ -137,12 +137,16 @@ class Ros:
 
         roscore does the same, and takes half a second of CPU time more.
         """
-        self.core = self.start('rosmaster', '--core', '-p', self.port, '-w', '3')
-        wait_for(lambda: wire.answers(self.master_uri), lambda: 'it in:\n' + self.core.output)
+        self.start_core()
         self.set_parameters('/run_id', str(uuid.uuid4()))
         self._rosout = self.start(find_node('rosout', 'rosout')[0], '__name:=rosout')
         self.node_pid('/rosout')
         return self.core
+
+    def start_core(self, **popen):
+        """Start a master without rosout, and wait until it answers."""
+        self.core = self.start('rosmaster', '--core', '-p', self.port, **popen)
+        wait_for(lambda: wire.answers(self.master_uri), lambda: 'it in:\n' + self.core.output)
 
     def kill_master(self, signum=signal.SIGKILL):
         """End the master and rosout by a signal."""

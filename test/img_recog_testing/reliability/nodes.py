@@ -39,9 +39,7 @@ class Nodes(Contained):
     def __init__(self) -> None:
         super().__init__()
         # without the marker: it is not under test
-        self.core = self.start('rosmaster', '--core', '-p', self.port,
-                               env={**self.env, self.marker.partition('=')[0]: ''})
-        wait_for(lambda: wire.answers(self.master_uri), self.output)
+        self.start_core(env={**self.env, self.marker.partition('=')[0]: ''})
 
     def start_node(self, script: str, *arguments: str) -> Process:
         """Start a script of this package; a simulator gets the robot's description."""
