@@ -192,6 +192,10 @@ class Ros:
         """Return the XML-RPC API of the master."""
         return xmlrpc.client.ServerProxy(self.master_uri)
 
+    def parameter(self, name):
+        """Return a parameter, or a namespace of them."""
+        return self.master().getParam('/test', name)[2]
+
     def set_parameters(self, name, value=None):
         """Replace a parameter or a namespace of them, by default by nothing.
 

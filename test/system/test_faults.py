@@ -36,10 +36,6 @@ class Demo:
     def output(self):
         return self.process.output
 
-    def parameter(self, name):
-        """Return a parameter, or a namespace of them."""
-        return self.ros.master().getParam('/test', name)[2]
-
     def wait(self, pattern, after=0, count=1):
         """Wait until a pattern is found `count` times in the output after a position."""
         wait_for(lambda: len(re.findall(pattern, self.output[after:])) >= count,
@@ -103,7 +99,7 @@ def test_node_that_was_shut_down_from_outside_comes_back(demo):
 def test_new_master_knows_nodes_and_parameters(demo):
     # the nodes read their parameters once a second, to keep them
     demo.wait_chain(len(demo.output))
-    before = demo.parameter('/usb_cam')
+    before = demo.ros.parameter('/usb_cam')
     after = len(demo.output)
     demo.ros.kill_master()
     # the connection is refused, or ends if a node was just asking
@@ -111,9 +107,9 @@ def test_new_master_knows_nodes_and_parameters(demo):
     demo.ros.start_master()
     demo.wait(r'a master answers at \S+: registered again', after, len(PROGRAMS))
     assert set(demo.ros.run('rosnode', 'list').split()) >= {'/' + name for name in PROGRAMS}
-    assert demo.parameter('/usb_cam') == before and before['video_device'] == 'synthetic'
-    assert demo.parameter('/use_sim_time') is True
-    assert '<robot' in demo.parameter('/robot_description')
+    assert demo.ros.parameter('/usb_cam') == before and before['video_device'] == 'synthetic'
+    assert demo.ros.parameter('/use_sim_time') is True
+    assert '<robot' in demo.ros.parameter('/robot_description')
     assert demo.ros.run('rosservice', 'call', '/gazebo/unpause_physics').strip() == ''
     # a camera that starts now finds its parameters, and is found by the recognition
     pid = demo.node('usb_cam')
@@ -126,7 +122,7 @@ def test_new_master_knows_nodes_and_parameters(demo):
 
 def test_nodes_that_die_without_a_master_come_back_with_their_parameters(demo):
     def parameters():
-        return {name: demo.parameter('/' + name)
+        return {name: demo.ros.parameter('/' + name)
                 for name in ('usb_cam', 'color_extract', 'gazebo')}
     before, after = parameters(), len(demo.output)
     assert before['usb_cam']['video_device'] == 'synthetic'

@@ -126,7 +126,7 @@ def blueness(page):
 
 def parameter(demo, name):
     """Return a parameter of the recognition."""
-    return demo.master().getParam('/test', '/color_extract/' + name)[2]
+    return demo.parameter('/color_extract/' + name)
 
 
 def set_parameters(demo, **integers):
