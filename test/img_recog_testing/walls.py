@@ -9,7 +9,7 @@ GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_ou
                 'still_images', 'textures', 'timed_xmlrpc', 'visuals')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
 SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
-                    'pictures', 'models', 'places', 'pacing', 'assembly')
+                    'figures', 'pictures', 'models', 'places', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(

@@ -1,6 +1,8 @@
-"""check_robot.py and check_world.py as a user runs them: lines, exit codes, no master."""
+"""check_robot.py, check_world.py, simulate.py as a user runs them: lines, exit codes, no master."""
+import json
 import os
 
+import cv2
 import pytest
 
 from img_recog_testing.pages import ROOT
@@ -9,6 +11,15 @@ from img_recog_testing.sdf import BOX, BUILT_IN, sdf
 
 WALL = ('<model name="wall"><static>1</static><link name="l">'
         + BOX.format('visual', '', '0.1 4 2') + '</link></model>')
+BALL = ('<model name="ball"><pose>3 0 10 0 0 0</pose><link name="l"><inertial><mass>2</mass><inertia>'
+        '<ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link></model>')
+DOOR = ('<model name="door"><link name="post"/><link name="l"><pose>0.5 0 1 0 0 0</pose></link>'
+        '<joint name="to_world" type="fixed"><parent>world</parent><child>post</child></joint>'
+        '<joint name="hinge" type="revolute"><parent>post</parent><child>l</child><pose>-0.5 0 0 '
+        '0 0 0</pose><axis><xyz>0 0 1</xyz></axis></joint></model>')
+EYE = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera><image><width>64'
+       '</width><height>48</height></image></camera><plugin name="p" filename="libgazebo_ros_camera.so">'
+       '<cameraName>front</cameraName></plugin></sensor></gazebo>')
 CHAIR = '<include><uri>model://chair</uri></include>'
 
 
@@ -76,3 +87,62 @@ def test_wrong_usage_and_no_file(run, program):
 def test_our_own_robot_and_world_can_be_used(run, program, file):
     code, lines = run(program, os.path.join(ROOT, 'urdf', file))
     assert code == 0 and not [line for line in lines if line.startswith('warning')], lines
+
+
+def test_a_world_as_figures(run, tmp_path):
+    (tmp_path / 'fall.sdf').write_text(sdf(BUILT_IN, BALL))
+    (tmp_path / 'my.urdf').write_text(burger())
+    command = ('simulate.py', 'fall.sdf', '--urdf', 'my.urdf', '--twist', '0.2,0', '--until', '1',
+               '--every', '0.5', '--velocity', 'ball=0.5,0,0')
+    code, lines = run(*command)
+    assert code == 0, lines
+    assert run(*command) == (0, lines)
+    begin, half, end, *sensors, masses = map(json.loads, lines)
+    assert [line['t'] for line in (begin, half, end)] == [0, 0.5, 1]
+    assert begin['links']['ball::l'] == pytest.approx(
+        [3, 0, 10, 0, 0, 0, 1] + [0.5, 0, 0] + [0] * 3)
+    # sums over steps of 1 ms, of which each falls at the velocity of its end
+    assert end['links']['ball::l'][:3] == pytest.approx([3.5, 0, 5.0951], abs=1e-4)
+    assert 0.1 < end['links']['turtlebot3_burger::base_footprint'][0] < 0.2
+    assert 'turtlebot3_burger::base_scan' not in end['links']       # lumped, like in Gazebo
+    assert end['joints']['turtlebot3_burger::wheel_left_joint'][1] == pytest.approx(6.06, abs=0.1)
+    assert [line.get('imu') or line['ray'] for line in sensors] == ['imu', 'scan']
+    assert len(sensors[1]['ranges']) == 360
+    assert masses['mass']['ball::l'] == pytest.approx([2, 1, 1, 1])
+
+
+def test_pictures_of_the_cameras_of_a_robot(run, tmp_path):
+    (tmp_path / 'my.urdf').write_text(burger().replace('</robot>', EYE + '</robot>'))
+    code, lines = run('simulate.py', 'color_posts', '--urdf', 'my.urdf', '--until', '0.01',
+                      '--pictures', 'eyes')
+    assert code == 0, lines
+    image = cv2.imread(str(tmp_path / 'eyes' / 'front_image_raw.png'))
+    assert image.shape == (48, 64, 3)
+    assert image.std() > 5          # something is seen
+
+
+def test_a_motor_drives_a_joint(run, tmp_path):
+    (tmp_path / 'door.sdf').write_text(sdf(BUILT_IN, DOOR))
+    code, lines = run('simulate.py', 'door.sdf', '--until', '0.5', '--every', '0.5',
+                      '--drive', 'door::hinge=1:1000')
+    assert code == 0, lines
+    assert json.loads(lines[1])['joints']['door::hinge'] == pytest.approx([0.5, 1], abs=0.01)
+
+
+@pytest.mark.parametrize('options, words', [
+    (['--drive', 'door::hing=1:5'],
+     'no movable joint door::hing (movable joints: door::hinge)'),
+    (['--drive', 'door::hinge=1'], "--drive: got 'door::hinge=1', expected "
+     'MODEL::JOINT=VELOCITY:TORQUE, two numbers'),
+    (['--twist', '1,0'], '--twist: there is no robot; set --urdf'),
+    (['--velocity', 'dor=1,2,3'], "no model 'dor' (models: ground_plane, door)")])
+def test_wrong_options_of_simulate(run, tmp_path, options, words):
+    (tmp_path / 'door.sdf').write_text(sdf(BUILT_IN, DOOR))
+    assert run('simulate.py', 'door.sdf', *options) == (1, ['simulate.py: ' + words])
+
+
+def test_what_is_left_out_of_a_world_as_figures(run, tmp_path):
+    (tmp_path / 'part.sdf').write_text(sdf(BUILT_IN, WALL, CHAIR))
+    code, lines = run('simulate.py', 'part.sdf', '--until', '0.001')
+    assert code == 2
+    assert 'warning: world part.sdf: loaded without: model://chair' in lines

@@ -44,7 +44,7 @@ def test_program_prints_its_usage(script):
 
 @pytest.mark.parametrize('script', (
     'check_robot.py', 'check_world.py', 'doctor.py', 'evaluate.py', 'film.py', 'fit_colors.py',
-    'graph.py', 'plot.py', 'replay.py', 'sweep.py'))
+    'graph.py', 'plot.py', 'replay.py', 'simulate.py', 'sweep.py'))
 def test_options_agree_with_the_script(script):
     options = sorted(set(re.findall(r'(?<!\S)--[a-z-]+', help_of(script, '--help'))) - {'--help'})
     assert sorted(row[0].strip('`') for row in rows(REFERENCE, script, 'option')) == options

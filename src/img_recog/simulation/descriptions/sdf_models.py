@@ -1,6 +1,6 @@
 """The models of an SDF as trees of links, each the text of a URDF."""
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -39,7 +39,8 @@ class Tree(NamedTuple):
     meshes have absolute paths; pose: of the root link in the world; fixed: whether that never
     moves; in_model: the pose of the root link in the frame of the model; first: whether it is the
     first tree of its model; warnings: what is simulated in another way than given, a line each;
-    loops: the joints that the URDF has not; is_terrain: whether it is a heightmap that carries.
+    loops: the joints that the URDF has not; is_terrain: whether it is a heightmap that carries;
+    frames: the pose of each link of the model in the link of that name in the URDF.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Tree(NamedTuple):
     warnings: Tuple[str, ...] = ()
     loops: Tuple[Loop, ...] = ()
     is_terrain: bool = False
+    frames: Mapping[str, Transform] = {}
 
 
 def trees(model: ElementTree.Element, version: Version, find: FindFile,
@@ -141,7 +143,9 @@ class _Builder:
                 _add_joint(robot, away, _relative(frames[link], joint.pose))
         tree = Tree('{}::{}'.format(name, root.name), ElementTree.tostring(robot, 'unicode'),
                     model_pose @ base, is_fixed or base is not root.pose, base,
-                    warnings=tuple(self._warnings), loops=tuple(self._loops(loops, base)))
+                    warnings=tuple(self._warnings), loops=tuple(self._loops(loops, base)),
+                    frames={link: _relative(frames[link], self._links[link].pose)
+                            for link in names})
         return [tree, *(each._replace(name='{}::{}'.format(name, each.name),
                                       pose=model_pose @ each.in_model) for each in self._terrains)]
 

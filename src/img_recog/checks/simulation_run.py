@@ -1,0 +1,176 @@
+"""A world and a robot simulated as fast as it goes: lines of JSON of where everything is."""
+import dataclasses
+import json
+import math
+import os
+import re
+from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+
+import cv2
+
+from img_recog import resources, robot_file
+from img_recog.conversions import robot_cameras
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.errors import UserError
+from img_recog.rendering import lens_views, renderer
+from img_recog.simulation import assembly
+from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.figures import Figures
+from img_recog.simulation.models import Models
+from img_recog.simulation.pictures import visual_scene
+from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
+from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.sensors.robot_camera import RobotCamera
+from img_recog.simulation.settings import PhysicsSettings, SpawnSettings
+
+_EXPECTED = {'--twist': 'V,W: two numbers, m/s and rad/s',
+             '--drive': 'MODEL::JOINT=VELOCITY:TORQUE, two numbers',
+             '--velocity': 'MODEL=VX,VY,VZ or MODEL=VX,VY,VZ,WX,WY,WZ, in m/s and rad/s'}
+_PRINTED = ('imu', 'range', 'scan')         # kinds of sensors
+
+
+class Options(NamedTuple):
+    """What is simulated, and what is done to it.
+
+    world: like the launch argument; urdf: of a robot at the origin of the world, '' for none;
+    until_s, every_s: simulated time of the end and between two lines; twist: the command of the
+    robot, 'V,W'; drive: motors, 'MODEL::JOINT=VELOCITY:TORQUE' each; velocity: of models at the
+    start, 'MODEL=VX,VY,VZ[,WX,WY,WZ]' each; pictures: a folder for an image of each camera of the
+    robot at the end, '' for none.
+    """
+
+    world: str
+    urdf: str = ''
+    until_s: float = 2.0
+    every_s: float = 0.1
+    twist: str = ''
+    drive: Sequence[str] = ()
+    velocity: Sequence[str] = ()
+    pictures: str = ''
+
+
+class Run:
+    """A simulation of a world, built as in the node; warnings: a line each."""
+
+    def __init__(self, options: Options):
+        """Build it and start the motors; raise a UserError if it cannot be built."""
+        self._options = options
+        physics = PhysicsSettings(world=options.world, allow_partial_world=True)
+        file = world_file.read(options.world, resources.worlds(), resources.find, True,
+                               read_file=robot_file.read_any)
+        robots = [self._robot(options.urdf, physics.step_s)] if options.urdf else []
+        self._built = assembly.build(physics, file, robots)
+        self.warnings: Tuple[str, ...] = (*(line for robot, _ in robots for line in robot.warnings),
+                                          *self._built.warnings)
+        self.left_out = (*file.left_out, *self._built.left_out)
+        self._simulator = self._built.simulator
+        self._figures = Figures(self._simulator)
+        self._readings: Dict[Tuple[str, str], Any] = {}
+        self._move_models(Models(self._simulator))
+        if options.twist:
+            self._command(options.twist)
+        for text in options.drive:
+            joint, numbers = _named('--drive', text, ':', (2,))
+            self._figures.set_motor(joint, *numbers)
+
+    @staticmethod
+    def _robot(path: str, step_s: float) -> Tuple[assembly.RobotSource, Any]:
+        robot = assembly.read_robot(robot_file.read(path, '--urdf'), step_s, resources.find, path,
+                                    SENSORS)
+        settings = assembly.default_settings(robot)
+        return robot, dataclasses.replace(settings, spawn=SpawnSettings(x_pos=0.0, y_pos=0.0))
+
+    def _move_models(self, models: Models) -> None:
+        for text in self._options.velocity:
+            name, numbers = _named('--velocity', text, ',', (3, 6))
+            linear, angular = numbers[:3], numbers[3:] or [0.0] * 3
+            models.set_state(name, models.state(name)._replace(linear=linear, angular=angular))
+
+    def _command(self, text: str) -> None:
+        if not self._simulator.vehicles:
+            raise UserError('--twist: there is no robot', 'set --urdf')
+        linear, angular = _numbers('--twist', text, text, ',', (2,))
+        self._simulator.vehicles[0].command(linear, angular)
+
+    def lines(self) -> Iterator[Dict[str, Any]]:
+        """Simulate; yield a line for each time, and at the end those of sensors and masses."""
+        step_s = self._simulator.world.step_s
+        every = max(1, round(self._options.every_s / step_s))
+        end = round(self._options.until_s / step_s)
+        yield self._line()
+        while self._simulator.steps < end:
+            steps = min(every, end - self._simulator.steps)
+            for reading in self._simulator.advance(steps):
+                if reading.kind in _PRINTED:
+                    self._readings[reading.sensor, reading.kind] = reading.value
+            if steps == every:
+                yield self._line()
+        yield from map(_sensor_line, self._readings, self._readings.values())
+        if self._options.pictures:
+            self._draw(self._options.pictures)
+        yield {'end': True, 'mass': self._figures.masses()}
+
+    def _line(self) -> Dict[str, Any]:
+        return {'t': round(self._simulator.time_s, 9), 'links': self._figures.links(),
+                'joints': self._figures.joints()}
+
+    def _draw(self, folder: str) -> None:
+        """Write a PNG of each camera of the robot."""
+        parts = Parts(self._simulator)
+        drawn_by, _ = renderer.make_or(TinyRenderer)
+        drawn_by.load(visual_scene.read(self._built.scene, parts), parts.poses())
+        os.makedirs(folder, exist_ok=True)
+        for vehicle, cameras in zip(self._simulator.vehicles, self._built.cameras):
+            for settings in cameras:
+                exposure = RobotCamera(vehicle.robot, settings, parts.poses).read()
+                image = lens_views.draw(drawn_by, robot_cameras.camera_of(settings),
+                                        exposure.camera_pose, exposure.poses)
+                name = re.sub('[^A-Za-z0-9_.-]+', '_', settings.camera_image_topic.strip('/'))
+                path = os.path.join(folder, name + '.png')
+                if not cv2.imwrite(path, cv2.cvtColor(image, cv2.COLOR_RGB2BGR)):
+                    raise UserError('cannot write ' + path, 'give --pictures another folder')
+
+
+def text_of(line: Dict[str, Any]) -> str:
+    """Return a line of JSON; numbers that JSON has not are 'inf', '-inf' and 'nan'.
+
+    >>> text_of({'ranges': [1.25, math.inf]})
+    '{"ranges":[1.25,"inf"]}'
+    """
+    return json.dumps(_plain(line), separators=(',', ':'), allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    if isinstance(value, float):
+        return float('{:.9g}'.format(value)) if math.isfinite(value) else repr(value)
+    return value
+
+
+def _sensor_line(key: Tuple[str, str], value: Any) -> Dict[str, Any]:
+    name, kind = key
+    if kind == 'imu':
+        return {'imu': name, 'acc': list(value.linear_acceleration),
+                'gyro': list(value.angular_velocity)}
+    return {'ray': name, 'ranges': value.tolist() if kind == 'scan' else [value]}
+
+
+def _named(option: str, text: str, separator: str,
+           counts: Sequence[int]) -> Tuple[str, List[float]]:
+    """Return the name and the numbers of 'NAME=NUMBERS'."""
+    name, _, numbers = text.rpartition('=')
+    return name, _numbers(option, text, numbers, separator, counts)
+
+
+def _numbers(option: str, text: str, numbers: str, separator: str,
+             counts: Sequence[int]) -> List[float]:
+    try:
+        found = [float(number) for number in numbers.split(separator)]
+    except ValueError:
+        found = []
+    if len(found) not in counts or not all(map(math.isfinite, found)):
+        raise UserError('{}: got {!r}, expected {}'.format(option, text, _EXPECTED[option]))
+    return found

@@ -1,0 +1,104 @@
+"""A simulation in figures, by the names that Gazebo gives: what simulate.py prints."""
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Tuple
+
+import numpy as np
+import pybullet
+
+from img_recog import rotations
+from img_recog.simulation.bodies.body import Body, FrameState, velocity_at
+from img_recog.simulation.bodies.loading import link_indices
+from img_recog.simulation.descriptions.geometry import Transform
+from img_recog.simulation.settings import SimulationError
+from img_recog.simulation.simulator import Simulator
+
+SEPARATOR = '::'
+
+
+class _Link(NamedTuple):
+    """A link: the body and the number of the part that carries it, and its pose in that part."""
+
+    body: Body
+    part: int
+    pose: Transform
+
+
+class Figures:
+    """The links and joints of all models of a simulator, as long as nothing is added or removed.
+
+    Names are MODEL::LINK and MODEL::JOINT.
+    """
+
+    def __init__(self, simulator: Simulator):
+        self._client = {'physicsClientId': simulator.world.physics_client_id}
+        self._links: Dict[str, _Link] = {}
+        self._joints: Dict[str, Tuple[Body, int]] = {}
+        world = simulator.world
+        for tree, body in zip(world.file.trees, world.bodies):
+            parts = {link: (link, pose) for link, pose in tree.frames.items()}
+            self._add(tree.name.partition(SEPARATOR)[0], body, parts)
+        for vehicle in simulator.vehicles:
+            # like Gazebo, without the links that are lumped into others
+            self._add(vehicle.robot.name, vehicle.robot, {
+                link: frame for link, frame in vehicle.description.frames.items()
+                if link == frame.link})
+
+    def _add(self, model: str, body: Body,
+             parts: Mapping[str, Tuple[str, Transform]]) -> None:
+        indices = link_indices(body.body_id, body.physics_client_id)
+        for link, (part, pose) in parts.items():
+            self._links[model + SEPARATOR + link] = _Link(body, indices[part], pose)
+        for joint, index in body.joints.items():
+            self._joints[model + SEPARATOR + joint] = body, index
+
+    def links(self) -> Dict[str, List[float]]:
+        """Return x, y, z (m), a quaternion x, y, z, w, the velocity of the frame (m/s) and its
+        angular velocity (rad/s) of each link, 13 numbers in the world.
+        """
+        return {name: list(_numbers(self._state(link))) for name, link in self._links.items()}
+
+    def _state(self, link: _Link) -> FrameState:
+        pose = link.pose.translation.tolist(), rotations.quaternion_of(link.pose.rotation)
+        if link.part == -1:
+            in_mass = pybullet.multiplyTransforms(
+                *pybullet.invertTransform(*link.body.mass_in_root), *pose)
+            return link.body.base_state(in_mass)
+        state = pybullet.getLinkState(link.body.body_id, link.part, computeLinkVelocity=1,
+                                      computeForwardKinematics=1, **self._client)
+        return FrameState(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
+
+    def joints(self) -> Dict[str, List[float]]:
+        """Return position and velocity of each movable joint: rad and rad/s, or m and m/s."""
+        return {name: list(pybullet.getJointState(body.body_id, index, **self._client)[:2])
+                for name, (body, index) in self._joints.items()}
+
+    def masses(self) -> Dict[str, List[float]]:
+        """Return mass (kg) and moments of inertia about x, y and z of its axes through its center
+        of mass (kg m2) of each link that PyBullet simulates.
+        """
+        found = {}
+        for name, link in self._links.items():
+            mass, _, moments, _, turned = pybullet.getDynamicsInfo(
+                link.body.body_id, link.part, **self._client)[:5]
+            turn = rotations.matrix(turned)
+            found[name] = [mass, *np.diag(turn @ np.diag(moments) @ turn.T).tolist()]
+        return found
+
+    def set_motor(self, joint: str, velocity: float, limit: float) -> None:
+        """Let a motor hold a joint at a velocity, in rad/s or m/s.
+
+        limit: its torque in N m or force in N. Raises SimulationError if there is no such joint.
+        """
+        if joint not in self._joints:
+            raise SimulationError('no movable joint {} (movable joints: {})'.format(
+                joint, ', '.join(self._joints) or 'none'))
+        body, index = self._joints[joint]
+        pybullet.setJointMotorControl2(body.body_id, index, pybullet.VELOCITY_CONTROL,
+                                       targetVelocity=velocity, force=limit, **self._client)
+
+
+def _numbers(state: FrameState) -> Iterator[float]:
+    (position, orientation), point, linear, angular = state
+    yield from position
+    yield from orientation
+    yield from velocity_at(position, point, linear, angular)
+    yield from angular
