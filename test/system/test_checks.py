@@ -1,4 +1,4 @@
-"""check_robot.py, check_world.py, simulate.py as a user runs them: lines, exit codes, no master."""
+"""check_robot.py, check_world.py and simulate.py as a user runs them, without a master."""
 import json
 import os
 
@@ -11,15 +11,15 @@ from img_recog_testing.sdf import BOX, BUILT_IN, sdf
 
 WALL = ('<model name="wall"><static>1</static><link name="l">'
         + BOX.format('visual', '', '0.1 4 2') + '</link></model>')
-BALL = ('<model name="ball"><pose>3 0 10 0 0 0</pose><link name="l"><inertial><mass>2</mass><inertia>'
-        '<ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link></model>')
+BALL = ('<model name="ball"><pose>3 0 10 0 0 0</pose><link name="l"><inertial><mass>2</mass>'
+        '<inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link></model>')
 DOOR = ('<model name="door"><link name="post"/><link name="l"><pose>0.5 0 1 0 0 0</pose></link>'
         '<joint name="to_world" type="fixed"><parent>world</parent><child>post</child></joint>'
         '<joint name="hinge" type="revolute"><parent>post</parent><child>l</child><pose>-0.5 0 0 '
         '0 0 0</pose><axis><xyz>0 0 1</xyz></axis></joint></model>')
 EYE = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera><image><width>64'
-       '</width><height>48</height></image></camera><plugin name="p" filename="libgazebo_ros_camera.so">'
-       '<cameraName>front</cameraName></plugin></sensor></gazebo>')
+       '</width><height>48</height></image></camera><plugin name="p" '
+       'filename="libgazebo_ros_camera.so"><cameraName>front</cameraName></plugin></sensor></gazebo>')
 CHAIR = '<include><uri>model://chair</uri></include>'
 
 

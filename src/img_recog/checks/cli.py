@@ -36,10 +36,10 @@ def world() -> int:
 def simulate() -> int:
     """Print where everything is in the simulation that the command line names."""
     parser = argparse.ArgumentParser(
-        prog='simulate.py', allow_abbrev=False, description='Simulate a world as fast as it goes, '
-        'and print lines of JSON: where all links and joints are at each time, and at the end what '
-        'the sensors of the robot measure, and the masses. It needs no master. Exits with 1 if the '
-        'world or the robot cannot be used, with 2 if something of the world is left out.')
+        prog='simulate.py', allow_abbrev=False, description='Simulate a world as fast as it goes '
+        'and print lines of JSON: where all links and joints are at each time, and at the end '
+        'what the sensors of the robot measure, and the masses. It needs no master. Exits with 1 '
+        'if the world or the robot cannot be used, with 2 if something of the world is left out.')
     parser.add_argument('world', metavar='WORLD',
                         help='an SDF, URDF or xacro file, or what else `world` can be')
     parser.add_argument('--urdf', metavar='ROBOT', default='',

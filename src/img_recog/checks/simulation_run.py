@@ -60,8 +60,8 @@ class Run:
                                read_file=robot_file.read_any)
         robots = [self._robot(options.urdf, physics.step_s)] if options.urdf else []
         self._built = assembly.build(physics, file, robots)
-        self.warnings: Tuple[str, ...] = (*(line for robot, _ in robots for line in robot.warnings),
-                                          *self._built.warnings)
+        self.warnings = (*(line for robot, _ in robots for line in robot.warnings),
+                         *self._built.warnings)
         self.left_out = (*file.left_out, *self._built.left_out)
         self._simulator = self._built.simulator
         self._figures = Figures(self._simulator)
