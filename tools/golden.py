@@ -1,0 +1,141 @@
+"""Print all that the simulator makes of robots and worlds, as text to be compared.
+
+usage: golden.py [--hashes] FILE ...
+
+FILE is a URDF, a xacro file, an SDF or the name of a world. With --hashes, a line for each file has
+the hash of its text: so the effect of a change is seen also on files that are not kept here. Made
+before a change of structure, and again after it, the two must be equal.
+"""
+import argparse
+import dataclasses
+import hashlib
+import logging
+import re
+import sys
+from typing import Any, Iterator, List
+
+import numpy as np
+import pybullet
+
+from img_recog import resources, robot_file
+from img_recog.conversions.sensor_table import SENSORS
+from img_recog.errors import UserError, one_line
+from img_recog.simulation import assembly
+from img_recog.simulation.assembly import Assembly
+from img_recog.simulation.bodies.body import Body
+from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.descriptions.world_file import EMPTY, WorldFile
+from img_recog.simulation.figures import Figures
+from img_recog.simulation.pictures import visual_scene
+from img_recog.simulation.pictures.visual_scene import Parts
+from img_recog.simulation.settings import PhysicsSettings
+
+_SMALLEST = 1e-8        # what is nearer to 0 is rounding
+
+
+def text_of(path: str) -> str:
+    """Return the text of a file, or why it is refused."""
+    try:
+        is_robot = path.endswith(('.urdf', '.xacro'))
+        return '\n'.join(_robot(path) if is_robot else _world(path)) + '\n'
+    except UserError as error:
+        return 'refused: {}\n'.format(one_line(error))
+
+
+def _robot(path: str) -> Iterator[str]:
+    robot = assembly.read_robot(robot_file.read(path, 'FILE'), 0.001, resources.find, path,
+                                SENSORS)
+    settings = assembly.default_settings(robot)
+    built = assembly.build(PhysicsSettings(), WorldFile(EMPTY), [(robot, settings)])
+    yield from ('warning ' + line for line in (*robot.warnings, *built.warnings))
+    vehicle = built.simulator.vehicles[0]
+    yield 'drive ' + _plain(dataclasses.asdict(settings.drive))
+    for sensor in vehicle.sensors:
+        yield 'sensor {} on {} {}'.format(sensor.name, _plain(sensor.place),
+                                          _plain(vehicle.settings.sensors[sensor.name]))
+    yield from ('camera ' + _plain(camera) for camera in robot.cameras)
+    yield from _bodies(built)
+
+
+def _world(path: str) -> Iterator[str]:
+    file = world_file.read(path, resources.worlds(), resources.find, True,
+                           read_file=robot_file.read_any)
+    built = assembly.build(PhysicsSettings(allow_partial_world=True), file, [])
+    yield from ('warning ' + line for line in built.warnings)
+    yield from ('left out ' + line for line in (*file.left_out, *built.left_out))
+    yield 'gravity {} floor {} camera {}'.format(_plain(file.gravity), file.has_floor,
+                                                 _plain(file.camera))
+    yield from _bodies(built)
+
+
+def _bodies(built: Assembly) -> Iterator[str]:
+    simulator = built.simulator
+    figures = Figures(simulator)
+    for what, values in (('link', figures.links()), ('joint', figures.joints()),
+                         ('mass', figures.masses())):
+        yield from ('{} {} {}'.format(what, *map(_plain, each)) for each in values.items())
+    for body in [*(vehicle.robot for vehicle in simulator.vehicles), *simulator.world.bodies]:
+        yield from ('body {} {}'.format(body.name, line) for line in _of_body(body))
+    parts = Parts(simulator)
+    for visual in visual_scene.read(built.scene, parts).visuals:
+        yield 'visual ' + _plain(visual)
+    simulator.close()
+
+
+def _of_body(body: Body) -> Iterator[str]:
+    client = {'physicsClientId': body.physics_client_id}
+    yield 'fixed {}'.format(body.fixed)
+    for link in body.links:
+        dynamics = pybullet.getDynamicsInfo(body.body_id, link, **client)
+        box = pybullet.getAABB(body.body_id, link, **client)
+        joint: List[Any] = []
+        if link >= 0:
+            info = pybullet.getJointInfo(body.body_id, link, **client)
+            joint = [info[1].decode(), *info[2:3], *info[6:11], *info[12:17]]
+        shapes = [(shape[2], shape[3], shape[5], shape[6]) for shape in
+                  pybullet.getCollisionShapeData(body.body_id, link, **client) or ()]
+        yield 'part {} joint {} friction {} bounce {} box {} shapes {}'.format(
+            link, _plain(joint), *map(_plain, (dynamics[1], dynamics[5], box, shapes)))
+
+
+def _plain(value: Any) -> str:
+    """Return a value as text in which small differences of floating point do not matter."""
+    if isinstance(value, bytes):
+        return value.decode(errors='replace')
+    if isinstance(value, (float, np.floating)):
+        return '{:.5g}'.format(value if abs(value) > _SMALLEST else 0.0)
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if dataclasses.is_dataclass(value):
+        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    if isinstance(value, dict):
+        return '{{{}}}'.format(', '.join('{}: {}'.format(*map(_plain, item))
+                                         for item in value.items()))
+    if isinstance(value, (list, tuple)):
+        return '({})'.format(' '.join(map(_plain, value)))
+    if hasattr(value, 'matrix'):
+        return _plain(value.matrix())
+    return re.sub('/[^ ]*/', '', str(value))       # where the files are does not matter
+
+
+def main() -> int:
+    """Print the texts or their hashes."""
+    parser = argparse.ArgumentParser(description='See the text at the head of this file.')
+    parser.add_argument('--hashes', action='store_true')
+    parser.add_argument('files', nargs='+', metavar='FILE')
+    given = parser.parse_args()
+    logging.disable(logging.CRITICAL)
+    for path in given.files:
+        text = text_of(path)
+        if given.hashes:
+            text = '{} {} lines {}\n'.format(hashlib.sha256(text.encode()).hexdigest()[:16],
+                                             text.count('\n'), path)
+        else:
+            text = '== {}\n{}'.format(path, text)
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
