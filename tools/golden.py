@@ -2,9 +2,9 @@
 
 usage: golden.py [--hashes] FILE ...
 
-FILE is a URDF, a xacro file, an SDF or the name of a world. With --hashes, a line for each file has
-the hash of its text: so the effect of a change is seen also on files that are not kept here. Made
-before a change of structure, and again after it, the two must be equal.
+FILE is a URDF, a xacro file, an SDF or the name of a world. With --hashes, a line for each file
+has the hash of its text: so the effect of a change is seen also on files that are not kept here.
+Made before a change of structure, and again after it, the two must be equal.
 """
 import argparse
 import dataclasses
@@ -103,6 +103,7 @@ def _plain(value: Any) -> str:
     if isinstance(value, bytes):
         return value.decode(errors='replace')
     if isinstance(value, (float, np.floating)):
+        value = float(value)
         return '{:.5g}'.format(value if abs(value) > _SMALLEST else 0.0)
     if isinstance(value, np.ndarray):
         return _plain(value.tolist())

@@ -2,7 +2,7 @@
 import ast
 import pathlib
 
-PURE = ('camera', 'recognition', 'rendering', 'simulation', 'teleoperation')
+PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
                 'markup', 'mesh_file', 'mesh_formats', 'messages', 'new_package', 'option_types',
                 'process_tree', 'resources', 'robot_file', 'rotations', 'settings', 'signals',

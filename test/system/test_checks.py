@@ -17,9 +17,10 @@ DOOR = ('<model name="door"><link name="post"/><link name="l"><pose>0.5 0 1 0 0 
         '<joint name="to_world" type="fixed"><parent>world</parent><child>post</child></joint>'
         '<joint name="hinge" type="revolute"><parent>post</parent><child>l</child><pose>-0.5 0 0 '
         '0 0 0</pose><axis><xyz>0 0 1</xyz></axis></joint></model>')
-EYE = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera><image><width>64'
-       '</width><height>48</height></image></camera><plugin name="p" '
-       'filename="libgazebo_ros_camera.so"><cameraName>front</cameraName></plugin></sensor></gazebo>')
+EYE = ('<gazebo reference="camera_link"><sensor type="camera" name="eye"><camera><image>'
+       '<width>64</width><height>48</height></image></camera><plugin name="p" '
+       'filename="libgazebo_ros_camera.so"><cameraName>front</cameraName></plugin></sensor>'
+       '</gazebo>')
 CHAIR = '<include><uri>model://chair</uri></include>'
 
 

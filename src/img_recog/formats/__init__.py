@@ -1,0 +1,1 @@
+"""What robots and worlds are written in."""

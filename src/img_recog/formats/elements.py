@@ -1,0 +1,177 @@
+"""The elements of SDF 1.4 to 1.9 and of URDF, and what becomes of each: the table.
+
+A row has the children of an element. Its key is the end of the path to that element:
+`friction/ode` counts more than `ode`. The words are names; after a name can stand a value that
+changes nothing, such as `kinematic=0`, and `mu2=<mu>` is the value of another child. An element
+without a row has no children; what is below one that is not simulated or of no effect is not looked at.
+doc/elements.md is made of this table.
+"""
+from typing import Dict, NamedTuple
+
+SIMULATED, DRAWN = 'simulated', 'drawn'
+NO_EFFECT, NOT_SIMULATED = 'of no effect here', 'not simulated'
+
+
+class Row(NamedTuple):
+    """The children of an element, each in the field that says what becomes of it.
+
+    anything: whether children that are in none of the fields belong to others and are not looked
+    at; why: why some have no effect here.
+    """
+
+    simulated: str = ''
+    drawn: str = ''
+    no_effect: str = ''
+    not_simulated: str = ''
+    anything: bool = False
+    why: str = ''
+
+
+_CONTACTS = 'contacts are those of PyBullet, which give way less'
+_INERTIA = Row('ixx ixy ixz iyy iyz izz')
+_FAN = Row('samples min_angle max_angle', no_effect='resolution=1', why='rays are exact')
+_NOISE = Row('type mean stddev bias_mean bias_stddev rate accel', no_effect='precision',
+             not_simulated='dynamic_bias_stddev=0 dynamic_bias_correlation_time=0')
+_CAMERA = Row('horizontal_fov image clip noise distortion lens pose depth_camera',
+              no_effect='save visibility_mask', why='images are published')
+
+# of sensors, which both formats have
+SENSORS: Dict[str, Row] = {
+    'sensor': Row('ray lidar camera imu contact update_rate pose topic plugin always_on sonar',
+                  no_effect='visualize',
+                  not_simulated='gps navsat magnetometer altimeter air_pressure force_torque '
+                                'logical_camera rfid rfidtag transceiver'),
+    'ray': Row('scan range noise', no_effect='visualize'),
+    'lidar': Row('scan range noise', no_effect='visualize visibility_mask'),
+    'ray/scan': Row('horizontal vertical'), 'lidar/scan': Row('horizontal vertical'),
+    'horizontal': _FAN, 'vertical': _FAN,
+    'ray/range': Row('min max', no_effect='resolution', why='ranges are exact'),
+    'lidar/range': Row('min max', no_effect='resolution', why='ranges are exact'),
+    'noise': _NOISE,
+    'sensor/camera': _CAMERA,
+    'camera/image': Row('width height format', not_simulated='anti_aliasing'),
+    'camera/clip': Row('near far'),
+    'distortion': Row('k1 k2 k3 p1 p2 center'),
+    'lens': Row('type scale_to_hfov custom_function cutoff_angle env_texture_size',
+                not_simulated='intrinsics projection'),
+    'custom_function': Row('c1 c2 c3 f fun'),
+    'depth_camera': Row('output clip'), 'depth_camera/clip': Row('near far'),
+    'sensor/imu': Row('noise angular_velocity linear_acceleration topic',
+                      no_effect='orientation_reference_frame enable_orientation'),
+    'imu/noise': Row('type rate accel'),
+    'angular_velocity': Row('x y z'), 'linear_acceleration': Row('x y z'),
+    'x': Row('noise'), 'y': Row('noise'), 'z': Row('noise'),
+    'rate': Row('mean stddev bias_mean bias_stddev'),
+    'accel': Row('mean stddev bias_mean bias_stddev'),
+    'sensor/contact': Row('collision topic'),
+    'sonar': Row('min max radius', no_effect='geometry'),
+    'plugin': Row(anything=True),
+}
+
+SDF: Dict[str, Row] = {
+    **SENSORS,
+    'sdf': Row('world model', not_simulated='actor light'),
+    'world': Row('model include population road gravity physics state gui', 'scene',
+                 'audio spherical_coordinates magnetic_field atmosphere wind',
+                 'light actor joint frame plugin',
+                 why='nothing here hears, measures or feels them'),
+    'physics': Row('gravity', no_effect='real_time_factor real_time_update_rate max_contacts ode '
+                   'bullet simbody dart magnetic_field provide_feedback',
+                   not_simulated='max_step_size=0.001', why='the physics is PyBullet'),
+    'scene': Row(no_effect='grid origin_visual', not_simulated='ambient=0.4,0.4,0.4,1 '
+                 'background=0.7,0.7,0.7,1 shadows=1 fog sky',
+                 why='Gazebo draws them for its user'),
+    'gui': Row('camera', no_effect='plugin', why='only its camera is used, for the view'),
+    'gui/camera': Row('pose', no_effect='view_controller track_visual projection_type name'),
+    'state': Row('model', no_effect='sim_time wall_time real_time iterations',
+                 not_simulated='insertions deletions light joint', why='time begins at 0'),
+    'state/model': Row('pose', no_effect='scale link', not_simulated='joint model',
+                       why='of a link, the pose in its model is that of its description'),
+    'model': Row('static pose link joint include model frame sensor',
+                 no_effect='allow_auto_disable', not_simulated='self_collide=0 enable_wind=0 '
+                 'gripper plugin light', why='nothing falls asleep here'),
+    'include': Row('uri name pose static', not_simulated='placement_frame plugin frame joint'),
+    'model/frame': Row('pose'), 'world/frame': Row('pose'),
+    'link': Row('pose inertial collision visual', no_effect='must_be_base_link',
+                not_simulated='sensor gravity=1 kinematic=0 self_collide=0 enable_wind=0 '
+                'velocity_decay=0 projector audio_source audio_sink battery light '
+                'particle_emitter'),
+    'inertial': Row('mass inertia pose', no_effect='density auto_inertia_params'),
+    'inertia': _INERTIA,
+    'collision': Row('geometry pose surface', no_effect='max_contacts',
+                     not_simulated='laser_retro=0', why=_CONTACTS),
+    'surface': Row('friction contact bounce', not_simulated='soft_contact'),
+    'bounce': Row(no_effect='threshold', not_simulated='restitution_coefficient=0'),
+    'surface/contact': Row(no_effect='ode bullet poissons_ratio elastic_modulus',
+                           not_simulated='collide_without_contact=0 collide_bitmask=65535 '
+                           'collide_without_contact_bitmask=1 category_bitmask=65535',
+                           why=_CONTACTS),
+    'surface/friction': Row('ode', no_effect='bullet', not_simulated='torsional',
+                            why='those of ode count, as in Gazebo'),
+    'friction/ode': Row('mu', not_simulated='mu2=<mu> fdir1=0,0,0 slip1=0 slip2=0'),
+    'visual': Row('', 'geometry pose material transparency', 'meta laser_retro',
+                  'cast_shadows=1 plugin visibility_flags', why='lasers see solids'),
+    'material': Row('', 'script ambient diffuse', 'specular emissive=0,0,0,1 lighting=1 '
+                    'render_order double_sided', 'shader pbr', why='lights are simpler here'),
+    'script': Row('', 'name uri'),
+    'geometry': Row('box cylinder sphere plane mesh polyline heightmap', no_effect='empty',
+                    not_simulated='image capsule ellipsoid'),
+    'geometry/box': Row('size'), 'geometry/cylinder': Row('radius length'),
+    'geometry/sphere': Row('radius'), 'geometry/plane': Row('size normal'),
+    'mesh': Row('uri scale submesh filename'), 'submesh': Row('name center'),
+    'polyline': Row('point height'),
+    'heightmap': Row('uri size pos sampling', 'texture', 'use_terrain_paging', 'blend',
+                     why='terrain is loaded as a whole'),
+    'heightmap/texture': Row('', 'diffuse size', '', 'normal'),
+    'joint': Row('parent child pose axis axis2', no_effect='physics',
+                 not_simulated='gearbox_ratio gearbox_reference_body thread_pitch sensor',
+                 why='solved by PyBullet'),
+    'axis': Row('xyz limit use_parent_model_frame', no_effect='',
+                not_simulated='dynamics initial_position=0 mimic'),
+    'axis2': Row('xyz limit use_parent_model_frame', no_effect='',
+                 not_simulated='dynamics initial_position=0 mimic'),
+    'limit': Row('lower upper', no_effect='stiffness dissipation',
+                 not_simulated='effort=-1 velocity=-1', why='limits are hard'),
+    'population': Row('model model_count distribution box cylinder pose'),
+    'population/box': Row('size'), 'population/cylinder': Row('radius length'),
+    'distribution': Row('type step rows cols'),
+    'road': Row('width point', 'material'),
+}
+
+# in a <gazebo> tag with a reference, which Gazebo copies into the link or joint
+_TAGS = Row('sensor visual collision plugin mu1 material', '', 'kp kd maxVel minDepth maxContacts '
+            'stopCfm stopErp fudgeFactor provideFeedback implicitSpringDamper cfmDamping '
+            'disableFixedJointLumping preserveFixedJoint genTexCoord',
+            'static=0 turnGravityOff=0 gravity=1 selfCollide=0 self_collide=0 laserRetro=0 '
+            'dampingFactor=0 velocity_decay=0 fdir1 mu2=<mu1> springReference=0 springStiffness=0 '
+            'kinematic=0 light', why=_CONTACTS)
+
+URDF: Dict[str, Row] = {
+    **SENSORS,
+    'robot': Row('link joint gazebo', 'material', 'transmission', 'ros2_control sensor group',
+                 why='controllers are found by their plugin and parameters'),
+    'robot/material': Row('', 'color texture'),
+    'robot/link': Row('inertial visual collision contact', no_effect='type',
+                      not_simulated='self_collision_checking'),
+    'inertial': Row('mass inertia origin'),
+    'link/visual': Row('', 'geometry origin material'),
+    'link/collision': Row('geometry origin', no_effect='verbose contact_coefficients'),
+    'visual/material': Row('', 'color texture'),
+    'geometry': Row('box cylinder sphere mesh', not_simulated='capsule'),
+    'link/contact': Row('lateral_friction', no_effect='stiffness damping rolling_friction '
+                        'spinning_friction contact_cfm contact_erp inertia_scaling'),
+    'robot/joint': Row('parent child origin axis limit',
+                       no_effect='calibration safety_controller', not_simulated='mimic dynamics',
+                       why='those of the real robot'),
+    'robot/gazebo': _TAGS,
+    'gazebo/visual': SDF['visual'], 'gazebo/collision': SDF['collision'],
+    **{key: row for key, row in SDF.items() if key.split('/')[0] in (
+        'surface', 'bounce', 'friction', 'script')},
+    'gazebo/visual/material': SDF['material'],
+}
+# elements whose text is true, false, 1 or 0
+BOOLEANS = frozenset((
+    'static', 'kinematic', 'self_collide', 'enable_wind', 'cast_shadows', 'allow_auto_disable',
+    'use_parent_model_frame', 'collide_without_contact', 'center', 'always_on', 'visualize',
+    'scale_to_hfov', 'shadows', 'grid', 'origin_visual', 'must_be_base_link', 'turnGravityOff',
+    'selfCollide', 'use_terrain_paging', 'lighting', 'link/gravity', 'gazebo/gravity'))

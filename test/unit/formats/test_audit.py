@@ -1,0 +1,83 @@
+"""What of a file is not done as asked, and what is misspelt."""
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from img_recog.formats import elements
+from img_recog.formats.audit import audit
+from img_recog.formats.elements_page import lines
+from img_recog_testing.pages import ROOT
+
+MODEL = '<sdf version="1.6"><world name="w"><model name="m">{}</model></world></sdf>'
+LINK = MODEL.format('<link name="l">{}</link>')
+ROBOT = '<robot name="r"><link name="l">{}</link>{}</robot>'
+
+
+def said(text):
+    return [(each.state, each.text()) for each in audit(ElementTree.fromstring(text))]
+
+
+@pytest.mark.parametrize('text, state, words', [
+    (MODEL.replace('model', 'modle').format(''), 'not known', '<modle> of <sdf> world w'),
+    (LINK.format('<colision name="c"/>'), 'not known', '<colision> of model m link l'),
+    (MODEL.format('<static>ture</static>'), 'not known',
+     '<static>ture</static>, which is neither true nor false, of world w model m'),
+    (LINK.format('<gravity>0</gravity>'), 'not simulated', '<gravity> of model m link l'),
+    (LINK.format('<velocity_decay><linear>0.1</linear></velocity_decay>'), 'not simulated',
+     '<velocity_decay> of model m link l'),
+    (LINK.format('<pose degres="1">0 0 0 0 0 0</pose>'), 'not known',
+     'attribute degres of <pose> of model m link l'),
+    (LINK.format('<collision name="c"><surface><friction><ode><mu>1</mu><mu2>2</mu2></ode>'
+                 '</friction></surface></collision>'),
+     'not simulated', '<mu2> of link l collision c'),
+    (MODEL.format('<link name="a"/><link name="a"/>'), 'not used',
+     'second link a of world w model m'),
+    (MODEL.format('<link/>'), 'not known', '<link> without a name of world w model m'),
+    (MODEL.replace('</world>', '</world><world name="v"/>'), 'not used',
+     'second world v of <sdf>'),
+    (ROBOT.format('<visaul/>', ''), 'not known', '<visaul> of robot r link l'),
+    (ROBOT.format('', '<gazebo reference="l"><turnGravityOff>true</turnGravityOff></gazebo>'),
+     'not simulated', '<turnGravityOff> of robot r gazebo l'),
+    (ROBOT.format('', '<gazebo reference="l"><mu1 value="1"/><mu2 value="0.5"/></gazebo>'),
+     'not simulated', '<mu2> of robot r gazebo l')])
+def test_what_is_said(text, state, words):
+    assert said(text) == [(state, words)]
+
+
+@pytest.mark.parametrize('text', [
+    LINK.format('<gravity>1</gravity><kinematic>false</kinematic><self_collide>0</self_collide>'),
+    LINK.format('<gravity>true</gravity><velocity_decay><linear>0</linear><angular/>'
+                '</velocity_decay>'),
+    LINK.format('<collision name="c"><surface><friction><ode><mu>0.5</mu><mu2>0.50</mu2><fdir1>0 '
+                '0 0</fdir1></ode></friction><contact><ode><kp>1</kp></ode></contact></surface>'
+                '</collision>'),
+    LINK.format('<!-- a comment --><gz:system xmlns:gz="http://gazebosim.org/schema"/>'),
+    MODEL.format('<plugin name="p" filename="f"><anything><colision/></anything></plugin>'
+                 ).replace('model', 'gui').replace('name="m"', ''),
+    '<sdf><world name="w"><scene><ambient>0.4 0.4 0.4</ambient><shadows>true</shadows></scene>'
+    '</world></sdf>',
+    ROBOT.format('', '<gazebo reference="l"><mu1>0.1</mu1><mu2>0.1</mu2><kp>5</kp></gazebo>'),
+    ROBOT.format('', '<gazebo><plugin name="p" filename="f"><leftJoint>a</leftJoint></plugin>'
+                 '</gazebo>')])
+def test_nothing_is_said_of_what_is_done_or_changes_nothing(text):
+    assert said(text) == []
+
+
+def test_places_are_counted():
+    links = ''.join('<link name="l{}"><kinematic>1</kinematic></link>'.format(number)
+                    for number in range(5))
+    assert said(MODEL.format(links)) == [(
+        'not simulated', '<kinematic> of model m link l0, model m link l1, model m link l2 and 2 '
+        'more')]
+
+
+@pytest.mark.parametrize('table', [elements.SDF, elements.URDF])
+def test_each_element_is_in_one_field(table):
+    for path, row in table.items():
+        words = [word.partition('=')[0] for text in row[:4] for word in text.split()]
+        assert sorted(set(words)) == sorted(words), path
+
+
+def test_the_page_is_that_of_the_table():
+    with open(ROOT + '/doc/elements.md', encoding='utf-8') as page:
+        assert page.read() == '\n'.join(lines())
