@@ -29,6 +29,8 @@ ALLOWED = {
     **{folder: ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file',
                 'rotations', 'settings', 'still_images', 'textures', 'visuals')
        for folder in PURE},
+    'simulation': ('errors', 'files', 'formats', 'helper_process', 'lenses', 'markup', 'mesh_file',
+                   'rotations', 'settings', 'still_images', 'textures', 'visuals'),
     'bag_recording': ('errors', 'process_tree'), 'markup': ('errors',), 'new_package': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
     'messages': (),

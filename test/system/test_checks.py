@@ -147,3 +147,27 @@ def test_what_is_left_out_of_a_world_as_figures(run, tmp_path):
     code, lines = run('simulate.py', 'part.sdf', '--until', '0.001')
     assert code == 2
     assert 'warning: world part.sdf: loaded without: model://chair' in lines
+
+
+@pytest.mark.parametrize('model, code, line', [
+    (WALL, 0, ''),
+    (WALL.replace('<static>', '<kinematic>1</kinematic><static>'), 2,
+     'not known: <kinematic> of world default model wall'),
+    (WALL.replace('<visual', '<gravity>0</gravity><visual'), 2,
+     'not simulated: <gravity> of model wall link l'),
+    (WALL + WALL, 2, 'not used: second model wall of ')])
+def test_a_world_that_asks_for_more(run, tmp_path, model, code, line):
+    (tmp_path / 'hall.sdf').write_text(sdf(BUILT_IN, model))
+    found, lines = run('check_world.py', 'hall.sdf')
+    assert found == code, lines
+    assert [each for each in lines if each.startswith('warning: world hall.sdf: ' + line)
+            ] == lines[-1:] * bool(line), lines
+
+
+def test_a_robot_that_does_not_drive(run, tmp_path):
+    (tmp_path / 'my.urdf').write_text(burger().replace(
+        '<axis xyz="0 0 1"/>', '<axis xyz="0 1 0"/>'))
+    code, lines = run('check_robot.py', 'my.urdf')
+    assert code == 2, lines
+    assert any(line.startswith('warning: my.urdf: it does not drive: straight ')
+               for line in lines), lines

@@ -90,4 +90,4 @@ def _run(prog: str, check: Callable[[], Report]) -> int:
     sys.stdout.write(report.text())
     if report.problem:
         sys.stderr.write('{}: {}\n'.format(prog, report.problem))
-    return 1 if report.problem else 0
+    return 1 if report.problem else 2 if report.is_partial else 0

@@ -1,9 +1,10 @@
 """What a check found, as a table."""
-from typing import NamedTuple, Optional, Sequence
+from typing import List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
 from img_recog.errors import shortened
+from img_recog.formats.audit import Finding
 
 SIMULATED, MEASURED, ASSUMED = 'simulated', 'measured', 'assumed'
 NOT_SIMULATED, NOT_DRAWN, LEFT_OUT = 'not simulated', 'not drawn', 'left out'
@@ -21,12 +22,17 @@ class Row(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What was found; warnings: those that the node logs; problem: why it cannot be used."""
+    """What was found.
+
+    warnings: those that the node logs; problem: why it cannot be used; is_partial: whether
+    something that the file asks for is not done.
+    """
 
     title: str
     rows: Sequence[Row]
     warnings: Sequence[str] = ()
     problem: str = ''
+    is_partial: bool = False
 
     def text(self) -> str:
         """Return the title, the table and the warnings, a line each."""
@@ -37,6 +43,11 @@ class Report(NamedTuple):
                  for row in cells]
         return '\n'.join([self.title, '', *lines,
                           *('warning: ' + warning for warning in self.warnings), ''])
+
+
+def rows_of(findings: Sequence[Finding]) -> List[Row]:
+    """Return a row for each finding of the audit."""
+    return [Row(finding.state, finding.what, finding.places_text()) for finding in findings]
 
 
 def size(box: Optional[np.ndarray]) -> str:

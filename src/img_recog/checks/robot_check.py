@@ -1,13 +1,13 @@
 """How the robot in a file is simulated: built as in the node, and driven."""
 import dataclasses
 import math
-from typing import Any, Dict, Iterator, Mapping, Sequence, Tuple
+from typing import Any, Dict, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
 from img_recog import resources, robot_file
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED, SIMULATED,
-                                     Report, Row, size)
+                                     Report, Row, rows_of, size)
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError, one_line
 from img_recog.markup import MarkupError, load_yaml, read_bytes
@@ -24,6 +24,7 @@ from img_recog.simulation.vehicle import Vehicle
 
 _LINEAR, _ANGULAR = 0.2, 0.5            # commands in m/s and rad/s
 _SECONDS, _COMMAND_PERIOD_S = 2.0, 0.1
+_MOVES = 0.2        # of the command; skid-steered robots turn by a third of theirs
 # units of what is always shown
 _OF_WHEELS = {'left_joint': '', 'right_joint': '', 'wheel_separation': ' m',
               'wheel_diameter': ' m', 'wheel_torque': ' N m'}
@@ -47,11 +48,18 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
             *_sensors(robot, vehicle), *map(_camera, robot.cameras),
             *(Row(NOT_SIMULATED, 'joint ' + each) for each in robot.description.left_out),
             *(Row(NOT_SIMULATED, each) for each in robot.not_simulated),
+            *rows_of(robot.findings),
             *(Row(NOT_DRAWN, 'mesh ' + uri) for uri in robot.description.missing_meshes),
             *(Row(NOT_DRAWN, each) for each in robot.description.missing_materials),
-            *seen.rows, *_driven(robot, simulator)]
-    return Report('robot {} in {}'.format(vehicle.robot.name, path), rows,
-                  (*robot.warnings, *built.warnings))
+            *seen.rows]
+    driven = list(_driven(robot, simulator))
+    still = [each for each in driven if abs(each.got) < _MOVES * each.asked]
+    missing = (*robot.description.left_out, *robot.not_simulated, *robot.findings,
+               *robot.description.missing_meshes, *robot.description.missing_materials, *still)
+    return Report('robot {} in {}'.format(vehicle.robot.name, path),
+                  rows + [each.row() for each in driven],
+                  (*robot.warnings, *built.warnings, *(each.warning(path) for each in still)),
+                  is_partial=bool(missing))
 
 
 def _controllers(urdf: str, paths: Sequence[str]) -> Controllers:
@@ -134,7 +142,25 @@ def _camera(camera: CameraSettings) -> Row:
         camera.camera_lens), '<gazebo> tag')
 
 
-def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[Row]:
+class _Driven(NamedTuple):
+    """How fast a robot moved, straight or turning, and how fast it was told to."""
+
+    what: str
+    got: float
+    asked: float
+    unit: str
+
+    def row(self) -> Row:
+        return Row(MEASURED, self.what, '{:.3f} {}'.format(self.got, self.unit),
+                   'asked {:g} {}'.format(self.asked, self.unit))
+
+    def warning(self, source: str) -> str:
+        return ('{}: it does not drive: {} {:.3f} {}, asked {:g}; see the axes, the shapes and '
+                'the friction of its wheels'.format(source, self.what, self.got, self.unit,
+                                                self.asked))
+
+
+def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[_Driven]:
     """Return how fast the robot moves when it is told to, on the floor alone."""
     vehicle = simulator.vehicles[0]
     for sensor in robot.sensors:
@@ -151,8 +177,7 @@ def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[Row]:
         end = vehicle.robot.motion()
         way = math.remainder(end.yaw - start.yaw, 2 * math.pi) if command[1] else float(
             (end.position - start.position) @ (math.cos(start.yaw), math.sin(start.yaw), 0.0))
-        yield Row(MEASURED, what, '{:.3f} {}'.format(way / _SECONDS, unit),
-                  'asked {:g} {}'.format(sum(command), unit))
+        yield _Driven(what, way / _SECONDS, sum(command), unit)
 
 
 def _drive_on(simulator: Simulator, command: Tuple[float, float]) -> None:

@@ -6,8 +6,7 @@ import numpy as np
 from img_recog import resources, robot_file
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
-from img_recog.checks.report import (LEFT_OUT, NOT_DRAWN, NOT_SIMULATED, SIMULATED, Report, Row,
-                                     size)
+from img_recog.checks.report import LEFT_OUT, NOT_DRAWN, SIMULATED, Report, Row, rows_of, size
 from img_recog.simulation import assembly
 from img_recog.simulation.bodies.world import World
 from img_recog.simulation.descriptions import world_file
@@ -33,7 +32,8 @@ def check(path: str, allow_partial: bool = False) -> Report:
             *(Row(LEFT_OUT, each, 'needs ' + _OPTION) for each in left_out)]
     problem = '' if allow_partial or not left_out else (
         'something is left out of it; start it with {}'.format(_OPTION))
-    return Report('world {} in {}'.format(file.name, path), rows, built.warnings, problem)
+    return Report('world {} in {}'.format(file.name, path), rows, built.warnings, problem,
+                  bool(file.missing_looks or file.findings))
 
 
 def _models(world: World, seen: Looks) -> Iterator[Row]:
@@ -50,9 +50,4 @@ def _models(world: World, seen: Looks) -> Iterator[Row]:
 def _rest(file: WorldFile) -> Iterator[Row]:
     yield Row(SIMULATED, 'floor', 'at z 0, ' + ('drawn' if file.has_floor else 'not drawn'))
     yield Row(SIMULATED, 'gravity', '{:g} {:g} {:g} m/s2'.format(*file.gravity))
-    if file.has_physics:
-        yield Row(NOT_SIMULATED, '<physics>', 'steps are those of the node')
-    for light in file.lights:
-        yield Row(NOT_SIMULATED, 'light ' + light, 'there is one sun')
-    for each in file.ignored:
-        yield Row(NOT_SIMULATED, each)
+    yield from rows_of(file.findings)

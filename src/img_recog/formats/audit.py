@@ -1,16 +1,18 @@
 """What a file asks for that is not done here, and what of it is not known."""
 import math
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.formats.elements import BOOLEANS, NOT_SIMULATED, SDF, URDF, Row
 
-NOT_KNOWN, NOT_USED = 'not known', 'not used'
+NOT_KNOWN, NOT_USED, NOT_UNIQUE = 'not known', 'not used', 'not unique'
 _FORMATS: Mapping[str, Mapping[str, Row]] = {'sdf': SDF, 'robot': URDF}
 _UNIQUE = ('model', 'link', 'joint', 'visual', 'collision')     # by their names, in one parent
 _NAMED = ('model', 'link', 'joint')
+_TOLD = ('plugin', 'sensor', 'light', 'actor')    # which one it is
 _WORDS = {'true': True, '1': True, 'false': False, '0': False}
 _MAX_PLACES = 3             # that are named
+_FILE = 'the file'          # the place of what is in no element with a name
 
 
 class Finding(NamedTuple):
@@ -26,9 +28,12 @@ class Finding(NamedTuple):
         >>> Finding('not known', '<modle>', ('world default',)).text()
         '<modle> of world default'
         """
-        shown = ', '.join(self.places[:_MAX_PLACES])
+        return '{} of {}'.format(self.what, self.places_text())
+
+    def places_text(self) -> str:
+        """Return the first places, and how many more there are."""
         more = len(self.places) - _MAX_PLACES
-        return '{} of {}{}'.format(self.what, shown, ' and {} more'.format(more) * (more > 0))
+        return ', '.join(self.places[:_MAX_PLACES]) + ' and {} more'.format(more) * (more > 0)
 
 
 def audit(root: ElementTree.Element) -> List[Finding]:
@@ -36,13 +41,23 @@ def audit(root: ElementTree.Element) -> List[Finding]:
 
     Equal findings are one, with all of their places, in the order of the file.
     """
-    table = _FORMATS[root.tag]
-    found: Dict[Tuple[str, str], List[str]] = {}
-    for state, what, place in _found(root, (root.tag,), _label(root), table):
-        places = found.setdefault((state, what), [])
-        if place not in places:
-            places.append(place)
-    return [Finding(state, what, tuple(places)) for (state, what), places in found.items()]
+    return list(merged(Finding(state, what, (place,)) for state, what, place in _found(
+        root, (root.tag,), _below('', root) or _FILE, _FORMATS[root.tag])))
+
+
+def merged(findings: Iterable[Finding]) -> Tuple[Finding, ...]:
+    """Return findings of which equal ones are one."""
+    places: Dict[Tuple[str, str], Dict[str, None]] = {}
+    for finding in findings:
+        places.setdefault(finding[:2], {}).update(dict.fromkeys(finding.places))
+    return tuple(Finding(*key, tuple(found)) for key, found in places.items())
+
+
+def warnings(name: str, findings: Sequence[Finding]) -> List[str]:
+    """Return a line for each state; name: of the world, model or robot."""
+    return ['{}: {}: {}'.format(name, state, ', '.join(
+        finding.text() for finding in findings if finding.state == state))
+            for state in dict.fromkeys(finding.state for finding in findings)]
 
 
 _Found = Tuple[str, str, str]
@@ -64,15 +79,13 @@ def _found(element: ElementTree.Element, path: Tuple[str, ...], place: str,
         if _is_foreign(tag):
             continue
         if state == NOT_KNOWN or state == NOT_SIMULATED:
-            yield state, '<{}>'.format(tag), place
+            yield state, _label(child) if tag in _TOLD else '<{}>'.format(tag), place
         elif state:
             if tag in BOOLEANS or '/'.join(inner[-2:]) in BOOLEANS:
                 yield from _boolean(child, place)
             if tag == 'pose':
                 yield from _pose(child, place)
-            label = _label(child)
-            below = place if label.startswith('<') else '{} {}'.format(place, label)
-            yield from _found(child, inner, _short(below), table)
+            yield from _found(child, inner, _below(place, child), table)
 
 
 def _row(path: Sequence[str], table: Mapping[str, Row]) -> Optional[Row]:
@@ -143,9 +156,11 @@ def _names(element: ElementTree.Element, place: str) -> Iterator[_Found]:
                 element.tag == 'include' or element.tag == 'state'):
             yield NOT_KNOWN, '<{}> without a name'.format(child.tag), place
         key = child.tag, child.get('name')
-        if child.tag in _UNIQUE and child.get('name'):
+        # of models in a world, the reader of worlds says so: included ones are among them
+        if child.tag in _UNIQUE and child.get('name') and (*key, element.tag)[::2] != (
+                'model', 'world'):
             if key in seen:
-                yield NOT_USED, 'second {}'.format(_label(child)), place
+                yield NOT_UNIQUE, 'the name {}'.format(_label(child)), place
             seen.add(key)
     worlds = element.findall('world')
     if element.tag == 'sdf' and len(worlds) > 1:
@@ -159,11 +174,13 @@ def _is_foreign(tag: str) -> bool:
 
 
 def _label(element: ElementTree.Element) -> str:
-    name = element.get('name') or element.get('reference')
+    name = element.get('filename') or element.get('name') or element.get('reference')
     return '{} {}'.format(element.tag, name) if name else '<{}>'.format(element.tag)
 
 
-def _short(place: str) -> str:
-    """Return a place by its last two names."""
-    words = place.split(' ')
-    return ' '.join(words[-4:])
+def _below(place: str, element: ElementTree.Element) -> str:
+    """Return the place of what is in an element: the last two names."""
+    label = _label(element)
+    if label.startswith('<'):
+        return place
+    return label if place in ('', _FILE) else ' '.join([*place.split(' ')[-2:], label])

@@ -3,7 +3,8 @@
 A row has the children of an element. Its key is the end of the path to that element:
 `friction/ode` counts more than `ode`. The words are names; after a name can stand a value that
 changes nothing, such as `kinematic=0`, and `mu2=<mu>` is the value of another child. An element
-without a row has no children; what is below one that is not simulated or of no effect is not looked at.
+without a row has no children; what is below one that is not simulated or of no effect is not
+looked at.
 doc/elements.md is made of this table.
 """
 from typing import Dict, NamedTuple

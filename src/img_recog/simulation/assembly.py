@@ -9,6 +9,8 @@ from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence,
 
 from img_recog.errors import UserError, shortened
 from img_recog.files import FindFile
+from img_recog.formats import audit
+from img_recog.formats.audit import Finding
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import places
 from img_recog.simulation.bodies import loading
@@ -38,7 +40,7 @@ class RobotSource(NamedTuple):
     all but cameras; tag_values: the settings in its <gazebo> tags of what is there once and of the
     first sensor of each kind, by name; cameras: those in its <gazebo> tags; warnings: a line each;
     not_simulated: what is in its tags; other_drives: the part of that which may drive the robot,
-    where nothing else says how it is driven.
+    where nothing else says how it is driven; findings: what else is not done as asked.
     """
 
     source: str
@@ -49,6 +51,7 @@ class RobotSource(NamedTuple):
     warnings: Tuple[str, ...]
     not_simulated: Tuple[str, ...] = ()
     other_drives: Tuple[str, ...] = ()
+    findings: Tuple[Finding, ...] = ()
 
 
 class Assembly(NamedTuple):
@@ -81,6 +84,7 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
         found = gazebo_tags.read(urdf, step_s, (*([drive.tags] if drive else ()),
                                                 *(kind.read_tags for kind in kinds)))
         cameras, of_cameras = camera_tags.read(urdf)
+        findings = tuple(audit.audit(description.root_of(urdf)))
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
     warnings = ['{}: {}'.format(source, warning) for warning in robot.warnings]
@@ -99,13 +103,14 @@ def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
         if parts:
             warnings.append('{}: not simulated, of its {}: {}'.format(source, name,
                                                                       ', '.join(parts)))
+    warnings += audit.warnings(source, findings)
     values = drive.settings(found.values) if drive else found.values
     sensors = tuple(sensors_of(kinds, found.sensors))
     other_drives = () if drive else tuple(
         part for part in (*found.not_simulated, *of_controllers)
         if part.startswith(('plugin', 'controller')))
     return RobotSource(source, robot, sensors, values, cameras, tuple(warnings),
-                       (*of_tags, *of_controllers), other_drives)
+                       (*of_tags, *of_controllers), other_drives, findings)
 
 
 def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:

@@ -38,12 +38,13 @@ def test_models_sizes_and_the_rest(check, tmp_path):
         Row('simulated', 'models', '2, 0.8 x 0.8 x 0.2 m'),
         Row('simulated', 'floor', 'at z 0, drawn'),
         Row('simulated', 'gravity', '0 0 -9.8 m/s2'),
-        Row('not simulated', '<physics>', 'steps are those of the node'),
-        Row('not simulated', 'light lamp', 'there is one sun'),
-        Row('not simulated', 'plugin libwind.so of default'),
+        Row('not simulated', 'light lamp', 'world default'),
+        Row('not simulated', 'plugin libwind.so', 'world default'),
         Row('simulated', 'drawn', '1 shapes, 12 triangles, 0 mesh files, 0 textures')]
     assert report.problem == ''
-    assert report.warnings == ('world hall: not simulated: plugin libwind.so of default',)
+    assert [line.split(': ', 1)[1] for line in report.warnings] == [
+        'not simulated: light lamp of world default, plugin libwind.so of world default']
+    assert report.is_partial
 
 
 def test_what_is_left_out_needs_the_option(check, tmp_path):

@@ -18,7 +18,7 @@ def said(text):
 
 
 @pytest.mark.parametrize('text, state, words', [
-    (MODEL.replace('model', 'modle').format(''), 'not known', '<modle> of <sdf> world w'),
+    (MODEL.replace('model', 'modle').format(''), 'not known', '<modle> of world w'),
     (LINK.format('<colision name="c"/>'), 'not known', '<colision> of model m link l'),
     (MODEL.format('<static>ture</static>'), 'not known',
      '<static>ture</static>, which is neither true nor false, of world w model m'),
@@ -30,11 +30,11 @@ def said(text):
     (LINK.format('<collision name="c"><surface><friction><ode><mu>1</mu><mu2>2</mu2></ode>'
                  '</friction></surface></collision>'),
      'not simulated', '<mu2> of link l collision c'),
-    (MODEL.format('<link name="a"/><link name="a"/>'), 'not used',
-     'second link a of world w model m'),
+    (MODEL.format('<link name="a"/><link name="a"/>'), 'not unique',
+     'the name link a of world w model m'),
     (MODEL.format('<link/>'), 'not known', '<link> without a name of world w model m'),
     (MODEL.replace('</world>', '</world><world name="v"/>'), 'not used',
-     'second world v of <sdf>'),
+     'second world v of the file'),
     (ROBOT.format('<visaul/>', ''), 'not known', '<visaul> of robot r link l'),
     (ROBOT.format('', '<gazebo reference="l"><turnGravityOff>true</turnGravityOff></gazebo>'),
      'not simulated', '<turnGravityOff> of robot r gazebo l'),

@@ -246,9 +246,6 @@ def _build(physics: PhysicsSettings, single: Optional[RobotPlan]) -> Simulator:
     """Build the simulator of a world, with the robot if there is a single one; log warnings."""
     world = world_file.read(physics.world, resources.worlds(), resources.find,
                             physics.allow_partial_world, read_file=robot_file.read_any)
-    if world.has_physics:
-        rospy.loginfo('world %s: its <physics> is not used: PyBullet simulates in steps of %g s',
-                      world.name, physics.step_s)
     robots = [] if single is None else [single]
     built = assembly.build(physics, world, [(each.source, each.settings) for each in robots])
     for warning in itertools.chain(*(each.source.warnings for each in robots), built.warnings):

@@ -43,6 +43,8 @@ def read(text: str, name: str, find: FindFile,
     try:
         root = parse_xml(text)
         check_expanded(root)
+        if root.tag in ('robot', 'sdf'):
+            problems.audit(root)
         if root.tag == 'robot':
             trees = _of_urdf(root, text, name, find, problems)
         elif root.tag == 'sdf':

@@ -1,8 +1,11 @@
 """What of a world or a model cannot be used: every refusal in its file goes through here."""
 import contextlib
 import re
+import xml.etree.ElementTree as ElementTree
 from typing import Dict, Iterable, Iterator, List, Tuple
 
+from img_recog.formats import audit
+from img_recog.formats.audit import Finding
 from img_recog.simulation.settings import SimulationError
 
 NOT_DOWNLOADED = 'a URL, which is not downloaded'
@@ -24,6 +27,7 @@ class Problems:
     def __init__(self):
         self._advices: Dict[str, str] = {}      # by problem, in the order in which they came
         self._looks: Dict[str, None] = {}
+        self._findings: List[Finding] = []
 
     @contextlib.contextmanager
     def left_out(self) -> Iterator[None]:
@@ -40,6 +44,19 @@ class Problems:
     def add_look(self, name: str) -> None:
         """Add a material or texture that is not found: without it, the rest is usable."""
         self._looks[name] = None
+
+    def audit(self, root: ElementTree.Element) -> None:
+        """Add what an <sdf> or a <robot> asks for that is not simulated, and what is not known."""
+        self._findings += audit.audit(root)
+
+    def add_finding(self, state: str, what: str, place: str) -> None:
+        """Add what a reader finds; arguments as of a Finding."""
+        self._findings.append(Finding(state, what, (place,)))
+
+    @property
+    def findings(self) -> Tuple[Finding, ...]:
+        """What the audits have found, each once."""
+        return audit.merged(self._findings)
 
     @property
     def names(self) -> Tuple[str, ...]:
@@ -61,14 +78,14 @@ class Problems:
                 name, ', '.join(self._advices)), ', or '.join([*self._advice(), otherwise]))
 
     def warnings(self, name: str) -> List[str]:
-        """Return a line about what was left out and one about looks; name: like `refuse`."""
+        """Return a line about each kind of problem; name: like `refuse`."""
         lines = []
         if self._advices:
             lines.append('{}: loaded without: {}'.format(name, ', '.join(self._advices)))
         if self._looks:
             lines.append('; '.join(['{}: not found, drawn in another color: {}'.format(
                 name, ', '.join(self._looks)), *_general_advice(self._looks)]))
-        return lines
+        return lines + audit.warnings(name, self.findings)
 
     def _advice(self) -> List[str]:
         given = [advice for advice in self._advices.values() if advice]

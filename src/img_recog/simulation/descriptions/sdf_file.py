@@ -3,12 +3,13 @@ import copy
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, List, NamedTuple, Optional, Sequence, Set, Tuple
 from urllib.parse import unquote
 
 import numpy as np
 
 from img_recog.files import FindFile
+from img_recog.formats.audit import NOT_USED
 from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation.descriptions import (sdf_frames, sdf_models, sdf_populations,
                                                sdf_roads)
@@ -35,15 +36,12 @@ _URLS = ('http://', 'https://', 'ftp://')
 class Contents(NamedTuple):
     """What an SDF describes.
 
-    trees: of all models; gravity (3,): m/s2; has_physics: whether it has a <physics>; ignored:
-    names of plugins and sensors; has_floor: False for a world without Gazebo's ground_plane;
-    camera: the pose of Gazebo's user camera in the world, if it is given.
+    trees: of all models; gravity (3,): m/s2; has_floor: False for a world without Gazebo's
+    ground_plane; camera: the pose of Gazebo's user camera in the world, if it is given.
     """
 
     trees: Tuple[Tree, ...]
     gravity: Optional[np.ndarray]
-    has_physics: bool
-    ignored: Tuple[str, ...]
     has_floor: bool
     camera: Optional[Transform]
 
@@ -67,9 +65,7 @@ def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problem
             element = world.find('gui/camera')
             if element is not None and element.find('pose') is not None:
                 camera = sdf_frames.pose_of(element)
-    return Contents(tuple(reader.trees), gravity,
-                    world is not None and world.find('physics') is not None,
-                    tuple(reader.ignored), world is None or reader.has_ground_plane, camera)
+    return Contents(tuple(reader.trees), gravity, world is None or reader.has_ground_plane, camera)
 
 
 class _Reader:
@@ -78,7 +74,7 @@ class _Reader:
     def __init__(self, find: FindFile, problems: Problems):
         self._find, self._problems = find, problems
         self.trees: List[Tree] = []
-        self.ignored: List[str] = []
+        self._names: Set[str] = set()
         self.has_ground_plane = False
         self._included_count = self._depth = 0
 
@@ -86,7 +82,6 @@ class _Reader:
              stack: Sequence[str]) -> None:
         """Add the models in a <world> or an <sdf>."""
         state = parent.find('state')
-        self._ignore(parent.findall('plugin'), name_of(parent))
         for element in list(parent):
             with self._problems.left_out():
                 if element.tag == 'include':
@@ -108,10 +103,13 @@ class _Reader:
 
     def _add(self, model: ElementTree.Element, version: Version, path: str,
              state: Optional[ElementTree.Element]) -> None:
+        name = name_of(model)
+        if name in self._names:         # Gazebo does not insert it either
+            self._problems.add_finding(NOT_USED, 'second model ' + name, path)
+            return
+        self._names.add(name)
         with self._problems.left_out():
             sdf_frames.apply_state(model, state)
-        self._ignore([each for each in model.iter() if each.tag in ('plugin', 'sensor')],
-                     name_of(model))
         self.has_ground_plane |= model.get('name') == _GROUND_PLANE
         self.trees += sdf_models.trees(model, version, self._finder(path), self._problems)
 
@@ -134,6 +132,7 @@ class _Reader:
             raise SimulationError(uri or 'an <include> without a <uri>')
         self._check_include(file, stack)
         root = _parsed(file)
+        self._problems.audit(root)
         model = root.find('model')
         if model is None:
             if root.find('light') is None:
@@ -193,11 +192,6 @@ class _Reader:
                 return _find_above(folder, uri[len(_MODEL_URI):].lstrip('/'))
             return found
         return find
-
-    def _ignore(self, elements: Sequence[ElementTree.Element], model: str) -> None:
-        for element in elements:
-            self.ignored.append('{} {} of {}'.format(
-                element.tag, element.get('filename') or name_of(element), model))
 
 
 def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:

@@ -4,12 +4,12 @@ import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, NamedTuple, Optional, Tuple, Union
 
 from img_recog.files import FindFile, find_in, find_user_path
+from img_recog.formats.audit import Finding
 from img_recog.markup import MarkupError, check_expanded, parse_xml, read_bytes
 from img_recog.simulation.descriptions import meshes, sdf_file, urdf_visuals
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.problems import Problems
 from img_recog.simulation.descriptions.sdf_models import Tree
-from img_recog.simulation.descriptions.texts import name_of
 from img_recog.simulation.descriptions.urdf_elements import roots
 from img_recog.simulation.settings import SimulationError
 
@@ -23,24 +23,21 @@ class WorldFile(NamedTuple):
     """A world.
 
     name: of its model or file; trees: what stands in it, besides the floor; gravity (3,): m/s2;
-    has_physics: whether the file has a <physics>, which is not used; warnings: a line for each
-    thing that was left out; has_floor: whether the floor is seen, which carries in every world;
-    camera: the pose of Gazebo's user camera in the world, if the file gives it. left_out: what
-    cannot be used; missing_looks: materials and textures that are not found; ignored: plugins and
-    sensors; lights: the names of those of the file, which are not used.
+    warnings: a line for each thing that was left out; has_floor: whether the floor is seen, which
+    carries in every world; camera: the pose of Gazebo's user camera in the world, if the file
+    gives it; left_out: what cannot be used; missing_looks: materials and textures that are not
+    found; findings: what is not done as asked.
     """
 
     name: str
     trees: Tuple[Tree, ...] = ()
     gravity: Tuple[float, ...] = GRAVITY
-    has_physics: bool = False
     warnings: Tuple[str, ...] = ()
     has_floor: bool = True
     camera: Optional[Transform] = None
     left_out: Tuple[str, ...] = ()
     missing_looks: Tuple[str, ...] = ()
-    ignored: Tuple[str, ...] = ()
-    lights: Tuple[str, ...] = ()
+    findings: Tuple[Finding, ...] = ()
 
 
 def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
@@ -60,6 +57,7 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
     path = path if os.path.isfile(path) else find(path) or path     # like worlds/hall.world
     root = _parsed(world, path, worlds, read_file)
     problems = Problems()
+    problems.audit(root)
     try:
         if root.tag == 'robot':
             file = _read_urdf(world, root, path, find, problems)
@@ -71,7 +69,8 @@ def read(world: str, worlds: Dict[str, str], find: FindFile = lambda uri: None,
     if not allow_partial:
         problems.refuse(name, 'add {} to load the rest'.format(option))
     return file._replace(warnings=(*problems.warnings(name), *file.warnings),
-                         left_out=problems.names, missing_looks=problems.looks)
+                         left_out=problems.names, missing_looks=problems.looks,
+                         findings=problems.findings)
 
 
 def _read_urdf(world: str, root: ElementTree.Element, path: str,
@@ -108,13 +107,9 @@ def _read_sdf(root: ElementTree.Element, path: str, find: FindFile,
     contents = sdf_file.read(root, path, find, problems)
     gravity = GRAVITY if contents.gravity is None else tuple(contents.gravity.tolist())
     name = os.path.splitext(os.path.basename(path))[0]
-    warnings = () if not contents.ignored else ('world {}: not simulated: {}'.format(
-        name, ', '.join(contents.ignored)),)
-    warnings += tuple('world {}: model {}: {}'.format(name, tree.name, warning)
-                      for tree in contents.trees for warning in tree.warnings)
-    return WorldFile(name, contents.trees, gravity, contents.has_physics, warnings,
-                     contents.has_floor, contents.camera, ignored=contents.ignored, lights=tuple(
-                         name_of(light) for light in root.iter('light')))
+    warnings = tuple('world {}: model {}: {}'.format(name, tree.name, warning)
+                     for tree in contents.trees for warning in tree.warnings)
+    return WorldFile(name, contents.trees, gravity, warnings, contents.has_floor, contents.camera)
 
 
 def _parsed(world: str, path: str, worlds: Dict[str, str],

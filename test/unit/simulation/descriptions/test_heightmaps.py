@@ -82,7 +82,8 @@ def test_a_crate_rests_on_it_and_the_floor_does_not_fill_the_valleys(hills):
     world.step(2000)
     # -2: 1 - 1 m, above 1.5 m
     assert crate.pose().position[2] == pytest.approx(1.5 + 0.1, abs=2e-3)
-    deep = TERRAIN.format('collision', 'hills.png', 2, '').replace('20 1', '20 -5')
+    deep = TERRAIN.format('collision', 'hills.png', 2, '').replace('20 1', '20 -5').replace(
+        '<model name="', '<model name="deep_')
     world = build(hills(more=deep.replace('10 20', '30 20') + CRATE.format('31 21.9 -2.2 0 0 0')))
     world.step(1000)
     assert world.lifted == {} and world.bodies[-1].pose().position[2] < -2.2

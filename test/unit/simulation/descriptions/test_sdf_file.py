@@ -33,9 +33,9 @@ def include(uri, inside=''):
     return '<include><uri>{}</uri>{}</include>'.format(uri, inside)
 
 
-def read(folder, *inside, find=lambda uri: None, problems=()):
+def read(folder, *inside, find=lambda uri: None, problems=(), found=None):
     """Return the contents of a world; problems: the names of what is left out of it."""
-    path, found = folder / 'worlds' / 'hall.world', Problems()
+    path, found = folder / 'worlds' / 'hall.world', found or Problems()
     contents = sdf_file.read(ElementTree.fromstring(sdf(*inside)), str(path), find, found)
     assert [words for name, words in zip(found.names, problems) if words not in name] == []
     assert len(found.names) == len(problems)
@@ -127,7 +127,7 @@ def test_a_model_file_is_a_world_with_the_floor(folder):
     root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
     contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None, Problems())
     assert places(contents) == {'m': [0, 0, 1]}
-    assert contents.gravity is None and not contents.has_physics and contents.has_floor
+    assert contents.gravity is None and contents.has_floor
 
 
 def test_what_is_not_found_is_named_once(folder):
@@ -209,16 +209,25 @@ def test_too_many_included_models(folder):
     assert len(read(folder, many).trees) == 120
 
 
-def test_plugins_and_sensors_are_named(folder):
+def test_what_included_files_ask_for_is_found_too(folder):
     plugin = '<plugin name="p" filename="lib{}.so"/>'
     model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK.replace(
         '</link>', '<sensor name="eye" type="camera"/></link>') + plugin.format('b'))
-    assert read(folder, plugin.format('a'), include('model://table')).ignored == (
-        'plugin liba.so of default', 'sensor eye of table', 'plugin libb.so of table')
-    assert read(folder).ignored == ()
-    other = '<plugin name="p"/>'
-    found = read(folder, '<model name="b">{}</model>'.format(other), other + '<plugin/>').ignored
-    assert found == ('plugin p of default', 'plugin  of default', 'plugin p of b')
+    problems = Problems()
+    read(folder, include('model://table'), found=problems)
+    assert [each.text() for each in problems.findings] == [
+        'sensor eye of model table link l', 'plugin libb.so of model table']
+
+
+def test_of_two_models_of_one_name_the_first_stays(folder):
+    model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK)
+    problems = Problems()
+    first, other = read(folder, include('model://table', '<pose>1 0 0 0 0 0</pose>'),
+                        '<model name="b">{}</model>'.format(LINK),
+                        '<model name="table">{}</model>'.format(LINK), found=problems).trees
+    assert (first.name, other.name) == ('table', 'b') and first.pose.translation[0] == 1
+    assert [(each.state, each.what) for each in problems.findings] == [
+        ('not used', 'second model table')]
 
 
 @pytest.mark.parametrize('inside, has_floor', [
@@ -264,15 +273,15 @@ def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
     assert rotations.to_rpy(tree.pose.rotation) == pytest.approx((0.1, 0.2, 0.3))
 
 
-@pytest.mark.parametrize('inside, gravity, has_physics', [
-    ('', None, False), ('<gravity>1 2 3</gravity>', [1, 2, 3], False),
-    ('<physics><gravity>1 2 3</gravity></physics>', [1, 2, 3], True),
-    ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', [4, 5, 6], True),
-    ('<physics/>', None, True)])
-def test_gravity_and_physics(folder, inside, gravity, has_physics):
+@pytest.mark.parametrize('inside, gravity', [
+    ('', None), ('<gravity>1 2 3</gravity>', [1, 2, 3]),
+    ('<physics><gravity>1 2 3</gravity></physics>', [1, 2, 3]),
+    ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', [4, 5, 6]),
+    ('<physics/>', None)])
+def test_gravity(folder, inside, gravity):
     contents = read(folder, inside)
     assert (None if contents.gravity is None else contents.gravity.tolist()) == gravity
-    assert contents.has_physics is has_physics and contents.trees == ()
+    assert contents.trees == ()
 
 
 def test_file_names_in_models_are_relative_to_their_file(folder):

@@ -56,7 +56,7 @@ def test_world_by_name():
 
 def test_empty_world_is_the_floor():
     file = world_file.read('empty', WORLDS)
-    assert file == WorldFile('empty', (), (0.0, 0.0, -9.8), False, (), True, None)
+    assert file == WorldFile('empty', (), (0.0, 0.0, -9.8), (), True, None)
     world = build(file)
     assert world.bodies == [] and world.floor.name == 'ground_plane'
     assert pybullet.getNumBodies(physicsClientId=world.physics_client_id) == 1
@@ -66,7 +66,7 @@ def test_what_is_not_simulated_is_warned_of(read):
     file = read(sdf(BUILT_IN, '<plugin name="wind" filename="libwind.so"/>',
                     '<include><uri>model://none</uri></include>'), allow_partial=True)
     assert [line.split(': ', 1)[1] for line in file.warnings] == [
-        'loaded without: model://none', 'not simulated: plugin libwind.so of default']
+        'loaded without: model://none', 'not simulated: plugin libwind.so of world default']
 
 
 def test_a_world_of_gazebos_own_models_is_empty(read):
@@ -115,7 +115,8 @@ def test_static_model_floats_and_a_crate_falls_onto_the_floor(read):
 
 def test_what_starts_in_the_floor_is_lifted_onto_it_at_rest(read):
     world = build(read(sdf(BUILT_IN, CRATE.format('-1 0 0 0 0 0.5'), CRATE.format(
-        '2 0 -0.3 0 0 0').replace('crate', 'low'), CRATE.format('4 0 0.097 0 0 0'),
+        '2 0 -0.3 0 0 0').replace('crate', 'low'), CRATE.format(
+            '4 0 0.097 0 0 0').replace('crate', 'high'),
         SHELF.replace('1 2 1 0 0 0', '1 2 0 0 0 0'))))
     assert world.lifted == {'crate': pytest.approx(0.1), 'low': pytest.approx(0.4)}
     heights = [body.pose().position[2] for body in world.bodies]
@@ -142,7 +143,7 @@ def test_static_model_carries_what_falls_on_it(read):
     ('<physics type="ode"><gravity>0 0.5 -2</gravity></physics>', (0, 0.5, -2))])
 def test_gravity_is_that_of_the_world(read, text, gravity):
     file = read(sdf(text, CRATE.format('0 0 5 0 0 0')))
-    assert file.gravity == gravity and file.has_physics is ('physics' in text)
+    assert file.gravity == gravity
     world = build(file)
     world.step(100)
     assert world.bodies[0].motion().linear == pytest.approx(np.array(gravity) * 0.1, rel=0.02)
