@@ -157,7 +157,7 @@ class _Driven(NamedTuple):
     def warning(self, source: str) -> str:
         return ('{}: it does not drive: {} {:.3f} {}, asked {:g}; see the axes, the shapes and '
                 'the friction of its wheels'.format(source, self.what, self.got, self.unit,
-                                                self.asked))
+                                              self.asked))
 
 
 def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[_Driven]:
