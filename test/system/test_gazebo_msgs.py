@@ -1,17 +1,21 @@
 """The simulator's gazebo_msgs topics and services in ROS tools, with and without the package."""
 import copy
+import itertools
 import math
 import os
 import re
+import signal
 import sys
+import time
 
 import pytest
 import yaml
 
 from img_recog_testing.gazebo_messages import INSTALLED, write_package
+from img_recog_testing.process_table import is_alive
 from img_recog_testing.service_calls import ServiceCalls
-from img_recog_testing.simulator_tools import Images, burger, drive
-from img_recog_testing.waiting import wait_for
+from img_recog_testing.simulator_tools import Images, burger, drawing, drive
+from img_recog_testing.waiting import DEADLINE_S, wait_for
 
 MODEL = 'turtlebot3_burger'
 NAMES = ['ground_plane', 'turtlebot3_world', MODEL]
@@ -372,3 +376,24 @@ def test_a_bumper_reports_what_it_touches(gazebo):
     contacts.wait_output('collision1_name: "turtlebot3_burger::bar::collision"\n'
                          ' +collision2_name: "turtlebot3_world::.*::collision"')
     drive(gazebo, 0.0)
+
+
+def test_a_static_model_that_is_moved_all_the_time_is_seen(gazebo):
+    seen = gazebo.start('rostopic', 'echo', '/gazebo/view/image_raw/header/seq')
+
+    def move_until_seen(what):
+        # begins while the scene is loaded, and goes on while it is drawn
+        count = seen.output.count('---')
+        for number in itertools.count():
+            set_state(gazebo, 0.01 * (number % 2), 0.0, name='turtlebot3_world')
+            if seen.output.count('---') >= count + 2:
+                return
+            assert number < 20 * DEADLINE_S, what + seen.output[-500:]
+            time.sleep(0.05)
+    move_until_seen('no image: ')
+    first = drawing(gazebo.simulator)
+    os.kill(first, signal.SIGKILL)
+    wait_for(lambda: not is_alive(first), 'the end of the process that draws')
+    move_until_seen('no image of another process: ')
+    assert drawing(gazebo.simulator) not in (None, first)
+    set_state(gazebo, 0.0, 0.0, name='turtlebot3_world')

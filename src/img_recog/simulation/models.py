@@ -135,8 +135,7 @@ class Models:
                     origin.rotation @ state.angular)
         if model.vehicle is not None:
             model.vehicle.notify_teleported()
-        if any(body.fixed for body in model.bodies):
-            self._world.notify_rearranged()
+        self._world.notify_moved(model.bodies)
 
     def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD) -> None:
         """Add a model to the world.

@@ -52,7 +52,7 @@ class ImageProcess:
         self._memory = np.empty((server.SLOTS, 0), np.uint8)
         self._thread: Optional[threading.Thread] = None
         self._condition = threading.Condition()
-        self._is_ready = self._is_busy = self._has_ended = False
+        self._is_ready = self._is_busy = self._has_ended = self._is_scene_new = False
         self.has_lost = False
         self._request, self._requested_s = Request([], poses), 0.0
         self._publish: Optional[Publish] = None
@@ -91,7 +91,8 @@ class ImageProcess:
         with self._condition:
             self._helper = helper
             self._memory = np.frombuffer(memory, np.uint8).reshape(server.SLOTS, -1)
-            self._send(helper, Request([_FIRST_SHOT], self._poses, self._scene))
+            self._is_scene_new = True
+            self._send(helper, Request([_FIRST_SHOT], self._poses))
         self._thread = threading.Thread(target=self._run, args=(helper,), name='drawing',
                                         daemon=True)
         self._thread.start()
@@ -100,16 +101,15 @@ class ImageProcess:
         return server.memory_size([*self._cameras, _FIRST_SHOT.camera])
 
     def set_scene(self, scene: VisualScene, poses: np.ndarray) -> None:
-        """Draw another scene from now on; waits until earlier images are drawn.
+        """Draw another scene from now on; does not wait.
 
-        A process that still loads is replaced by the next `start`: to wait for it takes longer.
+        It is loaded at once if nothing is drawn or loaded, else with the next request: of several
+        scenes that come meanwhile, only the last one.
         """
         with self._condition:
-            self._scene, self._poses = scene, poses
-            if not self._is_ready:
-                self._drop()
-            elif self._wait_idle() and self._helper is not None:
-                self._send(self._helper, Request([], poses, scene))
+            self._scene, self._poses, self._is_scene_new = scene, poses, True
+            if self.is_ready and not self._is_busy and self._helper is not None:
+                self._send(self._helper, Request([], poses))
 
     def set_cameras(self, cameras: Sequence[Camera]) -> None:
         """Draw for other cameras from now on; waits until earlier images are drawn.
@@ -142,8 +142,10 @@ class ImageProcess:
 
     def _send(self, helper: HelperProcess, request: Request,
               publish: Optional[Publish] = None) -> None:
+        scene = self._scene if self._is_scene_new else None
+        self._is_scene_new = False
         # of two slots, the other one may still be published
-        self._request = request._replace(slot=1 - self._request.slot)
+        self._request = request._replace(slot=1 - self._request.slot, scene=scene)
         self._publish, self._requested_s, self._is_busy = publish, time.monotonic(), True
         helper.send(self._request)      # if the process has ended, the thread notices
 

@@ -25,7 +25,7 @@ class World:
     physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
     bodies in the client; floor; file: what stands in the world now; bodies: one for each tree in
     `file`; revision: the number of times that something was added or removed, robots too, or that
-    something fixed was moved; lifted: how far, in m, each body was moved upward that was in the
+    something fixed was moved for the first time; lifted: how far, in m, each body was moved upward that was in the
     floor when it was added, by name.
     """
 
@@ -39,7 +39,6 @@ class World:
         self.physics_client_id, self.step_s = physics_client_id, settings.step_s
         self.solids = Solids(physics_client_id)
         self.file, self.revision = file._replace(trees=()), 0
-        self._is_rearranged = False
         self.bodies: List[Body] = []
         self.lifted: Dict[str, float] = {}
         pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
@@ -117,9 +116,6 @@ class World:
         """Move all bodies back to where they were when they were added, at rest."""
         for body in self.bodies:
             body.reset()
-        if self._is_rearranged:
-            self.notify_rearranged()
-            self._is_rearranged = False
 
     def notify_changed(self) -> None:
         """Call after a body was added or removed."""
@@ -127,10 +123,12 @@ class World:
         self.solids.others = {body.body_id for body in self.bodies if body.is_terrain}
         self.solids.forget()
 
-    def notify_rearranged(self) -> None:
-        """Call after a fixed body was moved."""
-        self.revision += 1
-        self._is_rearranged = True
+    def notify_moved(self, bodies: Sequence[Body]) -> None:
+        """Call after bodies were moved; from then on, fixed ones among them can move, too."""
+        for body in bodies:
+            if body.fixed and not body.was_moved:
+                body.was_moved = True
+                self.revision += 1
 
 
 def add_floor(physics_client_id: int, visible: bool = False) -> int:

@@ -29,7 +29,7 @@ class Parts:
         self.refresh()
 
     def refresh(self) -> None:
-        """Read the bodies again; to be called when some were added, removed or rearranged."""
+        """Read the bodies again; to be called when some were added or removed, or can move now."""
         simulator = self._simulator
         self._bodies: List[Body] = [*(vehicle.robot for vehicle in simulator.vehicles),
                                     *simulator.world.bodies]
@@ -64,7 +64,7 @@ def read(scene: Scene, parts: Parts) -> VisualScene:
 
 
 def _moving(body: Body) -> List[bool]:
-    return [not body.fixed or (link != -1 and bool(body.joints)) for link in body.links]
+    return [not body.fixed or body.was_moved or (link != -1 and bool(body.joints)) for link in body.links]
 
 
 def _poses(body: Body) -> List[Tuple[float, ...]]:

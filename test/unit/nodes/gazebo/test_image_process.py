@@ -133,13 +133,13 @@ def test_pictures_are_valid_until_they_are_published(make):
     drawn.wait([1, 9, 128], [1, 9, 128], [1, 10, 128])
 
 
-@pytest.mark.parametrize('change', ['draw', 'set_scene', 'set_cameras'])
+@pytest.mark.parametrize('change', ['draw', 'set_cameras'])
 def test_what_comes_next_waits_for_the_images_before(make, change):
     made, drawn = make()
     child = start(made)
     os.kill(child.pid, signal.SIGSTOP)
     drawn.draw(7)
-    done = in_thread(*{'draw': (drawn.draw, 8), 'set_scene': (made.set_scene, OTHER, POSES),
+    done = in_thread(*{'draw': (drawn.draw, 8),
                        'set_cameras': (made.set_cameras, [CAMERA] * 3)}[change])
     assert not done.wait(0.3)
     os.kill(child.pid, signal.SIGCONT)
@@ -158,15 +158,47 @@ def test_another_scene_is_drawn_by_the_same_process(make, warnings):
     assert warnings == ['not drawn: no mesh of 1']      # once
 
 
-def test_another_scene_while_the_process_loads(make):
+def test_other_scenes_while_the_process_loads(make):
     made, drawn = make()
     made.start()
     child, = multiprocessing.active_children()
-    made.set_scene(OTHER, POSES)
-    child.join(DEADLINE_S)
-    start(made)
+    for scene in (OTHER, SCENE) * 50 + (OTHER,):
+        made.set_scene(scene, POSES)
+    assert start(made) is child         # none of them waits, or needs another process
     drawn.draw(7)
     drawn.wait([1, 7, 255])
+
+
+def test_other_scenes_while_images_are_drawn(make):
+    made, drawn = make()
+    child = start(made)
+    os.kill(child.pid, signal.SIGSTOP)
+    drawn.draw(7)
+    for scene in (OTHER, SCENE) * 50 + (OTHER,):
+        made.set_scene(scene, POSES)    # does not wait
+    assert made.is_busy
+    os.kill(child.pid, signal.SIGCONT)
+    drawn.draw(8)
+    drawn.wait([1, 7, 128], [1, 8, 255])
+
+
+def test_scenes_that_change_all_the_time_do_not_keep_it_from_drawing(make):
+    made, drawn = make()
+    end = threading.Event()
+
+    def change():
+        while not end.is_set():
+            made.set_scene(OTHER, POSES)
+            made.start()
+    changing = threading.Thread(target=change)
+    changing.start()
+    wait_for(lambda: made.is_ready, 'the scene')
+    for x in range(3):
+        drawn.draw(x)
+    wait_for(lambda: len(drawn.colors) == 3, 'the images')
+    end.set()
+    changing.join(DEADLINE_S)
+    assert [color[1] for color in drawn.colors] == [0, 1, 2]
 
 
 def test_more_cameras_are_drawn_by_another_process(make):
