@@ -25,8 +25,8 @@ class World:
     physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
     bodies in the client; floor; file: what stands in the world now; bodies: one for each tree in
     `file`; revision: the number of times that something was added or removed, robots too, or that
-    something fixed was moved for the first time; lifted: how far, in m, each body was moved upward that was in the
-    floor when it was added, by name.
+    something fixed was moved for the first time; lifted: how far, in m, each body was moved upward
+    that was in the floor when it was added, by name.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
