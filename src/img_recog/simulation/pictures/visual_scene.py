@@ -64,7 +64,8 @@ def read(scene: Scene, parts: Parts) -> VisualScene:
 
 
 def _moving(body: Body) -> List[bool]:
-    return [not body.fixed or body.was_moved or (link != -1 and bool(body.joints)) for link in body.links]
+    return [not body.fixed or body.was_moved or (link != -1 and bool(body.joints))
+            for link in body.links]
 
 
 def _poses(body: Body) -> List[Tuple[float, ...]]:
