@@ -22,8 +22,8 @@ YELLOW = (20, 180, 200)     # BGR
 BLUE_HUE = 113
 DEFAULTS = {'blue_hue_min': 50, 'blue_saturation_min': 100, 'blue_saturation_max': 255,
             'blue_area_limit': 1000, 'blue_linear_x': 10.0, 'red_hue_min': 150,
-            'red_hue_max': 180, 'publish_on_change': False, 'stop_when_lost': 0.0,
-            'roi_width': 0, 'min_blob_size': 0}
+            'red_hue_max': 180, 'publish_commands': 'all', 'publish_on_change': False,
+            'stop_when_lost': 0.0, 'roi_width': 0, 'min_blob_size': 0}
 
 
 def picture(*squares):
@@ -176,6 +176,10 @@ class LiveTest(unittest.TestCase):
         self.assertTrue((drawn[100, 130:170] != BLUE).any(axis=1).all())    # the outline
         self.assertTrue((drawn[104, 134:140] == BLUE).all())                # within
         self.assertTrue((drawn[200:, :] == GREY).all())
+
+    def test_one_command_for_an_image(self):
+        self.client.update_configuration({'publish_commands': 'sum'})
+        self.assertEqual([(0.0, 0.0), (-10.0, 0.0)], self.commands_for(picture(BLUE, RED)))
 
     def test_publish_on_change(self):
         self.client.update_configuration({'publish_on_change': True})

@@ -38,12 +38,13 @@ class Drive(Recorder):
     """
 
     def __init__(self, x, y, yaw, posts=None, colors=FOLLOW, size=(160, 120), teleop=False,
-                 delays=(0,)):
+                 delays=(0,), lag_ns=0):
         """Start at x, y, yaw.
 
         posts: places (x, y) of posts by name, instead of those of the world. colors: a parameter
         file, '' for the article's colors. delays: how old the processed images are, in periods;
-        of one frame after the other, over and over.
+        of one frame after the other, over and over. lag_ns: how much later than a command of an
+        image the next one of it comes, as those of a node do.
         """
         built = scenario.build('color_posts', resources.burger(), SpawnSettings(x, y, 0.0, yaw))
         self.simulator, self.models = built.simulator, Models(built.simulator)
@@ -54,6 +55,7 @@ class Drive(Recorder):
         self.results, self.contacts = [], set()
         self._watch_contacts(built.simulator.world)
         self._built, self._size, self._delays = built, size, itertools.cycle(delays)
+        self._lag_ns, self._lagged_ns = lag_ns, 0
         self._recognition = ColorRecognition(
             parameter_file.read(colors) if colors else with_colors()())
         self._chain = Chain(built.simulator, self._recognition, teleop, [self])
@@ -73,6 +75,11 @@ class Drive(Recorder):
 
     def on_frame(self, result):
         self.results.append(result)
+        self._lagged_ns = result.time_ns
+
+    def on_command(self, sent):
+        self._lagged_ns += self._lag_ns
+        self._chain.simulate_until(self._lagged_ns)
 
     def run(self, seconds, at_frame=lambda time_s: None):
         """Drive; at_frame is called with the time of each frame, before it is processed."""
@@ -173,6 +180,14 @@ def test_the_robot_follows_a_post_that_is_moved():
     x, y = place(26.0)
     bearing = math.atan2(y - ahead.position[1], x - ahead.position[0]) - ahead.yaw
     assert abs(bearing) < 0.2
+
+
+def test_before_the_post_the_robot_stands_although_the_commands_come_one_by_one():
+    drive = Drive(-0.3, -0.15, 0.0, lag_ns=4 * SECOND_NS // 1000).run(76.0)
+    assert_stands_before(drive, 'blue_post_1')
+    headings = [result.motion.yaw for result in drive.results if result.time_ns > 6 * SECOND_NS]
+    assert math.degrees(max(headings) - min(headings)) < 1.0
+    assert all(len(result.commands) == 1 for result in drive.results)
 
 
 def test_without_the_near_colors_the_post_is_touched(tmp_path):

@@ -1,7 +1,7 @@
 """Velocity commands from the areas of colors."""
 from typing import List, NamedTuple, Optional, Sequence
 
-from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recognition.settings import LAST, SUM, RecognitionSettings
 
 
 class Command(NamedTuple):
@@ -18,17 +18,22 @@ STOP = Command(0.0)
 def commands_for(areas_px: Sequence[int], settings: RecognitionSettings) -> List[Command]:
     """Return the command of each color whose area is above its limit, in the settings' order.
 
-    areas_px: the area of each color in pixels. If no color is above its limit, there is no
-    command at all: stopping the robot is left to another node (in the article, the idle
-    teleoperation) or to a Commander.
+    With publish_commands last or sum, these are one command. areas_px: the area of each color in
+    pixels. If no color is above its limit, there is no command at all: stopping the robot is left
+    to another node (in the article, the idle teleoperation) or to a Commander.
 
     >>> from img_recog.recognition.settings import with_colors
     >>> commands_for([1001, 1000], with_colors(['blue', 'red'])())
     [Command(linear_x=10.0, angular_z=0.0, linear_y=0.0)]
     """
-    return [Command(color.linear_x, color.angular_z)
-            for color, area_px in zip(settings.colors, areas_px)
-            if area_px > color.area_limit_px]
+    commands = [Command(color.linear_x, color.angular_z)
+                for color, area_px in zip(settings.colors, areas_px)
+                if area_px > color.area_limit_px]
+    if settings.publish_commands == LAST:
+        return commands[-1:]
+    if settings.publish_commands == SUM and commands:
+        return [Command(*map(sum, zip(*commands)))]
+    return commands
 
 
 class Commander:

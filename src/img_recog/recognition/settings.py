@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple, Type
 
 from img_recog.settings import (Allowed, SettingError, Settings, any_value, at_least, between,
-                                required, setting)
+                                one_of, required, setting)
 
 
 class Color(NamedTuple):
@@ -72,6 +72,7 @@ _ARTICLE_COLORS: Mapping[str, Mapping[str, Any]] = {
 }
 DEFAULT_COLORS = tuple(_ARTICLE_COLORS)      # in the order of their commands
 _NAME = re.compile('[a-zA-Z][a-zA-Z0-9_]*')
+ALL, LAST, SUM = 'all', 'last', 'sum'        # of the commands of an image: what is published
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,9 @@ class RecognitionSettings(Settings):
     are not counted. A width or height of 0 means up to the edge of the image.
     """
 
+    publish_commands: str = setting(
+        ALL, one_of(ALL, LAST, SUM), 'what is published for an image: the command of each color '
+        'above its limit, or one, the last of them or their sum')
     publish_on_change: bool = setting(
         False, description='publish commands only when they differ from those of the last frame')
     stop_when_lost: float = setting(

@@ -32,6 +32,19 @@ def test_order_limits_and_commands_are_those_of_the_settings():
     assert commands_for([5, 1000, 0], other) == []
 
 
+@pytest.mark.parametrize('publish, blue_and_red, red, changed', [
+    ('last', [BACKWARD], [BACKWARD], []),
+    ('sum', [Command(-7.0, 0.75)], [BACKWARD], [BACKWARD])])
+def test_one_command_for_a_frame(publish, blue_and_red, red, changed):
+    values = {'publish_commands': publish, 'blue_linear_x': 3.0, 'blue_angular_z': 0.75}
+    commander = Commander(settings(**values, stop_when_lost=0.5), 0.0)
+    assert commander.decide(BOTH, 0.1) == commander.frame_commands == blue_and_red
+    assert commander.decide(RED, 0.2) == red
+    assert commander.decide(NONE, 0.3) == [] and commander.decide(NONE, 0.8) == [STOP]
+    commander = Commander(settings(**values, publish_on_change=True), 0.0)
+    assert commander.decide(BOTH, 0.1) == blue_and_red and commander.decide(RED, 0.2) == changed
+
+
 def test_by_default_every_frame_has_its_commands_and_there_is_no_stop():
     commander = Commander(settings(), 0.0)
     assert [commander.decide(areas, 0.0) for areas in (BLUE, BLUE, NONE, BOTH, BOTH, RED)] == [

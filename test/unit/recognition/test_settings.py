@@ -12,8 +12,8 @@ def test_defaults_are_the_articles():
     assert settings.colors == (
         Color('blue', (50, 150), (100, 255), (100, 255), 1000, 10.0, 0.0),
         Color('red', (150, 180), (100, 255), (150, 255), 1000, -10.0, 0.0))
-    assert (settings.stop_when_lost, settings.publish_on_change, settings.min_blob_size) == (
-        0.0, False, 0)
+    assert (settings.stop_when_lost, settings.publish_on_change, settings.min_blob_size,
+            settings.publish_commands) == (0.0, False, 0, 'all')
     assert (settings.roi_x_offset, settings.roi_y_offset, settings.roi_width,
             settings.roi_height) == (0, 0, 0, 0)
 
