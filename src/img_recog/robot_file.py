@@ -2,6 +2,7 @@
 import argparse
 import contextlib
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -110,7 +111,7 @@ def _expanded(path: str) -> str:
                 path, one_line(error)),
             'install it (Ubuntu 20.04: apt-get install ros-noetic-xacro, Debian: {} -m pip '
             'install xacro) or convert the file elsewhere: xacro {} > robot.urdf'.format(
-                sys.executable, path))
+                *map(shlex.quote, (sys.executable, path))))
     return _expanded_by_module(path)
 
 

@@ -2,6 +2,7 @@
 import contextlib
 import importlib.util
 import logging
+import shlex
 import signal
 import tempfile
 import time
@@ -122,7 +123,7 @@ def _check(client: Client, address: str) -> None:
     while not client.scheduler_info()['workers']:
         if time.monotonic() > deadline:
             raise UserError('--scheduler {}: it has no workers'.format(address),
-                            _START.format(address))
+                            _START.format(shlex.quote(address)))
         time.sleep(0.1)
     try:
         versions: Any = client.get_versions()

@@ -6,6 +6,7 @@ import argparse
 import logging
 import os
 import re
+import shlex
 import time
 from typing import List, Sequence, Tuple
 
@@ -126,7 +127,7 @@ def _write(paths: Sequence[str], path: str, sweep: Sweep, ended: Sequence[Ended]
         tables.write(opened[:count], *sweep_report.table(ended))
         report, picture = opened[count:count + 2]
         report.write(sweep_report.markdown(
-            title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + path).encode())
+            title, sweep, ended, shown, 'rosrun img_recog sweep.py ' + shlex.quote(path)).encode())
         sweep_report.draw(picture, title, sweep, ended)
         for file, content in zip(opened[count + 2:], made.values()):
             file.write(content)

@@ -4,6 +4,7 @@ import errno
 import glob
 import importlib.util
 import os
+import shlex
 import shutil
 import socket
 import subprocess
@@ -87,7 +88,7 @@ def missing_packages(names: Set[str]) -> Iterator[Finding]:
             message('message packages are missing: {}', ', '.join(missing)),
             message('install them ("sudo apt-get install {}"); those of a workspace: build it and '
                     'source its devel/setup.bash', ' '.join(
-                        package + name.replace('_', '-') for name in missing)))
+                        shlex.quote(package + name.replace('_', '-')) for name in missing)))
 
 
 def check_camera(pattern: str = '/dev/video*') -> Iterator[Finding]:

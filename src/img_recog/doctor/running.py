@@ -3,6 +3,7 @@ import contextlib
 import importlib
 import io
 import os
+import shlex
 import socket
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
@@ -118,7 +119,8 @@ def _clock(system: System) -> Iterator[Finding]:
                     'nodes again'))
     if len(clocks) > 1:
         yield Finding(message('several simulators publish /clock: {}', ', '.join(sorted(clocks))),
-                      message('stop all but one: "rosnode kill {}"', sorted(clocks)[-1]))
+                      message('stop all but one: "rosnode kill {}"',
+                              shlex.quote(sorted(clocks)[-1])))
 
 
 def _types(system: System) -> Iterator[Finding]:

@@ -1,5 +1,6 @@
 """Reads the frames of a bag."""
 import os
+import shlex
 import struct
 from functools import partial
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
@@ -166,7 +167,7 @@ def open_bag(path: str) -> rosbag.Bag:
         return rosbag.Bag(path)
     except rosbag.ROSBagUnindexedException:
         raise UserError('the bag {} has no index; its recording was probably interrupted'.format(
-            path), 'create the index: rosbag reindex {}'.format(path))
+            path), 'create the index: rosbag reindex {}'.format(shlex.quote(path)))
     except DAMAGE_ERRORS as error:
         raise UserError('cannot read {} as a bag: {}'.format(path, one_line(error)), WANTED)
 

@@ -1,4 +1,5 @@
 """The input of a replay: its file type, the frames of a video, and reading frames ahead."""
+import shlex
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -92,7 +93,7 @@ class VideoFrames:
             self._source.close()
         if self._truncated:
             raise UserError(self._truncated[0], 'get a complete copy, or convert the readable '
-                            'part: ffmpeg -i {} readable.mkv'.format(self._path))
+                            'part: ffmpeg -i {} readable.mkv'.format(shlex.quote(self._path)))
 
 
 def prefetch(items: Iterable[Item], depth: int) -> Iterator[Item]:

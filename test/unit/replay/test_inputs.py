@@ -1,5 +1,6 @@
 """Frames of videos and bags: images, stamps, errors for unusable files, and reading ahead."""
 import os
+import shlex
 import struct
 import threading
 
@@ -169,12 +170,12 @@ def test_whatever_rosbag_raises_while_it_reads_is_damage(make_bag, monkeypatch, 
 
 
 def test_truncated_bag_says_how_to_make_an_index(make_bag):
-    path = make_bag(*((RAW, raw(0, number + 1), 1) for number in range(60)))
+    path = make_bag(*((RAW, raw(0, number + 1), 1) for number in range(60)), name="it's a.bag")
     with open(path, 'r+b') as file:
         file.truncate(os.path.getsize(path) - 5000)
-    assert refusal(BagFrames, path) == (
-        'the bag {0} has no index; its recording was probably interrupted; create the index: '
-        'rosbag reindex {0}'.format(path))
+    before, _, command = refusal(BagFrames, path).partition('; create the index: ')
+    assert before == 'the bag {} has no index; its recording was probably interrupted'.format(path)
+    assert shlex.split(command) == ['rosbag', 'reindex', path]
 
 
 def test_unusable_images_of_a_bag_are_skipped_and_reported(make_bag):

@@ -1,0 +1,47 @@
+"""Commands in texts of the package, which a user pastes into a shell: what is put in is quoted."""
+import ast
+import os
+import re
+
+import pytest
+
+from img_recog_testing.pages import ROOT
+
+# after a colon or in quotes or brackets: a program, its words, and a place for a value
+_COMMAND = re.compile(r'(?<!usage)[:"(] ?(sudo |\./run|rosrun|roslaunch|rosbag|rosnode|ffmpeg|'
+                      r'xacro|python3 )[^;:"]*\{[0-9]?\}')
+
+
+def unquoted(source):
+    """Yield the lines in which a value is put into a command without shlex.quote."""
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.Call):
+            continue
+        function, words = node.func, node.args
+        if isinstance(function, ast.Attribute) and function.attr == 'format':
+            words = [function.value, *words]
+        elif getattr(function, 'id', '') != 'message':
+            continue
+        template = words[0].value if words and isinstance(words[0], ast.Constant) else ''
+        if (isinstance(template, str) and _COMMAND.search(template)
+                and 'shlex.quote' not in ast.get_source_segment(source, node)):
+            yield node.lineno
+
+
+@pytest.mark.parametrize('source, lines', [
+    ("'do: rosbag reindex {}'.format(path)", [1]),
+    ("'do: rosbag reindex {}'.format(shlex.quote(path))", []),
+    ("message('\"rosnode kill {}\"', name)", [1]),
+    ("'rosbag cannot read: {}'.format(error)", [])])
+def test_what_counts(source, lines):
+    assert list(unquoted(source)) == lines
+
+
+def test_values_in_commands_are_quoted():
+    found = []
+    for folder, _, names in os.walk(os.path.join(ROOT, 'src')):
+        for name in names:
+            if name.endswith('.py'):
+                with open(os.path.join(folder, name), encoding='utf-8') as file:
+                    found += ['{}:{}'.format(name, line) for line in unquoted(file.read())]
+    assert found == []
