@@ -14,6 +14,7 @@ _CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 _DEFAULT_SIZE = 50000000, 4     # rosgraph's limit: bytes of a file, number of older files
 _SIZE = 10000000, 4             # ours, 50 MB for a node, which is five hours of color_extract
 _MAX_REASONS = 5
+_wrong_lines: Set[str] = set()      # that were said
 
 
 def protect() -> None:
@@ -55,21 +56,31 @@ def _is_full(handler: RotatingFileHandler) -> bool:
 
 
 class _Notice:
-    """Replaces `handleError` of a handler: says once for each reason what is not written."""
+    """Replaces `handleError` of a handler: says once for each reason what is not written.
+
+    A record whose text does not fit its values is no fault of what is written to.
+    """
 
     def __init__(self, target: str):
         self._target = target
         self._said: Set[str] = set()
 
-    def __call__(self, _: logging.LogRecord) -> None:
-        reason = one_line(sys.exc_info()[1])
-        if reason in self._said or len(self._said) == _MAX_REASONS:
-            return
-        self._said.add(reason)
+    def __call__(self, record: logging.LogRecord) -> None:
+        reason, said = one_line(sys.exc_info()[1]), self._said
+        line = ('cannot write to {}: {}; lines of the log are missing there until it can be '
+                'written again'.format(shortened(self._target), reason))
         try:
-            sys.stderr.write('[WARN] cannot write to {}: {}; lines of the log are missing there '
-                             'until it can be written again\n'.format(
-                                 shortened(self._target), reason))
+            record.getMessage()
+        except Exception as error:      # the same for all handlers
+            said = _wrong_lines
+            line = reason = 'a line of the log is left out: the text {!r} in {}, line {}, does ' \
+                'not fit its values: {}; correct it'.format(
+                    shortened(record.msg), record.filename, record.lineno, one_line(error))
+        if reason in said or len(said) == _MAX_REASONS:
+            return
+        said.add(reason)
+        try:
+            sys.stderr.write('[WARN] {}\n'.format(line))
         except (OSError, ValueError):       # the terminal is gone too
             pass
 

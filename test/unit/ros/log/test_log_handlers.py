@@ -1,11 +1,13 @@
 """The log of a node on a full disk, without a terminal, and the size of its files."""
 import logging
 import os
+import re
 import subprocess
 import sys
 from logging.handlers import RotatingFileHandler
 
 import pytest
+import rospy
 from rosgraph.roslogging import RosStreamHandler
 
 from img_recog.ros.log import log_handlers
@@ -76,6 +78,27 @@ def test_each_reason_is_said_once(handlers, capfd, monkeypatch):
     lines = capfd.readouterr().err.splitlines()
     assert [reason for line in lines for reason in ('pop from', 'division') if reason in line] == [
         'pop from', 'division'] and len(lines) == 2
+
+
+class Unprintable:
+    def __str__(self):
+        raise OSError('no text')
+
+
+@pytest.mark.parametrize('values, reason', [
+    (('x',), r'%d format: a .*number is required, not str'), ((1, 2), 'not all arguments'),
+    ((Unprintable(),), '(no text|number is required)')])
+def test_a_text_that_does_not_fit_its_values_is_not_called_a_fault_of_the_file(
+        handlers, capfd, monkeypatch, values, reason):
+    monkeypatch.setattr(log_handlers, '_wrong_lines', set())
+    terminal = RosStreamHandler(False, sys.stdout, sys.stderr)
+    handlers(RotatingFileHandler(os.devnull, 'a', 50000000, 4), terminal)
+    for _ in range(3):
+        rospy.loginfo('got %d', *values)
+    line, = capfd.readouterr().err.splitlines()
+    assert re.fullmatch(r"\[WARN\] a line of the log is left out: the text 'got %d' in "
+                        r'test_log_handlers.py, line \d+, does not fit its values: .*{}.*; '
+                        'correct it'.format(reason), line), line
 
 
 def test_a_terminal_that_is_gone_does_not_reach_the_caller(handlers, capfd):
