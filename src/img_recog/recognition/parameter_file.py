@@ -1,6 +1,6 @@
 """A YAML file with the parameters of the color recognition."""
 import reprlib
-from typing import Any, Dict, Sequence
+from typing import Any, Dict, List, Sequence
 
 from img_recog.errors import one_line, shortened
 from img_recog.markup import MarkupError, load_yaml, read_bytes
@@ -8,13 +8,13 @@ from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings,
                                             color_names, with_colors)
 from img_recog.settings import ParameterError, SettingError, from_mapping, setting_fields, unknown
 
-COLORS = 'colors'
+COLORS, COLORS_FILE = 'colors', 'colors_file'
 IMAGE_TOPIC = '{}_image_topic'
 _MAX_BYTES, _MAX_LENGTH = 1 << 20, 1000     # of the file, and of a name or text in it
 _MAX_SHOWN = 50         # characters of a name in an error
 _ADVICE = 'give a parameter file of color_extract, like config/colors.yaml'
 # parameters of the node color_extract that do not affect the recognition itself
-_NODE_ONLY = ('colors_file', 'image_transport', 'max_image_pixels')
+_NODE_ONLY = (COLORS_FILE, 'image_transport', 'max_image_pixels')
 
 
 def read(path: str) -> RecognitionSettings:
@@ -35,7 +35,7 @@ def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:
         names = color_names(values.pop(COLORS, list(DEFAULT_COLORS)))
         settings_class = with_colors(names)
         known = {field.name for field in setting_fields(settings_class)}
-        others = {*_NODE_ONLY, *(IMAGE_TOPIC.format(name) for name in names)}
+        others = set(node_only(names))
         for name in values:
             color = color_in(name)
             if color is not None and color not in names:
@@ -47,6 +47,12 @@ def settings_in(values: Dict[str, Any], path: str) -> RecognitionSettings:
     except SettingError as error:
         raise ParameterError('{}: parameter {}: got {}, allowed is {}'.format(
             path, error.name, error.got, error.allowed))
+
+
+def node_only(names: Sequence[str]) -> List[str]:
+    """Return the parameters of a node with these colors that are no settings of the recognition.
+    """
+    return [*_NODE_ONLY, *(IMAGE_TOPIC.format(name) for name in names)]
 
 
 def unknown_color(color: str, names: Sequence[str]) -> str:

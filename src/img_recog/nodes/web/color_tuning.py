@@ -8,7 +8,8 @@ import yaml
 from img_recog import files
 from img_recog.errors import UserError
 from img_recog.nodes.web.tuning import Tuning
-from img_recog.recognition.parameter_file import COLORS
+from img_recog.recognition import parameter_file
+from img_recog.ros import parameters
 
 saving = threading.Lock()       # of all robots: a name is free until its file is there
 FOLDER_ADVICE = 'start it in a folder where files can be written'
@@ -38,10 +39,22 @@ class ColorTuning(Tuning):
         return {name: before[name] for name in changes}
 
     def as_file(self) -> str:
-        """Return the parameters as the text of a file, '' if the node does not answer."""
+        """Return the parameters as the text of a file, '' if the node does not answer.
+
+        With those that only a start of the node reads.
+        """
         values = self.values()
         names = color_names_in(values)
-        return yaml.safe_dump({COLORS: names, **values}, sort_keys=False) if names else ''
+        if not names:
+            return ''
+        try:
+            given = parameters.value(self.node) or {}
+        except OSError:
+            raise self._silence()
+        at_start = {name: given[name] for name in parameter_file.node_only(names)
+                    if name in given and name != parameter_file.COLORS_FILE}
+        return yaml.safe_dump({parameter_file.COLORS: names, **at_start, **values},
+                              sort_keys=False)
 
     def save(self) -> str:
         """Save the parameters with the last changes as a file; return its path."""
