@@ -117,7 +117,7 @@ class ColorSamples:
             try:
                 with _fitting:
                     found = offers_of_a_process(now, _FIT_TIMEOUT_S) if now.colors else {}
-            except UserError as error:
+            except Exception as error:      # or else it would be searching for ever
                 problem = one_line(error)
             with self._lock:
                 # pictures may have come and gone

@@ -15,8 +15,8 @@ from img_recog.nodes.web.visit import Visit
 TEXTS = {
     'log': ('Log', 'ログ'),
     'level': ('From level', '表示する最低レベル')}
-_REPEAT_S = 1.0         # lines that differ only in numbers are sent once in this time
-_MAX_KEPT = 100         # for a page that is opened now
+_REPEAT_S = 1.0         # lines of a level that differ only in numbers are sent once in this time
+_MAX_KEPT = 100         # of each level, for a page that is opened now
 _MAX_LINES = 1000       # whose times are known
 _LEVELS = {Log.DEBUG: 'debug', Log.INFO: 'info', Log.WARN: 'warn', Log.ERROR: 'error',
            Log.FATAL: 'fatal'}
@@ -37,15 +37,16 @@ def add(visit: Visit) -> None:
 
 def topics(updates: Updates) -> List[Topic]:
     """Return the topic whose lines are put into `updates`."""
-    sent_s: Dict[Tuple[str, str], float] = {}
+    sent_s: Dict[Tuple[str, str, str], float] = {}
 
     def logged(msg: Log) -> None:
-        key, now_s = (msg.name, _NUMBERS.sub('0', msg.msg[:200])), time.monotonic()
+        level, now_s = _LEVELS.get(msg.level, 'info'), time.monotonic()
+        key = msg.name, level, _NUMBERS.sub('0', msg.msg[:200])
         if now_s - sent_s.get(key, -_REPEAT_S) < _REPEAT_S:
             return
         if len(sent_s) > _MAX_LINES:
             sent_s.clear()
         sent_s[key] = now_s
-        updates.add('log', [round(msg.header.stamp.to_sec(), 3), _LEVELS.get(msg.level, 'info'),
-                            shortened(msg.name), shortened(msg.msg)], _MAX_KEPT)
+        updates.add('log', [round(msg.header.stamp.to_sec(), 3), level, shortened(msg.name),
+                            shortened(msg.msg)], _MAX_KEPT, level)
     return [('/rosout_agg', Log, logged)]

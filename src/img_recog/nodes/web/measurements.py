@@ -1,9 +1,10 @@
 """Measurements for the pages: topics that are subscribed while somebody looks."""
+import contextlib
 import math
 import threading
 import time
 from functools import partial
-from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import Twist
@@ -13,11 +14,13 @@ from std_msgs.msg import Float64
 from visualization_msgs.msg import MarkerArray
 
 from img_recog.conversions import color_detection_msgs, plane_msgs
+from img_recog.errors import one_line
 from img_recog.nodes.web.updates import Updates
 from img_recog.ros.log.throttle import ThrottledWarning
 
 _DIGITS = 4             # of a number, after the decimal point
 _PLACES_PERIOD_S = 0.2
+_RETRY_PERIOD_S = 1.0
 _BUFFER_BYTES = 1 << 20
 _MAX_PATH = 4000        # points
 _PATH_STEP_M = 0.02
@@ -36,6 +39,7 @@ class Topics:
         self._lock = threading.Lock()
         self._is_watched, self._is_changing = False, False
         self._subscribers: Dict[str, rospy.Subscriber] = {}
+        self._warn = ThrottledWarning()
 
     def watch(self, is_watched: bool) -> None:
         """Subscribe or unsubscribe, soon and in another thread."""
@@ -64,13 +68,24 @@ class Topics:
                     self._is_changing = False
                     return
             for name in set(self._subscribers) - set(wanted):
-                self._subscribers.pop(name).unregister()
+                with self._continued(name):
+                    self._subscribers.pop(name).unregister()
             if not self._subscribers:
                 self._forget()
             for name in wanted.keys() - self._subscribers.keys():
                 _, data_class, callback = wanted[name]
-                self._subscribers[name] = rospy.Subscriber(
-                    name, data_class, callback, buff_size=_BUFFER_BYTES, tcp_nodelay=True)
+                with self._continued(name):
+                    self._subscribers[name] = rospy.Subscriber(
+                        name, data_class, callback, buff_size=_BUFFER_BYTES, tcp_nodelay=True)
+
+    @contextlib.contextmanager
+    def _continued(self, name: str) -> Iterator[None]:
+        """Warn of an error in the block, and pause: one topic must not end all others."""
+        try:
+            yield
+        except Exception as error:      # rospy raises more than it documents
+            self._warn('%s: %s: %s', name, type(error).__name__, one_line(error))
+            time.sleep(_RETRY_PERIOD_S)
 
 
 class SystemTopics(Topics):
@@ -81,7 +96,6 @@ class SystemTopics(Topics):
         self._robots: Dict[str, str] = {}
         self._places: Dict[str, List[float]] = {}
         self._places_s = 0.0
-        self._warn = ThrottledWarning()
         resolve = rospy.resolve_name
         self._topics = [
             (resolve('gazebo/real_time_factor'), Float64, self._factor),
@@ -139,7 +153,6 @@ class RobotTopics(Topics):
         self._pose: Optional[List[Any]] = None
         self._path_end: Optional[Tuple[float, float]] = None
         self._colors: List[str] = []
-        self._warn = ThrottledWarning()
         self._topics = [
             (resolve('cmd_vel'), Twist, self._asked), (resolve('odom'), Odometry, self._driven),
             (resolve('scan'), LaserScan, self._scanned),

@@ -27,14 +27,15 @@ class Updates:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._number = 0
-        self._events: Dict[str, Deque[Tuple[int, Any]]] = {}
+        self._events: Dict[Tuple[str, str], Deque[Tuple[int, Any]]] = {}     # by kind and part
         self._states: Dict[str, Tuple[int, Any]] = {}
 
-    def add(self, kind: str, value: Any, most: int = _MAX_EVENTS) -> None:
-        """Add an event; most: how many of this kind are kept."""
+    def add(self, kind: str, value: Any, most: int = _MAX_EVENTS, part: str = '') -> None:
+        """Add an event; most: how many of this kind are kept, of each part that it has."""
         with self._lock:
             self._number += 1
-            self._events.setdefault(kind, deque(maxlen=most)).append((self._number, value))
+            self._events.setdefault((kind, part), deque(maxlen=most)).append(
+                (self._number, value))
 
     def set(self, kind: str, value: Any) -> bool:
         """Set a state; return False if there are too many already."""
@@ -60,12 +61,12 @@ class Updates:
         with self._lock:
             found = {kind: value for kind, (number, value) in self._states.items()
                      if number > cursor}
-            for kind, events in self._events.items():
-                values: List[Any] = []
-                for number, value in reversed(events):
-                    if number <= cursor:
+            newer: Dict[str, List[Tuple[int, Any]]] = {}
+            for (kind, _), events in self._events.items():
+                for event in reversed(events):
+                    if event[0] <= cursor:
                         break
-                    values.append(value)
-                if values:
-                    found[kind] = values[::-1]
+                    newer.setdefault(kind, []).append(event)
+            for kind, others in newer.items():
+                found[kind] = [value for _, value in sorted(others, key=lambda event: event[0])]
             return self._number, found

@@ -25,6 +25,8 @@ def search(monkeypatch):
     def offers(marked, timeout_s):
         found.given.append([each.number for each in marked.samples])
         assert found.may_end.wait(timeout_s)
+        if len(marked.samples) > 3:
+            raise OSError('no memory')
         if len(marked.samples) > 2:
             raise UserError('too many', 'mark fewer')
         return {color: Offer(None, problem='as a test') for color in marked.colors}
@@ -69,6 +71,8 @@ def test_what_changes_during_a_search_is_searched_afterwards(samples, search):
     assert list(searched(samples).offers) == ['red'] and search.given[-1] == [1, 2]
     samples.mark(name, 'red', *RECTANGLE)
     assert searched(samples).problem == 'too many; mark fewer' and not samples.state.offers
+    samples.mark(name, 'red', *RECTANGLE)
+    assert searched(samples).problem == 'no memory' and not samples.state.offers
 
 
 def test_a_refused_mark_changes_nothing(samples):

@@ -92,6 +92,66 @@ def test_states_of_nodes_up_to_a_number(monkeypatch):
         'name': 'a', 'level': 1, 'message': 'slow', 'values': [['rate (Hz)', '3']]}
 
 
+def test_no_level_of_the_log_is_dropped_for_another(monkeypatch):
+    found = Updates()
+    monkeypatch.setattr(log_tab, 'time', SimpleNamespace(monotonic=lambda: 0.0))
+    (_, _, logged), = log_tab.topics(found)
+    levels = (Log.DEBUG, Log.INFO, Log.WARN, Log.ERROR, Log.FATAL)
+    for level in levels:
+        logged(Log(level=level, name='/a', msg='motor {}'.format(level)))
+    for number in range(1000):
+        logged(Log(level=Log.INFO, name='/a', msg='x' * number))
+    lines = found.since(None)[1]['log']
+    assert [line[1] for line in lines if 'motor' in line[3]] == ['debug', 'warn', 'error', 'fatal']
+    # in the order in which they came
+    assert [line[3] for line in lines[:2]] == ['motor 1', 'motor 4'] and len(lines) == 104
+
+
+class Failing:
+    """Stands in for rospy.Subscriber; failures: that are left, by topic; subscribed: the topics.
+    """
+
+    failures, subscribed = {}, set()
+
+    def __init__(self, name, *_, **__):
+        self.name = name
+        self.fail()
+        self.subscribed.add(name)
+
+    def unregister(self):
+        self.subscribed.remove(self.name)
+        self.fail()
+
+    def fail(self):
+        self.failures[self.name] = self.failures.get(self.name, 0) - 1
+        if self.failures[self.name] >= 0:
+            raise RuntimeError('no socket is left')
+
+
+def test_a_topic_that_cannot_be_subscribed_is_tried_again_and_ends_no_other(
+        monkeypatch, wait_for_threads):
+    warnings = []
+    monkeypatch.setattr(measurements, '_RETRY_PERIOD_S', 0.01)
+    monkeypatch.setattr(measurements, 'ThrottledWarning', lambda: lambda text, *values: (
+        warnings.append(text % values)))
+    monkeypatch.setattr(measurements.rospy, 'Subscriber', Failing)
+    monkeypatch.setattr(measurements.rospy, 'is_shutdown', lambda: False)
+    monkeypatch.setattr(Failing, 'failures', {'/odom': 2})
+    monkeypatch.setattr(Failing, 'subscribed', set())
+    robot = RobotTopics('/{}'.format)
+    robot.watch(True)
+    wait_for_threads()
+    assert warnings == 2 * ['/odom: RuntimeError: no socket is left']
+    assert Failing.subscribed == set(callbacks(robot.topics()))
+    Failing.failures['/scan'] = 1
+    robot.watch(False)
+    wait_for_threads()
+    assert not Failing.subscribed and warnings[2:] == ['/scan: RuntimeError: no socket is left']
+    robot.watch(True)
+    wait_for_threads()
+    assert Failing.subscribed == set(callbacks(robot.topics()))
+
+
 def test_log_lines_that_differ_only_in_numbers_are_sent_once_a_second(monkeypatch):
     found, times = Updates(), iter([0.0, 0.5, 0.6, 0.7, 1.1])
     monkeypatch.setattr(log_tab, 'time', SimpleNamespace(monotonic=lambda: next(times)))

@@ -2,23 +2,28 @@
 'use strict';
 
 (() => {
-  const MAX_LOG = 500;
+  const MAX_LOG = 300;            // of each level
   const LEVELS = ['debug', 'info', 'warn', 'error', 'fatal'];
   const { all } = page;
   let lines = [];
   let count = 0;      // of all that came
 
+  // the oldest of each level: many lines of one level remove none of another
+  const tooMany = (entries, levelOf) => LEVELS.flatMap(
+    (level) => entries.filter((each) => levelOf(each) === level).slice(0, -MAX_LOG));
+
   function log(entries) {
     const known = count;
     lines.push(...entries);
-    lines.splice(0, Math.max(0, lines.length - MAX_LOG));
+    const old = new Set(tooMany(lines, ([, level]) => level));
+    lines = lines.filter((each) => !old.has(each));
     count += entries.length;
     for (const box of all('[data-log]')) {
       if (box.lines !== known) { fillLog(box); continue; }
       box.lines = count;
       const isAtEnd = box.scrollHeight - box.scrollTop - box.clientHeight < 30;
       box.append(...entries.map(logLine));
-      while (box.childElementCount > MAX_LOG) box.firstElementChild.remove();
+      tooMany([...box.children], (row) => row.dataset.level).forEach((row) => row.remove());
       filterLog(box);
       if (isAtEnd) box.scrollTop = box.scrollHeight;
     }
