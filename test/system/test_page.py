@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import shlex
 import time
 
 import cv2
@@ -45,11 +46,12 @@ IN_SIGHT = '''
 def demo(tmp_path_factory):
     """A demo with the page; its camera shows a blue card, which is too small for a command."""
     need_chromium()
-    folder = tmp_path_factory.mktemp('page')
+    folder = tmp_path_factory.mktemp('a page')      # a command with it has to be quoted
     image = np.full((240, 320, 3), (190, 200, 206), np.uint8)
     image[60:180, 80:240] = (215, 70, 25)
     assert cv2.imwrite(str(folder / 'card.png'), image)
-    (folder / 'colors.yaml').write_text('blue_area_limit: 200000\nred_area_limit: 200000\n')
+    (folder / 'colors.yaml').write_text('blue_area_limit: 200000\nred_area_limit: 200000\n'
+                                        'max_image_pixels: 9000000\n')
     with Ros(folder) as ros:
         ros.demo_process = ros.demo(
             'world:=empty', 'web:=true', 'camera:={}/card.png'.format(folder),
@@ -256,11 +258,18 @@ def test_a_slider_changes_the_areas_and_a_file_gets_them(demo, page):
     saved = wait_for(lambda: list(demo.folder.glob('colors_*.yaml')), 'a file')
     values = yaml.safe_load(saved[0].read_text())
     assert values['blue_hue_max'] == 100 and values['colors'] == ['blue', 'red']
-    assert values['blue_area_limit'] == 200000
-    set_parameters(demo, blue_hue_max=150)
-    wait_for(lambda: blueness(page) > 40, 'blue pixels')
-    wait_for(lambda: page.js('return {}.getAttribute("aria-valuenow")'.format(slider)) == '150',
-             'the value that another program has set')
+    assert values['blue_area_limit'] == 200000 and values['max_image_pixels'] == 9000000
+    command = wait_for(lambda: page.text('.q-notifications').rpartition('To use it: ')[2],
+                       'what to do with the file')
+    assert shlex.split(command) == ['./run', 'demo', 'colors:={}'.format(saved[0])]
+    page.click('Undo')
+    wait_for(lambda: parameter(demo, 'blue_hue_max') == 150, 'the value of before')
+    wait_for(lambda: not page.has_button('Undo'), 'nothing to be left to take back')
+    for value, light in ((100, 0), (150, 55)):
+        set_parameters(demo, blue_hue_max=value)
+        wait_for(lambda: blueness(page) == pytest.approx(light, abs=15), 'other blue pixels')
+        wait_for(lambda: page.js('return {}.getAttribute("aria-valuenow")'.format(slider)) == str(
+            value), 'the value that another program has set')
 
 
 def touch(page, *places):
@@ -306,9 +315,12 @@ def test_samples_give_bounds_that_are_used_and_files_for_fit_colors(demo, page):
     wait_for(lambda: page.has_button('Undo'), said)
     page.click('Undo')
     wait_for(lambda: parameter(demo, 'blue_hue_min') == 50, said)
+    wait_for(lambda: not page.has_button('Undo'), said)
     page.click('Save the samples')
     folder = demo.folder / 'samples_1'
     wait_for(folder.exists, said)
+    wait_for(lambda: "rosrun img_recog fit_colors.py '{0}' --samples '{0}'/samples.yaml".format(
+        folder) in page.text('.q-notifications'), said)
     page.click('Live picture')
     wait_for(lambda: page.js(lines) == 0 and page.has_button('Hold the picture'), said)
     fit = demo.start_node('fit_colors.py', folder, '--samples', folder / 'samples.yaml',

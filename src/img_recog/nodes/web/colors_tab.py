@@ -1,13 +1,14 @@
 """The tab with the bounds, limits and commands of the colors."""
 import json
+import shlex
 from functools import partial
 from typing import Any, Dict, List, Optional
 
 from nicegui import ui
 
 from img_recog.nodes.web import sample_card
-from img_recog.nodes.web.color_tuning import color_names_in
-from img_recog.nodes.web.elements import OneCall, Slider, card, paragraph, picture
+from img_recog.nodes.web.color_tuning import ColorTuning, color_names_in
+from img_recog.nodes.web.elements import OneCall, Slider, button, card, paragraph, picture
 from img_recog.nodes.web.sample_card import SampleCard
 from img_recog.nodes.web.visit import Visit
 from img_recog.recognition.fitting.samples import NO_COLOR
@@ -26,10 +27,42 @@ TEXTS = {
     'touched': ('The picture of the chosen color is shown. Touching its sliders chooses it, too.',
                 '選んだ色の画像が表示されます。スライダに触れても、その色が選ばれます。'),
     'save': ('Save as a file', 'ファイルに保存'),
+    'undo': ('Undo', '元に戻す'),
     'saved': ('Saved. To use it: ./run demo colors:={}', '保存しました。使い方: ./run demo colors:={}'),
     'no_recognition': ('The node color_extract does not answer.',
                        'ノード color_extract が応答しません。'),
     **sample_card.TEXTS}
+
+
+class ColorChanges:
+    """What one visitor changes, and takes back. For the event loop."""
+
+    def __init__(self, colors: ColorTuning):
+        self._colors, self._calls = colors, OneCall()
+        self.steps: List[Dict[str, Any]] = []       # what was before each change
+        self._moved = ''
+
+    def move(self, parameter: str, value: float) -> None:
+        """Change a parameter, as often as its slider is moved; until another one is, in one step.
+        """
+        values = self._colors.values()
+        if parameter != self._moved and parameter in values:
+            self.steps.append({parameter: values[parameter]})
+        self._moved = parameter
+        self._colors.change(**{parameter: value})
+
+    async def use(self, values: Dict[str, Any]) -> None:
+        """Change parameters together."""
+        before = await self._calls.wait_for(self._colors.replace, values)
+        if before:
+            self._moved = ''
+            self.steps.append(before)
+
+    async def take_back(self) -> None:
+        """Set back the last step, also one that is not done yet."""
+        self._moved = ''
+        await self._calls.wait_for(
+            lambda: self.steps and self._colors.replace(self.steps.pop()))
 
 
 class ColorsTab:
@@ -39,6 +72,7 @@ class ColorsTab:
         """Add its elements; the sliders follow as soon as the node answers."""
         self._visit, self._colors, self._t = visit, visit.robot.colors, visit.texts
         self._calls, self._samples = OneCall(), None    # type: OneCall, Optional[SampleCard]
+        self._changes = ColorChanges(self._colors)
         self._sliders: Dict[str, Slider] = {}
         self._masks: Dict[str, Any] = {}
         self._revision = -1
@@ -82,7 +116,7 @@ class ColorsTab:
         with self._tuning:
             if not names:
                 paragraph(self._t('no_recognition'))
-                self._show_mask(next(iter(self._masks), ''))
+                self._show_mask('')
                 return
             chosen = self._choice.value if self._choice is not None else ''
             options = {**{name: name for name in names}, NO_COLOR: self._t('no_color')}
@@ -91,7 +125,7 @@ class ColorsTab:
                     'dense no-caps role=group aria-label="{}"'.format(self._t('colors')))
             self._choice.on_value_change(lambda event: self._show_mask(event.value))
             self._show_mask(self._choice.value)
-            self._samples = SampleCard(self._visit, self._choice)
+            self._samples = SampleCard(self._visit, self._choice, self._changes.use)
             paragraph(self._t('touched'))
             for name in names:
                 section = card(name)
@@ -99,7 +133,10 @@ class ColorsTab:
                     section.on(touch, partial(self._choice.set_value, name), args=[])
                 with section, ui.element('div').classes('sliders'):
                     self._color(name, values)
-            ui.button(self._t('save'), icon='save', on_click=self._save).props('no-caps')
+            with ui.element('div').classes('samples at-hand'):
+                button('save', self._t('save'), self._save)
+                button('undo', self._t('undo'), self._changes.take_back).bind_visibility_from(
+                    self._changes, 'steps', bool)
 
     def _show_mask(self, color: str) -> None:
         if color == NO_COLOR:       # the last one stays
@@ -122,7 +159,7 @@ class ColorsTab:
         is_whole = isinstance(values[parameter], int)
 
         def change(value: float) -> None:
-            self._colors.change(**{parameter: int(value) if is_whole else float(value)})
+            self._changes.move(parameter, int(value) if is_whole else float(value))
         self._sliders[parameter] = Slider(title, low, high, step, values[parameter], change,
                                           classes, '{}: {}'.format(color, title))
 
@@ -140,4 +177,4 @@ class ColorsTab:
     async def _save(self) -> None:
         path = await self._calls.wait_for(self._colors.save)
         if path:
-            ui.notify(self._t('saved', path), multi_line=True, timeout=10000)
+            ui.notify(self._t('saved', shlex.quote(path)), multi_line=True, timeout=10000)

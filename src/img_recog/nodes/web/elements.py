@@ -24,10 +24,12 @@ def card(title: str) -> Any:
     return section
 
 
-def paragraph(text: str) -> None:
-    """Add a paragraph."""
-    with ui.element('p'):
+def paragraph(text: str) -> Any:
+    """Add a paragraph; return it."""
+    added = ui.element('p')
+    with added:
         ui.label(text)
+    return added
 
 
 def picture(texts: Texts, shown: PictureTopic, classes: str = '') -> Any:

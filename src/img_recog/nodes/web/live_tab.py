@@ -21,9 +21,11 @@ TEXTS = {
     'heading': ('Heading', '向き'),
     'drive': ('Drive', '操縦'),
     'drive_help': ('Hold a button, or the keys W A X D or the arrows; S stops. Let go to '
-                   'stop; 0.5 s later, the colors command again.',
+                   'stop.',
                    'ボタン、または W A X D・矢印キーを押している間だけ動きます。S は停止です。'
-                   '離すと止まり、0.5 秒後に色による指令に戻ります。'),
+                   '離すと止まります。'),
+    'colors_again': ('0.5 s later, the colors command again.',
+                     'その 0.5 秒後に、色による指令に戻ります。'),
     'forward': ('Forward', '前進'),
     'backward': ('Backward', '後退'),
     'left': ('Turn left', '左旋回'),
@@ -31,7 +33,8 @@ TEXTS = {
     'stop': ('Stop', '停止'),
     'max_linear': ('Highest speed (m/s)', '最高速度 (m/s)'),
     'max_angular': ('Highest turn rate (rad/s)', '最高旋回速度 (rad/s)'),
-    'areas': ('Areas of the colors (pixels); dashed: limits', '色の面積（画素数）。破線はしきい値'),
+    'areas': ('Areas of the colors (pixels, logarithmic); dashed: limits',
+              '色の面積（画素数、対数目盛）。破線はしきい値'),
     'speeds': ('Speed (m/s)', '速度 (m/s)'),
     'asked': ('asked', '指令'),
     'driven': ('driven', '実際'),
@@ -79,8 +82,9 @@ class LiveTab:
             with ui.element('div').classes('column-cards'):
                 with ui.element('div').classes('pictures'):
                     for each in visit.pictures:
-                        picture(self._t, each)
-                self._chart('areas')
+                        self._show_with(each.topic, picture(self._t, each))
+                self._show_with(self._robot.resolve('color_detection'),
+                                self._chart('areas', type='log', min=1))
             with ui.element('div').classes('column-cards'):
                 self._map()
                 self._chart('speeds')
@@ -88,6 +92,10 @@ class LiveTab:
                 self._drive()
                 self._simulation()
         ui.on('pose', self._on_pose, throttle=0.2)
+
+    def _show_with(self, topic: str, element: Any) -> None:
+        """Hide an element until its topic is published for the first time."""
+        element.bind_visibility_from(self._system.robots, 'seen', lambda seen: topic in seen)
 
     def update(self) -> None:
         """Show what other pages and nodes have changed."""
@@ -104,9 +112,10 @@ class LiveTab:
         for field, slider in self._limits.items():
             slider.follow(limits[field])
 
-    def _chart(self, name: str) -> None:
+    def _chart(self, name: str, **y_axis: Any) -> Any:
         title = self._t(name)
-        with card(title):
+        section = card(title)
+        with section:
             axis = {'type': 'value', 'axisLabel': {'hideOverlap': True, 'color': _CHART_TEXT},
                     'splitNumber': 4, 'splitLine': {'lineStyle': {'color': _CHART_LINES}},
                     'nameTextStyle': {'color': _CHART_TEXT}}
@@ -117,8 +126,9 @@ class LiveTab:
                 'legend': {'top': 0, 'textStyle': {'color': _CHART_TEXT}},
                 'xAxis': dict(axis, min=-20, max=0, name=self._t('seconds'),
                               nameLocation='middle', nameGap=18),
-                'yAxis': axis, 'series': []}).classes('chart').props(
+                'yAxis': {**axis, **y_axis}, 'series': []}).classes('chart').props(
                     'data-chart={} role=img aria-label="{}"'.format(name, title))
+        return section
 
     def _map(self) -> None:
         with card(self._t('map')):
@@ -141,6 +151,8 @@ class LiveTab:
                             direction, self._t(key), self._t(key)))
             ui.element('p').props('data-bind=busy role=status')
             paragraph(self._t('drive_help'))
+            self._show_with(self._robot.resolve('color_detection'),
+                            paragraph(self._t('colors_again')))
             self._limits: Dict[str, Slider] = {}
             for name in ('max_linear', 'max_angular'):
                 field = name + '_velocity'
@@ -198,8 +210,8 @@ class LiveTab:
     async def _draw(self, path: str) -> None:
         """Show a link to the picture of a recording."""
         robot = self._robot.resolve('odom')[:-len('odom')].strip('/')
-        picture = await self._picture_call.wait_for(drive_picture.draw, path, robot,
-                                                    self._robot.colors.as_file())
+        picture = await self._picture_call.wait_for(lambda: drive_picture.draw(
+            path, robot, self._robot.colors.as_file()))
         if picture:
             self._drive_picture.props('href=' + app.add_static_file(
                 local_file=picture, max_cache_age=0))

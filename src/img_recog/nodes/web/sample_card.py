@@ -1,8 +1,9 @@
 """The card in which samples of colors are marked, and the bounds that are offered for them."""
 import base64
 import json
+import shlex
 from functools import partial
-from typing import Any, Dict
+from typing import Any, Callable
 
 from nicegui import ui
 
@@ -37,19 +38,20 @@ TEXTS = {
                 'marked pixels, {:.2%} of the others.',
                 '{}: 色相 {}〜{}、彩度 {}〜{}、明度 {}〜{}。範囲内の画素: 印を付けた部分の {:.1%}、'
                 'その他の {:.2%}。'),
-    'use': ('Use for {}', '{} に使う'),
-    'undo': ('Undo', '元に戻す')}
+    'use': ('Use for {}', '{} に使う')}
 
 
 class SampleCard:
     """The card of one visitor. All visitors share the samples; each has a picture of their own."""
 
-    def __init__(self, visit: Visit, choice: Any):
-        """Add its elements; choice: the element whose value is the chosen color."""
-        self._samples, self._colors, self._t = visit.robot.samples, visit.robot.colors, visit.texts
+    def __init__(self, visit: Visit, choice: Any, use: Callable):
+        """Add its elements.
+
+        choice: the element whose value is the chosen color; use: sets the parameters of an offer.
+        """
+        self._samples, self._t, self._use = visit.robot.samples, visit.texts, use
         self._choice, self._calls = choice, OneCall()
         self._picture = ''              # that is held; '' while it is live
-        self._before: Dict[str, Any] = {}
         self._shown: Any = None
         with card(self._t('samples')):
             paragraph(self._t('mark'))
@@ -60,8 +62,6 @@ class SampleCard:
             with ui.element('div').classes('samples'):
                 self._freeze = button('pause', self._t('freeze'), self._hold)
                 button('save', self._t('save_samples'), self._save)
-                self._undo = button('undo', self._t('undo'), self._take_back)
-        self._undo.set_visibility(False)
         self.update()
 
     async def mark(self, *place: float) -> None:
@@ -112,17 +112,6 @@ class SampleCard:
 
     # what a visitor does
 
-    async def _use(self, values: Dict[str, Any]) -> None:
-        before = await self._calls.wait_for(self._colors.replace, values)
-        if before:
-            self._before = before
-            self._undo.set_visibility(True)
-
-    async def _take_back(self) -> None:
-        # of the last use, which may not be done when this is clicked
-        if await self._calls.wait_for(lambda: self._colors.replace(self._before)):
-            self._undo.set_visibility(False)
-
     async def _remove(self, number: int) -> None:
         await wait_for(self._samples.remove, number)
         await self._show(self._picture)
@@ -155,5 +144,5 @@ class SampleCard:
     async def _save(self) -> None:
         path = await self._calls.wait_for(self._samples.save)
         if path:
-            ui.notify(self._t('saved_samples', path, SAMPLES_FILE), multi_line=True,
+            ui.notify(self._t('saved_samples', shlex.quote(path), SAMPLES_FILE), multi_line=True,
                       timeout=10000)

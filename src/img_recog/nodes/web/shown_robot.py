@@ -1,10 +1,10 @@
 """A robot that pages show and drive."""
-from typing import List, NamedTuple, Set
+from typing import List, NamedTuple
 
-import rosgraph
 import rospy
 
-from img_recog.errors import one_line
+from img_recog import timed_xmlrpc
+from img_recog.errors import UserError, one_line
 from img_recog.nodes.web.color_samples import ColorSamples
 from img_recog.nodes.web.color_tuning import ColorTuning
 from img_recog.nodes.web.driving import Driving
@@ -14,8 +14,8 @@ from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.simulation import PosePublisher
 from img_recog.recognition.parameter_file import COLORS, IMAGE_TOPIC
 from img_recog.recognition.settings import DEFAULT_COLORS, color_names
+from img_recog.ros import parameters
 from img_recog.ros.log.throttle import ThrottledWarning
-from img_recog.settings import SettingError
 from img_recog.teleoperation.settings import VelocityLimits
 
 
@@ -58,21 +58,20 @@ class ShownRobot:
         return resolve(self.name, name)
 
     def picture_topics(self) -> List[PictureTopic]:
-        """Return the pictures of the robot and of the simulator. Waits for the master."""
-        published: Set[str] = set()
+        """Return the pictures that there can be, those of the colors last. Waits for the master.
+
+        page.css makes those after the third smaller if they are many.
+        """
         names, topics = list(DEFAULT_COLORS), {}
         try:
-            published = {name for name, _ in rospy.get_published_topics()}
-            given = rospy.get_param(self.resolve('color_extract'), {})
+            given = parameters.value(self.resolve('color_extract')) or {}
             names = list(color_names(given.get(COLORS, names)))
             topics = {name: given.get(IMAGE_TOPIC.format(name)) for name in names}
-        except (OSError, rospy.ROSException, rosgraph.MasterException, AttributeError,
-                SettingError) as error:
+        except (*timed_xmlrpc.ERRORS, UserError, AttributeError) as error:
             self._warn('the colors of color_extract: %s', one_line(error))
-        camera = self.resolve('camera/rgb/image_raw')
         return [
             PictureTopic(self.resolve('usb_cam/image_raw'), 'camera'),
-            *(PictureTopic(self.resolve(topics.get(name) or name + '_image'), 'mask', name)
-              for name in names),
             PictureTopic(rospy.resolve_name('gazebo/view/image_raw'), 'view'),
-            *([PictureTopic(camera, 'robot_camera')] if camera in published else [])]
+            PictureTopic(self.resolve('camera/rgb/image_raw'), 'robot_camera'),
+            *(PictureTopic(self.resolve(topics.get(name) or name + '_image'), 'mask', name)
+              for name in names)]

@@ -24,7 +24,7 @@ TopicUsers = Iterable[Tuple[str, List[str]]]
 class ShownRobots:
     """Finds the robots by their cmd_vel, and makes the parts of those that somebody looks at.
 
-    names: at least one; '' for a robot without a namespace.
+    names: at least one; '' for a robot without a namespace. seen: topics that were published.
     """
 
     def __init__(self, limits: VelocityLimits, pictures: PictureTopics, system: SystemTopics):
@@ -33,6 +33,7 @@ class ShownRobots:
         self._lock = threading.Lock()
         self._made: Dict[str, ShownRobot] = {}
         self._types: Dict[str, str] = {}
+        self.seen: Set[str] = set()
         self._warn = ThrottledWarning()
         self.names: List[str] = ['']
 
@@ -43,6 +44,7 @@ class ShownRobots:
             if self._made:
                 types = dict(master.calls().call('getTopicTypes'))
                 self._types = {name: types[name] for name, _ in published if name in types}
+                self.seen |= set(self._types)
         except timed_xmlrpc.ERRORS as error:
             self._warn('the robots: no master answers: %s', one_line(error))
             return
@@ -65,6 +67,7 @@ class ShownRobots:
         with self._lock:
             if name not in self._made:
                 self._made[name] = ShownRobot(name, self._limits, self._pictures, self._system)
+                self.update()
             return self._made[name]
 
 

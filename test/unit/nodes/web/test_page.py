@@ -32,11 +32,12 @@ def client():
     """A client of an application with the page and SONAR; NiceGUI can serve only one."""
     limits = VelocityLimits()
     robot = SimpleNamespace(
-        name='tb3_1', pose=None, colors=SimpleNamespace(revision=0, values=dict),
+        name='tb3_1', resolve='/tb3_1/{}'.format, pose=None,
+        colors=SimpleNamespace(revision=0, values=dict),
         picture_topics=lambda: [PictureTopic('/usb_cam/image_raw', 'camera')],
         driving=SimpleNamespace(settings=limits, limits=vars(limits), limit=print),
         navigation=SimpleNamespace(has_map=False))
-    robots = SimpleNamespace(names=['tb3_1'], get=lambda name: robot)
+    robots = SimpleNamespace(names=['tb3_1'], seen=set(), get=lambda name: robot)
     app = FastAPI()
     with pytest.MonkeyPatch().context() as monkeypatch:
         monkeypatch.setattr(page, 'TABS', (*page.TABS, SONAR))

@@ -7,6 +7,7 @@
   const MAP = 'canvas.map[data-event=pose]';
   const PATH_POINTS = 4000;
   const MAP_LINES = 12;           // of its grid, in each direction
+  const LABELS_PX = 46;           // the width of a label of it
   const KEYS = {
     w: [1, 0], arrowup: [1, 0], x: [-1, 0], arrowdown: [-1, 0],
     a: [0, 1], arrowleft: [0, 1], d: [0, -1], arrowright: [0, -1], s: [0, 0],
@@ -14,6 +15,7 @@
   // of colors with these names; readable on a light and on a dark card
   const LINES = { blue: '#4f7df3', red: '#e5484d', green: '#30a46c', yellow: '#d9a800',
     orange: '#f2751a', purple: '#8e4ec6', pink: '#d6409f' };
+  const COMPACT = new Intl.NumberFormat('en', { notation: 'compact' });
   const { all, css, mapping, send, show, text, visible } = page;
   const { arrow, line } = mapping;
   const state = { areas: [], asked: [], driven: [], path: [], colors: [] };
@@ -66,20 +68,26 @@
     const areas = chart('areas');
     if (areas) {
       fitLegend(areas, state.colors);
-      areas.setOption({ series: state.colors.map((name, index) => ({
-        name, type: 'line', showSymbol: false, animation: false, color: LINES[name],
-        data: column(state.areas, index + 1), markLine: limitLine(name) })) });
+      const formatter = (px) => (px > 1 ? COMPACT.format(px) : '0');
+      areas.setOption({ yAxis: { axisLabel: { formatter } }, series: state.colors.map(
+        (name, index) => ({ name, type: 'line', showSymbol: false, animation: false,
+          color: LINES[name], markLine: limitLine(name),
+          data: column(state.areas, index + 1).map(([time, px]) => [time, atLeast1(px)]) })) });
     }
     const speeds = chart('speeds');
     if (speeds) {
       const [asked, driven] = [column(state.asked, 1), column(state.driven, 1)];
       const cut = cutOff(asked, driven);
-      speeds.setOption({ yAxis: { min: cut.low, max: cut.high, interval: cut.interval }, series: [
+      const axis = { min: cut.low, max: cut.high, interval: cut.interval };
+      speeds.setOption({ yAxis: { ...axis, axisLabel: { formatter: short } }, series: [
         { id: 'asked', name: text('asked') + cut.note, step: 'end', data: cut.points },
         { id: 'driven', name: text('driven'), data: driven },
       ].map((each) => ({ type: 'line', showSymbol: false, animation: false, ...each })) });
     }
   }
+
+  const short = (value) => String(Number(value.toPrecision(3)));
+  const atLeast1 = (value) => Math.max(1, value);         // a logarithmic axis has no 0
 
   // commands far above what is driven would make its line flat: they end at the edge of the chart
   function cutOff(asked, driven) {
@@ -91,7 +99,6 @@
       return { points: asked, low: null, high: null, interval: null, note: '' };
     }
     const speeds = [...values, ...driven.map((each) => each[1])];
-    const short = (value) => String(Number(value.toPrecision(3)));
     return { points: asked.map(([time, value]) => [time,
       value === null ? null : Math.max(-edge, Math.min(edge, value))]),
       low: Math.min(...speeds) < 0 ? -edge : 0, high: Math.max(...speeds) > 0 ? edge : 0,
@@ -125,7 +132,7 @@
   function limitLine(name) {
     const limit = (window.limits || {})[name];
     return limit === undefined ? { data: [] } : { silent: true, symbol: 'none', animation: false,
-      label: { show: false }, lineStyle: { type: 'dashed' }, data: [{ yAxis: limit }] };
+      label: { show: false }, lineStyle: { type: 'dashed' }, data: [{ yAxis: atLeast1(limit) }] };
   }
 
   // ---- the map
@@ -139,12 +146,12 @@
   }
 
   function drawMap(canvas) {
-    const drawing = mapping.begin(canvas, pointsInMap(), 1.12);
+    const drawing = mapping.begin(canvas, pointsInMap(), 1.06, LABELS_PX);
     if (!drawing) return;
     canvas.heading = () => (state.pose ? state.pose[2] : 0);
     const { context, at, scale, side } = drawing;
     const [x0, y0, size] = canvas.extent;
-    // a grid of whole meters; its labels stand on what is in the world
+    // a grid of whole meters; its labels stand beside what is in the world
     const step = Math.max(1, roundUp(size / MAP_LINES, [1, 2, 5, 10]));
     const labels = [];
     context.strokeStyle = css('--soft');

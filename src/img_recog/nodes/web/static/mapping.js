@@ -20,11 +20,15 @@
   }
 
   // clear a canvas to draw what is around points; null while it has no size
-  function begin(canvas, points, margin) {
+  // gutter: pixels that stay free at the left, and a half of it above and below
+  function begin(canvas, points, margin, gutter = 0) {
     const side = Math.round(canvas.clientWidth * devicePixelRatio);
     if (!side) return null;
     if (canvas.width !== side) { canvas.width = side; canvas.height = side; }
-    const [x0, y0, size] = canvas.extent = square(points, margin);
+    const [x, y0, inner] = square(points, margin);
+    const size = inner / (1 - Math.min(0.5, gutter / canvas.clientWidth));
+    const x0 = x - (size - inner) / 2;
+    canvas.extent = [x0, y0, size];
     const scale = side / size;
     const at = ([x, y]) => [side - (y - y0) * scale, side - (x - x0) * scale];
     const context = canvas.getContext('2d');
