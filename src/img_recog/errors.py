@@ -1,9 +1,13 @@
 """The exception for problems that the user can fix, and safe texts for messages."""
 import difflib
-from typing import Iterable
+import faulthandler
+import types
+from typing import Any, Callable, Iterable, TypeVar
 
 MAX_FOREIGN, MAX_LINE = 200, 2000       # characters of a text from outside, and of a whole line
 _GAP = ' ... '
+_STDERR = 2
+Result = TypeVar('Result')
 
 
 class UserError(Exception):
@@ -62,3 +66,19 @@ def shortened(value: object, limit: int = MAX_FOREIGN) -> str:
         return text
     end = limit // 4
     return text[:limit - end - len(_GAP)] + _GAP + text[-end:]
+
+
+def named_in_crashes(what: str, function: Callable[..., Result], *arguments: Any) -> Result:
+    """Call a function; if a library crashes in any thread meanwhile, stderr says `what`.
+
+    A crash, like a segmentation fault, ends the process at once. Then faulthandler writes the
+    calls of all threads with the names of their files, and `what` is the name of one.
+    """
+    faulthandler.enable(_STDERR)
+    # in angle brackets: a traceback does not look for the lines of such a file
+    code = _called.__code__.replace(co_filename='<{}>'.format(shortened(what)))
+    return types.FunctionType(code, globals())(function, arguments)
+
+
+def _called(function: Callable[..., Result], arguments: Iterable[Any]) -> Result:
+    return function(*arguments)

@@ -1,4 +1,5 @@
 """Functions for pieces of work, which processes of Dask import."""
+import faulthandler
 import os
 import resource
 import signal
@@ -30,6 +31,13 @@ def killed_once(_, number, folder):
     if number == 3 and not os.path.exists(mark):
         with open(mark, 'w'):
             os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def crashes(paths, number):
+    """Return the number; each process that is asked for 3 crashes."""
+    if number == 3:
+        faulthandler._sigsegv()
     return number
 
 

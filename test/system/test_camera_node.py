@@ -1,6 +1,7 @@
 """The camera node as a process: how it starts and stops with all kinds of sources."""
 import contextlib
 import re
+import signal
 import socket
 import subprocess
 import time
@@ -101,6 +102,16 @@ def test_a_video_whose_size_changes_is_one_line(roscore, tmp_path):
     assert len(re.findall(r'\[WARN\].*joined.ts is 128x96: the images have this size',
                           camera.output)) == 1
     assert 'ERROR' not in camera.output, camera.output
+
+
+def test_a_crash_has_a_line_that_names_the_source(roscore, tmp_path):
+    path = str(tmp_path / 'film.png')
+    assert cv2.imwrite(path, np.zeros((8, 8, 3), np.uint8))
+    camera = start(roscore, '_video_device:=' + path)
+    camera.wait_output('image .*film.png')
+    camera.send_signal(signal.SIGSEGV)
+    assert camera.wait() == -signal.SIGSEGV
+    assert '<usb_cam reads {}>'.format(path) in camera.output
 
 
 class Recognition:

@@ -1,7 +1,12 @@
 """Errors for users: problem and advice, in one line."""
+import signal
+import subprocess
+import sys
+
 import pytest
 
-from img_recog.errors import MAX_FOREIGN, MAX_LINE, UserError, one_line, shortened
+from img_recog.errors import (MAX_FOREIGN, MAX_LINE, UserError, named_in_crashes, one_line,
+                              shortened)
 
 
 def test_a_user_error_says_problem_and_advice():
@@ -45,3 +50,30 @@ def test_one_line_is_shortened_and_escaped():
     assert len(one_line(ValueError('x' * 8000))) == MAX_FOREIGN
     assert one_line(UserError('x' * 300, 'a\nb')) == 'x' * 300 + '; a b'
     assert len(one_line(UserError('x' * 8000))) == MAX_LINE == 2000
+
+
+# the library crashes in a thread of its own, between two calls
+CRASH = """
+import faulthandler, threading
+from img_recog.errors import named_in_crashes
+def work(path):
+    thread = threading.Thread(target=faulthandler._sigabrt)
+    thread.start()
+    thread.join()
+named_in_crashes('reads ' + {0!r}, work, {0!r})
+"""
+
+
+@pytest.mark.parametrize('path, line', [('/a b/film.flv', '<reads /a b/film.flv>'),
+                                        ('a\n.flv', r'<reads a\n.flv>')])
+def test_a_crash_has_a_line_that_names_what_was_read(path, line):
+    crashed = subprocess.run([sys.executable, '-c', CRASH.format(path)], stderr=subprocess.PIPE,
+                             universal_newlines=True)
+    assert crashed.returncode == -signal.SIGABRT
+    assert sum(line in each for each in crashed.stderr.splitlines()) == 1, crashed.stderr
+
+
+def test_a_named_call_gives_and_raises_what_the_function_does():
+    assert named_in_crashes('reads a.flv', max, 2, 3) == 3
+    with pytest.raises(ZeroDivisionError):
+        named_in_crashes('reads a.flv', divmod, 2, 0)

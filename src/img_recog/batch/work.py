@@ -1,7 +1,6 @@
 """A piece of work: what it is, and how a process does it."""
 import contextlib
 import ctypes
-import faulthandler
 import functools
 import os
 import pickle
@@ -10,7 +9,7 @@ from typing import Any, Callable, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError, named_in_crashes, one_line
 
 # Called with the paths of the files of a piece and its arguments. A function of a module: workers
 # import it.
@@ -54,7 +53,8 @@ def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes
     _prepare()
     try:
         with _files(paths, contents) as found:
-            return pickle.dumps(function(found, *arguments), 4), ''
+            return pickle.dumps(named_in_crashes('works on ' + ', '.join(paths), function, found,
+                                                 *arguments), 4), ''
     except UserError as error:
         return b'', one_line(error)
     except Exception as error:      # of PyBullet or FFmpeg: the other pieces count
@@ -64,7 +64,6 @@ def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes
 @functools.lru_cache(maxsize=None)
 def _prepare() -> None:
     """Prepare this process: once."""
-    faulthandler.enable(2)      # if a library crashes, stderr says where
     for name, threads in _THREADS.items():
         os.environ.setdefault(name, threads)
     cv2.setNumThreads(1)

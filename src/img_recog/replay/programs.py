@@ -5,7 +5,7 @@ import signal
 import sys
 from typing import Callable, List, Optional, Sequence
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError, named_in_crashes, one_line
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings, with_colors
 from img_recog.signals import Interrupts
@@ -37,7 +37,8 @@ def run(name: str, program: Callable[[List[str], Interrupts], str], failed: str,
     words = sys.argv[1:] if words is None else words
     try:
         arguments = [word for word in words if not (word.startswith('__') and ':=' in word)]
-        sys.stdout.write(program(arguments, interrupts) + '\n')
+        sys.stdout.write(named_in_crashes(' '.join([name, *arguments]), program, arguments,
+                                          interrupts) + '\n')
     except UserError as error:
         log.error('%s', one_line(error))
         return 1

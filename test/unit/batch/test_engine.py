@@ -51,6 +51,19 @@ def test_two_processes_give_what_one_gives_though_a_worker_is_killed(run, tmp_pa
     assert found == run(batch_work.killed_once, pieces, jobs=1)
 
 
+def test_a_library_that_crashes_takes_nothing_with_it_and_its_file_is_named(run, tmp_path, capfd):
+    paths = [tmp_path / '{}.flv'.format(number) for number in range(5)]
+    for path in paths:
+        path.touch()
+    pieces = [Piece(path.name, (number,), (str(path),)) for number, path in enumerate(paths)]
+    found = run(batch_work.crashes, pieces, jobs=2)
+    assert [each.value for each in found] == [0, 1, 2, None, 4]
+    assert found[3].problem == (
+        'each worker that ran it has crashed or was killed: a library cannot read its files, or '
+        'it needs more memory than there is')
+    assert 'works on {}'.format(paths[3]) in capfd.readouterr().err
+
+
 def test_an_interrupted_run_goes_on_without_doing_anything_twice(run, tmp_path, caplog):
     pieces = numbers(str(tmp_path))
     with pytest.raises(KeyboardInterrupt):

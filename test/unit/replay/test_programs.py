@@ -1,4 +1,8 @@
 """What replay.py and film.py have in common."""
+import signal
+import subprocess
+import sys
+
 import pytest
 
 from img_recog.errors import UserError
@@ -28,3 +32,11 @@ def test_what_ends_a_program_is_one_line(run, error, line, code):
     def program(*_):
         raise error
     assert run(program) == (code, '', [line] if line else [])
+
+
+def test_a_crash_has_a_line_with_the_words_of_the_command():
+    crashed = subprocess.run([
+        sys.executable, '-c', 'import faulthandler\nfrom img_recog.replay import programs\n'
+        'programs.run("replay.py", lambda *_: faulthandler._sigsegv(), "", ["a.flv"])'],
+        stderr=subprocess.PIPE, universal_newlines=True)
+    assert crashed.returncode == -signal.SIGSEGV and '<replay.py a.flv>' in crashed.stderr

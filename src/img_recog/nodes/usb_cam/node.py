@@ -29,6 +29,7 @@ from img_recog.camera.pacing import Stamps
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
 from img_recog.camera.source import FrameSource
 from img_recog.conversions.compressed_image_msgs import CompressionSettings
+from img_recog.errors import named_in_crashes
 from img_recog.nodes.compressed_images import CompressedImages
 from img_recog.nodes.usb_cam.calibration import CameraCalibration
 from img_recog.nodes.usb_cam.controls import CameraControls
@@ -79,6 +80,9 @@ class UsbCam(Listener):
 
     def spin(self) -> None:
         """Publish frames until the node is shut down; raise the error that ends it earlier."""
+        named_in_crashes('usb_cam reads ' + self._name, self._spin)
+
+    def _spin(self) -> None:
         if self._settings.create_suspended:
             rospy.loginfo('camera: suspended until %s is called',
                           rospy.resolve_name('~start_capture'))
