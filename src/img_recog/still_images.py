@@ -30,6 +30,10 @@ _OPENCV_FORMATS = ('BMP', 'JPEG', 'MPO', 'PNG', 'PPM', 'SUN', 'WEBP')
 _PILLOW_FORMATS = ('GIF', 'JPEG2000', 'TIFF')
 _MAX_JPEG2000_BOXES = 1 << 20    # bytes before the codestream: a color profile, metadata
 _PNG_SIGNATURE_BYTES, _PNG_CHECKSUM_BYTES = 8, 4
+_ORIENTATION = 0x112        # tag of EXIF: where the first row and column are (Exif 2.3, 4.6.4)
+# whether an image is transposed, then how cv2.flip mirrors it
+_TURNS = {2: (False, 1), 3: (False, -1), 4: (False, 0), 5: (True, None), 6: (True, 1),
+          7: (True, -1), 8: (True, 0)}
 _PNG_CHUNK = struct.Struct('>I4s')      # length and type, before its data and the checksum
 
 
@@ -74,7 +78,11 @@ def read(path: str, max_pixels: int) -> Optional[np.ndarray]:
             return None
         check_size(image.size[0], image.size[1], max_pixels)
         if image.format in _OPENCV_FORMATS:
-            return _by_opencv(image, lambda: cv2.imread(path, cv2.IMREAD_COLOR))
+            # OpenCV 4.11 does not read the EXIF data of a WebP
+            is_webp = image.format == 'WEBP'
+            flags = cv2.IMREAD_COLOR | (cv2.IMREAD_IGNORE_ORIENTATION if is_webp else 0)
+            decoded = _by_opencv(image, lambda: cv2.imread(path, flags))
+            return _upright(decoded, image) if is_webp else decoded
         return _by_pillow(image) if image.format in _PILLOW_FORMATS else None
 
 
@@ -161,6 +169,19 @@ def _by_opencv(header: Any, decode_it: Callable[[], Any]) -> Optional[np.ndarray
     if image is None or sorted(image.shape[:2]) != sorted(header.size):
         return None
     return image
+
+
+def _upright(decoded: Optional[np.ndarray], image: Any) -> Optional[np.ndarray]:
+    """Return the pixels of an opened image, turned as its EXIF data say."""
+    try:
+        orientation = image.getexif().get(_ORIENTATION)
+    except Exception:       # as in _opened
+        return decoded
+    if decoded is None or orientation not in _TURNS:
+        return decoded
+    is_transposed, flip = _TURNS[orientation]
+    decoded = cv2.transpose(decoded) if is_transposed else decoded
+    return decoded if flip is None else cv2.flip(decoded, flip)
 
 
 def _by_pillow(image: Any) -> Optional[np.ndarray]:

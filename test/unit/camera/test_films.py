@@ -117,7 +117,7 @@ def served(tmp_path):
 @pytest.mark.parametrize('orientation, red', [
     (1, 'top left'), (2, 'top right'), (3, 'bottom right'), (4, 'bottom left'),
     (5, 'top left'), (6, 'top right'), (7, 'bottom right'), (8, 'bottom left')])
-def test_a_jpeg_is_upright(served, monkeypatch, orientation, red):
+def test_an_image_is_upright(served, monkeypatch, orientation, red):
     for name in ('_OPEN_TIMEOUT_S', '_READ_TIMEOUT_S', '_STALL_TIMEOUT_S'):
         monkeypatch.setattr('img_recog.camera.url_source.' + name, DEADLINE_S)
     url, folder = served
@@ -125,11 +125,12 @@ def test_a_jpeg_is_upright(served, monkeypatch, orientation, red):
     image.paste((255, 0, 0), (0, 0, 32, 24))
     exif = image.getexif()
     exif[0x112] = orientation       # Exif 2.3, 4.6.4: where the first row and column are
-    image.save(str(folder / 'phone.jpg'), exif=exif)
-    for device in (str(folder / 'phone.jpg'), url + 'phone.jpg'):
+    for name in ('phone.jpg', 'phone.png', 'phone.tif', 'phone.webp'):
+        image.save(str(folder / name), exif=exif)
+    for device in (*map(str, sorted(folder.iterdir())), url + 'phone.jpg'):
         source = open_source(CameraSettings(video_device=device))
         read = source.read()
-        assert read.shape == ((48, 64, 3) if orientation < 5 else (64, 48, 3))
+        assert read.shape == ((48, 64, 3) if orientation < 5 else (64, 48, 3)), device
         row, column = red.split()
         quarter = read[:20] if row == 'top' else read[-20:]
         quarter = quarter[:, :20] if column == 'left' else quarter[:, -20:]
