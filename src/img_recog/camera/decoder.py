@@ -16,8 +16,8 @@ import cv2
 import numpy as np
 from av.error import FFmpegError
 from av.sidedata.sidedata import SideDataContainer
-from av.video.reformatter import VideoReformatter
 
+from img_recog.camera.rgb_frames import RgbFrames
 from img_recog.camera.source import FrameSkipped, check_size
 from img_recog.camera.urls import redacted
 
@@ -41,7 +41,8 @@ class Decoder:
     width, height: size of the frames as stated, in pixels, before they are turned upright; 0 if
     unknown. Each frame has its own.
     rate_hz: the rate that is stated or guessed from the first frames, 0 if none.
-    frame_count: as stated, or of the duration at this rate; 0 if unknown, as of a live stream.
+    frame_count: as stated, without what the edit list of an .mp4 hides, or of the duration at
+    this rate; 0 if unknown, as of a live stream.
     codec: its name.
     ticks, time_s: time of the last frame as FFmpeg gives it, in the unit of the stream and in s;
     None if it gives none.
@@ -52,7 +53,9 @@ class Decoder:
 
         timeouts_s: for opening and for a read, None for no limit.
         """
-        self._container = av.open(url, options=_OPTIONS, metadata_errors='replace',
+        # not `options`: PyAV 10 has an array of them for each stream, and frees it by the number
+        # of streams that it has found meanwhile, which is larger for FLV and MPEG-PS
+        self._container = av.open(url, container_options=_OPTIONS, metadata_errors='replace',
                                   timeout=timeouts_s)
         streams = self._container.streams.video
         if not streams:
@@ -61,7 +64,7 @@ class Decoder:
         self._stream = stream = streams[0]
         self._context = stream.codec_context        # None if there is no decoder
         self._frames: Deque[av.VideoFrame] = deque()
-        self._reformatter = VideoReformatter()
+        self._rgb_frames = RgbFrames()
         self._packets: Optional[Iterator[av.Packet]] = None
         self.width = self.height = 0
         if self._context is not None:
@@ -77,6 +80,11 @@ class Decoder:
         duration_s = ((self._container.duration or 0) / av.time_base
                       or float((stream.duration or 0) * stream.time_base))
         self.frame_count = stream.frames or max(0, int(duration_s * self.rate_hz + 0.5))
+        self._has_edit_list = 'mp4' in self._container.format.name
+        if self._has_edit_list and stream.duration and self.rate_hz:
+            # what the list hides is in the stated count, but not in the duration of the stream
+            shown = int(stream.duration * stream.time_base * self.rate_hz + 0.5)
+            self.frame_count = min(self.frame_count, max(1, shown))
         self.ticks: Optional[int] = None
         self.time_s: Optional[float] = None
 
@@ -85,12 +93,14 @@ class Decoder:
         return float(ticks * self._stream.time_base)
 
     def packet_times(self) -> Iterator[Tuple[Optional[int], bool]]:
-        """Yield the time in ticks of each frame, and whether it is a key frame.
+        """Yield the time in ticks of each frame that is shown, and whether it is a key frame.
 
         They are in the order of the file, and are not decoded: `read` finds nothing then.
         """
+        # what an edit list hides comes before the start
+        start = self._stream.start_time if self._has_edit_list else None
         return ((packet.pts, packet.is_keyframe) for packet in self._container.demux(self._stream)
-                if packet.size)
+                if packet.size and (packet.pts is None or start is None or packet.pts >= start))
 
     def seek(self, ticks: int) -> None:
         """Have `read` go on at the last key frame that is not after a time, if it can."""
@@ -110,9 +120,7 @@ class Decoder:
             frame = self._frames.popleft()
             self.ticks = frame.dts if frame.pts is None else frame.pts
             self.time_s = None if self.ticks is None else self.seconds(self.ticks)
-            # what OpenCV asks for
-            image = _array(self._reformatter.reformat(
-                frame, format='rgb24', interpolation='BICUBIC'))
+            image = self._rgb_frames.array(frame)
         except (FFmpegError, ValueError) as error:
             raise FrameSkipped('{} gave an empty or damaged frame'.format(
                 redacted(self._container.name))) from error
@@ -136,6 +144,7 @@ class Decoder:
                 self._context.close(strict=False)
         self._context = self._packets = None
         self._frames.clear()
+        self._rgb_frames.release()
         self._container.close()
 
     def _fill(self) -> bool:
@@ -178,13 +187,6 @@ def released_on_error(decoder: Decoder) -> Iterator[None]:
     except BaseException:
         decoder.release()
         raise
-
-
-def _array(frame: 'av.VideoFrame') -> np.ndarray:
-    plane = frame.planes[0]
-    # no copy, unless the rows are padded
-    return np.ascontiguousarray(np.ndarray(
-        (frame.height, frame.width, 3), np.uint8, plane, strides=(plane.line_size, 3, 1)))
 
 
 def _turn_of(frame: 'av.VideoFrame') -> Optional[_Turn]:

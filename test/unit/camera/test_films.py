@@ -2,6 +2,7 @@
 import functools
 import http.server
 import subprocess
+import sys
 import threading
 
 import cv2
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from img_recog.batch import pieces
 from img_recog.camera.image_source import read_image
 from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
@@ -161,3 +163,73 @@ def test_a_path_with_a_colon_is_a_file(make_video, tmp_path, monkeypatch, name):
     make_video(name, frames=3)
     monkeypatch.chdir(tmp_path)
     assert len(list(VideoFrames(name))) == 3
+
+
+# in a process of its own, which a crash would end
+COUNT = """
+import sys
+from img_recog.camera.selection import open_source
+from img_recog.camera.settings import CameraSettings
+from img_recog.camera.source import SourceEnded
+source, count = open_source(CameraSettings(video_device=sys.argv[1], loop=False)), 0
+try:
+    while True:
+        source.read()
+        count += 1
+except SourceEnded:
+    print(count)
+"""
+
+
+@pytest.mark.parametrize('name, options', [
+    ('a.flv', ['-c:v', 'flv']), ('a.mpg', ['-c:v', 'mpeg1video', '-r', '25']),
+    ('b.mpg', ['-c:v', 'mpeg2video', '-r', '25'])])
+def test_a_film_whose_streams_are_found_late(make_film, served, name, options):
+    url, _ = served
+    path = make_film(name, *options)
+    for device in (path, url + name):
+        found = subprocess.run([sys.executable, '-c', COUNT, device], stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, universal_newlines=True)
+        assert found.returncode == 0, found.stdout
+        assert int(found.stdout) >= 12
+
+
+def test_what_an_edit_list_hides_is_not_missing(make_film, tmp_path):
+    film, path, warnings = make_film('a.mp4', *H264, '-g', '20', '-t', '4', source=(
+        'testsrc2=size=96x64:rate=10:duration=4')), str(tmp_path / 'cut.mp4'), []
+    subprocess.run(['ffmpeg', '-v', 'error', '-ss', '1', '-i', film, '-c', 'copy', path],
+                   check=True)
+    assert len(times(open_file(path, 30.0, loop=False, warn=warnings.append))) == 30
+    assert not warnings
+    frames = VideoFrames(path)
+    numbers = [frame.number for frame in frames]
+    assert numbers == list(range(30)) and frames.expected == 30
+    parts = pieces.divide(path, frames=10)
+    assert [part.first for part in parts] == [0, 10]
+    assert [frame.number for part in parts for frame in pieces.read(path, part)] == numbers
+
+
+# red and green; dark and light, where a wrong range is far off
+COLORS = [(220, 20, 40), (20, 200, 30), (6, 6, 6), (250, 250, 250)]
+VP9 = ['-c:v', 'libvpx-vp9', '-lossless', '1']
+
+
+@pytest.mark.parametrize('matrix, range_, tags, options', [
+    ('bt601', 'tv', [], ['-c:v', 'ffv1']),
+    ('bt601', 'tv', ['-colorspace', 'smpte170m'], H264),
+    ('bt709', 'tv', ['-colorspace', 'bt709'], H264),
+    ('bt709', 'pc', ['-colorspace', 'bt709', '-color_range', 'pc'], H264),
+    ('bt709', 'pc', ['-colorspace', 'bt709', '-color_range', 'pc'], VP9),
+    ('bt601', 'pc', ['-color_range', 'pc'], ['-c:v', 'libx264', '-pix_fmt', 'yuv420p10le']),
+    ('smpte240m', 'tv', ['-colorspace', 'smpte240m'], H264),
+    ('bt2020', 'tv', ['-colorspace', 'bt2020nc'], ['-c:v', 'libx264', '-pix_fmt', 'yuv420p10le'])])
+def test_colors_are_as_the_film_states_them(make_film, matrix, range_, tags, options):
+    boxes = ''.join(',drawbox=x={}:w=24:h=64:color=0x{:02x}{:02x}{:02x}:t=fill'.format(
+        24 * number, *color) for number, color in enumerate(COLORS))
+    path = make_film('a.mkv', '-vf', 'scale=out_color_matrix={}:out_range={}:flags=accurate_rnd'
+                     '+full_chroma_int'.format(matrix, range_), '-qp', '1', *options, *tags,
+                     source='color=black:size=96x64:rate=10:duration=0.3,format=rgb24' + boxes)
+    image = open_file(path, 30.0, loop=False).read()
+    for number, color in enumerate(COLORS):
+        shown = image[16:48, 24 * number + 6:24 * number + 18].reshape(-1, 3).mean(axis=0)
+        assert np.abs(shown - color).max() < 3.5, (color, shown)
