@@ -2,8 +2,9 @@
 
 Pillow reads the format and the size from the header, which takes 0.01 to 0.1 ms and no memory, so
 that the error can name them. OpenCV decodes the formats whose header it reads like Pillow. TIFF
-and JPEG 2000 can be written so that two libraries see two sizes: Pillow decodes them too. OpenCV's
-own limit is read when it is loaded and does not name the size, so it is only the second wall.
+and JPEG 2000 can be written so that two libraries see two sizes: Pillow decodes them too, and Sun
+raster, which OpenCV does not read if it is packed. OpenCV's own limit is read when it is loaded
+and does not name the size, so it is only the second wall.
 """
 import argparse
 import contextlib
@@ -26,8 +27,8 @@ DEFAULT_MAX_PIXELS = 50000000
 ALLOWED_MAX_PIXELS = between(1, 1 << 28)
 # by their names in Pillow; MPO is a JPEG with further images behind the first
 _MESSAGE_FORMATS = ('JPEG', 'MPO', 'PNG')
-_OPENCV_FORMATS = ('BMP', 'JPEG', 'MPO', 'PNG', 'PPM', 'SUN', 'WEBP')
-_PILLOW_FORMATS = ('GIF', 'JPEG2000', 'TIFF')
+_OPENCV_FORMATS = ('BMP', 'JPEG', 'MPO', 'PNG', 'PPM', 'WEBP')
+_PILLOW_FORMATS = ('GIF', 'JPEG2000', 'SUN', 'TIFF')
 _MAX_JPEG2000_BOXES = 1 << 20    # bytes before the codestream: a color profile, metadata
 _PNG_SIGNATURE_BYTES, _PNG_CHECKSUM_BYTES = 8, 4
 _ORIENTATION = 0x112        # tag of EXIF: where the first row and column are (Exif 2.3, 4.6.4)

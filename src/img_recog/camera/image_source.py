@@ -114,13 +114,21 @@ def is_jpeg_video(path: str) -> bool:
     return path.lower().endswith(_JPEG_VIDEOS)
 
 
+def is_image(path: str) -> bool:
+    """Return whether a file begins like an image of OpenCV, which may not be able to decode it."""
+    try:
+        return cv2.haveImageReader(path)
+    except cv2.error:       # OpenEXR, which is switched off
+        return True
+
+
 def read_image(path: str, max_pixels: int = DEFAULT_MAX_PIXELS) -> Optional[np.ndarray]:
     """Return an image file as bgr8, or None when it cannot be read or is truncated.
 
     Raises SourceTooLarge for an image of more than `max_pixels` pixels.
     """
     try:
-        if is_jpeg_video(path) or not cv2.haveImageReader(path) or is_truncated(path):
+        if is_jpeg_video(path) or not is_image(path) or is_truncated(path):
             return None
         return still_images.read(path, max_pixels)
     except ImageTooLarge as error:

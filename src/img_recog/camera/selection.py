@@ -4,12 +4,10 @@ import os
 import stat
 from typing import Callable, Sequence
 
-import cv2
-
 from img_recog import still_images
 from img_recog.camera.device_source import DeviceSource, list_devices
-from img_recog.camera.image_source import (FolderSource, ImageSource, is_jpeg_video, is_truncated,
-                                           read_image)
+from img_recog.camera.image_source import (FolderSource, ImageSource, is_image, is_jpeg_video,
+                                           is_truncated, read_image)
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError, check_size, convert
 from img_recog.camera.synthetic import SyntheticSource
@@ -82,7 +80,7 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     if is_truncated(path):
         raise SourceError('cannot read {}: the image is truncated'.format(path))
     # ffmpeg plays images too, of any size, and text files
-    if cv2.haveImageReader(path) or _is_text(path):
+    if is_image(path) or _is_text(path):
         raise not_playable(path)
     return VideoSource(path, loop, warn, max_pixels)
 
