@@ -53,8 +53,8 @@ def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes
     _prepare()
     try:
         with _files(paths, contents) as found:
-            return pickle.dumps(named_in_crashes('works on ' + ', '.join(paths), function, found,
-                                                 *arguments), 4), ''
+            return pickle.dumps(named_in_crashes(
+                ' '.join([function.__name__, *paths]), function, found, *arguments), 4), ''
     except UserError as error:
         return b'', one_line(error)
     except Exception as error:      # of PyBullet or FFmpeg: the other pieces count

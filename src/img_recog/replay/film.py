@@ -114,7 +114,8 @@ class FilmWriter:
             [program, '-loglevel', 'error', '-y', '-f', 'rawvideo', '-pix_fmt', 'bgr24',
              '-video_size', '{}x{}'.format(width, height), '-framerate', '{:.6f}'.format(rate_hz),
              '-i', '-', '-c:v', 'libx264', '-preset', 'veryfast', '-crf', '20', '-pix_fmt',
-             'yuv420p', '-movflags', '+faststart', '-f', 'mp4',
+             # by BT.601, which players do not assume of HD
+             'yuv420p', '-colorspace', 'smpte170m', '-movflags', '+faststart', '-f', 'mp4',
              self._inherited],
             stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=self._errors,
             pass_fds=(descriptor,))

@@ -61,7 +61,7 @@ def test_a_library_that_crashes_takes_nothing_with_it_and_its_file_is_named(run,
     assert found[3].problem == (
         'each worker that ran it has crashed or was killed: a library cannot read its files, or '
         'it needs more memory than there is')
-    assert 'works on {}'.format(paths[3]) in capfd.readouterr().err
+    assert '<crashes {}>'.format(paths[3]) in capfd.readouterr().err
 
 
 def test_an_interrupted_run_goes_on_without_doing_anything_twice(run, tmp_path, caplog):

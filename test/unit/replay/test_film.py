@@ -1,10 +1,12 @@
 """Films: what ffmpeg makes of their pictures."""
 import errno
 import shutil
+import subprocess
 
 import numpy as np
 import pytest
 
+from img_recog.camera.decoder import open_decoder
 from img_recog.errors import UserError
 from img_recog.recognition.settings import with_colors
 from img_recog.replay.film import RATE_HZ, Film, FilmWriter
@@ -26,6 +28,19 @@ def test_a_film_shows_each_image_until_the_next_one(tmp_path):
     blue = [frame[214, 250].tolist() for frame in frames]
     assert all(pixel[0] > 150 for pixel in blue[:14]) and all(pixel[2] > 150
                                                               for pixel in blue[16:])
+
+
+def test_a_film_has_the_colors_of_its_pictures_and_states_how_they_were_coded(tmp_path):
+    path, color = str(tmp_path / 'out.mp4'), (20, 200, 30)
+    with open(path, 'w+b') as file:
+        writer = FilmWriter(file, WIDTH, HEIGHT, RATE_HZ)
+        writer.write(np.full((HEIGHT, WIDTH, 3), color[::-1], np.uint8))
+        writer.close()
+    with open_decoder(path, WIDTH * HEIGHT) as decoder:
+        assert np.abs(decoder.read().mean(axis=(0, 1)) - color).max() < 4
+    assert subprocess.run(
+        ['ffprobe', '-v', 'error', '-show_entries', 'stream=color_space', '-of', 'csv=p=0', path],
+        stdout=subprocess.PIPE).stdout.strip() == b'smpte170m'
 
 
 def test_without_ffmpeg(tmp_path, monkeypatch):
