@@ -22,7 +22,7 @@ _STARTS_NOTHING = {'--ros-args', '--nodes', '--files', '--find-node', '--dump-pa
                    '--help', '-h'}
 _PORT_OPTIONS = ('-p', '--port')
 # of these, two on one master make no sense; a second page or window does no harm
-_PARTS = {'/gazebo', '/robots', '/usb_cam', '/color_extract', '/turtlebot3_teleop_keyboard'}
+_PARTS = {'gazebo', 'robots', 'usb_cam', 'color_extract', 'turtlebot3_teleop_keyboard'}
 _NAME = '/img_recog_demo'
 _CALL_TIMEOUT_S, _FIRST_NODE_TIMEOUT_S, _POLL_PERIOD_S = 2.0, 10.0, 0.2
 
@@ -105,7 +105,7 @@ class Claim:
 
     def _taken(self, uri):
         """Return the names on a master that this demo would take from nodes that answer."""
-        running = _nodes(uri) & _PARTS
+        running = {node for node in _nodes(uri) if node.rpartition('/')[2] in _PARTS}
         if not running:
             return ''
         listed = subprocess.run(

@@ -16,6 +16,7 @@ import time
 from img_recog import process_tree
 
 SIMULATOR = 'Bullet Physics'
+# the ends of their titles, which begin with the namespace of the demo
 IMAGES = ('/usb_cam/image_raw', '/blue_image', '/red_image')
 # a part of the title of each window that an argument of demo.launch opens
 OPTIONAL = {'rviz': ' - RViz', 'rqt_graph': 'rqt_graph__', 'rqt_reconfigure': 'rqt_reconfigure__'}
@@ -100,7 +101,7 @@ def places(screen, sizes):
     for title in filter(lambda title: title.startswith(SIMULATOR), sizes):
         result[title] = (0, 0)
         left = sizes[title][0] + GAP_PX
-    for title in filter(sizes.__contains__, IMAGES):
+    for title in (title for name in IMAGES for title in sizes if title.endswith(name)):
         width, height = sizes[title]
         result[title] = (max(0, min(left, screen[0] - width)),
                          max(0, min(top, screen[1] - height)))

@@ -12,9 +12,9 @@ from img_recog import process_tree
 from img_recog.errors import UserError, one_line, shortened
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
-TOPICS = ('clock', 'cmd_vel', 'color_detection', 'diagnostics', 'gazebo/world_outlines', 'imu',
-          'joint_states', 'odom', 'rosout_agg', 'scan', 'tf', 'tf_static', 'usb_cam/camera_info',
-          'usb_cam/image_raw/compressed')
+TOPICS = ('/clock', '/diagnostics', '/rosout_agg', '/tf', '/tf_static', 'cmd_vel',
+          'color_detection', 'gazebo/world_outlines', 'imu', 'joint_states', 'odom', 'scan',
+          'usb_cam/camera_info', 'usb_cam/image_raw/compressed')
 MAX_MEGABYTES = 2000
 _START_TIMEOUT_S, _END_TIMEOUT_S, _POLL_PERIOD_S = 5.0, 10.0, 0.05
 # of a line of roscpp: color, level and time

@@ -127,4 +127,4 @@ def _described(code: int) -> str:
 def describe(death: Death) -> str:
     """Return one line about which part is missing, and why."""
     return '{} ({}) has ended: {}'.format(
-        PARTS.get(death.node, 'a node'), death.node, death.reason.rstrip('.'))
+        PARTS.get(death.node.rpartition('/')[2], 'a node'), death.node, death.reason.rstrip('.'))

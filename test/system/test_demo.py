@@ -3,13 +3,19 @@ import os
 import re
 import signal
 
+import pytest
+
 from img_recog.bag_recording import TOPICS
 from img_recog_testing.process_table import is_alive
 from img_recog_testing.waiting import wait_for
 
 NODES = ('color_extract', 'gazebo', 'robot_state_publisher', 'turtlebot3_teleop_keyboard',
          'usb_cam')
-SELDOM_RECORDED = {'tf_static', 'diagnostics', 'scan'}
+SELDOM_RECORDED = {'/tf_static', '/diagnostics', 'scan'}
+NAMESPACED = '''<launch><include file="$(find img_recog)/launch/demo.launch" ns="lab">
+  <arg name="camera" value="robot"/><arg name="world" value="color_posts"/>
+  <arg name="web" value="false"/><arg name="record" value="{}/lab"/>
+  <arg name="robots" value="{}"/></include></launch>'''
 
 
 def node_pids(ros):
@@ -97,13 +103,20 @@ def test_window_without_a_display_is_one_warning(ros):
     assert demo.interrupt() == 0
 
 
+def wait_recorded(ros, recorder, world, robot):
+    """Wait until a node records all topics; world, robot: the namespaces of what is not global."""
+    names = [topic if topic.startswith('/') else
+             (world if topic.startswith('gazebo/') else robot) + topic
+             for topic in set(TOPICS) - SELDOM_RECORDED]
+    ros.wait_run(r'(?s)\nConnections:' + ''.join(map(r'(?=.*topic: {}\n)'.format, names)),
+                 'rosnode', 'info', recorder)
+
+
 def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
     """And a film and a picture can be made of it; the picture also while the demo runs."""
     demo = ros.demo('world:=empty', 'record:={}/demo'.format(tmp_path))
     demo.wait_output('the robot drives forward')
-    connected = ''.join(r'(?=.*topic: /{}\n)'.format(topic)
-                        for topic in set(TOPICS) - SELDOM_RECORDED)
-    ros.wait_run(r'(?s)\nConnections:' + connected, 'rosnode', 'info', '/record')
+    wait_recorded(ros, '/record', '/', '/')
     begin = len(demo.output)
     ros.run('rostopic', 'echo', '-n', '30', '/odom/header/seq')
     wait_for(lambda: 'the robot ' in demo.output[begin:], 'a command')
@@ -124,3 +137,30 @@ def test_a_recording_has_what_is_worth_keeping(ros, tmp_path):
     assert film.wait() == 0, film.output
     assert re.search(r'film.mp4: \d+\.\d s, \d+ images of usb_cam/image_raw/compressed',
                      film.output), film.output
+
+
+@pytest.mark.parametrize('robots, robot', [('none', '/lab/'), ('2', '/lab/tb3_1/')])
+def test_in_a_namespace_it_is_the_same_on_the_one_clock(ros, tmp_path, robots, robot):
+    path = tmp_path / 'included.launch'
+    path.write_text(NAMESPACED.format(tmp_path, robots))
+    demo = ros.start('roslaunch', '-p', ros.port, path)
+    demo.wait_output('(the robot|robot tb3_1) drives forward')
+    wait_recorded(ros, '/lab/record', '/lab/', robot)
+    topics = ros.run('rostopic', 'list').split()
+    assert {name for name in topics if name.startswith('/lab/')} >= {
+        robot + name for name in ('usb_cam/image_raw', 'blue_image', 'cmd_vel', 'odom', 'scan')}
+    assert {name for name in topics if not name.startswith('/lab/')} == {
+        '/clock', '/diagnostics', '/rosout', '/rosout_agg', '/tf', '/tf_static'}
+    # among others, that no node stamps by another clock
+    doctor = ros.start('rosrun', 'img_recog', 'doctor.py')
+    assert doctor.wait() == 0 and 'problem: ' not in doctor.output, doctor.output
+    ros.run('rosservice', 'call', '/lab/gazebo/reset_world')
+    demo.wait_output('at the start')
+    begin = len(demo.output)
+    pid = ros.node_pid('/lab/gazebo')
+    os.kill(pid, signal.SIGKILL)
+    wait_for(lambda: re.search(r'(?s)gazebo: killed by SIGKILL, started again.* drives forward',
+                               demo.output[begin:]), lambda: demo.output[begin:])
+    assert demo.interrupt() == 0
+    for words in ('Traceback', 'escalating', '[ERROR]', '[FATAL]'):
+        assert words not in demo.output, demo.output

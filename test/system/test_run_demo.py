@@ -242,17 +242,19 @@ def test_xacro_that_cannot_be_expanded_is_refused_before_anything_starts(run_dem
     assert 'process[' not in demo.output
 
 
-def test_a_given_master_of_another_demo_is_refused(run_demo, ros):
+@pytest.mark.parametrize('namespace', ['/', '/lab/'])
+def test_a_given_master_of_another_demo_is_refused(run_demo, ros, namespace):
+    run_demo.env['ROS_NAMESPACE'] = namespace
     first = run_demo(*SMALL)
     first.wait_output('the robot is at the start')
     second = run_demo('camera:=synthetic')
     assert second.wait() == 1
     assert last_line(second).startswith(
-        '[run] the master {} has /gazebo of another demo, which this one would end; stop '.format(
-            ros.master_uri)), second.output
-    assert ros.node_pid('/gazebo') and first.is_running()
+        '[run] the master {} has {}gazebo of another demo, which this one would end; stop '.format(
+            ros.master_uri, namespace)), second.output
+    assert ros.node_pid(namespace + 'gazebo') and first.is_running()
     others = run_demo('simulator:=false', 'teleop:=false', 'camera:=none', 'use_sim_time:=true')
-    others.wait_output(r'process\[color_extract-\d+\]: started')
+    others.wait_output(r'process\[\S*color_extract-\d+\]: started')
     assert interrupt(others) == 0 and first.is_running()
 
 

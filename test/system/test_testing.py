@@ -199,8 +199,9 @@ rostest.rosrun('my_driver', 'drive_test', Drive)
 '''.format(python=sys.executable, drive=DRIVE))
     (package / 'drive_test.py').chmod(0o755)
     (package / 'drive.test').write_text(
-        '<launch><test test-name="drive_test" pkg="my_driver" type="drive_test.py" '
-        'time-limit="300"/></launch>')
+        # the nodes of a simulation are not in the namespace of the test
+        '<launch><group ns="lab"><test test-name="drive_test" pkg="my_driver" '
+        'type="drive_test.py" time-limit="300"/></group></launch>')
     process = start('rostest', '--results-base-dir', package, '--text', 'drive.test')
     process.wait()
     assert 'as it should' in process.output, process.output

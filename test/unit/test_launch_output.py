@@ -78,4 +78,5 @@ def test_each_node_of_the_demo_has_a_name_for_users():
     windows = {'rviz', 'rqt_graph', 'rqt_reconfigure'}      # whose ends are no news
     assert {*PARTS, *windows} == {'master', *(node.get('name') for node in nodes)}
     assert describe(Death('web', False, 'no port.')) == 'the page (web) has ended: no port'
+    assert describe(Death('lab/web', False, 'no port')) == 'the page (lab/web) has ended: no port'
     assert describe(Death('mine', False, 'killed')) == 'a node (mine) has ended: killed'

@@ -5,6 +5,7 @@ import io
 import os
 import shlex
 import socket
+import struct
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Dict, Iterator, List, NamedTuple, Set, Tuple
 
@@ -19,6 +20,8 @@ _TIMEOUT_S = 2.0
 _THREADS = 8
 # of sensors: a node that subscribes to them waits for them
 _SENSOR_PACKAGES = ('nav_msgs/', 'sensor_msgs/')
+_TIME, _LENGTH_BYTES, _SEQ_BYTES = struct.Struct('<II'), 4, 4     # in a message of TCPROS
+_MAX_AHEAD_S = 3600.0       # of a stamp; the clock of a simulation starts at 0
 _ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
 
 
@@ -53,7 +56,7 @@ def check_running() -> Iterator[Finding]:
             message('start "./run demo", roslaunch or roscore, or set ROS_MASTER_URI to the '
                     'master that runs; "./run shell" finds the demo of its folder'))
         return
-    for check in (_dead_nodes, _clock, _types, _definitions, _missing_publishers):
+    for check in (_dead_nodes, _clock, _other_clocks, _types, _definitions, _missing_publishers):
         yield from check(system)
     names = {kind.split('/')[0] for kinds in system.types.values() for kind in kinds.values()}
     yield from missing_packages(names)
@@ -115,12 +118,43 @@ def _clock(system: System) -> Iterator[Finding]:
     if system.is_sim_time and not clocks:
         yield Finding(
             message('use_sim_time is set and nothing publishes /clock: time stands still'),
-            message('start the simulator, or run "rosparam set use_sim_time false" and start the '
+            message('start the simulator, or run "rosparam set /use_sim_time false" and start the '
                     'nodes again'))
+    if clocks and not system.is_sim_time:
+        yield Finding(
+            message('{} publishes /clock, and /use_sim_time is not true: all other nodes have the '
+                    'time of the computer', clocks[0]),
+            message('run "rosparam set /use_sim_time true" and start the nodes again; in a launch '
+                    'file, write the parameter with its slash'))
     if len(clocks) > 1:
         yield Finding(message('several simulators publish /clock: {}', ', '.join(sorted(clocks))),
                       message('stop all but one: "rosnode kill {}"',
                               shlex.quote(sorted(clocks)[-1])))
+
+
+def _other_clocks(system: System) -> Iterator[Finding]:
+    """Report nodes that do not follow /clock, and stamps that cannot be of it."""
+    clocks = system.publishers('/clock')
+    if not (clocks and system.is_sim_time):
+        return
+    others = set(system.uris) - {*clocks, *system.subscribed.get('/clock', ()), '/rosout'}
+    if others:
+        yield Finding(message('these nodes have the time of the computer, not that of /clock: {}',
+                              ', '.join(map(shortened, sorted(others)))),
+                      message('they were started before /use_sim_time was set: start them again'))
+    stamped = [(node, topic) for topic, by_node in sorted(system.types.items())
+               if system.subscribed.get(topic) and not topic.startswith('/rosout')
+               for node in system.publishers(topic) if _has_header(by_node.get(node, ''))]
+    with ThreadPoolExecutor(_THREADS) as pool:
+        now_s = _next_time(system.uris[clocks[0]], '/clock', 0)
+        stamps = pool.map(lambda each: _next_time(system.uris[each[0]], each[1], _SEQ_BYTES),
+                          stamped)
+        for (node, topic), stamp_s in zip(stamped, stamps):
+            if now_s and stamp_s > now_s + _MAX_AHEAD_S:
+                yield Finding(
+                    message('{} publishes {} with the stamp {} s, and /clock says {} s', *map(
+                        shortened, (node, topic)), *map('{:.3f}'.format, (stamp_s, now_s))),
+                    message('stamp messages with rospy.Time.now() or ros::Time::now()'))
 
 
 def _types(system: System) -> Iterator[Finding]:
@@ -153,27 +187,51 @@ def _definitions(system: System) -> Iterator[Finding]:
 
 
 def _sum_here(kind: str) -> str:
+    return getattr(_class_here(kind), '_md5sum', '')
+
+
+def _has_header(kind: str) -> bool:
+    return getattr(_class_here(kind), '_slot_types', [])[:1] == ['std_msgs/Header']
+
+
+def _class_here(kind: str) -> Any:
+    """Return the class of a message type, None if there is none here."""
     package, _, name = kind.partition('/')
     with contextlib.suppress(Exception):        # of any kind: the module is of others
-        return getattr(importlib.import_module(package + '.msg'), name)._md5sum
-    return ''
+        return getattr(importlib.import_module(package + '.msg'), name)
+    return None
+
+
+@contextlib.contextmanager
+def _connected(uri: str, topic: str) -> Iterator[Tuple[socket.socket, Dict[str, str], bytes]]:
+    """Yield a connection to a publisher, its header, and what came with that of messages.
+
+    Raises exceptions of several types; a node that does not answer is reported elsewhere.
+    """
+    from rosgraph import network
+    _, host, port = _ask(uri, 'requestTopic', topic, [['TCPROS']])
+    with socket.create_connection((host, port), _TIMEOUT_S) as sock:
+        network.write_ros_handshake_header(sock, {
+            'callerid': _NAME, 'topic': topic, 'type': '*', 'md5sum': '*'})
+        rest = io.BytesIO()
+        yield sock, network.read_ros_handshake_header(sock, rest, 4096), rest.getvalue()
 
 
 def _sum_of_publisher(uri: str, topic: str) -> str:
-    """Return what a publisher says in its header; '' if it says nothing.
-
-    The connection is closed before a message is read.
-    """
-    try:
-        from rosgraph import network
-        _, host, port = _ask(uri, 'requestTopic', topic, [['TCPROS']])
-        with socket.create_connection((host, port), _TIMEOUT_S) as sock:
-            network.write_ros_handshake_header(sock, {
-                'callerid': _NAME, 'topic': topic, 'type': '*', 'md5sum': '*'})
-            header = network.read_ros_handshake_header(sock, io.BytesIO(), 4096)
+    """Return what a publisher says in its header; '' if it says nothing."""
+    with contextlib.suppress(Exception), _connected(uri, topic) as (_, header, _):
         return str(header.get('md5sum', ''))
-    except Exception:       # of several types; what does not answer is reported elsewhere
-        return ''
+    return ''
+
+
+def _next_time(uri: str, topic: str, offset: int) -> float:
+    """Return the time in s at this offset in the next message; 0 if none comes in time."""
+    with contextlib.suppress(Exception), _connected(uri, topic) as (sock, _, start):
+        end = _LENGTH_BYTES + offset + _TIME.size
+        data = start + sock.makefile('rb').read(max(0, end - len(start)))
+        secs, nsecs = _TIME.unpack_from(data, end - _TIME.size)
+        return secs + nsecs * 1e-9
+    return 0.0
 
 
 def _missing_publishers(system: System) -> Iterator[Finding]:

@@ -120,12 +120,13 @@ def odometry_of(types: Mapping[str, str], robot: str, place: str) -> str:
         else 'record it while the robot runs')
 
 
-def topics_beside(odometry: str) -> List[str]:
-    """Return the topics to record of a robot and of its world.
+def topics_beside(odometry: str, topics: Iterable[str]) -> List[str]:
+    """Return the topics to record of a robot and of its world; topics: all that there are.
 
-    >>> topics_beside('/tb3_0/odom')
-    ['/tb3_0/odom', '/tb3_0/cmd_vel', '/tb3_0/color_detection', '/gazebo/world_outlines']
+    >>> topics_beside('/lab/tb3_0/odom', ['/lab/gazebo/world_outlines'])
+    ['/lab/tb3_0/odom', '/lab/tb3_0/cmd_vel', '/lab/tb3_0/color_detection', \
+'/lab/gazebo/world_outlines']
     """
     namespace = odometry.rpartition('/')[0]
     return [odometry, namespace + '/cmd_vel', namespace + '/color_detection',
-            '/gazebo/world_outlines']
+            *(name for name in topics if name.endswith('/gazebo/world_outlines'))]

@@ -52,12 +52,13 @@ def _make(arguments: List[str], _: Interrupts) -> str:
         if not path:
             title = 'the running system'
             with _master() as master:
-                odometry = odometry_of(dict(master.call('getPublishedTopics', '')),
-                                       options.robot, title)
+                types = dict(master.call('getPublishedTopics', ''))
+                odometry = odometry_of(types, options.robot, title)
                 if not options.colors:
                     node = odometry.rpartition('/')[0] + '/color_extract'
                     settings = _running_settings(master, node) or settings
-            path = stack.enter_context(_recorded(topics_beside(odometry), options.duration))
+            path = stack.enter_context(_recorded(
+                topics_beside(odometry, types), options.duration))
         data, warning = _read(path, title, odometry, options.robot, settings)
         if warning:
             _log.warning('the picture does not show %s', warning)

@@ -79,7 +79,7 @@ def _together(files: Sequence[LaunchFile]) -> str:
     """Return a launch file that includes all: roslaunch refuses arguments that do not exist."""
     lines = []
     for file in files:
-        lines += ['<include file={}>'.format(quoteattr(file.path)),
+        lines += ['<include ns="/" file={}>'.format(quoteattr(file.path)),
                   *('<arg name={} value={}/>'.format(quoteattr(name), quoteattr(_text(value)))
                     for name, value in file.arguments.items()), '</include>']
     return '<launch>{}</launch>\n'.format('\n'.join(lines))

@@ -1,8 +1,10 @@
 """Each thing that can be wrong with a running system is caused, and found."""
 import socket
+import struct
 import threading
 
 import pytest
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 
 from img_recog.doctor.running import check_running
@@ -19,7 +21,8 @@ def findings(monkeypatch):
     """A function that starts a master with nodes and returns what is wrong.
 
     nodes: by their names, what they publish and subscribe to: dicts of types by topics; or the
-    address of a node that does not answer. sums: of the definitions that publishers have.
+    address of a node that does not answer. md5sum: of the definition that publishers of /imu
+    have. imu_s: the stamp on it, where /clock is 10 s.
     """
     monkeypatch.setenv('LANG', 'C')
     servers = []
@@ -28,11 +31,17 @@ def findings(monkeypatch):
         servers.append(XmlRpcServer(**methods))
         return servers[-1].uri
 
-    def call(nodes, is_sim_time=False, md5sum=Imu._md5sum):
+    def publish(topic, md5sum, imu_s):
+        is_clock = topic == '/clock'
+        data = struct.pack('<II', 10, 0) if is_clock else struct.pack('<III', 7, imu_s, 0)
+        return publisher(Clock._md5sum if is_clock else md5sum, data)
+
+    def call(nodes, is_sim_time=False, md5sum=Imu._md5sum, imu_s=9):
         uris = {name: parts if isinstance(parts, str) else serve(
             getPublications=lambda _, parts=parts: [1, '', list(map(list, parts[0].items()))],
             getSubscriptions=lambda _, parts=parts: [1, '', list(map(list, parts[1].items()))],
-            requestTopic=lambda *_: [1, '', ['TCPROS', '127.0.0.1', publisher(md5sum)]])
+            requestTopic=lambda _, topic, __: [
+                1, '', ['TCPROS', '127.0.0.1', publish(topic, md5sum, imu_s)]])
             for name, parts in nodes.items()}
         users = [{}, {}, {'/service': list(nodes)}]
         for name, parts in nodes.items():
@@ -49,8 +58,8 @@ def findings(monkeypatch):
         server.stop()
 
 
-def publisher(md5sum):
-    """Answer one connection with a header; return the port."""
+def publisher(md5sum, data):
+    """Answer one connection with a header, and a message of this data; return the port."""
     listener = socket.create_server(('127.0.0.1', 0))
 
     def answer():
@@ -60,13 +69,15 @@ def publisher(md5sum):
             field = 'md5sum={}'.format(md5sum).encode()
             length = len(field).to_bytes(4, 'little')
             sock.sendall((len(field) + 4).to_bytes(4, 'little') + length + field)
+            sock.sendall(len(data).to_bytes(4, 'little') + data)
     threading.Thread(target=answer, daemon=True).start()
     return listener.getsockname()[1]
 
 
 def test_a_healthy_system(findings):
     assert findings({'/sim': ({**CLOCK, '/imu': IMU}, {'/cmd_vel': '*'}),
-                     '/eye': ({}, {'/imu': IMU, '/other': '*'})}, is_sim_time=True) == []
+                     '/eye': ({}, {'/imu': IMU, '/other': '*', **CLOCK}),
+                     '/rosout': ({}, {})}, is_sim_time=True) == []
 
 
 def test_no_master(monkeypatch):
@@ -79,8 +90,16 @@ def test_no_master(monkeypatch):
 
 @pytest.mark.parametrize('nodes, options, problem, advice', [
     ({'/sim': ({}, {})}, {'is_sim_time': True},
-     'use_sim_time is set and nothing publishes /clock: time stands still', 'use_sim_time false'),
-    ({'/a': (CLOCK, {}), '/b': (CLOCK, {})}, {}, 'several simulators publish /clock: /a, /b',
+     'use_sim_time is set and nothing publishes /clock: time stands still', '/use_sim_time false'),
+    ({'/sim': (CLOCK, {})}, {}, '/sim publishes /clock, and /use_sim_time is not true: all other ',
+     '/use_sim_time true'),
+    ({'/sim': (CLOCK, {}), '/late': ({'/cmd_vel': TWIST}, {}), '/eye': ({}, CLOCK)},
+     {'is_sim_time': True},
+     'these nodes have the time of the computer, not that of /clock: /late', 'start them again'),
+    ({'/sim': (CLOCK, {}), '/a': ({'/imu': IMU}, CLOCK), '/eye': ({}, {'/imu': IMU, **CLOCK})},
+     {'is_sim_time': True, 'imu_s': 1795743957},
+     '/a publishes /imu with the stamp 1795743957.000 s, and /clock says 10.000 s', 'Time.now()'),
+    ({'/a': (CLOCK, {}), '/b': (CLOCK, {})}, {'is_sim_time': True}, 'several simulators publish /clock: /a, /b',
      'rosnode kill /b'),
     ({'/a': 'http://127.0.0.1:9'}, {},
      'the node /a does not answer at http://127.0.0.1:9: Connection refused', 'rosnode cleanup'),

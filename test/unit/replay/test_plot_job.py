@@ -159,7 +159,8 @@ def running(tmp_path, monkeypatch):
     def start(parameters):
         def answer(method, node, name):
             if method == 'getPublishedTopics':
-                return 1, '', [['/tb3/odom', 'nav_msgs/Odometry'], ['/x', 'std_msgs/String']]
+                return 1, '', [['/tb3/odom', 'nav_msgs/Odometry'], ['/x', 'std_msgs/String'],
+                               ['/lab/gazebo/world_outlines', 'any']]
             assert (method, name) == ('getParam', '/tb3/color_extract')
             return (-1, 'none', 0) if parameters is None else (1, '', parameters)
         servers.append(XmlRpcServer(dispatch=answer))
@@ -187,7 +188,7 @@ def test_the_running_system(plot, running, tmp_path, monkeypatch, parameters, wo
     assert log.startswith(warning) and bool(log) == bool(warning)
     assert len(ticks) == (1 if words else 3)
     assert topics == ['/tb3/odom', '/tb3/cmd_vel', '/tb3/color_detection',
-                      '/gazebo/world_outlines']
+                      '/lab/gazebo/world_outlines']
     (title, data), = drawn
     assert title == 'Drive of the running system, 0.5 s'
     assert [color.area_limit_px for color in data.colors] == [limit_px]
