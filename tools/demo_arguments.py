@@ -4,11 +4,15 @@
 roslaunch ignores arguments that the launch file does not have, passes any value to the nodes, and
 prints its usage when a colon is missing. Here each mistake gives one line.
 """
+import itertools
 import os
 import re
+import shutil
 import sys
+import textwrap
 import xml.etree.ElementTree as ElementTree
 
+from img_recog.errors import most_similar
 from img_recog.messages import message
 
 # options of roslaunch that are followed by a value
@@ -18,10 +22,7 @@ OPTIONS_WITH_VALUE = ('-p', '--port', '-t', '--timeout', '-u', '--server_uri', '
                       '--run_id', '--sigint-timeout', '--sigterm-timeout')
 URLS = ('http://', 'https://', 'rtmp://', 'rtsp://', 'rtsps://')
 TRUE_OR_FALSE = ('true', 'false', '1', '0')
-AS_FAST_AS_SUBSCRIBERS = ('real_time_factor', 'auto')       # the one word for a number
-# as roslaunch and the nodes read numbers
-_WHOLE_NUMBER = re.compile(r'[+-]?\d+$')
-_NUMBER = re.compile(r'[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?$')
+HELP = {'-h', '--help'}
 
 
 class ArgumentError(Exception):
@@ -36,12 +37,29 @@ class Arguments:
     """The arguments of a launch file and their allowed values."""
 
     def __init__(self, launch_file):
-        root = ElementTree.parse(launch_file).getroot()
+        with_comments = ElementTree.TreeBuilder(insert_comments=True)
+        root = ElementTree.parse(launch_file, ElementTree.XMLParser(target=with_comments)).getroot()
+        # its arguments are below comments that name their groups, and above all else
+        self._listed = list(itertools.takewhile(lambda each: each.tag != 'param', root))
         self._defaults = {arg.get('name'): arg.get('default', '') for arg in root.iter('arg')
                           if arg.get('value') is None}      # else a constant
         self._switches = {name for name in self._defaults if _is_switch(root, name)}
         self._checks = {'camera': _camera, 'camera_info_url': _calibration, 'colors': _file,
-                        'record': _record, 'urdf': _urdf, 'world': _world}
+                        'record': _record, 'robots': _robots, 'urdf': _urdf, 'world': _world}
+
+    def help(self):
+        """Return all arguments in their groups, with their defaults and meanings."""
+        width = min(99, shutil.get_terminal_size().columns)
+        lines = ['usage: ./run demo [ARGUMENT:=VALUE ...] [OPTION of roslaunch ...]']
+        for each in self._listed:
+            if each.tag is ElementTree.Comment:
+                lines += ['', each.text.strip()]
+                continue
+            default = ':=' + each.get('default').replace('$(find img_recog)/', '')
+            lines += ['  ' + each.get('name') + default * ('$(' not in default),    # else in doc
+                      textwrap.fill(each.get('doc'), width, initial_indent=' ' * 6,
+                                    subsequent_indent=' ' * 6)]
+        return '\n'.join(lines) + '\n'
 
     def checked(self, words):
         """Return the words with absolute paths, for roslaunch; raise ArgumentError."""
@@ -75,30 +93,24 @@ class Arguments:
         name, equals, value = word.partition('=')
         if equals and name in self._defaults:
             raise ArgumentError('got {}; write {}:={}', word, name, value)
-        raise ArgumentError('got {}; write arguments like camera:=synthetic; available are: '
-                            '{}', word, ' '.join(self._defaults))
+        raise ArgumentError('got {}; write arguments like camera:=synthetic; ./run demo --help '
+                            'lists them', word)
 
     def _value(self, name, value):
         if name not in self._defaults:
-            raise ArgumentError('demo.launch has no argument {}; it has {}',
-                                name, ' '.join(self._defaults))
+            similar = most_similar(name, self._defaults)
+            if similar:
+                raise ArgumentError('demo.launch has no argument {}; did you mean {}?',
+                                    name, similar)
+            raise ArgumentError('demo.launch has no argument {}; ./run demo --help lists them',
+                                name)
         if name in self._checks:
             return self._checks[name](name, value)
         if name in self._switches:
             if value.lower() not in TRUE_OR_FALSE:
                 raise ArgumentError('{}: got {}, allowed is true or false; write {}:=true',
                                     name, _shown(value), name)
-        elif _NUMBER.match(self._defaults[name]) and (name, value) != AS_FAST_AS_SUBSCRIBERS:
-            self._check_number(name, value)
-        return value
-
-    def _check_number(self, name, value):
-        whole = '.' not in self._defaults[name] and name.startswith('image_')
-        if not (_WHOLE_NUMBER if whole else _NUMBER).match(value):
-            raise ArgumentError(
-                '{}: got {}, allowed is a whole number; write for example {}:={}' if whole else
-                '{}: got {}, allowed is a number; write for example {}:={}',
-                name, _shown(value), name, self._defaults[name])
+        return value        # demo_values.py checks numbers
 
 
 def _is_switch(root, name):
@@ -161,6 +173,10 @@ def _record(name, value):
     return path
 
 
+def _robots(_, value):
+    return value if re.match(r'none$|[+-]?\d+$', value) else _absolute(value)
+
+
 def _world(name, value):
     if re.match(r'\w+$', value) and not os.path.isfile(_absolute(value)):
         return value        # a name, which demo_values.py checks
@@ -201,7 +217,11 @@ def _calibration(name, value):
 def main(launch_file, *words):
     """Check the words; return the exit code."""
     try:
-        Arguments(launch_file).checked(words)
+        arguments = Arguments(launch_file)
+        if HELP.intersection(words):
+            sys.stdout.write(arguments.help())
+        else:
+            arguments.checked(words)
     except ArgumentError as error:
         sys.stderr.write('[run] {}\n'.format(error))
         return 1

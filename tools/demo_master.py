@@ -18,8 +18,7 @@ from img_recog.messages import message
 _FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'build',
                      'master')
 _FIRST_PORT, _LAST_PORT = 11311, 11811
-_STARTS_NOTHING = {'--ros-args', '--nodes', '--files', '--find-node', '--dump-params', '--args',
-                   '--help', '-h'}
+_STARTS_NOTHING = {'--ros-args', '--nodes', '--files', '--find-node', '--dump-params', '--args'}
 _PORT_OPTIONS = ('-p', '--port')
 # of these, two on one master make no sense; a second page or window does no harm
 _PARTS = {'gazebo', 'robots', 'usb_cam', 'color_extract', 'turtlebot3_teleop_keyboard'}

@@ -14,6 +14,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 import img_recog
+from img_recog.bag_recording import RecordSettings
 from img_recog.batch import sweep_file
 from img_recog.batch.sweep_file import Success, SweepSettings
 from img_recog.camera import settings as camera
@@ -27,7 +28,7 @@ from img_recog.nodes.gazebo.physics_services import RuntimeSettings
 from img_recog.nodes.republish import RepublishSettings
 from img_recog.nodes.robots.node import ManagerSettings
 from img_recog.nodes.robots.robot_list import NodeSettings
-from img_recog.nodes.web.node import WebSettings
+from img_recog.nodes.web.settings import WebSettings
 from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, with_colors
 from img_recog.settings import SettingError, Settings
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings
@@ -122,8 +123,8 @@ def test_all_settings_are_in_the_reference():
     declared = {each for each in Settings.__subclasses__()
                 if each.__module__.startswith('img_recog.')} - set(
                     sweep_file.KINDS) - {SweepSettings, Success}
-    # with_colors() makes it complete
-    assert declared - known == {RecognitionSettings} | PARTS
+    # with_colors() makes it complete; an argument of demo.launch alone
+    assert declared - known == {RecognitionSettings, RecordSettings} | PARTS
 
 
 def test_parameters_of_a_sweep():

@@ -214,6 +214,8 @@ def test_colors_file_that_cannot_be_used_is_refused_before_anything_starts(
 
 @pytest.mark.parametrize('word, words', [
     ('framerate:=0', 'framerate: got 0.0, allowed is a finite number from 0.1 to 1000'),
+    ('robots:=0', 'robots: got 0, allowed is a number from 1 to 100, or the path of a YAML file'),
+    ('robots:=missing.yaml', 'robots: cannot read '),
     ('pixel_format:=x', "pixel_format: got 'x', allowed is one of "),
     ('view:=x', "view: got 'x', allowed is one of "),
     ('real_time_factor:=-1', 'real_time_factor: got -1.0, allowed is '),

@@ -21,7 +21,6 @@ import secrets
 import sys
 import time
 import traceback
-from dataclasses import dataclass
 from typing import Optional, Set
 
 import cv2
@@ -40,6 +39,7 @@ from img_recog.nodes.web.feed import Feed
 from img_recog.nodes.web.measurements import SystemTopics
 from img_recog.nodes.web.pictures import PictureTopics
 from img_recog.nodes.web.server import Server, address, listen, report_errors
+from img_recog.nodes.web.settings import WebSettings
 from img_recog.nodes.web.shown_robot import resolve
 from img_recog.nodes.web.shown_robots import ShownRobots
 from img_recog.nodes.web.tabs import TABS
@@ -49,26 +49,12 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.master import master
-from img_recog.settings import Settings, between, not_empty, setting
 from img_recog.teleoperation.settings import VelocityLimits
 
 _POLL_PERIOD_S = 0.5
 _MAX_IMAGE_BYTES = 200_000_000
 _START_TIMEOUT_S, _QUIET_S = 10.0, 1.5
 _TRY_AGAIN = 1013               # a close code of IANA's registry of WebSocket close codes
-
-
-@dataclass(frozen=True)
-class WebSettings(Settings):
-    """Where the page is served.
-
-    web_host: the address to listen on; the default is this computer alone. Anyone who reaches it
-    and has the token drives the robot; nothing is encrypted.
-    web_port: the first port to try; if it is taken, the next free one of the ten after it.
-    """
-
-    web_host: str = setting('127.0.0.1', not_empty())
-    web_port: int = setting(8080, between(1, 65535))
 
 
 class Web:
