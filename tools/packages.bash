@@ -295,6 +295,9 @@ install_from() {
   [ -f "$folder/platform" ] || fail '{} is no folder that ./run setup --download has filled' "$1"
   [ "$(cat "$folder/platform")" = "$(platform)" ] ||
     fail '{} is for {}, and this computer is {}' "$1" "$(cat "$folder/platform")" "$(platform)"
+  # apt and pip split a path at its spaces
+  ln -sfn "$folder" "$build/offline"
+  folder=$build/offline
   mkdir -p "$build/lists/partial"
   printf 'deb [trusted=yes] file:%s ./\n' "$folder/packages" >"$build/offline.list"
   apt_options=(-o Dir::Etc::sourcelist="$build/offline.list" -o Dir::Etc::sourceparts=/dev/null

@@ -106,15 +106,15 @@ no_test() {
   fail 'no test of {} matches {}' "$1" "$2"
 }
 
-# run_tests KIND EXPRESSION: an empty value selects everything.
+# run_tests KINDS EXPRESSION: an empty value selects everything.
 run_tests() {
-  local kind=$1 expression=$2 verdict=0 folder log=build/test_results
+  local kinds=$1 expression=$2 verdict=0 folder log=build/test_results
   rm -rf "$build/test_results" "$build/coverage.data"
   # the tests start hundreds of processes, which otherwise compile every module again
   unset PYTHONDONTWRITEBYTECODE
   export LC_ALL=C.UTF-8     # the language of the texts that they expect
   hurry_roslaunch
-  if [ -z "$kind$expression" ]; then
+  if [ -z "$kinds$expression" ]; then
     log="build/test.log and $log"
     rm -f "$build/test.log"
     keep_versions
@@ -122,11 +122,11 @@ run_tests() {
     repeat_failed
   else
     build_target tests
-    for folder in ${kind:-unit rostest system}; do
+    for folder in ${kinds:-unit rostest system}; do
       run_kind "$folder" "$expression" || verdict=$?
     done
     [ -n "$(find "$build/test_results" -name '*.xml' 2>/dev/null)" ] ||
-      no_test "$kind" "$expression"
+      no_test "$kinds" "$expression"
   fi
   report_coverage
   # the target run_tests succeeds even if tests fail; the result files decide

@@ -2,6 +2,7 @@
 import contextlib
 import dataclasses
 import math
+from types import MappingProxyType
 from typing import (Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional, Tuple, Type,
                     TypeVar)
 
@@ -137,13 +138,15 @@ def from_mapping(settings_class: Type[SettingsType], values: Mapping[str, Any]) 
                              for field in setting_fields(settings_class) if field.name in values})
 
 
-def unknown(name: str, known: Iterable[str], full_name: str = '') -> str:
+def unknown(name: str, known: Iterable[str], full_name: str = '',
+            meant: Mapping[str, str] = MappingProxyType({})) -> str:
     """Return a message about an unknown parameter that suggests a similar name, if there is one.
 
-    known: the names that exist; full_name: the name to show in place of `name`.
+    known: the names that exist; full_name: the name to show in place of `name`. meant: the names
+    to suggest for those that others use.
     """
     known = sorted(known)
-    advice = suggestion(name, known) or 'known are {}'.format(', '.join(known) or 'none')
+    advice = suggestion(meant.get(name, name), known) or 'known are {}'.format(', '.join(known) or 'none')
     return 'parameter {} is unknown to this node: {}'.format(
         shortened(full_name or name), advice)
 

@@ -9,6 +9,8 @@ from img_recog_testing.simulator_tools import BURGER, burger
 
 CAMERA_CASES = {
     'missing path': ('_video_device:=/no/such.mp4', '/no/such.mp4: no such file', 'synthetic'),
+    'a number': ('_video_device:=0', 'video_device: got 0, allowed is a path like /dev/video0',
+                 'synthetic'),
     'no camera': ('_video_device:=/dev/null', '/dev/null: no V4L2 capture device', 'have'),
     'a directory': ('_video_device:=/usr', '/usr: neither a device nor a file', 'synthetic'),
     'no video': ('_video_device:=' + BURGER, 'turtlebot3_burger.urdf: neither a video nor',
@@ -36,9 +38,11 @@ def test_camera(roscore, parameter, named, advice):
 
 def test_camera_typo_is_a_warning(roscore):
     roscore.set_parameters('/usb_cam')
-    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic', '_framrate:=10')
-    line = camera.wait_output(r'\[WARN\].*').group()
-    assert '/usb_cam/framrate' in line and 'did you mean framerate?' in line, line
+    camera = roscore.start_node('usb_cam_node.py', '_video_device:=synthetic', '_framrate:=10',
+                                '_focus_absolute:=3')
+    for name, meant in (('focus_absolute', 'focus'), ('framrate', 'framerate')):
+        camera.wait_output(r'\[WARN\].*/usb_cam/{} is unknown .* did you mean {}\?'.format(
+            name, meant))
     camera.wait_output('camera: synthetic scene')
     assert camera.interrupt() == 0
 

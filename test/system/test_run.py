@@ -97,6 +97,10 @@ def test_a_failed_test_is_reported(checkout, env):
     assert code != 0
     assert '\nFAILED pytest-system.xml: test_tiny_fails\n1 passed, 1 failed, 0 skipped\n' \
         in output, output
+    code, output = run(checkout, env, 'test', 'unit', 'system', '-k',
+                       'tiny_passes or stop_once_when_no_color')
+    assert code == 0, output
+    assert output.endswith('\n2 passed, 0 failed, 0 skipped\n'), output
     code, output = run(checkout, env, 'test', '-k', 'tiny_passes')
     assert code == 0, output
     assert output.endswith('\n1 passed, 0 failed, 0 skipped\n'), output
@@ -466,7 +470,7 @@ def tiny(env, tmp_path):
 
 def test_what_is_downloaded_is_enough_to_install_without_internet(tiny, tmp_path):
     checkout, env = tiny
-    folder = tmp_path / 'disk'
+    folder = tmp_path / 'USB disk, 50% [full]'
     with_wheel = dict(env, PIP_NO_INDEX='1', PIP_FIND_LINKS=str(tmp_path))
     # without setup, to which no source of apt offers the package
     subprocess.run(['bash', '-ec', 'root=$PWD build=$PWD/build python=/usr/bin/python3 '
@@ -492,7 +496,7 @@ def test_messages_are_in_japanese_if_lang_says_so(checkout, bare):
     code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8'), 'setup')
     assert code == 0 and 'ダウンロード 410 MB、ディスク使用量 1598 MB、所要時間 約 3 分' in output
     code, output = run(checkout, dict(env, LANG='ja_JP.UTF-8'), 'demo', 'cameras:=auto')
-    assert code == 1 and '[run] demo.launch に引数 cameras はありません。使えるのは ' in output
+    assert code == 1 and '[run] demo.launch に引数 cameras はありません。camera の間違い' in output
     commands = [re.findall(r'(?m)^  (\S.{22})', run(checkout, dict(env, LANG=lang), 'help')[1])
                 for lang in ('C', 'ja_JP.UTF-8')]
     assert commands[0] == commands[1] and len(commands[0]) > 10

@@ -40,6 +40,17 @@ KNOWN_NAMES = {
     'white_balance_temperature_auto': AUTO_WHITE_BALANCE,
 }
 
+# the control of each setting, in the order in which they are set
+_OF_SETTINGS = {
+    'brightness': BRIGHTNESS, 'contrast': CONTRAST, 'saturation': SATURATION,
+    'sharpness': SHARPNESS, 'gain': GAIN,
+    'auto_white_balance': AUTO_WHITE_BALANCE, 'white_balance': WHITE_BALANCE_TEMPERATURE,
+    'autoexposure': EXPOSURE_AUTO, 'exposure': EXPOSURE_ABSOLUTE,
+    'autofocus': FOCUS_AUTO, 'focus': FOCUS_ABSOLUTE}
+# the settings by the names above
+SETTINGS = {name: next(setting for setting, own in _OF_SETTINGS.items() if own == control)
+            for name, control in KNOWN_NAMES.items()}
+
 _QUERYCTRL, _CONTROL = struct.Struct('=II32siiiiI8x'), struct.Struct('=Ii')
 _NEXT_CTRL = 0x80000000
 _FLAG_DISABLED, _FLAG_READ_ONLY = 0x0001, 0x0004
@@ -139,27 +150,20 @@ def apply(device: ControlDevice, settings: ControlSettings,
     by_id = {each.id: each for each in controls}
     by_name = {each.name: each for each in controls}
 
-    def automatic(control_id: int, is_wanted: bool, default: bool) -> int:
-        return int(is_wanted) if control_id in by_id or is_wanted != default else _UNCHANGED
-    wanted = [
-        ('brightness', BRIGHTNESS, settings.brightness),
-        ('contrast', CONTRAST, settings.contrast),
-        ('saturation', SATURATION, settings.saturation),
-        ('sharpness', SHARPNESS, settings.sharpness),
-        ('gain', GAIN, settings.gain),
-        ('auto_white_balance', AUTO_WHITE_BALANCE,
-         automatic(AUTO_WHITE_BALANCE, settings.auto_white_balance, True)),
-        ('white_balance', WHITE_BALANCE_TEMPERATURE,
-         _UNCHANGED if settings.auto_white_balance else settings.white_balance),
-        ('autoexposure', EXPOSURE_AUTO,
-         _automatic_exposure(device, by_id.get(EXPOSURE_AUTO)) if settings.autoexposure
-         else EXPOSURE_MANUAL),
-        ('exposure', EXPOSURE_ABSOLUTE,
-         _UNCHANGED if settings.autoexposure else settings.exposure),
-        ('autofocus', FOCUS_AUTO, automatic(FOCUS_AUTO, settings.autofocus, False)),
-        ('focus', FOCUS_ABSOLUTE, _UNCHANGED if settings.autofocus else settings.focus)]
-    chosen = [(name, by_id.get(control_id), value)
-              for name, control_id, value in wanted if value != _UNCHANGED]
+    def automatic(setting: str, is_wanted: bool, default: bool) -> int:
+        return (int(is_wanted) if _OF_SETTINGS[setting] in by_id or is_wanted != default
+                else _UNCHANGED)
+    wanted = {
+        **vars(settings),
+        'auto_white_balance': automatic('auto_white_balance', settings.auto_white_balance, True),
+        'white_balance': _UNCHANGED if settings.auto_white_balance else settings.white_balance,
+        'autoexposure': _automatic_exposure(device, by_id.get(EXPOSURE_AUTO))
+        if settings.autoexposure else EXPOSURE_MANUAL,
+        'exposure': _UNCHANGED if settings.autoexposure else settings.exposure,
+        'autofocus': automatic('autofocus', settings.autofocus, False),
+        'focus': _UNCHANGED if settings.autofocus else settings.focus}
+    chosen = [(name, by_id.get(control_id), wanted[name])
+              for name, control_id in _OF_SETTINGS.items() if wanted[name] != _UNCHANGED]
     chosen += [(name, by_name.get(name) or by_id.get(KNOWN_NAMES.get(name, 0)), value)
                for name, value in intrinsic.items()]
     problems = [_set(device, name, control, value) if control else _missing(name, by_name)

@@ -45,7 +45,8 @@ class CameraSettings(Settings):
     create_suspended: whether the camera stays closed until ~start_capture is called.
     """
 
-    video_device: str = setting('/dev/video0', not_empty())
+    video_device: str = setting('/dev/video0', Allowed(
+        'a path like /dev/video0, a URL, synthetic or auto', not_empty().accepts))
     io_method: str = setting('mmap', one_of('mmap', 'read', 'userptr'))
     pixel_format: str = setting('mjpeg', one_of(*sorted(FOURCC)))
     color_format: str = setting('yuv422p', one_of('yuv420p', 'yuv422p'))

@@ -50,15 +50,15 @@ def read_one(name: str, default: Any, checked: Callable[[Any], Any], namespace: 
 
 
 def warn_of_unknown(*settings_classes: Type[Settings], also_known: Iterable[str] = (),
-                    namespace: str = '~') -> None:
+                    namespace: str = '~', meant: Mapping[str, str] = _NO_VALUES) -> None:
     """Log a warning for each private parameter that no settings class has: a likely typo.
 
     also_known: more names without a warning, as of the namespaces of a topic's parameters.
-    namespace: as for `read`.
+    namespace: as for `read`. meant: as for `unknown`.
     """
     known = sorted(field.name for each in settings_classes for field in setting_fields(each))
     for name in sorted(set(_parameters_in(namespace)) - {*known, *also_known}):
-        rospy.logwarn('%s', unknown(name, known, _name_in(namespace, name)))
+        rospy.logwarn('%s', unknown(name, known, _name_in(namespace, name), meant))
 
 
 def names_in(namespace: str) -> List[str]:

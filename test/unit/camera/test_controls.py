@@ -7,6 +7,7 @@ import pytest
 from img_recog.camera import controls
 from img_recog.camera.controls import Control, ControlDevice, apply, variable_name
 from img_recog.camera.settings import ControlSettings
+from img_recog.settings import unknown
 from img_recog_testing.descriptors import times_open
 
 
@@ -48,6 +49,17 @@ def test_ids_are_those_of_the_kernel(name, control_id):
     device = FakeDevice(control_id, names={control_id: 'any'})
     assert apply(device, ControlSettings(autofocus=True), {name: 1})[1:] == []
     assert (control_id, 1) in device.done
+
+
+@pytest.mark.parametrize('name, meant', [
+    ('exposure_auto', 'autoexposure'), ('auto_exposure', 'autoexposure'),
+    ('exposure_time_absolute', 'exposure'), ('focus_absolute', 'focus'),
+    ('focus_automatic_continuous', 'autofocus'), ('focus_auto', 'autofocus'),
+    ('white_balance_temperature', 'white_balance'),
+    ('white_balance_automatic', 'auto_white_balance')])
+def test_the_setting_that_a_name_of_the_kernel_means(name, meant):
+    line = unknown(name, vars(ControlSettings()), meant=controls.SETTINGS)
+    assert line.endswith('did you mean {}?'.format(meant))
 
 
 def test_settings_have_the_ids_of_the_kernel():

@@ -24,6 +24,7 @@ from std_srvs.srv import Empty, EmptyRequest, EmptyResponse
 
 from img_recog import files
 from img_recog.camera import selection, urls
+from img_recog.camera.controls import SETTINGS
 from img_recog.camera.capture import Capture, Listener
 from img_recog.camera.pacing import Stamps
 from img_recog.camera.settings import CameraSettings, ControlSettings, intrinsic_controls
@@ -58,7 +59,8 @@ class UsbCam(Listener):
         controls = parameters.read(ControlSettings)
         self._controls = CameraControls(
             controls, parameters.read_one('intrinsic_controls', {}, intrinsic_controls))
-        parameters.warn_of_unknown(CameraSettings, ControlSettings, also_known=_FOREIGN_PARAMETERS)
+        parameters.warn_of_unknown(CameraSettings, ControlSettings, also_known=_FOREIGN_PARAMETERS,
+                                   meant=SETTINGS)
         if self._settings.io_method != 'mmap':
             rospy.loginfo('io_method %s is ignored: OpenCV always uses mmap',
                           self._settings.io_method)

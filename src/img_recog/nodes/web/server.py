@@ -35,6 +35,7 @@ def listen(host: str, port: int) -> socket.socket:
             last = error if isinstance(error, OSError) else OSError(str(error))
     raise UserError('cannot serve the page at {}, ports {} to {}: {}'.format(
         host, port, min(port + _PORTS - 1, _MAX_PORT), one_line(last)),
+        'set web_port to a port from 1024 on' if isinstance(last, PermissionError) else
         'set web_host to an address of this computer, and web_port to a free port')
 
 

@@ -1,5 +1,6 @@
 """Reads the file of a world; any number of physics clients can load the result."""
 import os
+import re
 import xml.etree.ElementTree as ElementTree
 from typing import Callable, Dict, NamedTuple, Optional, Tuple, Union
 
@@ -120,6 +121,11 @@ def _parsed(world: str, path: str, worlds: Dict[str, str],
         root = parse_xml(read_file(path))
         check_expanded(root)
     except (OSError, ValueError) as error:
+        if re.fullmatch(r'turtlebot3_\w+', world) and not any(
+                each.endswith('.world') for each in worlds.values()):
+            raise SimulationError(
+                'world: got {!r}, and the package turtlebot3_gazebo with its worlds is not found'
+                .format(world), 'build it in a workspace and source its setup.bash; ' + allowed)
         raise SimulationError('world: got {!r}, which cannot be read as a file ({})'.format(
             world, error), allowed)
     except MarkupError as error:

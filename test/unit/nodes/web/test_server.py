@@ -40,6 +40,15 @@ def test_all_ports_taken(monkeypatch):
             listen('127.0.0.1', taken.getsockname()[1])
 
 
+def test_a_port_that_only_root_may_use(monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(13, 'Permission denied')
+    monkeypatch.setattr(server.socket, 'create_server', refuse)
+    with pytest.raises(UserError, match='ports 80 to 90: Permission denied; set web_port to a '
+                       'port from 1024 on'):
+        listen('127.0.0.1', 80)
+
+
 @pytest.mark.parametrize('host, port, shown', [
     ('127.0.0.1', 8080, 'http://localhost:8080/?token=t'),
     ('::1', 8081, 'http://localhost:8081/?token=t'),

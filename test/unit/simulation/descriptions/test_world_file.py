@@ -284,6 +284,14 @@ def test_refusals_name_the_value_and_what_is_allowed(tmp_path, content, words):
                                 'file')
 
 
+def test_a_world_of_a_package_that_is_not_found():
+    line = refusal(world_file.read, 'turtlebot3_house', WORLDS)
+    assert line.startswith("world: got 'turtlebot3_house', and the package turtlebot3_gazebo with "
+                           'its worlds is not found; build it in a workspace and source its ')
+    assert 'turtlebot3_gazebo' not in refusal(
+        world_file.read, 'turtlebot3_hose', {**WORLDS, 'turtlebot3_house': '/x/house.world'})
+
+
 def test_a_wrong_number_names_the_world(read):
     line = refusal(read, sdf(CRATE.format('0 0 3')))
     assert line.endswith("hall.world: not found, or not supported: <pose> of model crate: got "
