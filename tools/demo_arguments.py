@@ -37,8 +37,8 @@ class Arguments:
     """The arguments of a launch file and their allowed values."""
 
     def __init__(self, launch_file):
-        with_comments = ElementTree.TreeBuilder(insert_comments=True)
-        root = ElementTree.parse(launch_file, ElementTree.XMLParser(target=with_comments)).getroot()
+        parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+        root = ElementTree.parse(launch_file, parser).getroot()
         # its arguments are below comments that name their groups, and above all else
         self._listed = list(itertools.takewhile(lambda each: each.tag != 'param', root))
         self._defaults = {arg.get('name'): arg.get('default', '') for arg in root.iter('arg')

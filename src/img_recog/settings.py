@@ -146,7 +146,8 @@ def unknown(name: str, known: Iterable[str], full_name: str = '',
     to suggest for those that others use.
     """
     known = sorted(known)
-    advice = suggestion(meant.get(name, name), known) or 'known are {}'.format(', '.join(known) or 'none')
+    advice = (suggestion(meant.get(name, name), known)
+              or 'known are {}'.format(', '.join(known) or 'none'))
     return 'parameter {} is unknown to this node: {}'.format(
         shortened(full_name or name), advice)
 

@@ -20,7 +20,8 @@ _TIMEOUT_S = 2.0
 _THREADS = 8
 # of sensors: a node that subscribes to them waits for them
 _SENSOR_PACKAGES = ('nav_msgs/', 'sensor_msgs/')
-_TIME, _LENGTH_BYTES, _SEQ_BYTES = struct.Struct('<II'), 4, 4     # in a message of TCPROS
+_TIME = struct.Struct('<II')
+_TIME_AT = {'time': 4, 'std_msgs/Header': 8}    # of what begins with them, with its length
 _MAX_AHEAD_S = 3600.0       # of a stamp; the clock of a simulation starts at 0
 _ERRORS = (*timed_xmlrpc.ERRORS, ValueError, TypeError, IndexError)
 
@@ -56,7 +57,7 @@ def check_running() -> Iterator[Finding]:
             message('start "./run demo", roslaunch or roscore, or set ROS_MASTER_URI to the '
                     'master that runs; "./run shell" finds the demo of its folder'))
         return
-    for check in (_dead_nodes, _clock, _other_clocks, _types, _definitions, _missing_publishers):
+    for check in (_dead_nodes, _clock, _types, _messages, _missing_publishers):
         yield from check(system)
     names = {kind.split('/')[0] for kinds in system.types.values() for kind in kinds.values()}
     yield from missing_packages(names)
@@ -130,31 +131,11 @@ def _clock(system: System) -> Iterator[Finding]:
         yield Finding(message('several simulators publish /clock: {}', ', '.join(sorted(clocks))),
                       message('stop all but one: "rosnode kill {}"',
                               shlex.quote(sorted(clocks)[-1])))
-
-
-def _other_clocks(system: System) -> Iterator[Finding]:
-    """Report nodes that do not follow /clock, and stamps that cannot be of it."""
-    clocks = system.publishers('/clock')
-    if not (clocks and system.is_sim_time):
-        return
     others = set(system.uris) - {*clocks, *system.subscribed.get('/clock', ()), '/rosout'}
-    if others:
+    if clocks and system.is_sim_time and others:
         yield Finding(message('these nodes have the time of the computer, not that of /clock: {}',
                               ', '.join(map(shortened, sorted(others)))),
                       message('they were started before /use_sim_time was set: start them again'))
-    stamped = [(node, topic) for topic, by_node in sorted(system.types.items())
-               if system.subscribed.get(topic) and not topic.startswith('/rosout')
-               for node in system.publishers(topic) if _has_header(by_node.get(node, ''))]
-    with ThreadPoolExecutor(_THREADS) as pool:
-        now_s = _next_time(system.uris[clocks[0]], '/clock', 0)
-        stamps = pool.map(lambda each: _next_time(system.uris[each[0]], each[1], _SEQ_BYTES),
-                          stamped)
-        for (node, topic), stamp_s in zip(stamped, stamps):
-            if now_s and stamp_s > now_s + _MAX_AHEAD_S:
-                yield Finding(
-                    message('{} publishes {} with the stamp {} s, and /clock says {} s', *map(
-                        shortened, (node, topic)), *map('{:.3f}'.format, (stamp_s, now_s))),
-                    message('stamp messages with rospy.Time.now() or ros::Time::now()'))
 
 
 def _types(system: System) -> Iterator[Finding]:
@@ -169,29 +150,30 @@ def _types(system: System) -> Iterator[Finding]:
                         '<remap> in a launch file'))
 
 
-def _definitions(system: System) -> Iterator[Finding]:
-    """Compare the MD5 sum of publishers that have subscribers with that of the type here."""
-    for topic, by_node in sorted(system.types.items()):
-        if not system.subscribed.get(topic) or len(set(by_node.values())) > 1:
-            continue
-        for node in system.publishers(topic):
-            here = _sum_here(by_node.get(node, ''))
-            there = _sum_of_publisher(system.uris[node], topic) if here else ''
-            if there and there != here:
-                yield Finding(
-                    message('{} publishes {} with another definition of {} than the one here '
-                            '(MD5 sums {} and {})', *map(shortened, (
-                                node, topic, by_node[node], there, here))),
-                    message('build the package of the message again on both sides, from the same '
-                            'version, and start the nodes again'))
-
-
-def _sum_here(kind: str) -> str:
-    return getattr(_class_here(kind), '_md5sum', '')
-
-
-def _has_header(kind: str) -> bool:
-    return getattr(_class_here(kind), '_slot_types', [])[:1] == ['std_msgs/Header']
+def _messages(system: System) -> Iterator[Finding]:
+    """Compare what has subscribers: MD5 sums with those here, and stamps with /clock."""
+    published = [(node, topic, by_node[node]) for topic, by_node in sorted(system.types.items())
+                 if system.subscribed.get(topic) and len(set(by_node.values())) == 1
+                 for node in system.publishers(topic) if node in by_node]
+    with ThreadPoolExecutor(_THREADS) as pool:
+        heard = list(pool.map(lambda each: _hear(
+            system.uris[each[0]], each[1],
+            each[2] if system.is_sim_time and each[1] != '/rosout' else ''), published))
+    now_s = {each[1]: time_s for each, (_, time_s) in zip(published, heard)}.get('/clock')
+    for (node, topic, kind), (there, time_s) in zip(published, heard):
+        here = getattr(_class_here(kind), '_md5sum', '')
+        if here and there and there != here:
+            yield Finding(
+                message('{} publishes {} with another definition of {} than the one here '
+                        '(MD5 sums {} and {})', *map(shortened, (
+                            node, topic, kind, there, here))),
+                message('build the package of the message again on both sides, from the same '
+                        'version, and start the nodes again'))
+        elif now_s and time_s > now_s + _MAX_AHEAD_S:
+            yield Finding(
+                message('{} publishes {} with the stamp {} s, and /clock says {} s', *map(
+                    shortened, (node, topic)), *map('{:.3f}'.format, (time_s, now_s))),
+                message('stamp messages with rospy.Time.now() or ros::Time::now()'))
 
 
 def _class_here(kind: str) -> Any:
@@ -202,36 +184,27 @@ def _class_here(kind: str) -> Any:
     return None
 
 
-@contextlib.contextmanager
-def _connected(uri: str, topic: str) -> Iterator[Tuple[socket.socket, Dict[str, str], bytes]]:
-    """Yield a connection to a publisher, its header, and what came with that of messages.
+def _hear(uri: str, topic: str, kind: str) -> Tuple[str, float]:
+    """Return the MD5 sum that a publisher says, and the time in s in its next message.
 
-    Raises exceptions of several types; a node that does not answer is reported elsewhere.
+    '' and 0 if there is none. No message is awaited if its type does not begin with a time.
     """
-    from rosgraph import network
-    _, host, port = _ask(uri, 'requestTopic', topic, [['TCPROS']])
-    with socket.create_connection((host, port), _TIMEOUT_S) as sock:
-        network.write_ros_handshake_header(sock, {
-            'callerid': _NAME, 'topic': topic, 'type': '*', 'md5sum': '*'})
-        rest = io.BytesIO()
-        yield sock, network.read_ros_handshake_header(sock, rest, 4096), rest.getvalue()
-
-
-def _sum_of_publisher(uri: str, topic: str) -> str:
-    """Return what a publisher says in its header; '' if it says nothing."""
-    with contextlib.suppress(Exception), _connected(uri, topic) as (_, header, _):
-        return str(header.get('md5sum', ''))
-    return ''
-
-
-def _next_time(uri: str, topic: str, offset: int) -> float:
-    """Return the time in s at this offset in the next message; 0 if none comes in time."""
-    with contextlib.suppress(Exception), _connected(uri, topic) as (sock, _, start):
-        end = _LENGTH_BYTES + offset + _TIME.size
-        data = start + sock.makefile('rb').read(max(0, end - len(start)))
-        secs, nsecs = _TIME.unpack_from(data, end - _TIME.size)
-        return secs + nsecs * 1e-9
-    return 0.0
+    md5sum, slots = '', getattr(_class_here(kind), '_slot_types', [])
+    with contextlib.suppress(Exception):        # what does not answer is reported elsewhere
+        from rosgraph import network
+        _, host, port = _ask(uri, 'requestTopic', topic, [['TCPROS']])
+        with socket.create_connection((host, port), _TIMEOUT_S) as sock:
+            network.write_ros_handshake_header(sock, {
+                'callerid': _NAME, 'topic': topic, 'type': '*', 'md5sum': '*'})
+            start = io.BytesIO()
+            header = network.read_ros_handshake_header(sock, start, 4096)
+            md5sum = str(header.get('md5sum', ''))
+            at = _TIME_AT[slots[0]]
+            data = start.getvalue()
+            data += sock.makefile('rb').read(max(0, at + _TIME.size - len(data)))
+            secs, nsecs = _TIME.unpack_from(data, at)
+            return md5sum, secs + nsecs * 1e-9
+    return md5sum, 0.0
 
 
 def _missing_publishers(system: System) -> Iterator[Finding]:

@@ -34,14 +34,14 @@ def findings(monkeypatch):
     def publish(topic, md5sum, imu_s):
         is_clock = topic == '/clock'
         data = struct.pack('<II', 10, 0) if is_clock else struct.pack('<III', 7, imu_s, 0)
-        return publisher(Clock._md5sum if is_clock else md5sum, data)
+        port = publisher(Clock._md5sum if is_clock else md5sum, data)
+        return [1, '', ['TCPROS', '127.0.0.1', port]]
 
     def call(nodes, is_sim_time=False, md5sum=Imu._md5sum, imu_s=9):
         uris = {name: parts if isinstance(parts, str) else serve(
             getPublications=lambda _, parts=parts: [1, '', list(map(list, parts[0].items()))],
             getSubscriptions=lambda _, parts=parts: [1, '', list(map(list, parts[1].items()))],
-            requestTopic=lambda _, topic, __: [
-                1, '', ['TCPROS', '127.0.0.1', publish(topic, md5sum, imu_s)]])
+            requestTopic=lambda _, topic, __: publish(topic, md5sum, imu_s))
             for name, parts in nodes.items()}
         users = [{}, {}, {'/service': list(nodes)}]
         for name, parts in nodes.items():
@@ -90,7 +90,8 @@ def test_no_master(monkeypatch):
 
 @pytest.mark.parametrize('nodes, options, problem, advice', [
     ({'/sim': ({}, {})}, {'is_sim_time': True},
-     'use_sim_time is set and nothing publishes /clock: time stands still', '/use_sim_time false'),
+     'use_sim_time is set and nothing publishes /clock: time stands still',
+     '/use_sim_time false'),
     ({'/sim': (CLOCK, {})}, {}, '/sim publishes /clock, and /use_sim_time is not true: all other ',
      '/use_sim_time true'),
     ({'/sim': (CLOCK, {}), '/late': ({'/cmd_vel': TWIST}, {}), '/eye': ({}, CLOCK)},
@@ -99,8 +100,8 @@ def test_no_master(monkeypatch):
     ({'/sim': (CLOCK, {}), '/a': ({'/imu': IMU}, CLOCK), '/eye': ({}, {'/imu': IMU, **CLOCK})},
      {'is_sim_time': True, 'imu_s': 1795743957},
      '/a publishes /imu with the stamp 1795743957.000 s, and /clock says 10.000 s', 'Time.now()'),
-    ({'/a': (CLOCK, {}), '/b': (CLOCK, {})}, {'is_sim_time': True}, 'several simulators publish /clock: /a, /b',
-     'rosnode kill /b'),
+    ({'/a': (CLOCK, {}), '/b': (CLOCK, {})}, {'is_sim_time': True},
+     'several simulators publish /clock: /a, /b', 'rosnode kill /b'),
     ({'/a': 'http://127.0.0.1:9'}, {},
      'the node /a does not answer at http://127.0.0.1:9: Connection refused', 'rosnode cleanup'),
     ({'/a': 'http://no-such-host.invalid:9'}, {},

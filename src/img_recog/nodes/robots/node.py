@@ -134,7 +134,8 @@ class RobotsNode:
     def _simulate(self, new: Dict[str, RobotRow]) -> List[Problem]:
         """Have the simulator add and remove robots; return those that it refuses, logged."""
         taken = [Problem(name, 'there is a parameter {}; give the robot another name'.format(
-            rospy.resolve_name(name))) for name in new if not isinstance(parameters.value(name), (dict, type(None)))]
+            rospy.resolve_name(name))) for name in new if not isinstance(
+                parameters.value(name), (dict, type(None)))]
         _log(taken)
         names = {problem.name for problem in taken}
         robots = {**self._robots(),
