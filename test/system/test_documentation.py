@@ -210,22 +210,50 @@ def test_the_posts_stand_where_the_page_says():
     assert rows(read('doc/simulator.md'), 'Your own world', 'model') == posts
 
 
-def commands(path):
-    """Return the indented lines of a page that call ./run, and the code in rows of its tables."""
-    text = read(path)
-    cells = [re.findall('`([^`]+)`', ' '.join(row)) for table in tables(text)
-             for row in table.rows]
-    lines = re.findall(r'(?m)^    (\./run.*?)(?: +#.*)?$', text)
-    return list(dict.fromkeys(lines)), cells
+def blocks(text):
+    """Return the indented lines of a page without their comments."""
+    return re.findall(r'(?m)^    (.*?)(?: +#.*)?$', text)
 
 
-def test_the_japanese_readme_agrees_with_the_english_one():
-    english, japanese = map(commands, ('README.md', 'README.ja.md'))
-    # in the same order; the others are in its chapter about the article
-    assert [line for line in japanese[0] if line in english[0]] == english[0]
-    assert japanese[1] == [row for row in english[1] if row in japanese[1]]
-    assert len(japanese[1]) == 9        # the terminals of the article
-    assert '[日本語](README.ja.md)' in read('README.md')
+# the chapters of README.md that README.ja.md has too; its others are about the article
+CHAPTERS_JA = {
+    '': '', 'Quick start': 'クイックスタート',
+    'Your own camera, video or robot': '自分のカメラ、動画、ロボットを使う',
+    'The terminals of the article': '記事のターミナルとの対応',
+    'Where to read on': '詳しい説明', 'License': 'ライセンス'}
+
+
+def chapters(path):
+    """Return the text of each chapter of a page by its heading; '' is before the first one."""
+    texts = re.split('(?m)^## (.*)\n', '## \n' + read(path))[1:]
+    return dict(zip(texts[::2], texts[1::2]))
+
+
+def in_japanese(link):
+    """Return the link that README.ja.md has where README.md has this one."""
+    names = re.sub(r'^README(\.ja)?\.md', lambda name: 'README{}.md'.format(
+        '' if name.group(1) else '.ja'), link)
+    return re.sub('^doc/lessons/(ja/)?', lambda name: 'doc/lessons/{}'.format(
+        '' if name.group(1) else 'ja/'), names)
+
+
+def test_the_japanese_readme_has_the_chapters_of_the_english_one():
+    english, japanese = chapters('README.md'), chapters('README.ja.md')
+    assert list(english) == list(CHAPTERS_JA)
+    assert [name for name in japanese if name in CHAPTERS_JA.values()] == list(
+        CHAPTERS_JA.values())
+
+
+@pytest.mark.parametrize('chapter', CHAPTERS_JA)
+def test_the_japanese_readme_agrees_with_the_english_one(chapter):
+    """Commands in their order, all other code, links, pictures and rows of tables."""
+    english = chapters('README.md')[chapter]
+    japanese = chapters('README.ja.md')[CHAPTERS_JA[chapter]]
+    assert set(code(english)) - set(code(japanese)) == set()
+    assert blocks(english) == blocks(japanese)
+    assert [link for link in map(in_japanese, links(english)) if link not in links(japanese)] == []
+    assert [len(table.rows) for table in tables(english)] == [
+        len(table.rows) for table in tables(japanese)]
 
 
 def test_the_pages_build_without_a_warning():
