@@ -33,6 +33,7 @@ from img_recog.recognition.settings import DEFAULT_COLORS, RecognitionSettings, 
 from img_recog.settings import SettingError, Settings
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings
 from img_recog.teleoperation.settings import TeleopSettings, VelocityLimits
+from img_recog_testing.ignored import shown as shown_by_git
 from img_recog_testing.pages import (ROOT, anchors, code, links, paths, read, rows,
                                      tables)
 
@@ -338,3 +339,38 @@ def test_files_and_names_in_the_code_exist(path):
     assert len(pairs) > 1
     for file, name in pairs:
         assert name in definitions(os.path.join(package, file)), (file, name)
+
+
+# in groups, what commands and examples in pages write to the current folder
+WRITTEN = (
+    r'\b(\w+\.(?:replay|evaluated|sweep)\.(?!work)\w+(?:\.\w+)?)',
+    r'\b(fit_colors\w*\.(?!py\b)\w+)', r'`((?:recording|colors)_\d\.\w+)',
+    r'graph\.py ([a-z]+\.\w+)', r'plot\.py (?:\w+\.bag )?(\w+\.png)',
+    r'film\.py \w+\.bag (\w+\.mp4)', r'record:=(\w+\.bag)', r"imwrite\('(\w+\.png)'",
+    r"VideoWriter\('(\w+\.mp4)'", r'\bcp \S+ (\w+\.\w+)')
+
+
+def written():
+    """Return the names of files that documented commands write to the current folder."""
+    text = '\n'.join(map(read, paths()))
+    prefixes = re.findall(r'replay\.py .*--output (\w+)', text)
+    return {*(name for each in WRITTEN for name in re.findall(each, text)),
+            *(name + end for name in prefixes for end in ('.bag', '.csv', '.png')),
+            # folders, and what tools of others write
+            'pictures/001.png', 'samples_1/samples.yaml', 'follow.sweep.work/1', 'frames.pdf'}
+
+
+def test_what_documented_commands_write_is_ignored_by_git(tmp_path):
+    names = written()
+    assert names > {'cards.replay.csv', 'no_teleop.png', 'slow.csv', 'graph.svg', 'drive.png',
+                    'demo.bag', 'posts.mp4', 'recording_1.png', 'colors_1.yaml', 'yellow.png',
+                    'cards.mp4', 'fit_colors.csv', 'a.evaluated.png', 'my_posts.sdf',
+                    'follow.sweep.worst_1.mp4', 'video.replay.mp4'}
+    assert shown_by_git(tmp_path, names) == []
+
+
+def test_what_users_make_is_not_ignored_by_git(tmp_path):
+    names = ['config/colors_1.yaml', 'config/my.sweep.yaml', 'doc/graph.svg', 'doc/my.mp4',
+             'my_colors.yaml', 'photo.png', 'samples.yaml', 'slow.yaml', 'test/samples/drive.bag',
+             'truth.csv', 'urdf/my_posts.sdf', 'yellow.py']
+    assert shown_by_git(tmp_path, names) == names

@@ -8,6 +8,7 @@ import signal
 import pytest
 import rospkg
 
+from img_recog_testing.ignored import shown
 from img_recog_testing.lessons import pattern, steps
 from img_recog_testing.pages import ROOT, read
 from img_recog_testing.process_table import end_all
@@ -99,7 +100,13 @@ def follow(ros, todo, home):
 
 @pytest.mark.parametrize('name', LESSONS)
 def test_all_that_a_lesson_says_happens(ros, tmp_path, name):
-    follow(ros, [step for step in steps(read('doc/lessons/' + name)) if not step.needs], tmp_path)
+    todo = [step for step in steps(read('doc/lessons/' + name)) if not step.needs]
+    follow(ros, todo, tmp_path)
+    # what it leaves there, other than the files of the reader, is ignored by git
+    folder = tmp_path / 'img_recog'
+    left = {str(path.relative_to(folder)) for path in folder.rglob('*') if path.is_file()
+            and not path.is_symlink()}
+    assert shown(tmp_path / 'clone', left - {step.where for step in todo}) == []
 
 
 @pytest.mark.parametrize('name', [name for name in LESSONS if any(
