@@ -135,16 +135,12 @@ def _absolute(path):
     return os.path.join(os.environ.get('PWD') or os.getcwd(), os.path.expanduser(path))
 
 
-def _file(name, value):
-    path = _absolute(value)
-    if not os.path.isfile(path):
-        raise ArgumentError('{}: there is no file {}; give the path of a file, or omit {}',
-                            name, _shown(value), name)
-    return path
+def _file(_, value):
+    return _absolute(value)     # which demo_values.py reads
 
 
 def _urdf(name, value):
-    path = _file(name, value)
+    path = _absolute(value)
     if path.endswith('.xacro') and "'" in path:
         raise ArgumentError('{}: roslaunch cannot pass on the apostrophe in {}; rename the file '
                             'or its folder', name, path)
@@ -177,14 +173,9 @@ def _robots(_, value):
     return value if re.match(r'none$|[+-]?\d+$', value) else _absolute(value)
 
 
-def _world(name, value):
-    if re.match(r'\w+$', value) and not os.path.isfile(_absolute(value)):
-        return value        # a name, which demo_values.py checks
-    if not os.path.isfile(_absolute(value)):
-        raise ArgumentError('{}: got {}, which is not a file; allowed are color_posts, empty, '
-                            'turtlebot3_world and the path of a URDF or SDF file',
-                            name, _shown(value))
-    return _absolute(value)
+def _world(_, value):
+    # else it may be a name, or in a folder of Gazebo
+    return _absolute(value) if os.path.isfile(_absolute(value)) else value
 
 
 def _camera(name, value):

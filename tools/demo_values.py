@@ -4,15 +4,24 @@ A node that refuses a value ends after the others have started, and roslaunch ad
 a file that it cannot load. The modules of the package are imported where they are needed: an
 argument that is not given must not delay the start.
 """
+import dataclasses
+
 from img_recog.errors import UserError
 from img_recog.messages import message
-from img_recog.settings import from_mapping, setting_fields
+from img_recog.settings import Settings, at_least, from_mapping, setting, setting_fields
 
 # arguments that have the name of a parameter
 _PARAMETERS = {'image_width', 'image_height', 'framerate', 'pixel_format', 'camera_frame_id',
                'real_time_factor', 'x_pos', 'y_pos', 'z_pos', 'yaw', 'cmd_vel_timeout', 'view',
                'web_host', 'web_port', 'record_size'}
 _TRUE, _FALSE = ('1', 'true'), ('0', 'false')
+
+
+@dataclasses.dataclass(frozen=True)
+class _RecordSettings(Settings):
+    """What rosbag is given: MB, 0 for no limit."""
+
+    record_size: int = setting(2000, at_least(0))
 
 
 def check(words):
@@ -50,13 +59,12 @@ def check(words):
 
 
 def _check_parameters(given):
-    from img_recog.bag_recording import RecordSettings
     from img_recog.camera.settings import CameraSettings
     from img_recog.nodes.web.settings import WebSettings
     from img_recog.simulation import settings
     for settings_class in (CameraSettings, settings.PhysicsSettings, settings.SpawnSettings,
                            settings.DriveSettings, settings.ViewSettings, WebSettings,
-                           RecordSettings):
+                           _RecordSettings):
         _settings(settings_class, given)
 
 

@@ -6,30 +6,21 @@ import subprocess
 import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Callable, Optional, Sequence
 
 from img_recog import process_tree
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.settings import Settings, at_least, setting
 
 # what is worth keeping of the whole system: no view and no masks, which can be made again
 TOPICS = ('/clock', '/diagnostics', '/rosout_agg', '/tf', '/tf_static', 'cmd_vel',
           'color_detection', 'gazebo/world_outlines', 'imu', 'joint_states', 'odom', 'scan',
           'usb_cam/camera_info', 'usb_cam/image_raw/compressed')
-MAX_MEGABYTES = 2000        # 0 is no limit
+MAX_MEGABYTES = 2000
 _START_TIMEOUT_S, _END_TIMEOUT_S, _POLL_PERIOD_S = 5.0, 10.0, 0.05
 # of a line of roscpp: color, level and time
 _PREFIX = re.compile(r'^(\x1b\[\d*m)*\[ *[A-Z]+\] \[[0-9.]+(, [0-9.]+)?\]: |\x1b\[\d*m')
 _WARNING = re.compile(r'(\x1b\[\d*m)*\[ *WARN\]')
 _ADVICE = 'start the demo in a folder where files can be written; is the disk full?'
-
-
-@dataclass(frozen=True)
-class RecordSettings(Settings):
-    """record_size: MB at which a recording ends."""
-
-    record_size: int = setting(MAX_MEGABYTES, at_least(0))
 
 
 class BagRecording:

@@ -14,7 +14,6 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 import img_recog
-from img_recog.bag_recording import RecordSettings
 from img_recog.batch import sweep_file
 from img_recog.batch.sweep_file import Success, SweepSettings
 from img_recog.camera import settings as camera
@@ -124,8 +123,8 @@ def test_all_settings_are_in_the_reference():
     declared = {each for each in Settings.__subclasses__()
                 if each.__module__.startswith('img_recog.')} - set(
                     sweep_file.KINDS) - {SweepSettings, Success}
-    # with_colors() makes it complete; an argument of demo.launch alone
-    assert declared - known == {RecognitionSettings, RecordSettings} | PARTS
+    # with_colors() makes it complete
+    assert declared - known == {RecognitionSettings} | PARTS
 
 
 def test_parameters_of_a_sweep():

@@ -34,10 +34,6 @@ REFUSED = {
     ('camera:=',): "camera: got '', which does not exist",
     ('camera:=ftp://host/video.mp4',): 'camera: got a URL of ftp://; allowed are http://, ',
     ('camera_info_url:=my.yaml',): 'camera_info_url: got my.yaml, allowed are file:///PATH ',
-    ('world:=mars.world',): 'world: got mars.world, which is not a file; allowed are '
-                            'color_posts, empty, turtlebot3_world ',
-    ('colors:=no.yaml',): 'colors: there is no file no.yaml; ',
-    ('urdf:=no.urdf',): 'urdf: there is no file no.urdf; ',
     ('record:=/no/such/x.bag',): 'record: /no/such is no folder where files can be written; ',
     ("record:=it's.bag",): "record: got it's.bag, allowed is a path without an apostrophe; ",
     ('record:=',): "record: got '', allowed is a path",

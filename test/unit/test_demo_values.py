@@ -42,6 +42,10 @@ def test_no_number(check, name, value):
     (['robots:=0'], 'robots: got 0, allowed is a number from 1 to 100, or the path of a YAML '),
     (['robots:=-1'], 'robots: got -1, allowed is '),
     (['robots:=/no.yaml'], 'robots: cannot read /no.yaml: No such file or directory; give '),
+    (['colors:=/no.yaml'], 'cannot read the parameters in /no.yaml: No such file or directory'),
+    (['urdf:=/no.urdf'], 'cannot read the robot in /no.urdf: No such file or '),
+    (['world:=no.sdf'], "world: got 'no.sdf', which cannot be read as a file ("),
+    (['world:='], "world: got '', which cannot be read as a file ("),
     (['robots:=2', 'image_width:=8000'], 'image_width: got 8000, allowed is a whole number from '
                                          '1 to 4096')])
 def test_refused(check, words, problem):
