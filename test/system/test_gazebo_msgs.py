@@ -355,6 +355,25 @@ def test_refused_model_is_not_added(gazebo, name, text, status):
     assert names(gazebo) == NAMES
 
 
+def test_boxes_that_touch_in_too_many_points_do_not_stop_time(gazebo):
+    box = ('<link name="l{}"><collision name="c"><geometry><box><size>1 1 1</size></box>'
+           '</geometry></collision></link>')
+    text = '<sdf version="1.6"><model name="m">{}</model></sdf>'
+    gazebo.services.call('/gazebo/pause_physics', {})
+    for name, count in (('some', 45), ('many', 100)):
+        links = ''.join(map(box.format, range(count)))
+        answer = spawn(gazebo, name, text.format(links), 50.0, 0.0, 5.0)
+        assert answer['success'] is (name == 'some'), answer
+    assert answer['status_message'].startswith(
+        'the next step of the physics would take more than 10 s: bodies touch or overlap in many')
+    gazebo.simulator.wait_output('model some: the next step of the physics takes about 2 s: ')
+    assert call(gazebo, 'delete_model', {'model_name': 'some'})['success'] is True
+    gazebo.services.call('/gazebo/unpause_physics', {})
+    before_s = call(gazebo, 'get_world_properties', {})['sim_time']
+    wait_for(lambda: call(gazebo, 'get_world_properties', {})['sim_time'] > before_s, 'time')
+    assert names(gazebo) == NAMES
+
+
 def test_physics_properties(gazebo):
     answer = call(gazebo, 'get_physics_properties', {})
     assert (answer['success'], answer['pause'], answer['time_step']) == (True, False, 0.001)

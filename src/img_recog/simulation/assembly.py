@@ -171,6 +171,8 @@ def build(physics: PhysicsSettings, world: WorldFile,
     if not physics.allow_partial_world:
         problems.refuse(name, 'set {} to load the rest'.format(option_name('allow_partial_world')))
     warnings = [*world.warnings, *problems.warnings(name)]
+    if simulated_world.crowded:
+        warnings.append('{}: {}'.format(name, simulated_world.crowded))
     if simulated_world.lifted:
         warnings.append('world {}: at the start in the floor, and lifted onto it: {}'.format(
             world.name, ', '.join('{} by {:.3f} m'.format(*each)

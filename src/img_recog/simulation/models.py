@@ -1,5 +1,5 @@
 """The models of a simulation by name, like Gazebo's: read, set, added and removed."""
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 import pybullet
@@ -137,13 +137,14 @@ class Models:
             model.vehicle.notify_teleported()
         self._world.notify_moved(model.bodies)
 
-    def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD) -> None:
+    def add(self, name: str, trees: Sequence[Tree], state: State, frame: str = WORLD,
+            warn: Callable[[str], None] = lambda line: None) -> None:
         """Add a model to the world.
 
         trees: of the model, as they are when its file is the world; state: that the world of the
-        file has in `frame`.
+        file has in `frame`; warn: gets a line if the next step takes long.
         Raises SimulationError when there is no such frame, a model has that name, the state is not
-        allowed or PyBullet cannot load the model.
+        allowed, PyBullet cannot load the model or the next step would take too long.
         """
         if name in self._models:
             raise SimulationError('there is a model {} already'.format(name), 'give another name')
@@ -151,6 +152,8 @@ class Models:
         placed = [tree._replace(pose=pose @ tree.pose) for tree in trees]
         count = len(self._world.bodies)
         self._world.add(placed)
+        if self._world.crowded:     # before that step, which holds all threads
+            warn('model {}: {}'.format(name, self._world.crowded))
         self._models[name], = _grouped(placed, self._world.bodies[count:])
 
     def pose_in_world(self, state: State, frame: str = WORLD) -> Transform:

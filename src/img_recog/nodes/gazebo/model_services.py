@@ -118,7 +118,7 @@ class ModelServices:
             add = self._robot_adder(name, request, state, frame)
         else:
             trees = model_file.read(request.model_xml, name, resources.find, rospy.logwarn)
-            add = partial(self._models.add, name, trees, state, frame)
+            add = partial(self._models.add, name, trees, state, frame, rospy.logwarn)
         self._calls.call(add)
         rospy.loginfo('added the model %s', name)
         return {}

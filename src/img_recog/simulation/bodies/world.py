@@ -5,7 +5,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import pybullet
 
 from img_recog.errors import shortened
-from img_recog.simulation.bodies import loops, standing
+from img_recog.simulation.bodies import crowding, loops, standing
 from img_recog.simulation.bodies.body import Body, Pose
 from img_recog.simulation.bodies.loading import all_or_nothing, link_indices, load_urdf
 from img_recog.simulation.bodies.solids import Solids
@@ -26,7 +26,8 @@ class World:
     bodies in the client; floor; file: what stands in the world now; bodies: one for each tree in
     `file`; revision: the number of times that something was added or removed, robots too, or that
     something fixed was moved for the first time; lifted: how far, in m, each body was moved upward
-    that was in the floor when it was added, by name.
+    that was in the floor when it was added, by name; crowded: a line if the step after the last
+    `add` takes long.
     """
 
     def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
@@ -58,9 +59,11 @@ class World:
         """Add trees to the world.
 
         problems: to which is added what cannot be loaded; without, that is a SimulationError, and
-        nothing is added.
+        nothing is added. A next step that would take too long is a SimulationError too.
         """
-        loaded = load_bodies(trees, self.physics_client_id, problems=problems)
+        with all_or_nothing(self.physics_client_id):
+            loaded = load_bodies(trees, self.physics_client_id, problems=problems)
+            self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
         if not self.file.has_floor:
             self._lower_floor([body for _, body in loaded if body.is_terrain])
         for tree, body in loaded:
