@@ -344,7 +344,8 @@ def test_a_robot_with_a_drive_is_added_with_its_topics_and_deleted(gazebo):
 
 
 @pytest.mark.parametrize('name, text, status', [
-    ('', GOAL, 'model_name is empty; give the model a name'),
+    *((name, text, "model_name: got '{}', allowed is a text without :: and control".format(name))
+      for name in ('', ' ', 'a::b') for text in (GOAL, burger(DRIVE))),
     ('goal', 'no markup', 'model goal: '),
     ('goal', GOAL.replace('0.1 0.1 0.1', 'nan 1 1'), 'model goal: '),
     ('goal', '<sdf version="1.6"><include><uri>model://gone</uri></include></sdf>',

@@ -176,6 +176,8 @@ class Models:
     def _model(self, name: str) -> _Model:
         """Return a model, or of MODEL::LINK what is joined to that link."""
         model_name, _, link = name.partition(LINK_SEPARATOR)
+        if name in self._models:        # that of a file may have a ::
+            model_name, link = name, ''
         if model_name not in self._models:
             raise SimulationError('no model {!r} (models: {})'.format(
                 model_name, ', '.join(self.names)))

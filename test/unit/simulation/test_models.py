@@ -53,6 +53,20 @@ def test_names_are_those_of_floor_world_and_robot(tmp_path):
     assert models.state('a').position[0] == close(0)
 
 
+def test_models_of_files_are_found_by_any_name(tmp_path):
+    given = ['a', 'a::l', 'a::b::c', ' ', '', 'a/b']
+    models = Models(with_crates(tmp_path, *[
+        (name, '{} 0 1 0 0 0'.format(x)) for x, name in enumerate(given)]))
+    assert models.names == ['ground_plane', *given, ROBOT]
+    for x, name in enumerate(given):
+        assert models.state(name).position == close([x, 0, 1])
+        models.set_state(name, GOOD._replace(position=(x, 5.0, 1.0)))
+        assert models.state(name).position == close([x, 5, 1])
+    for name in given:
+        models.remove(name)
+    assert models.names == ['ground_plane', ROBOT]
+
+
 def test_state_in_the_world():
     sim = simulator(x=1.0, y=-2.0, yaw=math.pi / 2)
     models = Models(sim)

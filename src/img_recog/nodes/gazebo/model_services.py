@@ -109,10 +109,8 @@ class ModelServices:
         return {}
 
     def _spawn(self, request: Any) -> Response:
-        name, frame = request.model_name.strip(), _frame_of(request.reference_frame)
+        name, frame = request.model_name, _frame_of(request.reference_frame)
         state = _state_of(request.initial_pose, Twist())
-        if not name:
-            raise SimulationError('model_name is empty', 'give the model a name')
         # read in the thread of the service: the simulation goes on meanwhile
         if self._plans.is_robot(request.model_xml, request.robot_namespace.strip('/')):
             add = self._robot_adder(name, request, state, frame)
@@ -126,7 +124,7 @@ class ModelServices:
     def _robot_adder(self, name: str, request: Any, state: State,
                      frame: str) -> Callable[[], None]:
         """Return what adds a robot that has a drive: it gets topics in its namespace."""
-        names.check('model', name)
+        names.check_model(name)
         pose = self._calls.call(lambda: self._models.pose_in_world(state, frame))
         x, y, z = pose.translation.tolist()
         roll, pitch, yaw = rotations.to_rpy(pose.rotation).tolist()

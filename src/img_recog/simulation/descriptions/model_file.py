@@ -38,7 +38,7 @@ def read(text: str, name: str, find: FindFile,
     Raises SimulationError when it is neither, something in it cannot be had, or the name is not
     allowed.
     """
-    names.check('model', name)
+    names.check_model(name)
     problems = Problems()
     try:
         root = parse_xml(text)

@@ -10,6 +10,16 @@ from img_recog.simulation.settings import SimulationError
 _MAX_BYTES = 500
 _SHOWN = 40         # characters in a message
 _NOT_IN_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+# what no service finds again: :: divides the names of a model and of its link
+_NOT_OF_MODEL = re.compile('::|[\t\n\r\x7f-\x9f]')
+
+
+def check_model(name: str) -> None:
+    """Raise SimulationError unless a model that is added can have a name."""
+    check('model', name)
+    if _NOT_OF_MODEL.search(name) or not name.strip():
+        raise SimulationError('model_name: got {}, allowed is a text without :: and control '
+                              'characters'.format(_begin(repr(name))), 'give it another name')
 
 
 def check(kind: str, name: str) -> None:

@@ -83,7 +83,10 @@ def test_only_a_floor_or_a_light(tmp_path, uri):
     ('a\ufffe', r"the name of a model, a\ufffe, has the character '\ufffe'"),
     ('a\udcff', r"the name of a model, a\udcff, has the character '\udcff'"),
     ('b' * 501, 'the name of a model that begins with {} has 501 bytes, allowed are 500; give a '
-     'shorter name'.format('b' * 40))])
+     'shorter name'.format('b' * 40)),
+    *((given, 'model_name: got {!r}, allowed is a text without :: and control characters; give it '
+       'another name'.format(given))
+      for given in ('a::b', '::', '', ' ', 'a\tb', 'a\nb', 'a\x85'))])
 @pytest.mark.parametrize('text', [
     SDF.format(MODEL), '<robot name="r"><link name="world"/></robot>'])
 def test_names_that_are_refused(text, name, words):
@@ -122,6 +125,6 @@ def test_an_inertia_of_no_body_is_a_warning(text):
 
 
 def test_unusual_names():
-    for name in ('a b', 'a\nb', '\u00e4\u2603', '%s<&">', '\U0001f916' * 125):
+    for name in ('a b', 'a/b', '\u00e4\u2603', '%s<&">', '\U0001f916' * 125):
         tree, = model_file.read(SDF.format(MODEL), name, nowhere)
         assert ElementTree.fromstring(tree.urdf).get('name') == name
