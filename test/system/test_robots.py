@@ -2,6 +2,7 @@
 import os
 import re
 import signal
+import sys
 
 import pytest
 
@@ -117,6 +118,35 @@ def test_a_number_or_file_that_cannot_be_ends_it_with_one_line(shared_ros, robot
     node = shared_ros.start_node('robots.py', '_robots:=' + robots)
     assert node.wait() == 1
     assert len(re.findall(r'\[FATAL\].*' + line, node.output)) == 1, node.output
+
+
+# fails until the test says otherwise, and counts
+SIMULATOR = '''
+import rospy
+from std_srvs.srv import Trigger, TriggerResponse
+calls = []
+def serve(_):
+    calls.append(1)
+    rospy.set_param('/calls', len(calls))
+    return TriggerResponse(True, '') if rospy.has_param('/works') else 1 / 0
+rospy.init_node('gazebo')
+rospy.Service('~update_robots', Trigger, serve)
+rospy.spin()
+'''
+
+
+def test_a_simulator_that_fails_is_asked_again_in_peace(shared_ros):
+    simulator = shared_ros.start(sys.executable, '-c', SIMULATOR)
+    node = shared_ros.start_node('robots.py', '_robots:=1', '_recognition:=false',
+                                 '_teleop:=false', '_camera:=none')
+    line = r'\[WARN\].*/gazebo/update_robots fails, and is called again: .*division by zero'
+    wait_for(lambda: len(re.findall(line, node.output)) == 2, lambda: node.output)
+    # in the 5 s between two lines there is a call each 0.5 s
+    assert shared_ros.parameter('/calls') <= 12
+    shared_ros.set_parameters('/works', True)
+    node.wait_output('1 robots are running')
+    assert node.interrupt() == 0 and simulator.interrupt() == 0
+    shared_ros.set_parameters('/works')
 
 
 def test_a_list_that_cannot_be_read_ends_the_demo(ros):

@@ -24,6 +24,7 @@ from img_recog.nodes.robots.robot_list import NodeSettings, Problem, RobotRow
 from img_recog.nodes.robots.robot_nodes import RobotNodes
 from img_recog.recognition import parameter_file
 from img_recog.ros import lifecycle, parameters
+from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.queues import CallQueue
 from img_recog.settings import Settings, not_empty, setting
 
@@ -70,7 +71,7 @@ class RobotsNode:
         self._defaults['colors'] = self._defaults['colors'] or resources.colors()
         parameters.warn_of_unknown(ManagerSettings, NodeSettings)
         self._running: Dict[str, RobotNodes] = {}
-        self._calls = CallQueue()
+        self._calls, self._warn = CallQueue(), ThrottledWarning()
 
     def spin(self) -> None:
         """Run the robots until the node is shut down."""
@@ -147,7 +148,11 @@ class RobotsNode:
             try:
                 update.wait_for_service(_SERVICE_TIMEOUT_S)
                 return taken + self._refused(update(), robots)
-            except (rospy.ROSException, rospy.ServiceException):
+            except rospy.ServiceException as error:
+                self._warn('%s fails, and is called again: %s', rospy.resolve_name(_UPDATE),
+                           one_line(error))
+                time.sleep(_PERIOD_S)
+            except rospy.ROSException:
                 if time.monotonic() > warn_s:
                     warn_s = math.inf
                     rospy.logwarn('waiting for the service %s: is the simulator running?',
