@@ -22,6 +22,16 @@ DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 FindFile = Callable[[str], Optional[str]]
 
 
+def plain(path: str, flags: int) -> int:
+    """Open what a file names, as the `opener` of `open`; UserError for a pipe or device."""
+    descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY)
+    mode = os.fstat(descriptor).st_mode
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):       # `open` refuses folders
+        os.close(descriptor)
+        raise UserError(path + ' is a pipe or device, not a file')
+    return descriptor
+
+
 def user_folders() -> Tuple[str, ...]:
     """Return the folders in which a relative path that a user typed is searched for.
 

@@ -35,9 +35,12 @@ class _NotXmlError(MarkupError):
     """A text is not XML."""
 
 
-def read_bytes(path: str, max_bytes: int = MAX_BYTES) -> bytes:
-    """Return the content of a file; raise OSError, and MarkupError if it is too large."""
-    with open(path, 'rb') as file:
+def read_bytes(path: str, max_bytes: int = MAX_BYTES, opener: Any = None) -> bytes:
+    """Return the content of a file; raise OSError, and MarkupError if it is too large.
+
+    opener: `files.plain` for what a file names; a user may name a pipe.
+    """
+    with open(path, 'rb', opener=opener) as file:
         content = file.read(max_bytes + 1)
     if len(content) > max_bytes:
         raise MarkupError('larger than {} bytes'.format(max_bytes))

@@ -11,6 +11,7 @@ from typing import Any, List, NamedTuple, Sequence, Set, Tuple
 import numpy as np
 
 from img_recog.errors import UserError, one_line
+from img_recog.files import plain
 from img_recog.mesh_formats import collada, stl, wavefront
 from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_of
 from img_recog.mesh_formats.simplified import FilePart, Simplified
@@ -141,9 +142,9 @@ def read_content(path: str) -> bytes:
         size = os.path.getsize(path)
         if size > _MAX_BYTES:
             raise ValueError('it has {} bytes, more than {}'.format(size, _MAX_BYTES))
-        with open(path, 'rb') as file:
+        with open(path, 'rb', opener=plain) as file:
             return file.read()
-    except (OSError, ValueError) as error:
+    except (OSError, UserError, ValueError) as error:
         raise _unreadable(path, error)
 
 

@@ -12,6 +12,7 @@ from typing import Iterator, List, Optional, Union
 import rospkg
 
 from img_recog.errors import UserError, one_line
+from img_recog.files import plain
 from img_recog.markup import MarkupError, check_expanded, check_xml, parse_xml, read_bytes
 
 _XACRO = '.xacro'
@@ -132,8 +133,9 @@ def _ros_command() -> Optional[str]:
 
 def _expanded_by_command(command: str, path: str) -> str:
     try:
-        result = subprocess.run([command, path], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                timeout=_TIMEOUT_S, check=True, universal_newlines=True)
+        result = subprocess.run([command, path], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, timeout=_TIMEOUT_S, check=True,
+                                universal_newlines=True)
     except subprocess.CalledProcessError as error:
         raise _failed(path, error.stderr.strip())
     except (OSError, subprocess.TimeoutExpired) as error:
@@ -144,6 +146,7 @@ def _expanded_by_command(command: str, path: str) -> str:
 def _expanded_by_module(path: str) -> str:
     import xacro
     missing: List[str] = []
+    setattr(xacro, 'open', lambda path: open(path, opener=plain))       # what it includes
     try:
         with _package_index(missing):
             return xacro.process_file(path).toxml()

@@ -3,6 +3,7 @@ import numpy as np
 from PIL import Image
 
 from img_recog.errors import UserError, one_line
+from img_recog.files import plain
 
 _MAX_SIZE_PX = 4096
 # 8192x16384; each takes 3 bytes while it is reduced. Images of a camera have max_image_pixels
@@ -20,7 +21,7 @@ def read(path: str, mode: str = 'RGB') -> np.ndarray:
     An image with a side of more than 4096 pixels is reduced. Raises TextureError naming the file.
     """
     try:
-        with Image.open(path) as image:
+        with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
             if image.width * image.height > _MAX_PIXELS:
                 raise ValueError('{}x{} pixels are more than {}'.format(
                     image.width, image.height, _MAX_PIXELS))

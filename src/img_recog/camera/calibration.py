@@ -1,11 +1,9 @@
 """Camera calibrations: their files (of camera_calibration_parsers), and other image sizes."""
 import dataclasses
-import errno
 import math
 import os
 import re
 import reprlib
-import stat
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
@@ -13,8 +11,8 @@ import yaml
 
 from img_recog.camera import videre_ini
 from img_recog.errors import UserError, one_line, shortened
-from img_recog.files import atomic_write
-from img_recog.markup import MarkupError, load_yaml, read_bytes
+from img_recog.files import atomic_write, plain
+from img_recog.markup import load_yaml, read_bytes
 
 _MAX_BYTES = 1 << 20        # a calibration file has some 2,000 bytes
 _MODE = 0o644
@@ -110,13 +108,12 @@ def load(path: str, warn: Callable[[str], None] = lambda _: None) -> Calibration
     entry when it is not a calibration, or not one that `check` accepts.
     """
     try:
-        _refuse_special(path)       # opening a pipe would wait for its writer
-        data = read_bytes(path, _MAX_BYTES)
+        data = read_bytes(path, _MAX_BYTES, plain)
         content = (videre_ini.parse(data.decode(errors='replace')) if _is_ini(path)
                    else load_yaml(_FILE_STORAGE.sub(b'', data)))
     except FileNotFoundError:
         raise
-    except (OSError, MarkupError) as error:
+    except (OSError, UserError) as error:
         raise CalibrationError('cannot read calibration {}: {}'.format(path, one_line(error)))
     if not isinstance(content, Mapping):
         raise CalibrationError(
@@ -157,7 +154,6 @@ def save(path: str, calibration: Calibration) -> None:
             .format(path, calibration.distortion_model), 'set camera_info_url to a .yaml file')
     target = os.path.realpath(path)
     try:
-        _refuse_special(target)
         os.makedirs(os.path.dirname(target), exist_ok=True)
         with atomic_write((target,), advice='') as (file,):
             text = (videre_ini.text_of(content) if _is_ini(path) else
@@ -181,12 +177,6 @@ def _model_of(coefficients: int) -> str:
     """
     is_rational = coefficients in _COEFFICIENT_COUNTS['rational_polynomial']
     return 'rational_polynomial' if is_rational else 'plumb_bob'
-
-
-def _refuse_special(path: str) -> None:
-    """Raise OSError for a device, pipe, folder or the like."""
-    if os.path.lexists(path) and not stat.S_ISREG(os.stat(path).st_mode):
-        raise OSError(errno.EINVAL, 'not a regular file')
 
 
 def _check(calibration: Calibration) -> None:

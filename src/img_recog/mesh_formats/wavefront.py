@@ -4,6 +4,7 @@ import os
 import re
 from typing import Dict, List, Optional
 
+from img_recog.files import plain
 from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_color
 from img_recog.mesh_formats.simplified import FilePart, Simplified
 
@@ -59,7 +60,7 @@ def _library_names(line: str, mesh: str) -> List[str]:
 def _text(path: str) -> str:
     """Return the content of a file of materials, '' if there is none, like in Gazebo."""
     try:
-        with open(path, 'rb') as file:
+        with open(path, 'rb', opener=plain) as file:
             return file.read(_MAX_BYTES).decode('utf-8', 'replace')
     except OSError:
         return ''

@@ -223,6 +223,6 @@ def _path(key: str, value: Any, folder: str, find: Callable[[str], Optional[str]
     if not isinstance(value, str) or not value.isprintable():
         raise SettingError(key, value, 'the path of a file')
     path = find(value) if '://' in value else os.path.join(folder, value)
-    if path is None:
+    if path is None or os.path.exists(path) and not os.path.isfile(path):
         raise SettingError(key, value, 'the path or package:// URI of a file that exists')
     return path

@@ -2,7 +2,8 @@
 import os
 from typing import Any, Dict, Sequence, Tuple
 
-from img_recog.errors import one_line, shortened, suggestion
+from img_recog.errors import UserError, one_line, shortened, suggestion
+from img_recog.files import plain
 from img_recog.markup import MarkupError, load_yaml, read_bytes
 from img_recog.recognition.fitting.samples import (IGNORED, NO_COLOR, Range, Region, SampleError,
                                                    Samples)
@@ -122,8 +123,8 @@ class _Reader:
         path = os.path.join(os.path.dirname(os.path.abspath(self._path)),
                             os.path.expanduser(mask))
         try:
-            return read_bytes(path)
-        except (OSError, MarkupError) as error:
+            return read_bytes(path, opener=plain)
+        except (OSError, UserError) as error:
             raise self._error(name, 'cannot read the mask {}: {}'.format(path, one_line(error)))
 
     def _outline(self, name: str, kind: str, value: Any) -> Tuple[Tuple[float, float], ...]:

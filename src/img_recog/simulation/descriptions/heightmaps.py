@@ -7,7 +7,7 @@ from typing import NamedTuple, Tuple
 import numpy as np
 
 from img_recog.errors import one_line
-from img_recog.files import FindFile
+from img_recog.files import FindFile, plain
 from img_recog.simulation.descriptions import generated_meshes
 from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
 from img_recog.simulation.descriptions.numbers import read_lengths, read_number, words
@@ -119,7 +119,7 @@ def _pixels(path: str) -> np.ndarray:
     """Return the first channel of an image, (rows, columns), as numbers."""
     from PIL import Image       # takes time, and few worlds have one
     try:
-        with Image.open(path) as image:
+        with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
             if image.width * image.height > _MAX_PIXELS or min(image.size) < 2:
                 raise ValueError('{}x{} pixels, expected 2 to {} in all, on a side 2 or more'
                                  .format(image.width, image.height, _MAX_PIXELS))

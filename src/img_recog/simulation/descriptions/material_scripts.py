@@ -3,6 +3,7 @@ import os
 import re
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from img_recog.files import plain
 from img_recog.visuals import GREY, Material
 
 _MAX_BYTES = 1 << 20
@@ -49,7 +50,7 @@ def _texts(path: str) -> Iterator[str]:
     for each in paths:
         try:
             if os.path.isfile(each) and os.path.getsize(each) <= _MAX_BYTES:
-                with open(each, errors='replace') as file:
+                with open(each, errors='replace', opener=plain) as file:
                     yield _COMMENT.sub('', file.read())
         except OSError:     # it counts as not found
             pass

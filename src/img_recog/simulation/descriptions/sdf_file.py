@@ -8,7 +8,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from img_recog.files import FindFile
+from img_recog.files import FindFile, plain
 from img_recog.formats.audit import NOT_USED
 from img_recog.markup import MarkupError, parse_xml, read_bytes
 from img_recog.simulation.descriptions import (sdf_frames, sdf_models, sdf_populations,
@@ -231,7 +231,7 @@ def _model_file(path: str) -> Optional[str]:
 
 def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:
     try:
-        root = parse_xml(read_bytes(path))
+        root = parse_xml(read_bytes(path, opener=plain))
     except (OSError, ValueError) as error:
         raise SimulationError('cannot read {} ({})'.format(path, error))
     except MarkupError as error:
