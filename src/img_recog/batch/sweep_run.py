@@ -5,12 +5,12 @@ import fnmatch
 import functools
 import math
 import tempfile
-from typing import Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
 from img_recog import resources
-from img_recog.batch.sweep_file import Run, Success, given
+from img_recog.batch.sweep_file import Run, Success, Values, given
 from img_recog.errors import UserError
 from img_recog.rendering.light import LightSettings
 from img_recog.replay import programs, scenario
@@ -28,6 +28,7 @@ from img_recog.simulation.simulator import Simulator
 
 _MAX_SPEED = 100.0      # m/s; only the physics throws a robot that fast
 _MAX_FALL_M = 10.0      # below the floor
+_APART_S = 0.1          # without a contact, after which a touch is another one; else it bounces
 REACHED, TIME, COLLISION, PATH = 'goal reached', 'time is up', 'collision', 'path too long'
 
 
@@ -51,7 +52,10 @@ class Result(NamedTuple):
 
 
 class Judge(Recorder):
-    """Follows the robot from image to image, until it has succeeded or failed."""
+    """Follows the robot from image to image, until it has succeeded or failed.
+
+    What it touches is noted at each step of the physics.
+    """
 
     def __init__(self, simulator: Simulator, goal: str, success: Success):
         """Raise UserError if the world has no model `goal`."""
@@ -63,17 +67,23 @@ class Judge(Recorder):
             raise UserError('the world has no model {}'.format(goal),
                             'it has ' + ', '.join(body.name for body in bodies))
         self._last: Optional[np.ndarray] = None
-        self._touching: List[str] = []
+        self._touched_s: Dict[str, float] = {}      # when each was touched last
         self._collisions, self._path_m, self._touched = 0, 0.0, ''
         self.result = Result(TIME, 0.0, math.inf, 0, 0.0, math.nan, math.nan, math.nan, '')
+        simulator.after_step = self._note_touched
+
+    def _note_touched(self) -> None:
+        touching = self._simulator.touched(self._robot)
+        now_s = self._simulator.time_s
+        new = [name for name in touching
+               if now_s - self._touched_s.get(name, -math.inf) > _APART_S]
+        self._collisions += len(new)
+        self._touched = self._touched or ', '.join(new)
+        self._touched_s.update(dict.fromkeys(touching, now_s))
 
     def on_frame(self, result: FrameResult) -> None:
         position = np.array(result.motion.position)
         self._refuse_thrown(position, result.motion.linear, result.time_ns)
-        touching = self._simulator.touched(self._robot)
-        new = [name for name in touching if name not in self._touching]
-        self._touching, self._touched = touching, self._touched or ', '.join(new)
-        self._collisions += len(new)
         if self._last is not None:
             self._path_m += math.dist(position[:2], self._last[:2])
         self._last = position
@@ -129,6 +139,11 @@ def film(paths: Sequence[str], roles: Tuple[str, ...], run: Run, success: Succes
             return written.read()
 
 
+def scene_of(values: Values) -> Tuple[str, str]:
+    """Return the world and the URDF of a run, by its parameters."""
+    return values.get('world', resources.DEFAULT_WORLD), values.get('urdf') or resources.burger()
+
+
 def _with_paths(run: Run, roles: Tuple[str, ...], paths: Sequence[str]) -> Run:
     return run._replace(parameters={**run.parameters, **dict(zip(roles, paths))})
 
@@ -141,10 +156,8 @@ def _renderer() -> Any:
 
 def _run(run: Run, success: Success, time_limit_s: float, film_file: Any) -> Result:
     values = run.parameters
-    built = scenario.build(
-        values.get('world', resources.DEFAULT_WORLD), values.get('urdf') or resources.burger(),
-        from_mapping(SpawnSettings, values), drive=given(DriveSettings, values),
-        noise=NoiseSettings(run.seed))
+    built = scenario.build(*scene_of(values), from_mapping(SpawnSettings, values),
+                           drive=given(DriveSettings, values), noise=NoiseSettings(run.seed))
     try:
         return _loop(built, run, success, time_limit_s, film_file)
     finally:

@@ -1,5 +1,5 @@
 """World and vehicles, advanced together by whole steps."""
-from typing import Any, Collection, List, Optional, Sequence
+from typing import Any, Callable, Collection, List, Optional, Sequence
 
 import pybullet
 
@@ -20,11 +20,14 @@ class Simulator:
 
     Each step has a fixed order: the drives set the motors, the physics advances, and the sensors
     that are due are read. Time is the number of steps multiplied by the step.
+
+    after_step: is called after each step of the physics, if it is set.
     """
 
     def __init__(self, world: World, vehicles: Sequence[Vehicle] = ()):
         self.world, self._vehicles = world, list(vehicles)
         self._steps = 0
+        self.after_step: Optional[Callable[[], None]] = None
 
     @property
     def vehicles(self) -> Sequence[Vehicle]:
@@ -66,6 +69,10 @@ class Simulator:
             stop = min((vehicle.next_event(self._steps) for vehicle in self.vehicles),
                        default=end)
             stop = min(stop, end)
+            while self.after_step is not None and self._steps < stop:
+                self.world.step()
+                self._steps += 1
+                self.after_step()
             self.world.step(stop - self._steps)
             self._steps = stop
             readings.extend(self._read_sensors())
@@ -111,6 +118,8 @@ class Simulator:
             other = contact[1] if contact[2] == robot.body_id else contact[2]
             if other != robot.body_id and contact[8] <= 0 and abs(contact[7][2]) < _STEEP:
                 found.add(other)
+        if not found:       # most often
+            return []
         return sorted(body.name for body in [*self.world.bodies, *(
             vehicle.robot for vehicle in self.vehicles)] if body.body_id in found)
 

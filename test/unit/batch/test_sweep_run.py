@@ -61,6 +61,20 @@ def test_a_collision_ends_it_and_is_named(tmp_path):
         sweep_run.COLLISION, 1, 'pillar')
 
 
+def test_touches_between_two_images_are_counted(tmp_path):
+    path = tmp_path / 'a.world'
+    path.write_text(sdf.sdf(POST.format('pillar', 0.25, 'White')))
+    simulator = assemble(str(path)).simulator
+    vehicle, = simulator.vehicles
+    judge = sweep_run.Judge(simulator, 'pillar', Success(0.01, collisions=9))
+    for speed, steps in 2 * ((0.2, 1500), (-0.2, 1000)):
+        vehicle.command(speed, 0)
+        simulator.advance(steps)
+    assert simulator.touched(vehicle.robot) == []
+    judge.on_frame(FrameResult(None, 4 * 10 ** 9, [], [], [], vehicle.robot.motion()))
+    assert (judge.result.collisions, judge.result.touched) == (2, 'pillar')
+
+
 def test_a_film_of_the_same_run(field):
     values = {'world': '', 'goal': 'blue*', 'x_pos': 0.0, 'y_pos': 0.0, **CAMERA}
     film = sweep_run.film((field,), ('world',), Run('run#1', {}, 1, values), Success(0.7), 0.3)
