@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
 from img_recog import resources
+from img_recog.batch.labels import of_value, unique
 from img_recog.errors import UserError, one_line, shortened, suggestion
 from img_recog.markup import MarkupError, load_yaml, read_bytes
 from img_recog.rendering.light import LightSettings
@@ -146,12 +147,14 @@ def _parameters(path: str, content: Mapping[Any, Any]) -> Tuple[Values, Tuple[Ch
     choices: List[Choice] = []
     for name, value in content.items():
         if isinstance(value, dict) and set(value) != {_FROM, _TO}:
-            choices.append(Choice(str(name), {
-                str(label): _group(path, '{}: {}'.format(name, label), group)
-                for label, group in value.items()}))
+            choices.append(_choice(str(name), [[str(label), repr(label)] for label in value], [
+                _group(path, '{}: {}'.format(name, label), group)
+                for label, group in value.items()]))
         elif isinstance(value, list):
             values = [_value(path, name, each) for each in value]
-            choices.append(Choice(name, {_label(each): {name: each} for each in values}))
+            _refuse_twice('{}: {}'.format(path, name), values)
+            choices.append(_choice(name, list(map(of_value, values)),
+                                   [{name: each} for each in values]))
         else:
             fixed[name] = _value(path, name, value)
     for choice in choices:
@@ -159,13 +162,24 @@ def _parameters(path: str, content: Mapping[Any, Any]) -> Tuple[Values, Tuple[Ch
             raise UserError('{}: {}: expected one value at least'.format(path, choice.name))
     names = [*fixed, *(name for choice in choices for name in set().union(
         *(group for group in choice.groups.values())))]
-    for name in names:
-        if names.count(name) > 1:
-            raise UserError('{}: parameter {} is given twice'.format(path, name))
+    _refuse_twice(path, names)
+    _refuse_twice(path, list(map(str, content)))
     if 'goal' not in names:
         raise UserError('{}: {}: there is no goal'.format(path, _PARAMETERS),
                         'add one, like goal: blue_post*')
     return fixed, tuple(choices)
+
+
+def _choice(name: str, forms: Sequence[Sequence[str]], groups: Sequence[Values]) -> Choice:
+    # what separates labels in a key is no part of one
+    return Choice(name, dict(zip((repr(label) if set(label) & set(',=#') else label
+                                  for label in unique(forms)), groups)))
+
+
+def _refuse_twice(place: str, values: Sequence[Any]) -> None:
+    for value in values:
+        if values.count(value) > 1:
+            raise UserError('{}: {} is given twice'.format(place, value))
 
 
 def _group(path: str, place: str, group: Any) -> Values:
@@ -198,13 +212,6 @@ def _file(path: str, name: str, value: str) -> str:
         raise UserError('{}: {}: no file {}'.format(path, name, found), '' if name != 'world' else
                         'known worlds are ' + ', '.join([_EMPTY_WORLD, *resources.worlds()]))
     return os.path.normpath(found)
-
-
-def _label(value: Any) -> str:
-    """Return the short name of a value of a list."""
-    if isinstance(value, str):
-        return os.path.splitext(os.path.basename(value))[0]
-    return '{:g}'.format(value) if isinstance(value, float) else str(value)
 
 
 def _cells(path: str, names: Any, choices: Sequence[Choice]) -> Tuple[str, ...]:

@@ -53,6 +53,21 @@ def test_draws_are_even_and_depend_on_seed_and_key_alone(read):
     assert few['light=lamp#1'] == (1763271800, pytest.approx(0.529141, abs=1e-6))
 
 
+def test_runs_are_known_by_their_values(read, tmp_path):
+    for name in ('a/f.yaml', 'b/f.yaml', 'b/f.yml'):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text('colors: [blue]')
+    sweep = read({'colors': ['a/f.yaml', 'b/f.yaml', 'b/f.yml', 'mine.yaml'],
+                  'x_pos': [1.0000001, 1.0000002, 2], 'light': {
+                      1: LIGHTS['dim'], '1': LIGHTS['lamp'], 'a,x_pos=2': LIGHTS['dim']}})
+    assert [list(choice.groups) for choice in sweep.choices] == [
+        ['a/f', 'b/f.yaml', 'f.yml', 'mine'], ['1.0000001', '1.0000002', '2'],
+        ['1', "'1'", "'a,x_pos=2'"]]
+    runs = list(sweep.runs())
+    assert len(runs) == len({run.key for run in runs}) == sweep.size == 36
+    assert len({tuple(run.parameters.values()) for run in runs}) == 24     # dim is there twice
+
+
 def test_files_begin_in_the_folder_of_the_sweep(read, tmp_path):
     run, = read({'colors': 'mine.yaml', 'world': 'color_posts'}).runs()
     assert run.parameters['colors'] == str(tmp_path / 'mine.yaml')
@@ -69,6 +84,8 @@ def test_files_begin_in_the_folder_of_the_sweep(read, tmp_path):
     ({}, {'runs': 0}, 'runs: got 0, allowed is a whole number from 1'),
     ({'x_pos': {'from': 2, 'to': 1}}, {}, 'expected two numbers, the lower one first'),
     ({'camera_width': {'from': 20, 'to': 30}}, {}, 'expected two numbers'),
+    ({'x_pos': [1, 2, 1.0]}, {}, 'x_pos: 1.0 is given twice'),
+    ({1: LIGHTS, '1': {'a': {'yaw': 1}}}, {}, 'sweep.yaml: 1 is given twice'),
     ({'x_pos': []}, {}, 'x_pos: expected one value at least'),
     ({'light': {'dim': 3}}, {}, 'light: dim: expected lines'),
     ({'x_pos': 1, 'start': {'left': {'x_pos': 2}}}, {}, 'x_pos is given twice'),
