@@ -4,20 +4,21 @@ import os
 import resource
 import signal
 import time
+from typing import List
 
 import distributed
 
 from img_recog.errors import UserError
 
 
-def count_bytes(paths, factor):
+def count_bytes(paths, factor) -> List[int]:
     """Return the sizes of files times a factor; a problem if it is 0, or a fault if None."""
     if factor == 0:
         raise UserError('the factor is 0', 'give another')
     return [factor * os.path.getsize(path) for path in paths]
 
 
-def square(_, number, log=''):
+def square(_, number, log='') -> int:
     """Return the square of a number; the name of a file to write says that it was computed."""
     if log:
         with open(os.path.join(log, str(number)), 'a') as file:
@@ -25,7 +26,7 @@ def square(_, number, log=''):
     return number * number
 
 
-def killed_once(_, number, folder):
+def killed_once(_, number, folder) -> int:
     """Return the number; the first process that is asked for 3 is killed."""
     mark = os.path.join(folder, 'killed')
     if number == 3 and not os.path.exists(mark):
@@ -34,27 +35,27 @@ def killed_once(_, number, folder):
     return number
 
 
-def crashes(paths, number):
+def crashes(paths, number) -> int:
     """Return the number; each process that is asked for 3 crashes."""
     if number == 3:
         faulthandler._sigsegv()
     return number
 
 
-def interrupted(_, number, folder):
+def interrupted(_, number, folder) -> int:
     """Return the number; a Ctrl-C arrives before 3, as long as there is no file `go`."""
     if number == 3 and not os.path.exists(os.path.join(folder, 'go')):
         os.kill(os.getpid(), signal.SIGINT)
     return square(_, number, folder)
 
 
-def process(_, number, seconds):
+def process(_, number, seconds) -> int:
     """Return the number of this process, after a while."""
     time.sleep(seconds)
     return os.getpid()
 
 
-def page_faults(_, number, buffers):
+def page_faults(_, number, buffers) -> int:
     """Return how many pages the kernel maps while buffers of 1 MB are used one after the other."""
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
     for _ in range(buffers):
@@ -62,7 +63,7 @@ def page_faults(_, number, buffers):
     return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
 
 
-def records(_, number):
+def records(_, number) -> int:
     """Return how many records about pieces the worker has."""
     worker = distributed.get_worker()
     return max(len(worker.state.log), len(worker.state.stimulus_log),

@@ -6,6 +6,7 @@ import textwrap
 
 import pytest
 
+from img_recog_testing import sdf
 from img_recog_testing.pages import ROOT
 from img_recog_testing.replaying import contents
 
@@ -37,7 +38,8 @@ def sweep(ros, tmp_path):
             text = re.sub('{}: .*'.format(old), '{}: {}'.format(old, new), text)
         (tmp_path / 's.yaml').write_text(text)
         process = ros.start_node('sweep.py', 's.yaml', *arguments, cwd=str(tmp_path),
-                                 env=dict(ros.env, HOME=str(tmp_path), PWD=str(tmp_path)))
+                                 env=dict(ros.env, HOME=str(tmp_path), PWD=str(tmp_path),
+                                          GAZEBO_MODEL_PATH=str(tmp_path / 'models')))
         code = process.wait()
         return code, '\n'.join(line for line in process.output.splitlines()
                                if not line.startswith('pybullet build time'))
@@ -64,6 +66,48 @@ def test_two_processes_write_the_bytes_of_one(sweep, tmp_path):
         row['key'], row['reason'], float(row['time_s']), float(row['distance_m'])) in output
     film, = (name for name in os.listdir(str(tmp_path)) if name.startswith('again'))
     assert (tmp_path / film).read_bytes() == first['s.sweep.worst_1.mp4']
+
+
+WORLD = sdf.sdf(
+    '<model name="blue_post"><static>1</static><pose>1 0 0.15 0 0 0</pose><link name="l">'
+    + sdf.BOX.format('visual', '', '0.1 0.1 0.3') + '</link></model>'
+    '<include><uri>model://wall</uri></include>')
+
+
+def write_wall(tmp_path, x):
+    """Write a model with the mesh of a wall across the way to the post."""
+    folder = tmp_path / 'models' / 'wall'
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / 'model.sdf').write_text(
+        '<sdf version="1.6"><model name="wall"><static>1</static><link name="l"><collision '
+        'name="c"><geometry><mesh><uri>model://wall/wall.obj</uri></mesh></geometry></collision>'
+        '</link></model></sdf>')
+    (folder / 'wall.obj').write_text('v {0} -2 0\nv {0} 2 0\nv {0} 0 2\nf 1 2 3\n'.format(x))
+
+
+def test_resume_repeats_what_has_read_other_files_and_nothing_else(sweep, tmp_path):
+    (tmp_path / 'w.world').write_text(WORLD)
+    write_wall(tmp_path, 3)
+    changes = {'world': '[w.world, color_posts]', 'x_pos': '0', 'runs': '1', 'distance': 0.05}
+    # the report cannot be written, so all results are kept
+    (tmp_path / 's.sweep.md').mkdir()
+    arguments = '--films', '0', '--jobs', '1'
+    assert sweep(*arguments, **changes)[0] == 1
+    kept = {path: path.stat().st_mtime_ns for path in tmp_path.glob('s.sweep.work/*/*')}
+    assert len(kept) == 4
+    assert sweep(*arguments, '--resume', **changes)[0] == 1
+    assert kept == {path: path.stat().st_mtime_ns for path in kept}
+    write_wall(tmp_path, 0.02)
+    assert sweep(*arguments, '--resume', **changes)[0] == 1
+    again = {path: path.stat().st_mtime_ns for path in tmp_path.glob('s.sweep.work/*/*')}
+    assert kept.items() <= again.items() and len(again) == 6
+    (tmp_path / 's.sweep.md').rmdir()
+    code, output = sweep(*arguments, '--resume', **changes)
+    assert code == 0 and 'the first one took' not in output
+    with open(str(tmp_path / 's.sweep.csv')) as file:
+        touched = {row['key']: row['touched'] for row in csv.DictReader(file)}
+    assert touched == {'world={},light={}#1'.format(world, light): 'wall' * (world == 'w')
+                       for world in ('w', 'color_posts') for light in ('daylight', 'dark')}
 
 
 def test_a_run_without_a_result_is_named_and_the_exit_code_says_so(sweep, tmp_path):

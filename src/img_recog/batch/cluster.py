@@ -1,18 +1,22 @@
 """Runs pieces by Dask: in processes on this machine, or on the workers of a scheduler."""
 import contextlib
-import importlib.util
 import logging
+import os
 import shlex
 import signal
+import subprocess
 import tempfile
 import time
 import warnings
+import weakref
 from collections import deque
-from typing import Any, ContextManager, Dict, Iterator, List, Sequence
+from typing import Any, ContextManager, Dict, Iterator, List, MutableMapping, Sequence, Tuple
 
 import dask
-from distributed import Client, Future, LocalCluster, WorkerPlugin, as_completed
+from distributed import (Client, Future, Nanny, Scheduler, SpecCluster, Worker, WorkerPlugin,
+                         as_completed)
 from distributed.scheduler import KilledWorker
+from distributed.security import Security
 
 from img_recog.batch import code_version
 from img_recog.batch.options import Options
@@ -22,7 +26,6 @@ from img_recog.signals import Interrupts
 
 _WAIT_S = 10            # for the scheduler, and for its first worker
 _IN_FLIGHT = 1000       # pieces that the scheduler knows
-_SAME = ('python', 'dask', 'distributed')       # versions that have to be equal
 _START = 'start some: ./run shell python3 -m distributed.cli.dask_worker {}'
 _RECORDS = 100          # of Dask, about pieces that are done; it keeps up to 100,000
 # Workers on this machine need no profile of their functions and no ticks: each took 2 % of a core.
@@ -45,6 +48,21 @@ class _FewRecords(WorkerPlugin):
                 setattr(owner, name, deque(getattr(owner, name), _RECORDS))
 
 
+class _Silent:
+    """Opens no HTTP server: Dask has each scheduler and worker open one."""
+
+    def start_http_server(self, *args: Any, **options: Any) -> None:
+        pass
+
+
+class _Scheduler(_Silent, Scheduler):       # type: ignore[misc]
+    pass
+
+
+class _Worker(_Silent, Worker):             # type: ignore[misc]
+    pass
+
+
 class _Client(Client):
     """One whose end is silent, if it has found no scheduler."""
 
@@ -65,20 +83,42 @@ def connected(options: Options, interrupts: Interrupts) -> ContextManager[Client
 
 @contextlib.contextmanager
 def _local(jobs: int, interrupts: Interrupts) -> Iterator[Client]:
-    has_page = importlib.util.find_spec('bokeh') is not None
     with contextlib.ExitStack() as stack:
         with _starting_workers(interrupts):
             dask.config.set(_QUIET)
-            cluster = stack.enter_context(LocalCluster(
-                n_workers=jobs, threads_per_worker=1, processes=True, host='127.0.0.1',
-                dashboard_address='127.0.0.1:0', memory_limit=0,
-                silence_logs=logging.CRITICAL + 1,
-                local_directory=stack.enter_context(tempfile.TemporaryDirectory())))
+            folder = stack.enter_context(tempfile.TemporaryDirectory())
+            security = _security(folder)
+            common = {'host': '127.0.0.1', 'protocol': 'tls://', 'security': security}
+            worker = {'cls': Nanny, 'options': {
+                **common, 'worker_class': _Worker, 'nthreads': 1, 'memory_limit': 0,
+                'silence_logs': logging.CRITICAL + 1, 'local_directory': folder}}
+            cluster = stack.enter_context(SpecCluster(
+                scheduler={'cls': _Scheduler, 'options': common}, worker=worker,
+                workers={number: worker for number in range(jobs)},
+                security=security, silence_logs=logging.CRITICAL + 1))
             client = stack.enter_context(Client(cluster, set_as_default=False))
             client.register_worker_plugin(_FewRecords())
-        if has_page:
-            _log.warning('progress: %s', cluster.dashboard_link)
         yield client
+
+
+def _security(folder: str) -> Security:
+    """Return what lets only those connect who read a key in a folder: this user.
+
+    Whoever else is on this machine reaches the loopback, and Dask would run his code.
+    """
+    key, certificate = (os.path.join(folder, name) for name in ('key.pem', 'certificate.pem'))
+    try:
+        subprocess.run(
+            ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:P-256',
+             '-nodes', '-days', '3650', '-subj', '/CN=img_recog', '-keyout', key,
+             '-out', certificate], check=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            universal_newlines=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise UserError('cannot make a key for the processes of --jobs: {}'.format(
+            one_line(getattr(error, 'output', None) or error)), 'install openssl, or use --jobs 1')
+    return Security(require_encryption=True, tls_ca_file=certificate, **{
+        'tls_{}_{}'.format(role, kind): path for role in ('client', 'scheduler', 'worker')
+        for kind, path in (('key', key), ('cert', certificate))})
 
 
 @contextlib.contextmanager
@@ -126,82 +166,58 @@ def _check(client: Client, address: str) -> None:
                             _START.format(shlex.quote(address)))
         time.sleep(0.1)
     try:
-        versions: Any = client.get_versions()
-        here = versions['client']['packages']
-        of_others = {'the scheduler': versions['scheduler'], **versions['workers']}
-        for name, other in of_others.items():
-            for package in _SAME:
-                theirs, ours = other['packages'].get(package), here.get(package)
-                if theirs != ours:
-                    raise UserError('--scheduler {}: {} has {} {}, and here is {}'.format(
-                        address, name, package, theirs, ours), 'install the same versions')
-        digests = client.run(code_version.digest)
+        found = {'the scheduler': client.run_on_scheduler(code_version.versions),
+                 **client.run(code_version.versions)}
     except _PROBLEMS as error:
-        raise UserError('--scheduler {}: its workers cannot run img_recog: {}'.format(
+        raise UserError('--scheduler {}: it cannot run img_recog: {}'.format(
             address, one_line(error)), _START.format(address))
-    for name, digest in digests.items():
-        if digest != code_version.digest():
-            raise UserError('--scheduler {}: the img_recog of {} is not the one that is here'
-                            .format(address, name), 'install the same version')
-
-
-class _Copies:
-    """Sends the files of pieces to the workers, once for each file and time that it is needed."""
-
-    def __init__(self, client: Client):
-        self._client = client
-        self._futures: Dict[str, Future] = {}
-        self._users: Dict[str, int] = {}
-
-    def of(self, piece: Piece) -> List[Future]:
-        for path in piece.files:
-            if path not in self._futures:
-                with open(path, 'rb') as file:
-                    self._futures[path] = self._client.scatter(file.read(), hash=False)
-            self._users[path] = self._users.get(path, 0) + 1
-        return [self._futures[path] for path in piece.files]
-
-    def release(self, piece: Piece, is_lost: bool) -> None:
-        """Forget files that no other piece needs; if they are lost, they are sent again."""
-        for path in piece.files:
-            self._users[path] -= 1
-            if not self._users[path] or is_lost:
-                self._futures.pop(path, None)
+    for name, theirs in found.items():
+        for package, version in code_version.versions().items():
+            if theirs.get(package) != version:
+                raise UserError('--scheduler {}: {} has {} {}, and here is {}'.format(
+                    address, name, package, theirs.get(package), version),
+                    'install the same versions')
 
 
 def completed(client: Client, function: Function, pieces: Sequence[Piece],
               options: Options) -> Iterator[Done]:
     """Run pieces, in any order; raise UserError if the cluster ends."""
-    copies = _Copies(client) if options.copy else None
+    # contents of files on workers: Dask forgets one that no piece holds
+    copies: MutableMapping[str, Future] = weakref.WeakValueDictionary()
     workers = client.scheduler_info()['workers'].values()
     # a file is in the memory of a worker meanwhile
-    window = 2 * sum(worker['nthreads'] for worker in workers) if copies else _IN_FLIGHT
+    window = 2 * sum(worker['nthreads'] for worker in workers) if options.copy else _IN_FLIGHT
     remaining = list(reversed(pieces))
-    running: Dict[Future, Piece] = {}
+    running: Dict[Future, Tuple[Piece, List[Future]]] = {}
     completed = as_completed([], loop=client.loop)
+
+    def copy(path: str) -> Future:
+        if path not in copies:
+            with open(path, 'rb') as file:
+                copies[path] = client.scatter(file.read(), hash=False)
+        return copies[path]
 
     def submit() -> None:
         while remaining and len(running) < window:
             piece = remaining.pop()
-            future = client.submit(run_piece, function, piece.files,
-                                   copies.of(piece) if copies else (), piece.arguments,
+            sent = [copy(path) for path in piece.files] if options.copy else []
+            future = client.submit(run_piece, function, piece.files, sent, piece.arguments,
                                    pure=False)
-            running[future] = piece
+            running[future] = piece, sent
             completed.add(future)
 
     submit()
     for future in completed:
-        piece = running.pop(future)
-        is_lost = future.cancelled()
-        if copies:
-            copies.release(piece, is_lost)
-        if not is_lost:
+        piece, sent = running.pop(future)
+        if not future.cancelled():
             yield _done(piece, future)
         elif client.status != 'running':
             raise UserError('the scheduler {} is gone'.format(options.scheduler),
                             'start it again, and go on with --resume')
         else:           # a worker was killed, and the file with it that it alone had
             remaining.append(piece)
+            for path in piece.files:
+                copies.pop(path, None)
         submit()
 
 

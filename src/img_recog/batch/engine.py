@@ -6,7 +6,7 @@ interrupted run goes on from there.
 """
 import contextlib
 import logging
-from typing import Any, Dict, Generator, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Dict, Generator, Iterator, Mapping, NamedTuple, Sequence, Tuple
 
 from tqdm import tqdm
 
@@ -30,14 +30,15 @@ class Outcome(NamedTuple):
 class Outcomes:
     """The outcomes of pieces, in their order; each is read from its file when it is needed."""
 
-    def __init__(self, work: WorkFolder, names: Mapping[str, str], problems: Mapping[str, str]):
-        """Take the name of the result of each key, and the problems of those that have none."""
-        self._work, self._names, self._problems = work, names, problems
+    def __init__(self, work: WorkFolder, named: Sequence[Tuple[Piece, str]],
+                 problems: Mapping[str, str]):
+        """Take pieces with the names of their results, and the problems by the names."""
+        self._work, self._named, self._problems = work, named, problems
 
     def __iter__(self) -> Iterator[Outcome]:
-        for key, name in self._names.items():
-            yield (Outcome(key, problem=self._problems[key]) if key in self._problems
-                   else Outcome(key, self._work.read(name)))
+        for piece, name in self._named:
+            yield (Outcome(piece.key, problem=self._problems[name]) if name in self._problems
+                   else Outcome(piece.key, self._work.read(name)))
 
 
 class Engine:
@@ -69,18 +70,19 @@ class Engine:
         work = WorkFolder(folder, function)
         if not self._options.resume:
             work.remove()
-        name_of = {piece.key: work.name_of(piece.files, piece.arguments) for piece in pieces}
+        named = [(piece, work.name_of(piece)) for piece in pieces]
+        # a piece is known by itself: several may have the same key
+        name_of = {id(piece): name for piece, name in named}
         problems: Dict[str, str] = {}
 
-        def note(done: Done) -> None:
+        def note(done: Done, name: str) -> None:
             if done.problem:
-                problems[done.piece.key] = done.problem
+                problems[name] = done.problem
             else:
-                work.write(name_of[done.piece.key], done.content)
+                work.write(name, done.content)
         for done in known:
-            note(done)
-        waiting = [piece for piece in pieces
-                   if piece.key not in problems and not work.has(name_of[piece.key])]
+            note(done, work.name_of(done.piece))
+        waiting = [piece for piece, name in named if name not in problems and not work.has(name)]
         with self._interrupts.deferred():   # the destructor of tqdm fails after half a constructor
             total = sum(piece.size for piece in pieces)
             progress = tqdm(total=total, initial=total - sum(piece.size for piece in waiting),
@@ -88,9 +90,9 @@ class Engine:
         with progress, _says_what_is_kept(work, len(pieces)):
             with contextlib.closing(self._run(function, waiting)) as running:
                 for done in running:
-                    note(done)
+                    note(done, name_of[id(done.piece)])
                     progress.update(done.piece.size)
-        yield Outcomes(work, name_of, problems)
+        yield Outcomes(work, named, problems)
         if not problems:
             work.remove()
 

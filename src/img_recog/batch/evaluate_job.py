@@ -5,11 +5,11 @@ import csv
 import logging
 import os
 import re
-from collections import Counter
-from typing import Any, Dict, List, Sequence
+from typing import Any, Callable, Dict, List, Sequence
 
-from img_recog import files
-from img_recog.batch import evaluate_report, evaluation, options, recordings, tables
+from img_recog import files, resources
+from img_recog.batch import (evaluate_report, evaluation, inputs, labels, options, recordings,
+                             tables)
 from img_recog.batch.engine import Engine
 from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
 from img_recog.batch.work import Function, Piece
@@ -34,12 +34,13 @@ def main() -> int:
 def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> str:
     given = _parser().parse_args(words)
     where = options.of(given)
-    named = _named([os.path.abspath(path) for path in recordings.expand(given.recordings)])
+    named = _named([os.path.abspath(path) for path in recordings.expand(given.recordings)],
+                   labels.of_path)
     sets = _color_sets(given.colors)
     truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
                                (*tables.extensions(), '.md', '.png'), 'evaluated')
-    work = re.sub(r'\.csv$', '.work', paths[0])
+    work = re.sub(r'\.csv$', '', paths[0])
     with Engine(where, interrupts) as engine, contextlib.ExitStack() as stack:
         stages = _Stages(stack, work, engine, problems)
         measured = _measured(stages, named, sets, given.topic, given.max_image_pixels)
@@ -50,8 +51,6 @@ def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> 
             report, picture = opened[count:]
             report.write(evaluate_report.markdown(sets, found, truth, problems).encode())
             evaluate_report.draw(picture, sets, found)
-    with contextlib.suppress(OSError):      # not empty: what can be used again stays
-        os.rmdir(work)
     return '{} of {} recordings, {} frames, {} sets of colors; wrote {}'.format(
         len(found), len(named), sum(len(each.measured.numbers) for each in found),
         len(sets), ', '.join(paths))
@@ -72,7 +71,7 @@ class _Stages:
         found: Dict[str, List[Any]] = {}
         bad: List[str] = []
         for outcome in self._stack.enter_context(self._engine.outcomes(
-                function, pieces, os.path.join(self._work, unit.strip()), unit)):
+                function, pieces, '{}.{}.work'.format(self._work, unit.strip()), unit)):
             name = outcome.key.rpartition('#')[0]
             found.setdefault(name, []).append(outcome.value)
             if outcome.problem and name not in bad:
@@ -97,33 +96,23 @@ def _measured(stages: _Stages, named: Dict[str, str], sets: Sequence[ColorSet], 
 
 def _driven(stages: _Stages, measured: Dict[str, Measured], sets: Sequence[ColorSet],
             world: str) -> List[Evaluated]:
+    scene = inputs.of_scene(world, resources.burger()) if world else ''
     driven = stages.run(evaluation.drive, [
         Piece('{}#{}'.format(name, number), (each, number, world, SpawnSettings()),
-              (colors.path, *([world] if os.path.isabs(world) else [])))
+              (colors.path, *([world] if os.path.isabs(world) else [])), depends=scene)
         for name, each in measured.items() for number, colors in enumerate(sets)], ' drives')
     return [Evaluated(name, measured[name], found) for name, found in driven.items()]
 
 
-def _named(paths: Sequence[str]) -> Dict[str, str]:
-    """Return paths by short names, with as many folders as make them differ."""
-    counts = Counter(name for path in set(paths) for name in _names(path))
-    return {next(name for name in _names(path) if counts[name] == 1): path for path in paths}
-
-
-def _names(path: str) -> List[str]:
-    """Return the end of a path with more and more folders.
-
-    >>> _names('/data/a.bag')
-    ['a.bag', 'data/a.bag', '/data/a.bag']
-    """
-    parts = path.split(os.sep)
-    return [os.sep.join(parts[-length:]) for length in range(1, len(parts) + 1)]
+def _named(paths: Sequence[str], forms: Callable[[str], List[str]]) -> Dict[str, str]:
+    """Return paths, each once, by short names that differ."""
+    paths = list(dict.fromkeys(paths))
+    return dict(zip(labels.unique(list(map(forms, paths))), paths))
 
 
 def _color_sets(paths: Sequence[str]) -> List[ColorSet]:
-    named = _named([os.path.abspath(os.path.expanduser(path)) for path in paths])
-    return [ColorSet(os.path.splitext(name)[0], path, parameter_file.read(path))
-            for name, path in named.items()]
+    named = _named([os.path.abspath(os.path.expanduser(path)) for path in paths], labels.of_value)
+    return [ColorSet(name, path, parameter_file.read(path)) for name, path in named.items()]
 
 
 def _read_truth(path: str, named: Dict[str, str], sets: Sequence[ColorSet]) -> Truth:

@@ -11,7 +11,7 @@ import time
 from typing import List, Sequence, Tuple
 
 from img_recog import files
-from img_recog.batch import options, sweep_file, sweep_report, sweep_run, tables
+from img_recog.batch import inputs, options, sweep_file, sweep_report, sweep_run, tables
 from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.sweep_file import Run, Sweep
 from img_recog.batch.sweep_report import Ended
@@ -45,7 +45,7 @@ def _main(words: Sequence[str], interrupts: Interrupts, failed: List[str]) -> st
     films = ['.worst_{}.mp4'.format(number + 1) for number in range(given.films)]
     paths = files.output_paths(path, os.path.expanduser(given.output),
                                (*tables.extensions(), '.md', '.png', *films), 'sweep')
-    known = [_first(sweep, where, given.yes)]
+    known = [] if where.resume else [_first(sweep, where, given.yes)]
     work = re.sub(r'\.csv$', '.work', paths[0])
     runs = list(sweep.runs())
     with Engine(where, interrupts) as engine, engine.outcomes(
@@ -78,10 +78,12 @@ def _only(sweep: Sweep, given: argparse.Namespace, path: str) -> str:
 
 
 def _piece(sweep: Sweep, run: Run) -> Piece:
-    roles = tuple(role for role in _FILE_ROLES
-                  if os.path.isabs(run.parameters.get(role) or ''))
-    return Piece(run.key, (roles, run, sweep.success, sweep.settings.time_limit),
-                 tuple(run.parameters[role] for role in roles))
+    """Return the piece of a run: of its values, whatever their labels are."""
+    values = run.parameters
+    roles = tuple(role for role in _FILE_ROLES if os.path.isabs(values.get(role) or ''))
+    return Piece(run.key, (roles, Run('', {}, run.seed, values), sweep.success,
+                           sweep.settings.time_limit), tuple(values[role] for role in roles),
+                 depends=inputs.of_scene(*sweep_run.scene_of(values)))
 
 
 def _first(sweep: Sweep, where: options.Options, is_confirmed: bool) -> Done:

@@ -3,16 +3,16 @@ import contextlib
 import ctypes
 import functools
 import os
-import pickle
 import tempfile
 from typing import Any, Callable, Iterator, List, NamedTuple, Sequence, Tuple
 
 import cv2
 
+from img_recog.batch import plain
 from img_recog.errors import UserError, named_in_crashes, one_line
 
 # Called with the paths of the files of a piece and its arguments. A function of a module: workers
-# import it.
+# import it. The type of what it returns names those of all parts, see `plain`.
 Function = Callable[..., Any]
 # llvmpipe and numpy: there are as many processes as cores; with 0, llvmpipe draws in the thread
 # that asks for it
@@ -25,19 +25,20 @@ _M_MMAP_THRESHOLD, _MAPPED_BYTES = -3, 1 << 25
 class Piece(NamedTuple):
     """A part of the work.
 
-    key: its name in reports, unique. arguments: of the function; plain values, tuples,
-    dataclasses and arrays. files: paths of all files that the function reads. size: how many
-    frames or runs it is, for the progress.
+    key: its name in reports. arguments: of the function; plain values, tuples, dataclasses and
+    arrays. files: paths of the files that the function is given. size: how many frames or runs it
+    is, for the progress. depends: a hash of what the result depends on besides.
     """
 
     key: str
     arguments: Tuple[Any, ...]
     files: Tuple[str, ...] = ()
     size: int = 1
+    depends: str = ''
 
 
 class Done(NamedTuple):
-    """A piece that has run; content: its pickled result, if there is no problem."""
+    """A piece that has run; content: its result by `plain.dump`, if there is no problem."""
 
     piece: Piece
     content: bytes
@@ -46,15 +47,15 @@ class Done(NamedTuple):
 
 def run_piece(function: Function, paths: Sequence[str], contents: Sequence[bytes],
               arguments: Sequence[Any]) -> Tuple[bytes, str]:
-    """Return the pickled result of a piece, and in one line why there is none.
+    """Return the result of a piece by `plain.dump`, and in one line why there is none.
 
     contents: of the files, if they are not at `paths` on this machine.
     """
     _prepare()
     try:
         with _files(paths, contents) as found:
-            return pickle.dumps(named_in_crashes(
-                ' '.join([function.__name__, *paths]), function, found, *arguments), 4), ''
+            return plain.dump(named_in_crashes(
+                ' '.join([function.__name__, *paths]), function, found, *arguments)), ''
     except UserError as error:
         return b'', one_line(error)
     except Exception as error:      # of PyBullet or FFmpeg: the other pieces count

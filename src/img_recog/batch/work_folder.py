@@ -1,67 +1,76 @@
 """The folder with the results of the pieces of a run, until all are there."""
 import contextlib
-import functools
-import hashlib
-import io
 import os
-import pickle
-from typing import Any, Sequence
+import stat
+from typing import Any, get_type_hints
 
-from img_recog.batch import code_version
-from img_recog.batch.work import Function
+from img_recog.batch import code_version, inputs, plain
+from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line
 from img_recog.files import atomic_write
 
 _SUFFIX = '.piece'
-_END_BYTES = 1 << 20
 _ADVICE = 'set --output to where files can be written'
 
 
 class WorkFolder:
     """A file for each result, named by all that it depends on.
 
-    That is the function, its arguments, its input files, and the modules of this package. A file
-    is recognized by its size, the time of its last change, and its first and last megabyte.
+    That is the function, its arguments, its input files, what those are made of, this package and
+    the libraries.
 
     path: of the folder, which is made when a result is written.
     """
 
     def __init__(self, path: str, function: Function):
+        """Raise UserError if others could have put something into the folder."""
         self.path = path
-        self._common = (code_version.digest(), function.__module__, function.__qualname__)
-        self._identity = functools.lru_cache(maxsize=None)(_identity)
+        self._common = (code_version.versions(), function.__module__, function.__qualname__)
+        self._kind = get_type_hints(function)['return']
+        _refuse_foreign(path)
 
-    def name_of(self, files: Sequence[str], arguments: Sequence[Any]) -> str:
+    def name_of(self, piece: Piece) -> str:
         """Return the name of the result of a piece; raise UserError if a file cannot be read."""
-        content = io.BytesIO()
-        pickler = pickle.Pickler(content, 4)
-        pickler.fast = True         # else equal values that are two objects make a difference
-        pickler.dump((self._common, tuple(map(self._identity, files)), tuple(arguments)))
-        return hashlib.sha256(content.getvalue()).hexdigest()
+        return inputs.digest((self._common, tuple(map(inputs.identity, piece.files)),
+                              piece.arguments, piece.depends))
 
     def has(self, name: str) -> bool:
-        return os.path.isfile(self._path(name))
+        """Return whether there is a result; one that is damaged is none."""
+        try:
+            self.read(name)
+        except UserError:
+            raise
+        except Exception:       # it is cut or empty; zipfile and numpy raise errors of many types
+            return False
+        return True
 
     def write(self, name: str, content: bytes) -> None:
-        """Write the pickled result of a piece; raise UserError if that is not possible."""
+        """Write the result of a piece, by `plain.dump`; raise UserError if it is not possible."""
         path = self._path(name)
+        folders = self.path, os.path.dirname(path)
         try:
-            os.makedirs(os.path.dirname(path), exist_ok=True)
+            for folder in folders:
+                os.makedirs(folder, 0o700, exist_ok=True)
+                _refuse_foreign(folder)
         except OSError as error:
             raise UserError('cannot write {}: {}'.format(path, one_line(error).lower()), _ADVICE)
         try:
             with atomic_write([path], _ADVICE) as (file,):
+                os.fchmod(file.fileno(), 0o600)
                 file.write(content)
         except UserError:
-            for folder in (os.path.dirname(path), self.path):
+            for folder in reversed(folders):
                 with contextlib.suppress(OSError):      # it has other results
                     os.rmdir(folder)
             raise
 
     def read(self, name: str) -> Any:
         """Return the result of a piece."""
-        with open(self._path(name), 'rb') as file:
-            return pickle.load(file)
+        path = self._path(name)
+        for each in (os.path.dirname(path), path):
+            _refuse_foreign(each)
+        with open(path, 'rb') as file:
+            return plain.load(file.read(), self._kind)
 
     def count(self) -> int:
         """Return how many results there are."""
@@ -81,14 +90,15 @@ class WorkFolder:
         return os.path.join(self.path, name[:2], name + _SUFFIX)
 
 
-def _identity(path: str) -> str:
+def _refuse_foreign(path: str) -> None:
+    """Raise UserError if another user may have made what is at a path, or may change it."""
     try:
-        with open(path, 'rb') as file:
-            status = os.fstat(file.fileno())
-            found = hashlib.sha256(file.read(_END_BYTES))
-            file.seek(max(0, status.st_size - _END_BYTES))
-            found.update(file.read(_END_BYTES))
-    except OSError as error:
-        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()))
-    found.update('{} {}'.format(status.st_size, status.st_mtime_ns).encode())
-    return found.hexdigest()
+        status = os.lstat(path)
+    except FileNotFoundError:
+        return
+    why = ('it is a link' if stat.S_ISLNK(status.st_mode)
+           else 'it belongs to another user' if status.st_uid != os.geteuid()
+           else 'others can write it' if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else '')
+    if why:
+        raise UserError('cannot use the results in {}: {}'.format(path, why),
+                        'remove it, or set --output to a folder of your own')

@@ -5,7 +5,7 @@ from typing import Any, List, Optional, Tuple
 import numpy as np
 
 from img_recog import mesh_file, textures
-from img_recog.mesh_file import Triangles
+from img_recog.mesh_file import MeshError, Triangles
 from img_recog.rendering import disk_cache
 from img_recog.rendering.file_cache import version
 
@@ -24,6 +24,18 @@ def read_mesh(path: str) -> List[Triangles]:
         if _are_found(parts):
             disk_cache.store(*_packed(parts), *key)
     return parts
+
+
+def files_of(path: str) -> List[str]:
+    """Return the paths of a file and, if it is a mesh, of its materials and textures.
+
+    One that is missing is among them too.
+    """
+    try:
+        textures_of = {part.texture for part in read_mesh(path)} - {''}
+        return [path, *mesh_file.material_files(path), *textures_of]
+    except MeshError:
+        return [path]
 
 
 def read_texture(path: str, mode: str = 'RGB') -> np.ndarray:

@@ -2,15 +2,16 @@
 import dataclasses
 import logging
 from types import MappingProxyType
-from typing import Any, Mapping
+from typing import Any, Mapping, Tuple
 
 from img_recog import resources, robot_file
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
 from img_recog.replay.recorders import RECORDED
 from img_recog.simulation import assembly
-from img_recog.simulation.assembly import Assembly
+from img_recog.simulation.assembly import Assembly, RobotSource
 from img_recog.simulation.descriptions import world_file
+from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.settings import (CameraSettings, NoiseSettings, PhysicsSettings,
                                            SpawnSettings)
 
@@ -29,17 +30,23 @@ def build(world: str, urdf_path: str, spawn: SpawnSettings,
     Raises UserError when something cannot be read or built.
     """
     physics = PhysicsSettings(world=world, allow_partial_world=allow_partial_world)
-    robot = assembly.read_robot(robot_file.read(urdf_path, '--urdf'), physics.step_s,
-                                resources.find, urdf_path, SENSORS)
+    file, robot, _ = read(world, urdf_path, allow_partial_world)
     settings = assembly.default_settings(robot)
     settings = dataclasses.replace(settings, spawn=spawn, noise=noise,
                                    drive=dataclasses.replace(settings.drive, **drive))
-    file = world_file.read(world, resources.worlds(), resources.find, allow_partial_world,
-                           _option('allow_partial_world'), robot_file.read_any)
     built = assembly.build(physics, file, [(robot, settings)], _UNUSED_SENSORS, _option)
     for warning in robot.warnings + built.warnings:
         _log.warning('%s', warning)
     return built
+
+
+def read(world: str, urdf_path: str, allow_partial_world: bool = False
+         ) -> Tuple[WorldFile, RobotSource, str]:
+    """Return a world, a robot, and the text of its URDF; arguments and errors as for `build`."""
+    text = robot_file.read(urdf_path, '--urdf')
+    robot = assembly.read_robot(text, PhysicsSettings().step_s, resources.find, urdf_path, SENSORS)
+    return world_file.read(world, resources.worlds(), resources.find, allow_partial_world,
+                           _option('allow_partial_world'), robot_file.read_any), robot, text
 
 
 def camera_settings(built: Assembly) -> CameraSettings:

@@ -1,15 +1,22 @@
 """Pieces of work: their outcomes, in any number of processes, interrupted, killed and resumed."""
 import contextlib
 import os
+import pickle
+import socket
 
+import psutil
 import pytest
+from distributed import Client
 
+from img_recog.batch import code_version
 from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.options import Options
 from img_recog.batch.work import Done, Piece, run_piece
 from img_recog.errors import UserError
 from img_recog.signals import Interrupts
 from img_recog_testing import batch_work
+
+WAIT_S = 10
 
 
 @pytest.fixture
@@ -127,6 +134,13 @@ def test_a_file_that_has_changed_is_read_again(run, tmp_path):
     assert run(batch_work.count_bytes, pieces, resume=True)[0].value == [4]
 
 
+def test_results_of_other_versions_are_made_again(interrupted, tmp_path, monkeypatch):
+    versions = dict(code_version.versions(), numpy='0')
+    monkeypatch.setattr(code_version, 'versions', lambda: versions)
+    assert [each.value for each in interrupted()] == [0, 1, 4, 9, 16, 25]
+    assert (tmp_path / '0').read_text() == 'xx'
+
+
 @pytest.mark.parametrize('address, words', [
     ('tcp://127.0.0.1:1', 'no scheduler of Dask answers'), ('nonsense', 'no scheduler of Dask')])
 def test_a_scheduler_that_is_not_there_is_one_line(run, monkeypatch, address, words):
@@ -139,3 +153,103 @@ def test_a_scheduler_that_is_not_there_is_one_line(run, monkeypatch, address, wo
 def test_a_file_that_cannot_be_read(run, tmp_path):
     with pytest.raises(UserError, match='cannot read .*: no such file'):
         run(batch_work.count_bytes, [Piece('1', (1,), (str(tmp_path / 'missing'),))])
+
+
+def test_pieces_of_one_key_are_known_by_their_values(run):
+    pieces = [Piece('same', (number,)) for number in (2, 3, 2)]
+    assert [each.value for each in run(batch_work.square, pieces)] == [4, 9, 4]
+
+
+def kept(tmp_path):
+    """Return the paths of results."""
+    return sorted(tmp_path.glob('work/*/*.piece'))
+
+
+@pytest.fixture
+def interrupted(run, tmp_path):
+    """A function that resumes a run of which three of six pieces are done."""
+    pieces = numbers(str(tmp_path))
+    with pytest.raises(KeyboardInterrupt):
+        run(batch_work.interrupted, pieces)
+    (tmp_path / 'go').touch()
+    return lambda: run(batch_work.interrupted, pieces, resume=True)
+
+
+@pytest.mark.parametrize('damage', [lambda content: b'', lambda content: content[:-9],
+                                    lambda content: content.replace(b'descr', b'DESCR'),
+                                    lambda content: pickle.dumps(7), lambda content: b'x' * 99])
+def test_a_damaged_result_is_made_again(interrupted, tmp_path, damage):
+    for path in kept(tmp_path):
+        path.write_bytes(damage(path.read_bytes()))
+    assert [each.value for each in interrupted()] == [0, 1, 4, 9, 16, 25]
+    assert [(tmp_path / str(number)).read_text() for number in range(4)] == ['xx', 'xx', 'xx', 'x']
+
+
+def test_results_are_of_this_user_alone(interrupted, tmp_path):
+    for path in (tmp_path / 'work', *(tmp_path / 'work').glob('**/*')):
+        assert path.stat().st_mode & 0o77 == 0
+
+
+def open_to_all(path):
+    path.chmod(0o777)
+
+
+def linked(path):
+    path.rename(path.with_name('elsewhere'))
+    path.symlink_to(path.with_name('elsewhere'))
+
+
+def given_away(path):
+    os.chown(str(path), 65534, 65534)
+
+
+@pytest.mark.parametrize('change, why', [
+    (open_to_all, 'others can write it'), (linked, 'it is a link'),
+    (given_away, 'it belongs to another user')])
+@pytest.mark.parametrize('which', [0, 1, 2])
+def test_what_others_may_have_put_there_is_refused(interrupted, tmp_path, change, why, which):
+    if change is given_away and os.geteuid() != 0:
+        pytest.skip('only root gives files away')
+    path = kept(tmp_path)[0]
+    change([path.parent.parent, path.parent, path][which])
+    with pytest.raises(UserError, match=why) as refused:
+        interrupted()
+    assert '\n' not in str(refused.value) and 'remove it' in str(refused.value)
+
+
+def test_no_run_uses_a_folder_of_others(run, tmp_path):
+    (tmp_path / 'work').mkdir()
+    (tmp_path / 'work').chmod(0o777)
+    with pytest.raises(UserError, match='others can write it'):
+        run(batch_work.square, numbers())
+
+
+def listening():
+    """Return the addresses and ports at which this process and its children listen."""
+    me = psutil.Process()
+    return {tuple(each.laddr) for process in (me, *me.children(recursive=True))
+            for each in process.connections('tcp') if each.status == psutil.CONN_LISTEN}
+
+
+def answers(address, port):
+    """Return what answers HTTP, then a client of Dask without the key."""
+    with socket.create_connection((address, port), WAIT_S) as connection:
+        connection.settimeout(WAIT_S)
+        connection.sendall(b'GET / HTTP/1.0\r\n\r\n')
+        try:
+            yield connection.recv(4)
+        except ConnectionError:
+            yield b''
+    with contextlib.suppress(OSError):
+        with Client('tcp://{}:{}'.format(address, port), timeout=1, set_as_default=False):
+            yield b'a client'
+
+
+def test_workers_listen_on_the_loopback_alone_and_to_this_user_alone(tmp_path, handlers_as_before):
+    before = listening()
+    with Engine(Options(jobs=2), Interrupts()) as engine, engine.outcomes(
+            batch_work.square, numbers(), str(tmp_path / 'work')):
+        found = listening() - before
+        assert len(found) >= 5 and {address for address, _ in found} == {'127.0.0.1'}
+        for address, port in found:
+            assert not [each for each in answers(address, port) if each in (b'HTTP', b'a client')]

@@ -124,3 +124,11 @@ def test_equal_names_get_their_folder(folder, monkeypatch):
     (folder / 'b' / 'low.yaml').write_text(WIDE)
     assert run(monkeypatch, 'film.avi', '--colors', 'low.yaml', 'b/low.yaml') == 0
     assert {row['colors'] for row in rows()} == {'{}/low'.format(folder.name), 'b/low'}
+
+
+def test_sets_of_colors_that_differ_in_the_type_of_their_file(folder, monkeypatch):
+    os.rename('low.yaml', 'my.yaml')
+    os.rename('high.yaml', 'my.yml')
+    assert run(monkeypatch, 'film.avi', '--colors', 'my.yaml', 'my.yml') == 0
+    assert [row['colors'] for row in rows()].count('my.yml') == FRAMES
+    assert {row['colors'] for row in rows()} == {'my.yaml', 'my.yml'}
