@@ -192,10 +192,11 @@ def completed(client: Client, function: Function, pieces: Sequence[Piece],
     completed = as_completed([], loop=client.loop)
 
     def copy(path: str) -> Future:
-        if path not in copies:
+        found = copies.get(path)
+        if found is None:
             with open(path, 'rb') as file:
-                copies[path] = client.scatter(file.read(), hash=False)
-        return copies[path]
+                found = copies[path] = client.scatter(file.read(), hash=False)
+        return found
 
     def submit() -> None:
         while remaining and len(running) < window:
