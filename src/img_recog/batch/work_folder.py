@@ -1,15 +1,20 @@
 """The folder with the results of the pieces of a run, until all are there."""
 import contextlib
+import functools
+import hashlib
+import io
 import os
+import pickle
 import stat
 from typing import Any, get_type_hints
 
-from img_recog.batch import code_version, inputs, plain
+from img_recog.batch import code_version, plain
 from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line
 from img_recog.files import atomic_write
 
 _SUFFIX = '.piece'
+_END_BYTES = 1 << 20
 _ADVICE = 'set --output to where files can be written'
 
 
@@ -31,8 +36,8 @@ class WorkFolder:
 
     def name_of(self, piece: Piece) -> str:
         """Return the name of the result of a piece; raise UserError if a file cannot be read."""
-        return inputs.digest((self._common, tuple(map(inputs.identity, piece.files)),
-                              piece.arguments, piece.depends))
+        return digest((self._common, tuple(map(identity, piece.files)), piece.arguments,
+                       piece.depends))
 
     def has(self, name: str) -> bool:
         """Return whether there is a result; one that is damaged is none."""
@@ -88,6 +93,39 @@ class WorkFolder:
     def _path(self, name: str) -> str:
         # in 256 folders: atomic_write looks through all files beside the one that it writes
         return os.path.join(self.path, name[:2], name + _SUFFIX)
+
+
+def digest(value: Any) -> str:
+    """Return a hash of plain values, tuples, dataclasses and arrays."""
+    content = io.BytesIO()
+    pickler = pickle.Pickler(content, 4)
+    pickler.fast = True         # else equal values that are two objects make a difference
+    pickler.dump(value)
+    return hashlib.sha256(content.getvalue()).hexdigest()
+
+
+def identity(path: str) -> str:
+    """Return a hash of a file; UserError if it cannot be read.
+
+    It is that of its content; of a file of more than 2 MB, that of its size, the time of its last
+    change, and its first and last megabyte.
+    """
+    try:
+        status = os.stat(path)
+        return _identity(path, status.st_mtime_ns, status.st_size)
+    except OSError as error:
+        raise UserError('cannot read {}: {}'.format(path, one_line(error).lower()))
+
+
+@functools.lru_cache(maxsize=None)      # many pieces read the same file
+def _identity(path: str, changed_ns: int, size: int) -> str:
+    with open(path, 'rb') as file:
+        found = hashlib.sha256(file.read(2 * _END_BYTES))
+        if size > 2 * _END_BYTES:
+            file.seek(size - _END_BYTES)
+            found.update(file.read(_END_BYTES))
+            found.update('{} {}'.format(size, changed_ns).encode())
+    return found.hexdigest()
 
 
 def _refuse_foreign(path: str) -> None:

@@ -31,9 +31,11 @@ def files_of(path: str) -> List[str]:
 
     One that is missing is among them too.
     """
+    if not path.lower().endswith(mesh_file.READABLE) or not os.path.isfile(path):
+        return [path]
     try:
-        textures_of = {part.texture for part in read_mesh(path)} - {''}
-        return [path, *mesh_file.material_files(path), *textures_of]
+        return [path, *mesh_file.material_files(path),
+                *({part.texture for part in read_mesh(path)} - {''})]
     except MeshError:
         return [path]
 

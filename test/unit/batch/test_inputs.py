@@ -5,7 +5,7 @@ import re
 import pytest
 from PIL import Image
 
-from img_recog.batch import code_version, inputs
+from img_recog.batch import code_version, inputs, work_folder
 from img_recog_testing import sdf
 from img_recog_testing.robots import FOLDER
 
@@ -126,6 +126,6 @@ def test_a_large_file_is_known_by_its_ends_and_its_time(tmp_path):
     content = bytearray(3 << 20)
     path.write_bytes(content)
     os.utime(str(path), (1, 1))
-    before = inputs.identity(str(path))
+    before = work_folder.identity(str(path))
     os.utime(str(path), (2, 2))
-    assert inputs.identity(str(path)) != before
+    assert work_folder.identity(str(path)) != before
