@@ -170,7 +170,7 @@ def _check(client: Client, address: str) -> None:
                  **client.run(code_version.versions)}
     except _PROBLEMS as error:
         raise UserError('--scheduler {}: it cannot run img_recog: {}'.format(
-            address, one_line(error)), _START.format(address))
+            address, one_line(error)), _START.format(shlex.quote(address)))
     for name, theirs in found.items():
         for package, version in code_version.versions().items():
             if theirs.get(package) != version:

@@ -25,6 +25,7 @@ from img_recog.simulation.vehicle import Vehicle
 _LINEAR, _ANGULAR = 0.2, 0.5            # commands in m/s and rad/s
 _SECONDS, _COMMAND_PERIOD_S = 2.0, 0.1
 _MOVES = 0.2        # of the command; skid-steered robots turn by a third of theirs
+_WHEELS = 'see the axes, the shapes and the friction of its wheels'
 # units of what is always shown
 _OF_WHEELS = {'left_joint': '', 'right_joint': '', 'wheel_separation': ' m',
               'wheel_diameter': ' m', 'wheel_torque': ' N m'}
@@ -155,9 +156,8 @@ class _Driven(NamedTuple):
                    'asked {:g} {}'.format(self.asked, self.unit))
 
     def warning(self, source: str) -> str:
-        return ('{}: it does not drive: {} {:.3f} {}, asked {:g}; see the axes, the shapes and '
-                'the friction of its wheels'.format(source, self.what, self.got, self.unit,
-                                              self.asked))
+        return '{}: it does not drive: {} {:.3f} {}, asked {:g}; {}'.format(
+            source, self.what, self.got, self.unit, self.asked, _WHEELS)
 
 
 def _driven(robot: RobotSource, simulator: Simulator) -> Iterator[_Driven]:
