@@ -2,6 +2,7 @@
 import contextlib
 import functools
 import math
+import re
 import sys
 from typing import Any, Iterator, Tuple
 
@@ -21,6 +22,11 @@ _CONVERSIONS = {
     'bayer_gbrg8': (1, cv2.COLOR_BayerGR2BGR), 'bayer_grbg8': (1, cv2.COLOR_BayerGB2BGR),
     'yuv422': (2, cv2.COLOR_YUV2BGR_UYVY), 'yuv422_yuy2': (2, cv2.COLOR_YUV2BGR_YUY2),
 }
+# Encodings that say a type and a number of channels only, as cv2_to_imgmsg writes them by default,
+# and what is meant by most of them.
+_PLAIN_ENCODING = re.compile('(8U|8S|16U|16S|32S|32F|64F)C[0-9]{1,3}')
+_MEANT = {'8UC1': 'mono8', '8UC4': 'bgra8', '16UC1': 'mono16', '16UC3': 'bgr16', '16UC4': 'bgra16'}
+_OF_DEPTH = '16UC1', '32FC1'     # REP 118
 _COLOR_CHANNELS = {'bgr8': 3, 'rgb8': 3, 'bgra8': 4, 'rgba8': 4}
 
 
@@ -117,6 +123,14 @@ def _image_errors(msg: Image, encoding: str) -> Iterator[None]:
     try:
         yield
     except (cv2.error, KeyError, RuntimeError, TypeError, ValueError) as error:
+        if isinstance(error, TypeError) and _PLAIN_ENCODING.fullmatch(msg.encoding):
+            raise ImageError(
+                'cannot convert an image of {}x{} to {}: encoding {} does not say which colors '
+                'it has'.format(msg.width, msg.height, encoding, msg.encoding),
+                "{0}publish it with encoding='{1}': CvBridge().cv2_to_imgmsg(image, encoding="
+                "'{1}')".format('an image of depth has none; if it is another one, '
+                                if msg.encoding in _OF_DEPTH else '',
+                                _MEANT.get(msg.encoding, 'bgr8')))
         raise ImageError('cannot convert an image of {}x{}, encoding {}, step {}, {} bytes to '
                          '{}: {}'.format(
                              msg.width, msg.height, shortened(repr(msg.encoding)), msg.step,

@@ -5,7 +5,7 @@ import pytest
 from cv_bridge import CvBridge
 from sensor_msgs.msg import Image
 
-from img_recog.conversions.image_msgs import ColorImages, ImageError
+from img_recog.conversions.image_msgs import ColorImages, ImageError, from_msg
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.settings import with_colors
 
@@ -70,7 +70,6 @@ def test_conversion_reuses_its_buffer():
     ({'step': 100}, 'a row takes 192 bytes'), ({'data': b'short'}, 'the data is too short'),
     ({'height': 4000000000}, 'the data is too short'), ({'encoding': 'rgb9'}, "'rgb9'"),
     ({'encoding': ''}, "''"), ({'encoding': '32FC1', 'step': 256}, '32FC1'),
-    ({'encoding': '8UC3'}, '8UC3'),
     ({'encoding': 'yuv422', 'width': 63}, "encoding 'yuv422'")])
 def test_invalid_message_is_refused(change, text):
     msg = message('rgb8', 3)
@@ -79,6 +78,27 @@ def test_invalid_message_is_refused(change, text):
     with pytest.raises(ImageError) as caught:
         ColorImages().from_msg(msg)
     assert text in str(caught.value) and '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize('encoding, channel_bytes, words', [
+    ('8UC1', 1, "; publish it with encoding='mono8': "),
+    ('8UC3', 3, "; publish it with encoding='bgr8': "),
+    ('8UC4', 4, "; publish it with encoding='bgra8': "),
+    ('16UC1', 2, "; an image of depth has none; if it is another one, publish it with "
+     "encoding='mono16': "),
+    ('32FC1', 4, '; an image of depth has none; '),
+    ('16SC3', 6, "; publish it with encoding='bgr8': ")])
+@pytest.mark.parametrize('wanted, convert', [
+    ('bgr8', ColorImages().from_msg), ('mono8', lambda msg: from_msg(msg, 'mono8'))])
+def test_an_encoding_without_colors_is_refused_with_the_one_to_use(
+        encoding, channel_bytes, words, wanted, convert):
+    msg = Image(height=2, width=2, encoding=encoding, step=2 * channel_bytes,
+                data=bytes(4 * channel_bytes))
+    with pytest.raises(ImageError) as caught:
+        convert(msg)
+    assert str(caught.value).startswith(
+        'cannot convert an image of 2x2 to {}: encoding {} does not say which colors it has{}'
+        .format(wanted, encoding, words))
 
 
 @pytest.mark.parametrize('size', [(4, 3), (12, 1), (1, 12)])
