@@ -12,7 +12,7 @@ CAMERA_CASES = {
     'a number': ('_video_device:=0', 'video_device: got 0, allowed is a path like /dev/video0',
                  'synthetic'),
     'no camera': ('_video_device:=/dev/null', '/dev/null: no V4L2 capture device', 'have'),
-    'a directory': ('_video_device:=/usr', '/usr: neither a device nor a file', 'synthetic'),
+    'a directory': ('_video_device:=/usr', '/usr: there is no image in it', 'synthetic'),
     'no video': ('_video_device:=' + BURGER, 'turtlebot3_burger.urdf: neither a video nor',
                  'synthetic'),
     'pixel format': ('_pixel_format:=mjpg', "/usb_cam/pixel_format: got 'mjpg'",

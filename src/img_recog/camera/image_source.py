@@ -1,6 +1,6 @@
 """Images and folders of images."""
 import os
-from typing import List, Optional
+from typing import Callable, List, Optional, Tuple
 
 import cv2
 import numpy as np
@@ -8,12 +8,12 @@ import numpy as np
 from img_recog import still_images
 from img_recog.camera.source import (FrameSkipped, FrameSource, SourceEnded, SourceError,
                                      SourceTooLarge, convert)
-from img_recog.errors import one_line
+from img_recog.errors import one_line, shortened
 from img_recog.still_images import DEFAULT_MAX_PIXELS, ImageTooLarge
 
-# Only these are opened in a folder: another file may be a pipe, which blocks on open.
-EXTENSIONS = ('.bmp', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm', '.tif', '.tiff',
-              '.webp')
+# A file of another name is an image by its content; one of these is, even if it is damaged.
+EXTENSIONS = ('.bmp', '.j2k', '.jp2', '.jpeg', '.jpg', '.pbm', '.pgm', '.png', '.pnm', '.ppm',
+              '.ras', '.sr', '.tif', '.tiff', '.webp')
 
 _JPEG_VIDEOS = ('.mjpeg', '.mjpg')
 _START_OF_SCAN = 0xda       # a marker of JPEG
@@ -21,6 +21,8 @@ _START_OF_SCAN = 0xda       # a marker of JPEG
 
 class ImageSource(FrameSource):
     """An image that is repeated."""
+
+    expected_frames = 1
 
     def __init__(self, path: str, image: np.ndarray, rate_hz: float):
         """Repeat `image`, rgb8, which was read from `path` and becomes read-only."""
@@ -42,11 +44,18 @@ class FolderSource(FrameSource):
     """
 
     def __init__(self, path: str, rate_hz: float, loop: bool = True,
-                 max_pixels: int = DEFAULT_MAX_PIXELS):
-        """Open a folder; skip images of more than `max_pixels` pixels."""
+                 max_pixels: int = DEFAULT_MAX_PIXELS,
+                 warn: Callable[[str], None] = lambda _: None):
+        """Open a folder; skip images of more than `max_pixels` pixels.
+
+        warn: called with a line if there is anything else in it.
+        """
         self.name, self._loop, self._max_pixels = path, loop, max_pixels
-        self._paths = image_paths(path)
+        self._paths, left_out = files_in(path, is_image)
+        self.expected_frames = len(self._paths)
         first = self._first_image()
+        if left_out:
+            warn(left_out)
         self.height, self.width = first.shape[:2]
         self.rate_hz = self.expected_hz = rate_hz
         self._next_index = self._good_count = 0
@@ -79,8 +88,8 @@ class FolderSource(FrameSource):
 
     def _first_image(self) -> np.ndarray:
         refused = SourceError(
-            'cannot open {}: neither a device nor a file, nor a folder with images'.format(
-                self.name), 'set video_device to one, or to synthetic')
+            'cannot open {}: there is no image in it that can be read'.format(self.name),
+            'set video_device to a folder with images, or to synthetic')
         for path in self._paths:
             try:
                 image = read_image(path, self._max_pixels)
@@ -92,18 +101,39 @@ class FolderSource(FrameSource):
         raise refused
 
 
-def image_paths(folder: str) -> List[str]:
-    """Return the paths of the images in a folder, in the order of their names.
+def files_in(folder: str, is_wanted: Callable[[str], bool]) -> Tuple[List[str], str]:
+    """Return paths in a folder, in the order of their names, and in a line what is left out.
 
-    Raises SourceError when the folder cannot be read.
+    is_wanted: whether to return the path of a file. The line is empty if nothing is left out but
+    hidden files. Raises SourceError when the folder cannot be read.
     """
     try:
-        names = sorted(os.listdir(folder))
+        names = sorted(name for name in os.listdir(folder) if not name.startswith('.'))
     except OSError as error:
         raise SourceError('cannot read {}: {}'.format(folder, one_line(error).lower()))
-    paths = (os.path.join(folder, name) for name in names
-             if name.lower().endswith(EXTENSIONS) and not name.startswith('.'))
-    return [path for path in paths if os.path.isfile(path)]
+    # another file may be a pipe, which blocks on open
+    found = [name for name in names if os.path.isfile(os.path.join(folder, name))
+             and is_wanted(os.path.join(folder, name))]
+    others = sorted(set(names).difference(found))
+    return [os.path.join(folder, name) for name in found], '{} of {} in {} left out: {}'.format(
+        len(others), len(names), folder, shortened(', '.join(others))) if others else ''
+
+
+def is_image(path: str) -> bool:
+    """Return whether a file is a still image that OpenCV reads, by its name or its content."""
+    return not is_jpeg_video(path) and (
+        path.lower().endswith(EXTENSIONS) or has_reader(path))
+
+
+def has_reader(path: str, switched_off: bool = False) -> bool:
+    """Return whether a file is a still image by its content.
+
+    switched_off: what is returned of a format that OpenCV knows and refuses to read: OpenEXR.
+    """
+    try:
+        return cv2.haveImageReader(path)
+    except cv2.error:
+        return switched_off
 
 
 def is_jpeg_video(path: str) -> bool:
@@ -114,21 +144,13 @@ def is_jpeg_video(path: str) -> bool:
     return path.lower().endswith(_JPEG_VIDEOS)
 
 
-def is_image(path: str) -> bool:
-    """Return whether a file begins like an image of OpenCV, which may not be able to decode it."""
-    try:
-        return cv2.haveImageReader(path)
-    except cv2.error:       # OpenEXR, which is switched off
-        return True
-
-
 def read_image(path: str, max_pixels: int = DEFAULT_MAX_PIXELS) -> Optional[np.ndarray]:
     """Return an image file as bgr8, or None when it cannot be read or is truncated.
 
     Raises SourceTooLarge for an image of more than `max_pixels` pixels.
     """
     try:
-        if is_jpeg_video(path) or not is_image(path) or is_truncated(path):
+        if is_jpeg_video(path) or not has_reader(path) or is_truncated(path):
             return None
         return still_images.read(path, max_pixels)
     except ImageTooLarge as error:

@@ -6,7 +6,7 @@ from typing import Callable, Sequence
 
 from img_recog import still_images
 from img_recog.camera.device_source import DeviceSource, list_devices
-from img_recog.camera.image_source import (FolderSource, ImageSource, is_image, is_jpeg_video,
+from img_recog.camera.image_source import (FolderSource, ImageSource, has_reader, is_jpeg_video,
                                            is_truncated, read_image)
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSource, SourceError, check_size, convert
@@ -46,10 +46,8 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
         return open_url(settings, warn)
     path = _find(name, folders)
     mode = os.stat(path).st_mode
-    if stat.S_ISREG(mode):
+    if stat.S_ISREG(mode) or stat.S_ISDIR(mode):
         return open_file(path, settings.framerate, settings.loop, warn, settings.max_image_pixels)
-    if stat.S_ISDIR(mode):
-        return FolderSource(path, settings.framerate, settings.loop, settings.max_image_pixels)
     if stat.S_ISCHR(mode):
         return DeviceSource(dataclasses.replace(settings, video_device=path))
     raise SourceError('cannot open {}: neither a device nor a file'.format(path),
@@ -59,13 +57,15 @@ def open_source(settings: CameraSettings, folders: Sequence[str] = ('',),
 def open_file(path: str, rate_hz: float, loop: bool = True,
               warn: Callable[[str], None] = lambda _: None,
               max_pixels: int = DEFAULT_MAX_PIXELS) -> FrameSource:
-    """Open an image (repeated at `rate_hz`) or a video (at its own rate).
+    """Open an image (repeated at `rate_hz`), a folder of them, or a video (at its own rate).
 
     Raises SourceError when OpenCV reads the file as neither, or it has more than `max_pixels`
     pixels.
     """
     if not os.access(path, os.R_OK):
         raise SourceError('cannot read {}: permission denied'.format(path))
+    if os.path.isdir(path):
+        return FolderSource(path, rate_hz, loop, max_pixels, warn)
     is_video = is_jpeg_video(path)
     image = None if is_video else read_image(path, max_pixels)
     if image is not None:
@@ -80,7 +80,7 @@ def open_file(path: str, rate_hz: float, loop: bool = True,
     if is_truncated(path):
         raise SourceError('cannot read {}: the image is truncated'.format(path))
     # ffmpeg plays images too, of any size, and text files
-    if is_image(path) or _is_text(path):
+    if has_reader(path, switched_off=True) or _is_text(path):
         raise not_playable(path)
     return VideoSource(path, loop, warn, max_pixels)
 

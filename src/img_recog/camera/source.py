@@ -42,6 +42,7 @@ class FrameSource(abc.ABC):
     age_s: time from the capture of the last frame to the return of `read`.
     time_s: when the last frame is due, counted from the first one; None: at `rate_hz`.
     step_s: time between the last frame and the next one; None: the period of `rate_hz`.
+    expected_frames: how many there are, 0 if that is not known.
     """
 
     description: str
@@ -58,6 +59,7 @@ class FrameSource(abc.ABC):
     age_s: float = 0.0
     time_s: Optional[float] = None
     step_s: Optional[float] = None
+    expected_frames: int = 0
 
     @abc.abstractmethod
     def read(self) -> np.ndarray:

@@ -1,9 +1,11 @@
 """JPEG files by their markers, and folders of images."""
 import os
 
+import cv2
+import numpy as np
 import pytest
 
-from img_recog.camera.image_source import image_paths, is_truncated
+from img_recog.camera.image_source import files_in, is_image, is_truncated
 from img_recog.camera.source import SourceError
 
 START, END, SCAN = b'\xff\xd8', b'\xff\xd9', b'\xff\xda\x00\x04ab'
@@ -34,15 +36,33 @@ def test_jpeg_without_its_end_is_truncated(tmp_path, content, truncated):
 
 
 @pytest.mark.parametrize('extension', [
-    'bmp', 'jpeg', 'jpg', 'pbm', 'pgm', 'png', 'pnm', 'ppm', 'tif', 'tiff', 'webp', 'PNG'])
+    'bmp', 'j2k', 'jp2', 'jpeg', 'jpg', 'pbm', 'pgm', 'png', 'pnm', 'ppm', 'ras', 'sr', 'tif',
+    'tiff', 'webp', 'PNG'])
 def test_extensions_of_images(tmp_path, extension):
     for name in ('b.', 'a.', '.hidden.', 'c'):
         (tmp_path / (name + extension)).write_text('')
     (tmp_path / ('d.' + extension)).mkdir()
-    assert [os.path.basename(path) for path in image_paths(str(tmp_path))] == [
-        'a.' + extension, 'b.' + extension]
+    found, left_out = files_in(str(tmp_path), is_image)
+    assert [os.path.basename(path) for path in found] == ['a.' + extension, 'b.' + extension]
+    assert left_out == '2 of 4 in {} left out: c{}, d.{}'.format(tmp_path, extension, extension)
 
 
 def test_folder_that_cannot_be_read():
     with pytest.raises(SourceError, match='^cannot read /no/such: no such file or directory$'):
-        image_paths('/no/such')
+        files_in('/no/such', is_image)
+
+
+def test_an_image_in_a_folder_is_known_by_its_content_too(tmp_path):
+    (tmp_path / 'name').write_bytes(cv2.imencode('.png', np.zeros((4, 4), np.uint8))[1].tobytes())
+    assert files_in(str(tmp_path), is_image) == ([str(tmp_path / 'name')], '')
+
+
+def test_a_pipe_in_a_folder_is_left_out_unopened(tmp_path):
+    os.mkfifo(str(tmp_path / 'a.png'))
+    assert files_in(str(tmp_path), is_image) == (
+        [], '1 of 1 in {} left out: a.png'.format(tmp_path))
+
+
+def test_a_format_that_opencv_has_switched_off_is_no_image(tmp_path):
+    (tmp_path / 'a.exr').write_bytes(b'\x76\x2f\x31\x01' + bytes(99))
+    assert not is_image(str(tmp_path / 'a.exr'))

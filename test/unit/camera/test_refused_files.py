@@ -130,12 +130,13 @@ def test_jpeg_with_data_after_its_end_is_read(tmp_path, extra, progressive):
 
 
 @pytest.mark.parametrize('make, what', [
-    (os.mkdir, 'neither a device nor a file, nor a folder with images'),
-    (os.mkfifo, 'neither a device nor a file')])
+    (os.mkdir, 'there is no image in it that can be read; set video_device to a folder with '
+     'images'),
+    (os.mkfifo, 'neither a device nor a file; set video_device to one')])
 def test_what_is_no_file(tmp_path, make, what):
     make(str(tmp_path / 'path'))
     assert refusal(tmp_path / 'path') == (
-        'cannot open {}: {}; set video_device to one, or to synthetic'.format(
+        'cannot open {}: {}, or to synthetic'.format(
             tmp_path / 'path', what))
 
 

@@ -107,6 +107,18 @@ def test_folder_of_images_is_played_by_name_at_the_framerate(tmp_path):
         assert shows(source, number)
 
 
+def test_what_is_left_out_of_a_folder_is_said(tmp_path):
+    lines = []
+    save_image(tmp_path / 'a.png', 0)
+    settings = CameraSettings(video_device=str(tmp_path))
+    open_source(settings, warn=lines.append)
+    assert lines == []
+    (tmp_path / 'film.mp4').write_bytes(b'x')
+    (tmp_path / 'more').mkdir()
+    open_source(settings, warn=lines.append)
+    assert lines == ['2 of 3 in {} left out: film.mp4, more'.format(tmp_path)]
+
+
 @pytest.mark.parametrize('is_video', [False, True])
 def test_what_is_played_once_ends(tmp_path, make_video, is_video):
     for number in range(0 if is_video else 6):
