@@ -10,12 +10,12 @@ import cv2
 import numpy as np
 import pictures
 
-from img_recog.batch import recordings
-from img_recog.batch.pieces import Part
 from img_recog.recognition.areas import ColorExtractor, to_hsv
 from img_recog.recognition.fitting.histograms import NOT, Counter, Label
 from img_recog.recognition.fitting.limits import BLOB_SIZES, blobs
 from img_recog.recognition.settings import with_colors
+from img_recog.recordings import parts
+from img_recog.recordings.frames import Part
 
 SIZES = ((640, 480), (1920, 1080))
 FRAMES, RUNS = 100, 3
@@ -25,20 +25,20 @@ _SHAPE, _RANGES = [180, 256, 256], [0, 180, 0, 256, 0, 256]
 
 
 def _decode(path: str) -> None:
-    for _ in recordings.read(path, Part(0, FRAMES)):
+    for _ in parts.read(path, Part(0, FRAMES)).read():
         pass
 
 
 def _count(path: str) -> None:
     counter = Counter()
-    for frame in recordings.read(path, Part(0, FRAMES)):
+    for frame in parts.read(path, Part(0, FRAMES)).read():
         counter.add_frame([(_LABEL, to_hsv(frame.image, frame.encoding))])
     counter.result()
 
 
 def _measure(path: str) -> None:
     extractor = ColorExtractor(with_colors()())
-    for frame in recordings.read(path, Part(0, FRAMES)):
+    for frame in parts.read(path, Part(0, FRAMES)).read():
         extractor.measure(frame.image, frame.encoding)
         for number in range(2):
             blobs(extractor.mask(number), BLOB_SIZES, _NOTHING, _NOTHING)

@@ -44,8 +44,9 @@ ALLOWED = {
     'robot_file': ('errors', 'files', 'markup'), 'still_images': ('errors', 'settings'),
     'ros': ('errors', 'settings', 'timed_xmlrpc'),
     'conversions': PURE + ('errors', 'rotations', 'settings', 'still_images'),
-    'replay': PURE + GROUND_FLOOR + ('conversions',),
-    'batch': PURE + GROUND_FLOOR + ('conversions', 'replay'),
+    'recordings': PURE + GROUND_FLOOR + ('conversions',),
+    'replay': PURE + GROUND_FLOOR + ('conversions', 'recordings'),
+    'batch': PURE + GROUND_FLOOR + ('conversions', 'recordings', 'replay'),
     'checks': PURE + GROUND_FLOOR + ('conversions',),
     'doctor': ('errors', 'messages', 'ros', 'timed_xmlrpc'),
     'graph': ('errors', 'files', 'option_types', 'signals', 'timed_xmlrpc'),
@@ -53,7 +54,7 @@ ALLOWED = {
     'testing': GROUND_FLOOR + ('conversions', 'recognition', 'replay', 'ros'),
 }
 WITHOUT_RCLIENT = PURE + GROUND_FLOOR + ('batch', 'checks', 'conversions', 'doctor', 'graph',
-                                         'replay')
+                                         'recordings', 'replay')
 
 
 def violations(package):

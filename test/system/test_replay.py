@@ -153,8 +153,8 @@ def test_interrupted_replay_leaves_no_files(ros, tmp_path):
 
 CASES = {
     'missing': (['no.mp4'], 'cannot replay no.mp4: no such file',
-                'give a video that FFmpeg plays, or a bag with images'),
-    'folder': (['.'], 'cannot replay .: it is not a file', 'give a video'),
+                'give a video that FFmpeg plays, a folder of images, or a bag with images'),
+    'folder': (['folder'], 'cannot open folder: there is no image in it', 'give a video'),
     'text': (['text.txt'], 'cannot play text.txt', 'give a video'),
     'empty video': (['empty.mp4'], 'cannot play empty.mp4', 'give a video'),
     'cut video': (['cut.mp4'], 'cannot play cut.mp4', 'give a video'),
@@ -175,6 +175,7 @@ def test_bad_input(replay, tmp_path, arguments, named, advice):
     for name in ('text.txt', 'text.bag'):
         (tmp_path / name).write_text('hello\n')
     (tmp_path / 'empty.mp4').write_bytes(b'')
+    (tmp_path / 'folder').mkdir()
     with open(VIDEO, 'rb') as file:
         (tmp_path / 'cut.mp4').write_bytes(file.read()[:300000])
     before = sorted(os.listdir(str(tmp_path)))

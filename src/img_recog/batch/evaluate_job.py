@@ -2,19 +2,21 @@
 import argparse
 import contextlib
 import csv
+import functools
 import logging
 import os
 import re
 from typing import Any, Callable, Dict, List, Sequence
 
 from img_recog import files, resources
-from img_recog.batch import (evaluate_report, evaluation, inputs, labels, options, recordings,
-                             tables)
+from img_recog.batch import evaluate_report, evaluation, inputs, labels, options, tables
 from img_recog.batch.engine import Engine
 from img_recog.batch.evaluation import ColorSet, Evaluated, Measured, Truth
 from img_recog.batch.work import Function, Piece
 from img_recog.errors import UserError, one_line, shortened, suggestion
 from img_recog.recognition import parameter_file
+from img_recog.recordings import names
+from img_recog.recordings.frames import Remarks
 from img_recog.replay import cli, programs
 from img_recog.signals import Interrupts
 from img_recog.simulation.settings import SpawnSettings
@@ -34,8 +36,8 @@ def main() -> int:
 def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> str:
     given = _parser().parse_args(words)
     where = options.of(given)
-    named = _named([os.path.abspath(path) for path in recordings.expand(given.recordings)],
-                   labels.of_path)
+    named = _named([os.path.abspath(path) for path in names.expand(
+        given.recordings, _log.warning)], labels.of_path)
     sets = _color_sets(given.colors)
     truth = _read_truth(os.path.expanduser(given.truth), named, sets) if given.truth else {}
     paths = files.output_paths(next(iter(named.values())), os.path.expanduser(given.output),
@@ -49,22 +51,26 @@ def _main(words: Sequence[str], interrupts: Interrupts, problems: List[str]) -> 
             count = len(tables.extensions())
             tables.write(opened[:count], *evaluate_report.table(sets, found))
             report, picture = opened[count:]
-            report.write(evaluate_report.markdown(sets, found, truth, problems).encode())
+            report.write(evaluate_report.markdown(
+                sets, found, truth, problems + stages.remarks).encode())
             evaluate_report.draw(picture, sets, found)
+    used, skipped, *_ = functools.reduce(Remarks.plus, (each.measured.remarks for each in found),
+                                         Remarks())
     return '{} of {} recordings, {} frames, {} sets of colors; wrote {}'.format(
-        len(found), len(named), sum(len(each.measured.numbers) for each in found),
+        len(found), len(named), '{} of {}'.format(used, used + skipped) if skipped else used,
         len(sets), ', '.join(paths))
 
 
 class _Stages:
     """Runs pieces one stage after the other; their results stay until all is written.
 
-    problems: a line for each recording that cannot be used.
+    problems: a line for each recording that cannot be used; remarks: on the others.
     """
 
     def __init__(self, stack: contextlib.ExitStack, work: str, engine: Engine,
                  problems: List[str]):
         self._stack, self._work, self._engine, self._problems = stack, work, engine, problems
+        self.remarks: List[str] = []
 
     def run(self, function: Function, pieces: Sequence[Piece], unit: str) -> Dict[str, List[Any]]:
         """Return the results by recording, whose name is in the key of a piece before the #."""
@@ -83,7 +89,7 @@ class _Stages:
 
 def _measured(stages: _Stages, named: Dict[str, str], sets: Sequence[ColorSet], topic: str,
               max_pixels: int) -> Dict[str, Measured]:
-    """Return what was measured in each recording that can be read to its end."""
+    """Return what was measured in each recording that can be read to its end, and has images."""
     parts = stages.run(evaluation.divide, [
         Piece(name + '#', (topic, max_pixels), (path,)) for name, path in named.items()],
         ' recordings')
@@ -91,7 +97,12 @@ def _measured(stages: _Stages, named: Dict[str, str], sets: Sequence[ColorSet], 
         Piece('{}#{}'.format(name, number), (part, max_pixels),
               (named[name], *(each.path for each in sets)), part.frames)
         for name, (divided,) in parts.items() for number, part in enumerate(divided)], ' frames')
-    return {name: found[0].joined(found[1:]) for name, found in measured.items()}
+    joined = {name: found[0].joined(found[1:]) for name, found in measured.items()}
+    stages.remarks = ['{}: {}'.format(name, line) for name, each in joined.items()
+                      for line in each.remarks.lines(named[name])]
+    for line in stages.remarks:
+        _log.warning('%s', line)
+    return joined
 
 
 def _driven(stages: _Stages, measured: Dict[str, Measured], sets: Sequence[ColorSet],
@@ -147,7 +158,7 @@ def _parser() -> argparse.ArgumentParser:
         prog='evaluate.py', description='Measure recordings with several sets of colors; write '
         'areas, commands and the path of the simulated robot side by side as a table (CSV), a '
         'report and a picture.', allow_abbrev=False)
-    recordings.add_to(parser)
+    names.add_to(parser)
     parser.add_argument('--colors', required=True, nargs='+', metavar='YAML',
                         help='parameter files of color_extract')
     parser.add_argument('--truth', default='', metavar='CSV',

@@ -10,7 +10,7 @@ from img_recog.batch.evaluation import ColorSet, Driven, Evaluated, Truth, score
 from img_recog.batch.report import lines_of_table
 from img_recog.recognition.commands import Command
 from img_recog.recognition.fitting.score import Score
-from img_recog.replay.chain import SECOND_NS
+from img_recog.recordings.frames import SECOND_NS
 
 _DPI, _WIDTH_IN, _ROW_IN = 100, 12.0, 2.5
 _MAX_ROWS = 12              # recordings in the picture

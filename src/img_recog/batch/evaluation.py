@@ -2,21 +2,21 @@
 
 The functions of pieces are here; `evaluate_job` puts their results together.
 """
+import functools
 from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
 from img_recog import resources
-from img_recog.batch import recordings
-from img_recog.batch.pieces import Part
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import Command, Commander
 from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recordings import parts
+from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part, Remarks
 from img_recog.replay import scenario
-from img_recog.replay.chain import (SECOND_NS, ColorRecognition, Frame, FrameMeasurement,
-                                    FrameResult, Recorder)
+from img_recog.replay.chain import ColorRecognition, FrameMeasurement, FrameResult, Recorder
 from img_recog.replay.loop import Loop
 from img_recog.simulation.settings import SpawnSettings
 
@@ -28,20 +28,23 @@ Truth = Dict[str, Dict[Tuple[int, str], bool]]
 class Measured(NamedTuple):
     """What was measured in frames, in their order.
 
-    numbers, stamps_ns: of the frames; areas_px: of each set of colors, (frames, colors).
+    numbers, stamps_ns: of the frames; areas_px: of each set of colors, (frames, colors);
+    remarks: on what could not be used.
     """
 
     numbers: List[int]
     stamps_ns: List[int]
     areas_px: List[np.ndarray]
+    remarks: Remarks = Remarks()
 
     def joined(self, others: Sequence['Measured']) -> 'Measured':
         """Return these frames and those of others."""
-        parts = [self, *others]
-        return Measured(sum((part.numbers for part in parts), []),
-                        sum((part.stamps_ns for part in parts), []),
+        every = [self, *others]
+        return Measured(sum((part.numbers for part in every), []),
+                        sum((part.stamps_ns for part in every), []),
                         [np.concatenate(areas) for areas in zip(*(
-                            part.areas_px for part in parts))])
+                            part.areas_px for part in every))],
+                        functools.reduce(Remarks.plus, (part.remarks for part in every)))
 
 
 class Driven(NamedTuple):
@@ -72,8 +75,10 @@ class Evaluated(NamedTuple):
 
 
 def divide(paths: Sequence[str], topic: str, max_pixels: int) -> List[Part]:
-    """Return the parts of a recording; for the engine."""
-    return recordings.divide(paths[0], topic, max_pixels)
+    """Return the parts of a recording that has a usable image; for the engine."""
+    divided = parts.divide(paths[0], topic, max_pixels=max_pixels)
+    parts.first(paths[0], divided, max_pixels)
+    return divided
 
 
 def measure(paths: Sequence[str], part: Part, max_pixels: int) -> Measured:
@@ -85,12 +90,13 @@ def measure(paths: Sequence[str], part: Part, max_pixels: int) -> Measured:
     extractors = [ColorExtractor(each) for each in settings]
     found = Measured([], [], [])
     areas_px: List[List[List[int]]] = [[] for _ in extractors]
-    for frame in recordings.read(paths[0], part, max_pixels):
+    frames = parts.read(paths[0], part, max_pixels)
+    for frame in frames.read():
         found.numbers.append(frame.number)
         found.stamps_ns.append(frame.stamp_ns)
         for areas, extractor in zip(areas_px, extractors):
             areas.append(extractor.measure(frame.image, frame.encoding))
-    return found._replace(areas_px=[
+    return found._replace(remarks=frames.remarks, areas_px=[
         np.array(areas, np.int32).reshape(len(areas), len(each.colors))
         for areas, each in zip(areas_px, settings)])
 
@@ -124,16 +130,17 @@ def _commands(settings: RecognitionSettings, stamps_ns: Sequence[int], areas_px:
             for stamp_ns, areas in zip(stamps_ns, areas_px.tolist())]
 
 
-class _Frames:
+class _Frames(Frames):
     """The frames of a recording, without their images."""
 
     def __init__(self, measured: Measured):
+        super().__init__('')
         self._measured, self.expected = measured, len(measured.numbers)
+        self.remarks = measured.remarks
         stamps_ns = measured.stamps_ns
         self.period_ns = (stamps_ns[-1] - stamps_ns[0]) // max(1, len(stamps_ns) - 1)
-        self.warnings: List[str] = []
 
-    def __iter__(self):
+    def read(self):
         for number, stamp_ns in zip(self._measured.numbers, self._measured.stamps_ns):
             yield Frame(number, stamp_ns, None, np.empty((0, 0, 3), np.uint8), 'rgb8')
 

@@ -6,7 +6,7 @@ import sys
 from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from img_recog import files
-from img_recog.batch import fit_pieces, recordings
+from img_recog.batch import fit_pieces
 from img_recog.batch import options as batch_options
 from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.fit_options import parse
@@ -20,6 +20,8 @@ from img_recog.recognition.fitting.bounds import Fit
 from img_recog.recognition.fitting.histograms import Counter, Histograms, of_color
 from img_recog.recognition.fitting.limits import BLOB_SIZES
 from img_recog.recognition.fitting.samples import SampleError, Samples
+from img_recog.recordings import names, parts
+from img_recog.recordings.frames import Remarks
 from img_recog.replay import programs
 from img_recog.signals import Interrupts
 
@@ -41,7 +43,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def _run(arguments: List[str], interrupts: Interrupts) -> str:
     options = parse(arguments)
-    paths = recordings.expand(options.recordings)
+    paths = names.expand(options.recordings, _log.warning)
     sets = [sample_file.read(path) for path in (options.samples, options.check) if path]
     sets[FIT].check_colors()
     for each in sets:
@@ -73,13 +75,17 @@ def _check_colors(fit: Samples, check: Samples) -> None:
 
 
 class _Fitting:
-    """A run of the program; broken: why recordings cannot be read."""
+    """A run of the program.
+
+    broken: why recordings cannot be read; remarks: on the others.
+    """
 
     def __init__(self, options: argparse.Namespace, sets: Sequence[Samples],
                  paths: Sequence[str], engine: Engine):
         self._options, self._sets, self._engine = options, sets, engine
         self._paths = paths
         self.broken: Dict[str, str] = {}
+        self.remarks: List[str] = []
         self._base = BaseSettings(options.colors, sets[FIT].colors)
         self._histograms = Histograms({}, {})
         self._recorded = list(self._divided(paths))
@@ -104,24 +110,25 @@ class _Fitting:
                 with self._outcomes(fit_pieces.measure, (candidates, sizes),
                                     '.measure') as measured:
                     return report.write(self._base, fits, sizes, self._recorded,
-                                        self._good(measured), self._histograms, self.broken)
+                                        self._good(measured), self._histograms, self.broken,
+                                        self.remarks)
         raise failure
 
     def _divided(self, paths: Sequence[str]) -> Iterator[Recorded]:
         for path in paths:
             try:
-                parts = recordings.divide(path, self._options.topic,
-                                          self._options.max_image_pixels)
-                first = next(recordings.read(path, parts[0], self._options.max_image_pixels), None)
+                divided = parts.divide(path, self._options.topic,
+                                       max_pixels=self._options.max_image_pixels)
+                first = parts.first(path, divided, self._options.max_image_pixels)
             except UserError as error:
                 self._note_broken(path, one_line(error))
                 continue
             of_recording = tuple(each.of(path) for each in self._sets)
-            for number, part in enumerate(parts, 1):
-                source = Source(part, first.stamp_ns if first else 0, tuple(self._sets),
-                                of_recording, self._options.max_image_pixels)
-                key = path if len(parts) == 1 else '{}, part {} of {}'.format(
-                    path, number, len(parts))
+            for number, part in enumerate(divided, 1):
+                source = Source(part, first.stamp_ns, tuple(self._sets), of_recording,
+                                self._options.max_image_pixels)
+                key = path if len(divided) == 1 else '{}, part {} of {}'.format(
+                    path, number, len(divided))
                 yield Recorded(key, path, source)
 
     def _outcomes(self, function: Any, arguments: Tuple[Any, ...], suffix: str) -> Any:
@@ -149,11 +156,17 @@ class _Fitting:
                 raise SampleError('{}: {}'.format(each.path, outcome.value.error))
         used: List[Set[str]] = [set() for _ in self._sets]
         total = Counter()
+        seen: Dict[str, Remarks] = {}
         for each, outcome in zip(self._recorded, counted):
             if each.path not in self.broken:
+                seen[each.path] = seen.get(each.path, Remarks()).plus(outcome.value.remarks)
                 total.add_result(outcome.value.histograms)
                 for number, entries in enumerate(outcome.value.used):
                     used[number].update(entries)
+        self.remarks = ['{}: {}'.format(path, line) for path, remarks in seen.items()
+                        for line in remarks.lines(path)]
+        for line in self.remarks:
+            _log.warning('%s', line)
         for samples_of, entries in zip(self._sets, used):
             self._check_used(samples_of, entries)
         return total.result()

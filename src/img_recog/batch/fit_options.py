@@ -3,9 +3,9 @@ import argparse
 import os
 from typing import Sequence
 
-from img_recog.batch import recordings
 from img_recog.batch import options as batch_options
 from img_recog.recognition.fitting.bounds import OBJECTIVES, PIXELS
+from img_recog.recordings import names
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
@@ -14,7 +14,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         prog='fit_colors.py', description='Find the bounds of colors that separate them best in '
         'recordings. Writes a parameter file of color_extract, a report with pictures, and a '
         'table with a row for each frame.', allow_abbrev=False)
-    recordings.add_to(parser)
+    names.add_to(parser)
     parser.add_argument('--samples', metavar='YAML', required=True,
                         help='where in the recordings the colors are')
     parser.add_argument('--check', metavar='YAML', default='',

@@ -4,15 +4,14 @@ from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-from img_recog.batch import recordings
 from img_recog.batch.fit_settings import settings_of
-from img_recog.batch.pieces import Part
 from img_recog.recognition.areas import ColorExtractor, to_hsv
 from img_recog.recognition.fitting.histograms import Counter, Histograms
 from img_recog.recognition.fitting.labels import FrameLabels, Labeler
 from img_recog.recognition.fitting.limits import blobs
 from img_recog.recognition.fitting.samples import RecordingSamples, SampleError, Samples
-from img_recog.replay.chain import SECOND_NS
+from img_recog.recordings import parts
+from img_recog.recordings.frames import SECOND_NS, Part, Remarks
 
 # Which samples say something of a frame: those to fit by, or those to check the result.
 FIT, CHECK = 0, 1
@@ -37,13 +36,13 @@ class Source(NamedTuple):
 class Counted(NamedTuple):
     """The histograms of a part by the samples to fit by.
 
-    used: for each set of samples, the entries that were used; frames: that were read; error: why
-    the samples cannot be used, else empty.
+    used: for each set of samples, the entries that were used; remarks: on what was read; error:
+    why the samples cannot be used, else empty.
     """
 
     histograms: Histograms
     used: List[Tuple[str, ...]]
-    frames: int = 0
+    remarks: Remarks = Remarks()
     error: str = ''
 
 
@@ -69,16 +68,17 @@ class Measured(NamedTuple):
 def count(paths: Sequence[str], source: Source) -> Counted:
     """Count the labeled pixels of a part; paths: of its recording."""
     labelers = _labelers(source)
-    counter, frames = Counter(), 0
+    counter = Counter()
     try:
-        for frame in recordings.read(paths[0], source.part, source.max_pixels):
-            frames += 1
+        reader = parts.read(paths[0], source.part, source.max_pixels)
+        for frame in reader.read():
             chosen, labels = _labels(labelers, source, frame)
             if labels is not None and chosen == FIT:
                 counter.add_frame(labels.parts(to_hsv(frame.image, frame.encoding)))
     except SampleError as error:
         return Counted(Histograms({}, {}), [], error=str(error))
-    return Counted(counter.result(), [tuple(sorted(labeler.used)) for labeler in labelers], frames)
+    return Counted(counter.result(), [tuple(sorted(labeler.used)) for labeler in labelers],
+                   reader.remarks)
 
 
 def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[str, Any]],
@@ -90,7 +90,7 @@ def measure(paths: Sequence[str], source: Source, candidates: Sequence[Mapping[s
     labelers, colors = _labelers(source), len(source.samples[FIT].colors)
     extractors = [ColorExtractor(settings_of(values)) for values in candidates]
     rows = []
-    for frame in recordings.read(paths[0], source.part, source.max_pixels):
+    for frame in parts.read(paths[0], source.part, source.max_pixels).read():
         chosen, labels = _labels(labelers, source, frame)
         pixels = np.zeros((len(extractors), colors, len(sizes), 3), np.int32)
         areas = np.zeros((len(extractors), colors, len(sizes)), np.int32)

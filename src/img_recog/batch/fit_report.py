@@ -5,7 +5,6 @@ import os
 from typing import Any, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from img_recog import files
-from img_recog.batch import recordings
 from img_recog.batch.fit_pieces import CHECK, FIT, Measured
 from img_recog.batch.fit_result import Choice, Statistics, Worst, rows
 from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
@@ -18,6 +17,7 @@ from img_recog.recognition.fitting.samples import Samples
 from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.fitting.volume import Box
 from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recordings import parts as reader
 
 _EXTENSIONS = '.yaml', '.md', '.png', '.csv'
 _SAMPLES = 'fit', 'check'
@@ -53,7 +53,7 @@ class Report:
 
     def write(self, base: BaseSettings, fits: Mapping[str, List[Fit]], sizes: Sequence[int],
               parts: Sequence[Any], measured: Iterable[Tuple[int, Measured]],
-              histograms: Histograms, broken: Mapping[str, str]) -> str:
+              histograms: Histograms, broken: Mapping[str, str], remarks: Sequence[str]) -> str:
         """Choose among the fits, write the files, and return a summary.
 
         parts: what was measured, with path and source; measured: by the number of the part, can be
@@ -78,7 +78,7 @@ class Report:
                                    for color in settings.colors if color.name in chosen])
             figure.savefig(histogram, format='png')
             report.write(self._text(chosen, settings, lines, pictures, broken,
-                                    statistics.frames).encode())
+                                    remarks, statistics.frames).encode())
         return '\n'.join([*('{}: {}; {}'.format(
             color, described(fit.box), _percent(fit.score)) for color, fit in chosen.items()),
             ', '.join(self.paths)])
@@ -136,8 +136,8 @@ class Report:
         pictures = []
         for number, (color, frame) in enumerate(worst.frames(), 1):
             part = parts[frame.source]
-            image = next(each for index, each in enumerate(recordings.read(
-                part.path, part.source.part, part.source.max_pixels)) if index == frame.row)
+            image = next(each for index, each in enumerate(reader.read(
+                part.path, part.source.part, part.source.max_pixels).read()) if index == frame.row)
             figure, _ = tuning_picture.draw(bgr_copy(image.image, image.encoding), settings)
             path = '{}_worst_{}.png'.format(self._prefix, number)
             with files.atomic_write([path]) as (file,):
@@ -148,7 +148,7 @@ class Report:
 
     def _text(self, chosen: Mapping[str, Fit], settings: RecognitionSettings,
               lines: Sequence[Line], pictures: Sequence[Tuple[str, str]],
-              broken: Mapping[str, str], frames: int) -> str:
+              broken: Mapping[str, str], remarks: Sequence[str], frames: int) -> str:
         """Return the report as Markdown."""
         parts = ['# Fitted colors\n', 'Samples: {}. Objective: {}. Recordings: {}, with {} frames.'
                  '\n'.format(', '.join(each.path for each in self._sets), self._objective,
@@ -156,6 +156,8 @@ class Report:
         if broken:
             parts.append('Not read:\n\n' + ''.join(
                 '- {}\n'.format(problem) for problem in broken.values()))
+        if remarks:
+            parts.append('Not used:\n\n' + ''.join('- {}\n'.format(line) for line in remarks))
         parts.append(_WEIGHTED)
         parts.append(_HEAD + ''.join(line.text() for line in lines))
         for color in settings.colors:

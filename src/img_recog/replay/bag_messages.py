@@ -3,11 +3,10 @@ import itertools
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
-import rosbag
 
 from img_recog.conversions import plane_msgs
 from img_recog.errors import shortened
-from img_recog.replay.bags import DAMAGE_ERRORS, damaged
+from img_recog.recordings.bag_file import DAMAGE_ERRORS, BagFile, damaged
 
 # the ends of their usual names; of outlines and detections, only these are of the world and of
 # the colors
@@ -32,7 +31,7 @@ class Messages:
     if there are none.
     """
 
-    def __init__(self, path: str, bag: rosbag.Bag, near: str, kinds: Mapping[str, Any],
+    def __init__(self, path: str, bag: BagFile, near: str, kinds: Mapping[str, Any],
                  given: Mapping[str, Tuple[str, Any]]):
         """Choose topics of an open bag.
 
@@ -67,10 +66,6 @@ class Messages:
             pass
         return found
 
-    def _is_readable(self, topic: str, type_name: str, md5sum: str, *_: Any) -> bool:
-        kind = self._shown[topic][1]
-        return (type_name, md5sum) == (kind._type, kind._md5sum)
-
     def outlines(self) -> List[np.ndarray]:
         """Return the outlines of what stands in the world; none if they were not recorded."""
         for recorded in self._read(['outlines']):
@@ -82,12 +77,11 @@ class Messages:
         return self._read([role for role in self.topics if role != 'outlines'])
 
     def _read(self, roles: Sequence[str]) -> Iterator[Recorded]:
-        topics = [name for name, (role, _) in self._shown.items() if role in roles]
-        if not topics:
+        kinds = {name: kind for name, (role, kind) in self._shown.items() if role in roles}
+        if not kinds:
             return
         try:
-            for name, msg, time, connection in self._bag.read_messages(
-                    topics, connection_filter=self._is_readable, return_connection_header=True):
+            for name, msg, time, connection in self._bag.messages(kinds):
                 yield Recorded(self._shown[name][0], msg, time.to_sec(),
                                connection.get('callerid', b'').decode(errors='replace'))
         except DAMAGE_ERRORS as error:

@@ -3,39 +3,22 @@
 Times are integers in nanoseconds from the first frame, so that rounding errors do not accumulate.
 An event takes effect at the physics step nearest to its time.
 """
-from typing import (TYPE_CHECKING, Any, Iterable, Iterator, List, NamedTuple, Optional, Sequence,
-                    Tuple)
-
-import numpy as np
+from typing import TYPE_CHECKING, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from img_recog.recognition.areas import ColorExtractor
 from img_recog.recognition.commands import STOP, Command, Commander
 from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recordings.frames import SECOND_NS, Frame
 
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
     from img_recog.simulation.bodies.body import Motion
     from img_recog.simulation.simulator import Simulator
     from img_recog.simulation.vehicle import Reading
 
-SECOND_NS = 10 ** 9
 RECOGNITION, TELEOP = 'recognition', 'teleop'
 _TELEOP_PERIOD_NS = SECOND_NS // 10     # the idle teleop publishes zeros at 10 Hz
 _POLL_PERIOD_NS = SECOND_NS // 10       # of color_extract, while it waits for a frame
 _NEVER_NS = 1 << 63
-
-
-class Frame(NamedTuple):
-    """An image and its stamp.
-
-    number: counted from 0; stamp_ns: on the clock of the recording; header: a std_msgs/Header;
-    image: uint8 of shape (height, width, 3 or 4); encoding: one of areas.ENCODINGS.
-    """
-
-    number: int
-    stamp_ns: int
-    header: Any
-    image: np.ndarray
-    encoding: str
 
 
 class FrameMeasurement(NamedTuple):

@@ -4,8 +4,10 @@ import os
 from typing import Sequence
 
 from img_recog import resources, still_images
+from img_recog.camera.settings import CameraSettings
 from img_recog.errors import UserError
-from img_recog.replay.inputs import DEFAULT_TOPICS
+from img_recog.option_types import allowed
+from img_recog.recordings import names
 from img_recog.settings import SettingError
 from img_recog.simulation.settings import SpawnSettings
 
@@ -20,7 +22,7 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
     parser = _parser()
     options = parser.parse_args(arguments)
     if bool(options.input) == bool(options.camera):
-        parser.error('give VIDEO_OR_BAG or --camera robot')
+        parser.error('give RECORDING or --camera robot')
     if not 0 < options.seconds <= _MAX_SECONDS:
         parser.error('argument --seconds: got {:g}, allowed is more than 0 and at most {:g}'
                      .format(options.seconds, _MAX_SECONDS))
@@ -61,15 +63,18 @@ def _parser() -> argparse.ArgumentParser:
         prog='replay.py', description='Run a video or a bag through the color recognition '
         'and the simulated robot, as fast as possible and without a ROS master; write the result '
         'as a bag, a table (CSV) and a picture (PNG).', allow_abbrev=False)
-    parser.add_argument('input', metavar='VIDEO_OR_BAG', nargs='?', default='',
-                        help='a video file, or a bag with images')
+    parser.add_argument('input', metavar='RECORDING', nargs='?', default='',
+                        help='a video, a folder of pictures, or a bag with images')
     parser.add_argument('--camera', choices=['robot'], default='',
                         help='robot: instead of a video, the images of a camera on the robot, '
                         'which moves by what it sees')
     parser.add_argument('--seconds', type=float, default=60.0,
                         help='simulated time with --camera (default: %(default)s)')
-    parser.add_argument('--topic', default='', help='topic of the images in a bag (default: {}, '
-                        'or the only topic with images)'.format(' or '.join(DEFAULT_TOPICS)))
+    names.add_topic(parser)
+    parser.add_argument('--framerate', metavar='HZ', default=CameraSettings.framerate,
+                        type=allowed(float, lambda rate_hz: 0.1 <= rate_hz <= 1000,
+                                     'from 0.1 to 1000'),
+                        help='of a folder of pictures (default: %(default)g)')
     still_images.add_option(parser)
     parser.add_argument('--colors', default='', metavar='YAML',
                         help='parameter file of color_extract (default: the article\'s colors)')

@@ -4,7 +4,6 @@ import math
 from typing import Any, Dict, Iterable, List, Mapping, Sequence, Tuple, Union
 
 import numpy as np
-import rosbag
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import PointCloud
@@ -14,6 +13,7 @@ from img_recog.conversions import color_detection_msgs, plane_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import MAX_NUMBER
 from img_recog.errors import UserError, shortened
 from img_recog.recognition.settings import Color
+from img_recog.recordings.bag_file import BagFile
 from img_recog.replay.bag_messages import Messages
 from img_recog.replay.plot_data import PlotColor, PlotData, X, Y
 
@@ -26,7 +26,7 @@ _HUE_STEP = 50          # between colors of which only the names are known
 class Drive:
     """Collects what one robot of a bag has done. others: what is not shown, '' for nothing."""
 
-    def __init__(self, path: str, bag: rosbag.Bag, odometry: str):
+    def __init__(self, path: str, bag: BagFile, odometry: str):
         """Choose topics of an open bag; odometry: that of the robot. path: in messages."""
         self._messages = Messages(path, bag, odometry, _OTHERS, {odometry: (_ODOM, Odometry)})
         self.others, self._odometry = self._messages.others, odometry

@@ -15,17 +15,15 @@ from visualization_msgs.msg import MarkerArray
 
 from img_recog import files, still_images
 from img_recog.conversions import plane_msgs
-from img_recog.conversions.image_msgs import ImageError
 from img_recog.conversions.plane_msgs import MAX_NUMBER, PoseError
-from img_recog.errors import UserError, one_line
+from img_recog.errors import UserError
 from img_recog.option_types import allowed
+from img_recog.recordings.bags import BagFrames, check_bag
+from img_recog.recordings.frames import SECOND_NS, WANTED
 from img_recog.replay import programs
 from img_recog.replay.bag_messages import Messages
-from img_recog.replay.bags import BagFrames, check_bag
-from img_recog.replay.chain import SECOND_NS
 from img_recog.replay.film import Film
 from img_recog.replay.film_picture import FilmPicture
-from img_recog.replay.inputs import WANTED
 from img_recog.signals import Interrupts
 
 _BAG_ADVICE = 'give a bag with images, as of ./run demo record:=FILE'
@@ -75,8 +73,7 @@ def _frames(path: str, options: argparse.Namespace) -> BagFrames:
 def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm
           ) -> Tuple[float, int]:
     """Add all messages to a film; return its length in s, and the number of its images."""
-    picture, start_s, time_s, last_problem, number = film.picture, None, 0.0, '', 0
-    images = 0
+    picture, start_s, time_s, number = film.picture, None, 0.0, 0
     for role, msg, recorded_s, _ in messages.in_order():
         if role == 'cmd_vel':
             picture.asked = _speed(msg)
@@ -87,21 +84,15 @@ def _fill(film: Film, messages: Messages, frames: BagFrames, progress: tqdm
         elif role == 'image':
             progress.update()
             start_s = recorded_s if start_s is None else start_s
-            last_s, time_s, number = time_s, recorded_s - start_s, number + 1
+            last_s, time_s = time_s, recorded_s - start_s
             # the film would be as long as the gap
             frames.check_gap(number, round(last_s * SECOND_NS), round(time_s * SECOND_NS))
-            try:
-                film.add(time_s, *frames.decode(msg))
-                images += 1
-            except ImageError as error:
-                last_problem = one_line(error)
-    if not images:
-        raise UserError('no image on {} in {} can be used; {}'.format(
-            frames.topic, messages.path, last_problem or 'there is no message'))
-    if last_problem:
-        _log.warning('%d of %d images cannot be used; the last is %s',
-                     frames.expected - images, frames.expected, last_problem)
-    return time_s, images
+            decoded, number = frames.decoded(number, msg), number + 1
+            if decoded is not None:
+                film.add(time_s, *decoded)
+    for line in frames.remarks.lines(frames.path):
+        _log.warning('%s', line)
+    return time_s, frames.remarks.used
 
 
 def _take_odometry(picture: FilmPicture, msg: Any) -> None:

@@ -17,7 +17,7 @@ from img_recog.conversions import twist_msgs
 from img_recog.errors import UserError, one_line, shortened
 from img_recog.recognition.areas import bgr_copy
 from img_recog.recognition.commands import Command
-from img_recog.replay.camera_infos import CameraInfos
+from img_recog.recordings.camera_infos import CameraInfos
 from img_recog.replay.chain import SECOND_NS, Frame, FrameMeasurement, Recognition
 
 _ARGUMENTS = 'image, stamp, camera_info'

@@ -13,9 +13,11 @@ from tqdm import tqdm
 from img_recog import files
 from img_recog.errors import UserError
 from img_recog.recognition.settings import RecognitionSettings
-from img_recog.replay import cli, inputs, programs, scenario
-from img_recog.replay.chain import SECOND_NS, ColorRecognition, Recognition, Recorder
-from img_recog.replay.inputs import VideoFrames, is_bag
+from img_recog.recordings import names
+from img_recog.recordings.films import FilmFrames
+from img_recog.recordings.frames import SECOND_NS, WANTED
+from img_recog.replay import cli, programs, scenario
+from img_recog.replay.chain import ColorRecognition, Recognition, Recorder
 from img_recog.replay.loop import Loop
 from img_recog.replay.painter import Painter
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
@@ -25,13 +27,13 @@ from img_recog.simulation.bodies.body import Motion
 from img_recog.simulation.bodies.footprints import footprints
 
 if TYPE_CHECKING:
-    from img_recog.replay.bags import BagFrames
+    from img_recog.recordings.bags import BagFrames
     from img_recog.replay.film import Film
     from img_recog.replay.robot_frames import RobotFrames
 
 _EXTENSIONS = ('.bag', '.csv', '.png')
 _log = logging.getLogger('replay.py')
-Frames = Union[VideoFrames, 'BagFrames', 'RobotFrames']
+Frames = Union[FilmFrames, 'BagFrames', 'RobotFrames']
 
 
 def main(painter: Painter, begin_s: float) -> int:
@@ -51,8 +53,7 @@ def replay(options: argparse.Namespace, painter: Painter, begin_s: float,
     interrupts: handles the signals that end the program.
     Raises UserError if it is not possible; no file is written then.
     """
-    recording = None if options.camera else _open_input(
-        os.path.expanduser(options.input), options.topic, options.max_image_pixels)
+    recording = None if options.camera else _open_input(options)
     make_recognition, settings = _recognition(options)
     name = os.path.expanduser(options.input) or 'robot_in_' + os.path.basename(options.world)
     extensions = _EXTENSIONS + (('.mp4',) if options.film else ())
@@ -115,7 +116,8 @@ def _recognition(options: argparse.Namespace
         return lambda _: ColorRecognition(settings), settings
     # imported here because few need it
     from img_recog.camera import calibration
-    from img_recog.replay import camera_infos, function_recognition
+    from img_recog.recordings import camera_infos
+    from img_recog.replay import function_recognition
     path = os.path.expanduser(options.calibration)
     try:
         given = camera_infos.of_calibration(
@@ -135,14 +137,16 @@ def _summary(frames: int, simulated_s: float, loop_s: float, whole_s: float, mot
                     motion.position[0], motion.position[1], motion.yaw, ', '.join(paths)))
 
 
-def _open_input(path: str, topic: str, max_pixels: int) -> Frames:
-    if not os.path.isfile(path):
+def _open_input(options: argparse.Namespace) -> Frames:
+    path = os.path.expanduser(options.input)
+    is_folder = os.path.isdir(path)
+    if not is_folder and not os.path.isfile(path):
         raise UserError('cannot replay {}: {}'.format(
-            path, 'it is not a file' if os.path.exists(path) else 'no such file'), inputs.WANTED)
-    if is_bag(path):
+            path, 'it is not a file' if os.path.exists(path) else 'no such file'), WANTED)
+    if not is_folder and names.is_bag(path):
         # imported here because loading rosbag takes time
-        from img_recog.replay.bags import BagFrames
-        return BagFrames(path, topic, max_pixels)
-    if topic:
+        from img_recog.recordings.bags import BagFrames
+        return BagFrames(path, options.topic, options.max_image_pixels)
+    if options.topic:
         raise UserError('cannot replay {}: --topic is for a bag, and it is not a bag'.format(path))
-    return VideoFrames(path, max_pixels)
+    return FilmFrames(path, options.max_image_pixels, options.framerate)

@@ -1,28 +1,18 @@
 """Runs all frames of a recording, or of a camera on the robot, through recognition and robot."""
-from typing import TYPE_CHECKING, Iterable, List, Protocol, Sequence
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, Sequence, TypeVar
 
-from img_recog.replay.chain import Chain, Frame, FrameMeasurement, Recognition, Recorder
-from img_recog.replay.inputs import prefetch
+from img_recog.recordings.frames import Frame, Frames
+from img_recog.replay.chain import Chain, FrameMeasurement, Recognition, Recorder
 
 if TYPE_CHECKING:
     from img_recog.simulation.simulator import Simulator
 
 _PREFETCHED_FRAMES = 8
-
-
-class Frames(Protocol):
-    """Frames in the order of time.
-
-    expected: how many, 0 if unknown; period_ns: how long the last one is shown, known after it;
-    warnings: messages for the user, complete after the last frame.
-    """
-
-    expected: int
-    period_ns: int
-    warnings: List[str]
-
-    def __iter__(self):
-        """Yield each Frame."""
+_END: Any = object()     # after the last item
+Item = TypeVar('Item')
 
 
 class Loop:
@@ -50,3 +40,19 @@ class Loop:
         end_ns = last_ns + self._frames.period_ns       # that of a bag is not known earlier
         self._chain.end(end_ns)
         return end_ns
+
+
+def prefetch(items: Iterable[Item], depth: int) -> Iterator[Item]:
+    """Yield the same items in the same order, of which a thread makes up to `depth` ahead.
+
+    An exception raised by `items` is raised at the same place.
+    """
+    advance = partial(next, iter(items), _END)
+    with ThreadPoolExecutor(1) as pool:
+        pending = deque(pool.submit(advance) for _ in range(depth))
+        while True:
+            item = pending.popleft().result()
+            if item is _END:
+                return
+            pending.append(pool.submit(advance))
+            yield item

@@ -16,8 +16,9 @@ from img_recog.errors import UserError, one_line, shortened
 from img_recog.option_types import allowed
 from img_recog.recognition import parameter_file
 from img_recog.recognition.settings import RecognitionSettings
+from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
+from img_recog.recordings.bags import check_bag
 from img_recog.replay import programs
-from img_recog.replay.bags import DAMAGE_ERRORS, check_bag, damaged, open_bag
 from img_recog.replay.drive import Drive, odometry_of, topics_beside
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.plot_data import PlotData

@@ -1,16 +1,16 @@
 """The frames of a camera on the simulated robot: what it sees depends on the commands before."""
 import logging
-from typing import Any, Callable, Iterator, List
+from typing import Any, Callable, Iterator
 
 import genpy
 from std_msgs.msg import Header
 
 from img_recog.conversions import robot_cameras
+from img_recog.recordings.camera_infos import CameraInfos, of_calibration
+from img_recog.recordings.frames import SECOND_NS, Frame, Frames
 from img_recog.rendering import lens_views, renderer
 from img_recog.rendering.light import Light, LightSettings
 from img_recog.rendering.noise import PixelNoise
-from img_recog.replay.camera_infos import CameraInfos, of_calibration
-from img_recog.replay.chain import SECOND_NS, Frame
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
@@ -29,11 +29,10 @@ def make_renderer() -> Any:
     return made
 
 
-class RobotFrames:
+class RobotFrames(Frames):
     """Draws a frame in each period of the camera, when the simulation has come to its time.
 
-    expected: the number of frames; period_ns: time between two frames; warnings: messages for the
-    user.
+    expected: the number of frames; period_ns: time between two frames.
     """
 
     def __init__(self, built: Assembly, settings: CameraSettings, seconds: float,
@@ -44,6 +43,7 @@ class RobotFrames:
         light: in which all is seen. noise_seed: makes the noise another one. drawn_by: a renderer
         that nothing else uses meanwhile, by default a new one.
         """
+        super().__init__(settings.camera_frame)
         self._parts = Parts(built.simulator)
         self._settings, self._camera = settings, robot_cameras.camera_of(settings)
         vehicle, = built.simulator.vehicles
@@ -55,7 +55,6 @@ class RobotFrames:
         step_s = built.simulator.world.step_s
         self.period_ns = round(nearest_period(settings.camera_rate, step_s) * SECOND_NS)
         self.expected = max(1, round(seconds * SECOND_NS / self.period_ns))
-        self.warnings: List[str] = []
         self._renderer = drawn_by or make_renderer()
         for reason in self._renderer.load(visual_scene.read(built.scene, self._parts),
                                           self._parts.poses()):
@@ -70,7 +69,7 @@ class RobotFrames:
         """Return those of the camera."""
         return of_calibration(robot_cameras.calibration_of(self._settings))
 
-    def __iter__(self) -> Iterator[Frame]:
+    def read(self) -> Iterator[Frame]:
         """Yield all frames."""
         for number in range(self.expected):
             stamp_ns = number * self.period_ns
@@ -82,5 +81,6 @@ class RobotFrames:
                 self._light.apply(image)
             if self._noise is not None:
                 self._noise.add(image, self._noise_seed + number)
+            self.note(used=1)
             header = Header(seq=number, stamp=genpy.Time(nsecs=stamp_ns), frame_id=self._frame_id)
             yield Frame(number, stamp_ns, header, image, 'rgb8')

@@ -21,7 +21,7 @@ from img_recog.camera.selection import open_file
 from img_recog.camera.source import FrameSkipped, SourceEnded
 from img_recog.checks import robot_check, world_check
 from img_recog.errors import UserError
-from img_recog.replay.bags import BagFrames
+from img_recog.recordings.bags import BagFrames
 from img_recog.simulation.descriptions import description, world_file
 from img_recog_testing import bombs
 from img_recog_testing.reliability import chain, hostile

@@ -5,14 +5,18 @@ import os
 import sys
 
 import cv2
+import genpy
 import numpy as np
 import pytest
+import rosbag
+from std_msgs.msg import Header
 
 from img_recog.batch import evaluate_job
+from img_recog.conversions import image_msgs
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
+from img_recog.recordings.films import FilmFrames
 from img_recog.replay import job
-from img_recog.replay.inputs import VideoFrames
 
 GREEN, FRAMES = (0, 200, 0), 8
 WIDE = '{colors: [green], green_hue_min: 40, green_hue_max: 80, green_area_limit: 100, ' \
@@ -64,7 +68,7 @@ def test_areas_and_commands_of_each_set(folder, monkeypatch, capsys):
     found = rows()
     extractor = ColorExtractor(parameter_file.read('low.yaml'))
     areas = [extractor.measure(frame.image, frame.encoding)[0]
-             for frame in VideoFrames('film.avi')]
+             for frame in FilmFrames('film.avi')]
     for colors, limit in (('low', 100), ('high', 900)):
         mine = [row for row in found if row['colors'] == colors]
         assert [int(row['green_px']) for row in mine] == areas
@@ -107,6 +111,39 @@ def test_a_broken_recording_is_named_and_the_others_count(folder, monkeypatch, c
     assert len(rows()) == FRAMES
     assert 'broken.avi: cannot ' in caplog.text
     assert '- broken.avi: cannot ' in (folder / 'film.evaluated.md').read_text()
+
+
+def write_bag(path, usable):
+    """Write an image of 64x48 for each number, of which those that are not `usable` are short."""
+    with rosbag.Bag(str(path), 'w') as bag:
+        for number, is_usable in enumerate(usable):
+            msg = image_msgs.to_msg(np.full((48, 64, 3), GREEN, np.uint8), 'bgr8', Header())
+            msg.data = msg.data if is_usable else msg.data[:100]
+            bag.write('/eye', msg, genpy.Time(5 + number))
+
+
+@pytest.mark.parametrize('world', [(), ('--world', 'empty')])
+def test_a_recording_without_a_usable_image_is_named_and_the_others_count(
+        folder, monkeypatch, capsys, caplog, world):
+    write_bag(folder / 'good.bag', 8 * [True])
+    write_bag(folder / 'bad.bag', 8 * [False])
+    assert run(monkeypatch, 'good.bag', 'bad.bag', '--colors', 'low.yaml', *world) == 1
+    assert capsys.readouterr().out.startswith('1 of 2 recordings, 8 frames')
+    assert {row['recording'] for row in rows('good.evaluated.csv')} == {'good.bag'}
+    line = 'bad.bag: no image on /eye in {} can be used; message 0: cannot convert '.format(
+        folder / 'bad.bag')
+    assert line in caplog.text and '- ' + line in (folder / 'good.evaluated.md').read_text()
+
+
+def test_images_that_cannot_be_used_are_counted(folder, monkeypatch, capsys, caplog):
+    write_bag(folder / 'half.bag', [True, False, False, True])
+    assert run(monkeypatch, 'half.bag', '--colors', 'low.yaml') == 0
+    assert capsys.readouterr().out.startswith('1 of 1 recordings, 2 of 4 frames, 1 sets')
+    line = 'half.bag: 2 of 4 images on /eye cannot be used; the first is message 1: '
+    assert [record.levelname for record in caplog.records] == ['WARNING']
+    assert caplog.messages[0].startswith(line)
+    assert '\n- ' + line in (folder / 'half.evaluated.md').read_text()
+    assert [row['frame'] for row in rows('half.evaluated.csv')] == ['0', '3']
 
 
 @pytest.mark.parametrize('line, words', [

@@ -105,7 +105,8 @@ def test_bags_times_folders_and_a_check(fit, tmp_path):
     (tmp_path / 's.yaml').write_text(SAMPLES + '- {recording: drive.bag, color: red, '
                                      'not_in_view: [1, 1.35]}\n')
     code, _, log = fit('.', '--check', 'check.yaml')
-    assert code == 1 and 'frame 10 is in the samples of both' in log[0]
+    assert code == 1 and log[0] == '2 of 4 in . left out: check.yaml, s.yaml'
+    assert 'frame 10 is in the samples of both' in log[1]
     (tmp_path / 'check.yaml').write_text('samples:' + BAG_SAMPLES.replace('[1, 2]', '[1.4, 2]')
                                          .replace('[0, 2]', '[0, 1]'))
     assert fit('.', '--check', 'check.yaml')[0] == 0
@@ -157,6 +158,36 @@ def test_a_broken_recording_is_named_and_the_others_count(fit, tmp_path):
     assert 'b.mp4' in line and 'c.png' in line
     report = open('fit_colors.md').read()
     assert 'Not read:' in report and 'b.mp4' in report and len(table()) == 1
+
+
+def test_images_that_cannot_be_used_are_counted(fit, tmp_path):
+    for name, usable in (('half.bag', [False, True, False]), ('none.bag', [False])):
+        with rosbag.Bag(name, 'w') as bag:
+            for number, is_usable in enumerate(usable):
+                msg = image_msgs.to_msg(picture(), 'bgr8', Header())
+                msg.data = msg.data if is_usable else msg.data[:9]
+                bag.write('/image', msg, rospy.Time(7 + number))
+    code, _, log = fit('a.png', 'half.bag', 'none.bag')
+    half = 'half.bag: 2 of 3 images on /image cannot be used; the first is message 0: cannot '
+    none = 'none.bag: no image on /image in none.bag can be used; message 0: cannot '
+    assert code == 1 and log[0].startswith(half) and '1 of 3 recordings cannot be read' in log[1]
+    report = open('fit_colors.md').read()
+    assert 'Recordings: 2, with 2 frames.' in report
+    assert '\n- ' + half in report and '\n- ' + none.partition(': ')[2] in report
+
+
+def test_times_count_from_the_first_usable_image_though_a_part_has_none(fit, tmp_path):
+    with rosbag.Bag('drive.bag', 'w') as bag:
+        for number in range(1002):
+            msg = image_msgs.to_msg(picture(RED) if number < 1001 else picture(), 'bgr8',
+                                    Header(stamp=rospy.Time(100 + number)))
+            msg.data = msg.data if number > 999 else b''
+            bag.write('/image', msg, rospy.Time(7 + number))
+    (tmp_path / 's.yaml').write_text(
+        SAMPLES + '- {recording: drive.bag, color: red, in_view: [0, 0.5]}\n'
+        '- {recording: drive.bag, color: red, not_in_view: [0.6, 1.5]}\n')
+    assert fit('a.png', 'drive.bag')[0] == 0
+    assert [row['time_s'] for row in table()] == ['0.000000', '0.000000', '1.000000']
 
 
 def test_the_worst_frames_are_drawn(fit, tmp_path):

@@ -15,7 +15,7 @@ from img_recog.camera.decoder import open_decoder
 from img_recog.camera.selection import open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped
-from img_recog.replay.inputs import VideoFrames
+from img_recog.recordings.films import FilmFrames
 from img_recog_testing.videos import opencv_frames
 from img_recog_testing.waiting import DEADLINE_S
 
@@ -181,7 +181,7 @@ def test_a_video_whose_size_changes_goes_on_with_the_new_size(joined):
 
 
 def test_replay_of_a_video_whose_size_changes_says_so_once(joined):
-    frames = VideoFrames(joined)
+    frames = FilmFrames(joined)
     sizes = [frame.image.shape[1::-1] for frame in frames]
     assert set(sizes) == {SMALL, LARGE} and len(sizes) >= 19
     assert frames.warnings == [

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog.batch import pieces
 from img_recog.camera.image_source import read_image
 from img_recog.camera.selection import open_file, open_source
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import SourceEnded
 from img_recog.camera.video_source import VideoSource
-from img_recog.replay.inputs import VideoFrames
+from img_recog.recordings import parts
+from img_recog.recordings.films import FilmFrames
 from img_recog_testing.fake_decoder import FakeDecoder
 from img_recog_testing.waiting import DEADLINE_S
 
@@ -58,7 +58,7 @@ def test_a_film_plays_at_the_times_of_its_frames(make_film, name, options):
     source = open_file(path, 30.0, loop=False, warn=warnings.append)
     assert 'variable rate' in source.description and source.expected_hz is None
     assert times(source) == pytest.approx(UNEVEN_S, abs=1e-3) and not warnings
-    frames = VideoFrames(path)
+    frames = FilmFrames(path)
     assert [frame.stamp_ns / 1e9 for frame in frames] == pytest.approx(UNEVEN_S, abs=1e-3)
     assert frames.period_ns / 1e9 == pytest.approx(0.1, abs=1e-3)
     looped = [*UNEVEN_S, *(1.2 + time_s for time_s in UNEVEN_S), 2.4]
@@ -162,7 +162,7 @@ def test_a_raw_jpeg_video_is_no_image(make_film):
 def test_a_path_with_a_colon_is_a_file(make_video, tmp_path, monkeypatch, name):
     make_video(name, frames=3)
     monkeypatch.chdir(tmp_path)
-    assert len(list(VideoFrames(name))) == 3
+    assert len(list(FilmFrames(name))) == 3
 
 
 # in a process of its own, which a crash would end
@@ -201,12 +201,12 @@ def test_what_an_edit_list_hides_is_not_missing(make_film, tmp_path):
                    check=True)
     assert len(times(open_file(path, 30.0, loop=False, warn=warnings.append))) == 30
     assert not warnings
-    frames = VideoFrames(path)
+    frames = FilmFrames(path)
     numbers = [frame.number for frame in frames]
     assert numbers == list(range(30)) and frames.expected == 30
-    parts = pieces.divide(path, frames=10)
-    assert [part.first for part in parts] == [0, 10]
-    assert [frame.number for part in parts for frame in pieces.read(path, part)] == numbers
+    found = parts.divide(path, frames=10)
+    assert [part.first for part in found] == [0, 10]
+    assert [frame.number for part in found for frame in parts.read(path, part)] == numbers
 
 
 # red and green; dark and light, where a wrong range is far off

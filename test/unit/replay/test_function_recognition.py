@@ -9,8 +9,8 @@ from sensor_msgs.msg import CameraInfo
 
 from img_recog.errors import UserError
 from img_recog.recognition.commands import Command
-from img_recog.replay.camera_infos import of_calibration
-from img_recog.replay.chain import Frame
+from img_recog.recordings.camera_infos import of_calibration
+from img_recog.recordings.frames import Frame
 from img_recog.replay.function_recognition import FunctionRecognition, UserFunction, load
 from img_recog_testing.replaying import BLUE, frame
 

@@ -7,6 +7,7 @@ import sys
 import time
 
 import cv2
+import numpy as np
 import pytest
 import rosbag
 
@@ -48,21 +49,22 @@ def test_options_and_their_defaults():
         'world': 'turtlebot3_world', 'urdf': resources.burger(), 'x_pos': -2.0, 'y_pos': -0.5,
         'z_pos': 0.0, 'yaw': 0.0, 'max_image_pixels': 50000000, 'allow_partial_world': False,
         'camera': '', 'seconds': 60.0, 'film': False, 'recognize': '', 'strict': False,
-        'calibration': ''}
+        'calibration': '', 'framerate': 30.0}
     assert vars(cli.parse(['a.bag'])) == defaults
     assert vars(cli.parse(
         'a.bag --topic t --colors c --output o --no-teleop --world w --urdf u --x-pos 1 --y-pos 2 '
-        '--z-pos 3 --yaw 0.5 --max-image-pixels 9 --allow-partial-world --film'.split())) == {
+        '--z-pos 3 --yaw 0.5 --max-image-pixels 9 --allow-partial-world --film '
+        '--framerate 5'.split())) == {
             **defaults, 'topic': 't', 'colors': 'c', 'output': 'o', 'teleop': False, 'world': 'w',
             'urdf': 'u', 'x_pos': 1.0, 'y_pos': 2.0, 'z_pos': 3.0, 'yaw': 0.5,
-            'max_image_pixels': 9, 'allow_partial_world': True, 'film': True}
+            'max_image_pixels': 9, 'framerate': 5.0, 'allow_partial_world': True, 'film': True}
     assert cli.spawn_settings(cli.parse(['a', '--x-pos', '1', '--yaw', '2'])) == SpawnSettings(
         1.0, -0.5, 0.0, 2.0)
 
 
 @pytest.mark.parametrize('arguments, words', [
-    ([], 'give VIDEO_OR_BAG or --camera robot'),
-    (['a', '--camera', 'robot'], 'give VIDEO_OR_BAG or --camera robot'),
+    ([], 'give RECORDING or --camera robot'),
+    (['a', '--camera', 'robot'], 'give RECORDING or --camera robot'),
     (['--camera', 'usb'], "argument --camera: invalid choice: 'usb'"),
     (['--camera', 'robot', '--seconds', '0'],
      'argument --seconds: got 0, allowed is more than 0'),
@@ -133,6 +135,20 @@ def test_a_video_gives_three_files_and_a_summary(run, make_video, tmp_path):
         assert bag.get_message_count('/cmd_vel') == 0
         assert {msg.child_frame_id for _, msg, _ in bag.read_messages('/odom')} == {
             'base_footprint'}
+
+
+def test_a_folder_of_pictures_is_replayed_at_a_rate(run, tmp_path, caplog):
+    (tmp_path / 'pictures').mkdir()
+    for number, name in enumerate(('b.png', 'a.jp2', 'c.png')):
+        image = np.zeros((64, 64 + 32 * (number == 2), 3), np.uint8)
+        assert cv2.imwrite('pictures/' + name, image)
+    (tmp_path / 'pictures' / 'notes.txt').write_text('x')
+    code, text, _ = run('pictures/', '--world', 'empty', '--framerate', '4')
+    assert code == 0 and text.startswith('2 frames, 0.500 s simulated')
+    assert caplog.messages == [
+        '1 of 4 in pictures/ left out: notes.txt',
+        '1 of 3 images cannot be used; the first is image pictures/c.png is 96x64 in a folder of '
+        '64x64']
 
 
 def test_a_bag_ends_a_period_after_its_last_image_and_bad_ones_are_warned_of(run, caplog):

@@ -16,6 +16,7 @@ from img_recog.conversions.plane_msgs import PlanePose
 from img_recog.recognition.settings import with_colors
 from img_recog.replay import plot_job
 from img_recog.replay.drive import Drive
+from img_recog.recordings.bag_file import BagFile
 from img_recog.replay.plot_data import PlotColor
 from img_recog_testing.films import SQUARE
 from img_recog_testing.xmlrpc_server import XmlRpcServer
@@ -44,7 +45,7 @@ def write(path, *recorded):
     return path
 
 
-class OfTwoSenders(rosbag.Bag):
+class OfTwoSenders(BagFile):
     """With the sender of each message: the Python API writes only one for a topic."""
 
     def read_messages(self, *words, **options):

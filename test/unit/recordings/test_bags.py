@@ -1,8 +1,7 @@
-"""Frames of videos and bags: images, stamps, errors for unusable files, and reading ahead."""
+"""Frames of videos and bags: images, stamps and errors for unusable files."""
 import os
 import shlex
 import struct
-import threading
 
 import cv2
 import genpy
@@ -15,12 +14,13 @@ from std_msgs.msg import Header, String
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.errors import UserError
-from img_recog.replay.bags import BagFrames
-from img_recog.replay.inputs import VideoFrames, is_bag, prefetch
+from img_recog.recordings import bag_file
+from img_recog.recordings.bags import BagFrames
+from img_recog.recordings.films import FilmFrames
+from img_recog.recordings.names import is_bag
 from img_recog_testing.descriptors import times_open
 from img_recog_testing.replaying import BLUE, RED, image
 from img_recog_testing.videos import VIDEO_RATE_HZ
-from img_recog_testing.waiting import wait_for
 
 RAW, COMPRESSED = '/usb_cam/image_raw', '/usb_cam/image_raw/compressed'
 
@@ -56,7 +56,7 @@ def refusal(function, *arguments):
 
 def test_video(make_video):
     path = make_video(frames=6)
-    frames = VideoFrames(path)
+    frames = FilmFrames(path)
     assert frames.expected == 6 and frames.period_ns == round(10 ** 9 / VIDEO_RATE_HZ)
     capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
     for number, frame in enumerate(frames):
@@ -71,7 +71,7 @@ def test_truncated_video_is_refused_at_its_end(make_video):
     path = make_video(frames=60)
     with open(path, 'r+b') as file:
         file.truncate(os.path.getsize(path) // 2)
-    line = refusal(list, VideoFrames(path))
+    line = refusal(list, FilmFrames(path))
     assert path + ' breaks off after' in line and 'ffmpeg -i ' + path in line
 
 
@@ -79,12 +79,9 @@ def test_files_that_are_not_videos(tmp_path):
     for name, content in (('text.mp4', b'hello'), ('empty.mp4', b''), ('noise.mp4', bytes(999))):
         path = tmp_path / name
         path.write_bytes(content)
-        line = refusal(VideoFrames, str(path))
-        assert str(path) in line and line.endswith('give a video that FFmpeg plays, or a bag with '
-                                                   'images'), line
-    path = str(tmp_path / 'image.png')
-    assert cv2.imwrite(path, image())
-    assert refusal(VideoFrames, path).startswith(path + ' is an image; give')
+        line = refusal(FilmFrames, str(path))
+        assert str(path) in line and line.endswith('give a video that FFmpeg plays, a folder of '
+                                                   'images, or a bag with images'), line
 
 
 @pytest.mark.parametrize('topic, message, compression', [
@@ -151,7 +148,8 @@ def test_stamps_may_be_an_hour_apart(make_bag, gap_s):
 @pytest.mark.parametrize('error', [
     rosbag.ROSBagException('bad'), genpy.MessageException('bad'), struct.error('bad'),
     OSError('bad'), EOFError('bad'), RuntimeError('bad'), ValueError('bad'), KeyError('bad'),
-    AttributeError('bad'), TypeError('bad')], ids=lambda error: type(error).__name__)
+    AttributeError('bad'), TypeError('bad'), MemoryError('bad')],
+    ids=lambda error: type(error).__name__)
 def test_whatever_rosbag_raises_while_it_reads_is_damage(make_bag, monkeypatch, error):
     def fail(*_, **__):
         raise error
@@ -165,7 +163,7 @@ def test_whatever_rosbag_raises_while_it_reads_is_damage(make_bag, monkeypatch, 
     with monkeypatch.context() as patched:
         patched.setattr(rosbag.Bag, 'get_type_and_topic_info', fail)
         assert refusal(BagFrames, path).startswith('the bag {} is damaged: '.format(path))
-    monkeypatch.setattr(rosbag, 'Bag', fail)
+    monkeypatch.setattr(bag_file, 'BagFile', fail)
     assert refusal(BagFrames, path).startswith('cannot read {} as a bag: '.format(path))
 
 
@@ -231,39 +229,3 @@ def test_damaged_bag_is_read_or_refused_in_one_line(make_bag, seed):
         list(BagFrames(path))
     except UserError as error:
         assert path in str(error) and '\n' not in str(error)
-
-
-@pytest.mark.parametrize('count', [0, 1, 3, 4, 5, 1000])
-def test_prefetch_gives_the_same_items_in_the_same_order(count):
-    assert list(prefetch(range(count), 4)) == list(range(count))
-
-
-def test_prefetched_items_are_made_ahead_in_another_thread_but_not_more_than_depth():
-    made, threads = [], set()
-
-    def items():
-        for number in range(100):
-            threads.add(threading.current_thread())
-            made.append(number)
-            yield number
-
-    taken = prefetch(items(), 4)
-    assert next(taken) == 0
-    wait_for(lambda: len(made) == 5, 'the four that follow')
-    assert next(taken) == 1
-    wait_for(lambda: len(made) == 6, 'one more')
-    taken.close()
-    assert len(made) == 6
-    assert len(threads) == 1 and threading.current_thread() not in threads
-
-
-def test_an_exception_of_prefetched_items_is_raised_after_the_items_before_it():
-    def items():
-        yield 1
-        yield 2
-        raise ValueError('no more')
-
-    taken = prefetch(items(), 8)
-    assert [next(taken), next(taken)] == [1, 2]
-    with pytest.raises(ValueError, match='no more'):
-        next(taken)

@@ -1,5 +1,6 @@
 """The sensor_msgs/CameraInfo of each frame of an input."""
 import bisect
+import copy
 from typing import Any, Callable, Iterable, List, Optional, Tuple
 
 from sensor_msgs.msg import CameraInfo
@@ -7,7 +8,7 @@ from std_msgs.msg import Header
 
 from img_recog.camera.calibration import Calibration, scaled
 from img_recog.conversions import camera_info_msgs
-from img_recog.replay.chain import Frame
+from img_recog.recordings.frames import Frame
 
 # returns a new message for a frame; raises UserError if none fits to it
 CameraInfos = Callable[[Frame], CameraInfo]
@@ -22,22 +23,19 @@ def of_calibration(calibration: Optional[Calibration]) -> CameraInfos:
     return camera_info
 
 
-def recorded(messages: Iterable[Tuple[str, Any, Any]]) -> CameraInfos:
+def recorded(messages: Iterable[Tuple[str, CameraInfo, Any, Any]]) -> CameraInfos:
     """Return those of a bag: the last one that is not newer than the frame, or else the first.
 
-    messages: raw ones of one topic, as of rosbag. Without any that can be used, the camera is not
-    calibrated.
+    messages: of one topic, as of BagFile. Without any, the camera is not calibrated.
     """
-    infos: List[Tuple[int, bytes]] = []
+    infos: List[Tuple[int, CameraInfo]] = []
     last = None
-    for _, (type_name, data, md5sum, *_), time in messages:
-        if (type_name, md5sum) != (CameraInfo._type, CameraInfo._md5sum):
-            continue
-        msg = CameraInfo().deserialize(data)
-        stamp_ns, msg.header = (msg.header.stamp or time).to_nsec(), Header()
-        if msg != last:         # of a long recording, few are different
-            infos.append((stamp_ns, data))
-            last = msg
+    for _, msg, time, _ in messages:
+        plain = copy.copy(msg)
+        plain.header = Header()
+        if plain != last:       # of a long recording, few are different
+            infos.append(((msg.header.stamp or time).to_nsec(), msg))
+            last = plain
     if not infos:
         return of_calibration(None)
     infos.sort(key=lambda info: info[0])
@@ -45,5 +43,5 @@ def recorded(messages: Iterable[Tuple[str, Any, Any]]) -> CameraInfos:
 
     def camera_info(frame: Frame) -> CameraInfo:
         number = max(0, bisect.bisect_right(stamps_ns, frame.stamp_ns) - 1)
-        return CameraInfo().deserialize(infos[number][1])
+        return copy.deepcopy(infos[number][1])
     return camera_info

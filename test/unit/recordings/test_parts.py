@@ -8,11 +8,11 @@ import rosbag
 import rospy
 from std_msgs.msg import Header
 
-from img_recog.batch import pieces
 from img_recog.conversions import image_msgs
 from img_recog.errors import UserError
-from img_recog.replay.bags import BagFrames
-from img_recog.replay.inputs import VideoFrames
+from img_recog.recordings import parts
+from img_recog.recordings.bags import BagFrames
+from img_recog.recordings.films import FilmFrames
 from img_recog_testing.videos import smooth_image
 
 COUNT = 90
@@ -52,8 +52,8 @@ def plain(frames):
 
 
 def of_parts(path, frames):
-    found = pieces.divide(path, frames=frames)
-    return [plain(pieces.read(path, part)) for part in found], found
+    found = parts.divide(path, frames=frames)
+    return [plain(parts.read(path, part).read()) for part in found], found
 
 
 @pytest.mark.parametrize('name, codec, options', [
@@ -62,12 +62,12 @@ def of_parts(path, frames):
 @pytest.mark.parametrize('frames', [12, 25])
 def test_the_parts_of_a_film_have_its_frames(tmp_path, name, codec, options, frames):
     path = film(tmp_path / name, codec, **options)
-    whole = plain(VideoFrames(path))
+    whole = plain(FilmFrames(path))
     assert len(whole) == COUNT
-    parts, divided = of_parts(path, frames)
-    assert 2 <= len(parts) <= COUNT // frames
-    assert sum(parts, []) == whole
-    assert [part.frames for part in divided] == [len(part) for part in parts]
+    found, divided = of_parts(path, frames)
+    assert 2 <= len(found) <= COUNT // frames
+    assert sum(found, []) == whole
+    assert [part.frames for part in divided] == [len(part) for part in found]
 
 
 @pytest.mark.parametrize('frames', [1, 7, 45, 46])
@@ -75,36 +75,36 @@ def test_the_parts_of_a_bag_have_its_frames(tmp_path, frames):
     path = bag(tmp_path / 'some.bag', chunk_threshold=100000)
     whole = plain(BagFrames(path))
     assert len(whole) == COUNT - 1
-    parts, divided = of_parts(path, frames)
-    assert len(parts) == {1: 45, 7: 11, 45: 1, 46: 1}[frames]
-    assert sum(parts, []) == whole
+    found, divided = of_parts(path, frames)
+    assert len(found) == {1: 45, 7: 11, 45: 1, 46: 1}[frames]
+    assert sum(found, []) == whole
     assert sum(part.frames for part in divided) == COUNT
 
 
 def test_a_film_without_key_frames_to_divide_it_at_is_one_part(tmp_path):
     path = film(tmp_path / 'a.mp4', 'mpeg4')
-    part, = pieces.divide(path, frames=50)
-    assert part.frames == COUNT and plain(pieces.read(path, part)) == plain(VideoFrames(path))
+    part, = parts.divide(path, frames=50)
+    assert part.frames == COUNT and plain(parts.read(path, part).read()) == plain(FilmFrames(path))
 
 
 def test_of_a_truncated_film_the_one_part_says_so(tmp_path):
     path = tmp_path / 'a.avi'
     content = open(film(path, 'mjpeg'), 'rb').read()
     path.write_bytes(content[:len(content) // 2])
-    part, = pieces.divide(str(path), frames=10)
+    part, = parts.divide(str(path), frames=10)
     with pytest.raises(UserError, match='breaks off after'):
-        list(pieces.read(str(path), part))
+        list(parts.read(str(path), part).read())
 
 
 def test_what_is_no_recording_is_refused(tmp_path):
     (tmp_path / 'a.mp4').write_bytes(bytes(999))
     with pytest.raises(UserError, match='cannot play'):
-        pieces.divide(str(tmp_path / 'a.mp4'))
+        parts.divide(str(tmp_path / 'a.mp4'))
 
 
 def test_images_keep_their_limit(tmp_path):
     path = film(tmp_path / 'a.avi', 'mjpeg')
     with pytest.raises(UserError, match='pixels'):
-        pieces.divide(path, max_pixels=96 * 64 - 1)
-    assert np.array_equal(next(pieces.read(path, pieces.divide(path, frames=10)[1])).image,
-                          list(VideoFrames(path))[10].image)
+        parts.divide(path, max_pixels=96 * 64 - 1)
+    assert np.array_equal(next(parts.read(path, parts.divide(path, frames=10)[1]).read()).image,
+                          list(FilmFrames(path))[10].image)

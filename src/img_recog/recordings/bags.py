@@ -1,33 +1,28 @@
-"""Reads the frames of a bag."""
+"""The images in a bag, as frames."""
 import os
-import shlex
-import struct
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, List, NamedTuple, Optional
 
 import genpy
 import numpy as np
-import rosbag
-from sensor_msgs.msg import CompressedImage, Image
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 from img_recog.conversions import compressed_image_msgs, image_msgs
 from img_recog.conversions.image_msgs import ImageError
 from img_recog.errors import UserError, one_line
-from img_recog.replay.chain import SECOND_NS, Frame
-from img_recog.replay.inputs import DEFAULT_TOPICS, WANTED, is_bag
+from img_recog.recordings.bag_file import DAMAGE_ERRORS, damaged, open_bag
+from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part
+from img_recog.recordings.names import DEFAULT_TOPICS, is_bag
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 if TYPE_CHECKING:
-    from img_recog.replay.camera_infos import CameraInfos
+    from img_recog.recordings.camera_infos import CameraInfos
 
 _MAX_GAP_S = 3600           # between two stamps
 _COMPRESSED = '/compressed'     # added by image_transport
 _MESSAGE_TYPES = {message_type._type: message_type for message_type in (Image, CompressedImage)}
 _RECORD_ADVICE = 'record one with images: rosbag record ' + DEFAULT_TOPICS[0]
-# raised by rosbag and genpy when they read a damaged file
-DAMAGE_ERRORS = (rosbag.ROSBagException, genpy.MessageException, struct.error, OSError, EOFError,
-                 RuntimeError, ValueError, KeyError, AttributeError, TypeError)
 
 
 class Decoded(NamedTuple):
@@ -37,44 +32,44 @@ class Decoded(NamedTuple):
     encoding: str
 
 
-class BagFrames:
+class BagFrames(Frames):
     """The images on one topic of a bag, at the times of their stamps.
 
     bag: open until all images were read; topic: of the images; message_type: class of their
-    messages; decode: returns the Decoded of a message, raises ImageError.
-    expected, period_ns, warnings: as in VideoFrames. The period is the mean of all periods; it and
-    the warnings are known after the last frame.
+    messages; period_ns: the mean of all periods, known after the last frame.
     """
 
-    def __init__(self, path: str, topic: str = '', max_pixels: int = DEFAULT_MAX_PIXELS):
+    def __init__(self, path: str, topic: str = '', max_pixels: int = DEFAULT_MAX_PIXELS,
+                 part: Optional[Part] = None):
         """Open a bag.
 
         topic: topic of the images; if empty, one of DEFAULT_TOPICS or the only topic with images.
-        max_pixels: compressed images with more pixels are skipped.
+        max_pixels: images with more pixels are skipped. part: to read only this one; it has the
+        topic.
         Raises UserError if the file cannot be read as a bag or has no such images.
         """
-        self._path = path
-        self.bag = open_bag(path)
+        self._part = part
+        self.bag = open_bag(path, max_pixels)
         try:
-            types = self._image_topics()
-            self.topic = _choose_topic(path, types, topic)
+            types = self._image_topics(path)
+            self.topic = _choose_topic(path, types, part.topic if part else topic)
         except UserError:
             self.bag.close()
             raise
+        super().__init__(path, self.topic)
         self.message_type: type = _MESSAGE_TYPES[types[self.topic]]
-        self.decode: Callable[[Any], Decoded] = _decode_raw
-        if self.message_type is not Image:
-            self.decode = partial(_decode_compressed, max_pixels=max_pixels)
-        self.expected = self.bag.get_message_count(self.topic)
+        self._decode: Callable[[Any], Decoded] = partial(
+            _decode_raw if self.message_type is Image else _decode_compressed,
+            max_pixels=max_pixels)
+        self.expected = part.frames if part else self.bag.get_message_count(self.topic)
         self.period_ns = 0
-        self.warnings: List[str] = []
 
-    def _image_topics(self) -> Dict[str, str]:
+    def _image_topics(self, path: str) -> Dict[str, str]:
         """Return the message types of the topics whose messages are images as defined here."""
         try:
             types, topics = self.bag.get_type_and_topic_info()
         except DAMAGE_ERRORS as error:
-            raise damaged(self._path, error)
+            raise damaged(path, error)
         return {name: topic.msg_type for name, topic in sorted(topics.items())
                 if topic.msg_type in _MESSAGE_TYPES
                 and types[topic.msg_type] == _MESSAGE_TYPES[topic.msg_type]._md5sum}
@@ -85,47 +80,57 @@ class BagFrames:
         To be called before iterating. Raises UserError if the bag is damaged.
         """
         # imported here because few need it
-        from img_recog.replay.camera_infos import recorded
+        from img_recog.recordings.camera_infos import recorded
         images = self.topic[:-len(_COMPRESSED)] if self.topic.endswith(_COMPRESSED) else self.topic
         topic = images.rpartition('/')[0] + '/camera_info'
         try:
-            return recorded(self.bag.read_messages(topic, raw=True))
+            return recorded(self.bag.messages({topic: CameraInfo}))
         except DAMAGE_ERRORS as error:
-            raise damaged(self._path, error)
+            raise damaged(self.path, error)
 
-    def __iter__(self) -> Iterator[Frame]:
+    def read(self) -> Iterator[Frame]:
         """Yield the usable images, in the order of the recording.
 
-        Raises UserError if the bag is damaged, its stamps jump, or no image is usable.
+        Raises UserError if the bag is damaged or its stamps jump.
         """
-        used, skipped = 0, []
+        first = number = self._part.first if self._part else 0
         first_ns = last_ns = 0
-        for number, (msg, stamp_ns) in enumerate(self._messages()):
-            if number == 0:
-                first_ns = stamp_ns
-            else:
-                self.check_gap(number, last_ns, stamp_ns)
-            last_ns = stamp_ns
-            try:
-                decoded = self.decode(msg)
-            except ImageError as error:
-                skipped.append('message {}: {}'.format(number, error))
-                continue
-            header = Header(msg.header.seq, msg.header.stamp, msg.header.frame_id)
-            yield Frame(number, stamp_ns, header, *decoded)
-            used += 1
-        self._report_skipped(used, skipped)
-        self.period_ns = round((last_ns - first_ns) / max(1, used + len(skipped) - 1))
+        with self.bag:
+            for number, (msg, stamp_ns) in enumerate(self._messages(), first):
+                if number == first:
+                    first_ns = stamp_ns
+                else:
+                    self.check_gap(number, last_ns, stamp_ns)
+                last_ns = stamp_ns
+                decoded = self.decoded(number, msg)
+                if decoded is not None:
+                    header = Header(msg.header.seq, msg.header.stamp, msg.header.frame_id)
+                    yield Frame(number, stamp_ns, header, *decoded)
+        self.period_ns = round((last_ns - first_ns) / max(1, number - first))
 
-    def _messages(self) -> Iterator[Tuple[Any, int]]:
-        """Yield each message and its stamp in ns, or its time of recording if the stamp is 0."""
+    def decoded(self, number: int, msg: Any) -> Optional[Decoded]:
+        """Return the image of a message, or note why it cannot be used and return None."""
         try:
-            for _, msg, time in self.bag.read_messages(self.topic):
+            found = self._decode(msg)
+        except ImageError as error:
+            self.note(skipped=1, first='message {}: {}'.format(number, error))
+            return None
+        self.note(used=1)
+        return found
+
+    def times_ns(self) -> List[int]:
+        """Return when each image was recorded; no chunk is read."""
+        return self.bag.times_ns({self.topic: self.message_type})
+
+    def _messages(self) -> Iterator[Any]:
+        """Yield each message and its stamp in ns, or its time of recording if the stamp is 0."""
+        ends = [genpy.Time(*divmod(time_ns, SECOND_NS)) for time_ns in (
+            self._part.begin_ns, self._part.end_ns)] if self._part else []
+        try:
+            for _, msg, time, _ in self.bag.messages({self.topic: self.message_type}, *ends):
                 yield msg, (msg.header.stamp or time).to_nsec()
         except DAMAGE_ERRORS as error:
-            raise damaged(self._path, error)
-        finally:
-            self.bag.close()
+            raise damaged(self.path, error)
 
     def check_gap(self, number: int, last_ns: int, stamp_ns: int) -> None:
         """Raise UserError if the times of message `number` and the one before it jump."""
@@ -133,16 +138,8 @@ class BagFrames:
         if not 0 <= gap_s <= _MAX_GAP_S:
             raise UserError(
                 'the times of {} in {} jump {} by {:g} s at message {}'.format(
-                    self.topic, self._path, 'back' if gap_s < 0 else 'ahead', abs(gap_s), number),
+                    self.topic, self.path, 'back' if gap_s < 0 else 'ahead', abs(gap_s), number),
                 'extract a part without jumps by rosbag filter')
-
-    def _report_skipped(self, used: int, skipped: List[str]) -> None:
-        if not used:
-            raise UserError('no image on {} in {} can be used; {}'.format(
-                self.topic, self._path, skipped[0] if skipped else 'there is no message'))
-        if skipped:
-            self.warnings.append('{} of {} images on {} cannot be used; the first is {}'.format(
-                len(skipped), used + len(skipped), self.topic, skipped[0]))
 
 
 def check_bag(path: str, task: str, advice: str) -> None:
@@ -159,23 +156,6 @@ def check_bag(path: str, task: str, advice: str) -> None:
     if not is_usable:
         raise UserError('cannot {} {}: {}'.format(
             task, path, 'it is not a bag' if os.path.exists(path) else 'no such file'), advice)
-
-
-def open_bag(path: str) -> rosbag.Bag:
-    """Return a bag; raise UserError if it cannot be read."""
-    try:
-        return rosbag.Bag(path)
-    except rosbag.ROSBagUnindexedException:
-        raise UserError('the bag {} has no index; its recording was probably interrupted'.format(
-            path), 'create the index: rosbag reindex {}'.format(shlex.quote(path)))
-    except DAMAGE_ERRORS as error:
-        raise UserError('cannot read {} as a bag: {}'.format(path, one_line(error)), WANTED)
-
-
-def damaged(path: str, error: Exception) -> UserError:
-    """Return the error for a bag that cannot be read to its end."""
-    return UserError('the bag {} is damaged: {}'.format(path, one_line(error)),
-                     'try rosbag reindex, or record it again')
 
 
 def _choose_topic(path: str, types: Dict[str, str], topic: str) -> str:
@@ -201,9 +181,9 @@ def _choose_topic(path: str, types: Dict[str, str], topic: str) -> str:
         path, DEFAULT_TOPICS[0], available), 'choose one of them with --topic')
 
 
-def _decode_raw(msg: Any) -> Decoded:
+def _decode_raw(msg: Any, max_pixels: int) -> Decoded:
     # a new ColorImages for each: frames are read ahead and must not share a buffer
-    return Decoded(*image_msgs.ColorImages().from_msg(msg))
+    return Decoded(*image_msgs.ColorImages(max_pixels).from_msg(msg))
 
 
 def _decode_compressed(msg: Any, max_pixels: int) -> Decoded:

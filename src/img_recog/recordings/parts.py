@@ -3,7 +3,7 @@
 The parts of a recording give all its frames, each once, wherever it is divided.
 """
 import contextlib
-from typing import Iterator, List, NamedTuple, Optional, Tuple
+from typing import Iterator, List, Optional, Sequence, Tuple
 
 import genpy
 import numpy as np
@@ -14,37 +14,19 @@ from img_recog.camera.decoder import Decoder
 from img_recog.camera.pacing import FrameTimes
 from img_recog.camera.settings import CameraSettings
 from img_recog.camera.source import FrameSkipped, check_size
-from img_recog.conversions.image_msgs import ImageError
-from img_recog.replay.bags import DAMAGE_ERRORS, BagFrames, damaged
-from img_recog.replay.chain import SECOND_NS, Frame
-from img_recog.replay.inputs import VideoFrames, is_bag
+from img_recog.recordings.bags import BagFrames
+from img_recog.recordings.films import FilmFrames
+from img_recog.recordings.frames import SECOND_NS, Frame, Frames, Part, Remarks
+from img_recog.recordings.names import is_bag
 from img_recog.still_images import DEFAULT_MAX_PIXELS
 
 FRAMES = 500        # of a part, at least, so that opening the file hardly counts
 _COMPLETE = 0.98    # of the frames that a film states; else the whole film tells what is wrong
 
 
-class Part(NamedTuple):
-    """A part of a recording.
-
-    first: number of its first frame; frames: how many it has, 0 if unknown.
-    In a bag, topic: of the images; begin_ns, end_ns: when the first and the last one was recorded.
-    In a film, ticks: the times of its frames in the unit of the stream; stamps_ns: their stamps.
-    Both are empty for a whole film.
-    """
-
-    first: int
-    frames: int
-    topic: str = ''
-    begin_ns: int = 0
-    end_ns: int = 0
-    ticks: Tuple[int, ...] = ()
-    stamps_ns: Tuple[int, ...] = ()
-
-
 def divide(path: str, topic: str = '', frames: int = FRAMES,
            max_pixels: int = DEFAULT_MAX_PIXELS) -> List[Part]:
-    """Return the parts of a film or a bag.
+    """Return the parts of a film, a bag or an image.
 
     topic: of the images in a bag, as for BagFrames. frames: how many a part has, at least.
     A film without key frames or without times is one part.
@@ -55,27 +37,35 @@ def divide(path: str, topic: str = '', frames: int = FRAMES,
     return _divide_film(path, frames, max_pixels)
 
 
-def read(path: str, part: Part, max_pixels: int = DEFAULT_MAX_PIXELS) -> Iterator[Frame]:
-    """Yield the usable frames of a part, as those of the whole recording.
+def read(path: str, part: Part, max_pixels: int = DEFAULT_MAX_PIXELS) -> Frames:
+    """Return the frames of a part, as those of the whole recording.
 
-    Raises UserError if they cannot be read.
+    To be read by `Frames.read`: a part may have no frame that can be used.
+    Raises UserError if the recording cannot be read.
     """
     if is_bag(path):
-        return _read_bag(path, part, max_pixels)
-    if not part.ticks:
-        return iter(VideoFrames(path, max_pixels))
-    return _read_film(path, part, max_pixels)
+        return BagFrames(path, '', max_pixels, part)
+    return _FilmPart(path, part, max_pixels) if part.ticks else FilmFrames(path, max_pixels)
+
+
+def first(path: str, parts: Sequence[Part], max_pixels: int = DEFAULT_MAX_PIXELS) -> Frame:
+    """Return the first usable frame of a recording; raise UserError if there is none."""
+    remarks = Remarks()
+    for part in parts:
+        frames = read(path, part, max_pixels)
+        for frame in frames.read():
+            return frame
+        remarks = remarks.plus(frames.remarks)
+    remarks.lines(path)     # raises
+    raise AssertionError
 
 
 def _divide_bag(path: str, topic: str, frames: int, max_pixels: int) -> List[Part]:
     source = BagFrames(path, topic, max_pixels)
-    with source.bag as bag:
-        try:
-            # of the index, which is in memory: no chunk is read
-            times = [entry.time.to_nsec()
-                     for entry in bag._get_entries(list(bag._get_connections([source.topic])))]
-        except DAMAGE_ERRORS as error:
-            raise damaged(path, error)
+    with source.bag:
+        times = source.times_ns()
+    if not times:
+        return [Part(0, 0, source.topic)]
     starts = _starts([number for number in range(len(times))
                       if number == 0 or times[number] > times[number - 1]], len(times), frames)
     return [Part(start, end - start, source.topic, times[start], times[end - 1])
@@ -91,25 +81,8 @@ def _starts(possible: List[int], count: int, frames: int) -> List[int]:
     return starts
 
 
-def _read_bag(path: str, part: Part, max_pixels: int) -> Iterator[Frame]:
-    source = BagFrames(path, part.topic, max_pixels)
-    ends = [genpy.Time(*divmod(time_ns, SECOND_NS)) for time_ns in (part.begin_ns, part.end_ns)]
-    with source.bag as bag:
-        try:
-            for number, (_, msg, time) in enumerate(bag.read_messages(part.topic, *ends),
-                                                    part.first):
-                try:
-                    decoded = source.decode(msg)
-                except ImageError:
-                    continue
-                header = Header(msg.header.seq, msg.header.stamp, msg.header.frame_id)
-                yield Frame(number, (msg.header.stamp or time).to_nsec(), header, *decoded)
-        except DAMAGE_ERRORS as error:
-            raise damaged(path, error)
-
-
 def _divide_film(path: str, frames: int, max_pixels: int) -> List[Part]:
-    whole = VideoFrames(path, max_pixels)       # refuses what cannot be played
+    whole = FilmFrames(path, max_pixels)       # refuses what cannot be played
     whole.close()
     one = [Part(0, whole.expected)]
     if 0 < whole.expected < 2 * frames:
@@ -148,16 +121,28 @@ def _stamps_ns(path: str, times: List[int]) -> List[int]:
         return [round(clock.next_s(decoder.seconds(ticks)) * SECOND_NS) for ticks in times]
 
 
-def _read_film(path: str, part: Part, max_pixels: int) -> Iterator[Frame]:
-    index_of = {ticks: index for index, ticks in enumerate(part.ticks)}
-    frame_id = CameraSettings().camera_frame_id
-    for ticks, image in _decoded(path, part):
-        index = index_of.get(ticks)
-        if index is not None:
-            check_size('cannot read ' + path, image.shape[1], image.shape[0], max_pixels)
-            stamp_ns = part.stamps_ns[index]
-            header = Header(part.first + index, genpy.Time(*divmod(stamp_ns, SECOND_NS)), frame_id)
-            yield Frame(part.first + index, stamp_ns, header, image, 'rgb8')
+class _FilmPart(Frames):
+    """A part of a film."""
+
+    def __init__(self, path: str, part: Part, max_pixels: int):
+        super().__init__(path)
+        self._part, self._max_pixels = part, max_pixels
+        self.expected, self.period_ns = part.frames, 0
+
+    def read(self) -> Iterator[Frame]:
+        """Yield the frames that are in the part."""
+        part, frame_id = self._part, CameraSettings().camera_frame_id
+        index_of = {ticks: index for index, ticks in enumerate(part.ticks)}
+        for ticks, image in _decoded(self.path, part):
+            index = index_of.get(ticks)
+            if index is not None:
+                check_size('cannot read ' + self.path, image.shape[1], image.shape[0],
+                           self._max_pixels)
+                self.note(used=1)
+                stamp_ns = part.stamps_ns[index]
+                header = Header(part.first + index, genpy.Time(*divmod(stamp_ns, SECOND_NS)),
+                                frame_id)
+                yield Frame(part.first + index, stamp_ns, header, image, 'rgb8')
 
 
 def _decoded(path: str, part: Part) -> Iterator[Tuple[int, np.ndarray]]:

@@ -1,0 +1,76 @@
+"""Recordings as users name them: films, bags and images, also by folders and patterns."""
+import argparse
+import glob
+import mimetypes
+import os
+from typing import Callable, List, Sequence
+
+from img_recog import still_images
+from img_recog.camera.image_source import files_in, is_image
+from img_recog.camera.selection import open_file
+from img_recog.camera.source import SourceError, SourceTooLarge
+from img_recog.errors import UserError, shortened
+
+DEFAULT_TOPICS = ('/usb_cam/image_raw', '/usb_cam/image_raw/compressed')
+_ADVICE = 'give films, bags or images, folders with them, or patterns like "*.bag"'
+_MAGIC, _BAG = b'#ROSBAG', '.bag'
+
+
+def add_to(parser: argparse.ArgumentParser) -> None:
+    """Add the options that say which recordings are read, and how."""
+    parser.add_argument('recordings', metavar='RECORDING', nargs='+',
+                        help='films, bags, images, folders with them, or patterns like "*.bag"')
+    add_topic(parser)
+    still_images.add_option(parser)
+
+
+def add_topic(parser: argparse.ArgumentParser) -> None:
+    """Add the option --topic."""
+    parser.add_argument('--topic', default='', help='topic of the images in a bag (default: {}, '
+                        'or the only topic with images)'.format(' or '.join(DEFAULT_TOPICS)))
+
+
+def expand(names: Sequence[str], warn: Callable[[str], None] = lambda _: None) -> List[str]:
+    """Return the paths of the recordings that names mean, each once, in the order of the names.
+
+    names: of files, of folders, for all films, bags and images in them, or patterns of glob.
+    warn: called with a line for each folder in which there is anything else.
+    Raises UserError for a name that means none.
+    """
+    found: List[str] = []
+    for name in names:
+        name = os.path.expanduser(name)
+        reason, left_out = 'no such file', ''
+        if os.path.isdir(name):
+            reason = 'there is no recording in it'
+            paths, left_out = files_in(name, _is_recording)
+        elif os.path.exists(name):
+            reason = 'it is not a file'
+            paths = [name] if os.path.isfile(name) else []
+        else:
+            paths = sorted(path for path in glob.glob(name, recursive=True)
+                           if os.path.isfile(path))
+        if not paths:
+            raise UserError('cannot read {}: {}'.format(shortened(name), reason), _ADVICE)
+        if left_out:
+            warn(left_out)
+        found += paths
+    return list({os.path.realpath(path): path for path in reversed(found)}.values())[::-1]
+
+
+def is_bag(path: str) -> bool:
+    """Return whether a file is a bag, by its first bytes or by its name."""
+    with open(path, 'rb') as file:
+        return file.read(len(_MAGIC)) == _MAGIC or path.endswith(_BAG)
+
+
+def _is_recording(path: str) -> bool:
+    # by its name, so that one that is damaged is not left out but named as such
+    kind = mimetypes.guess_type(path)[0] or ''
+    if is_image(path) or path.endswith(_BAG) or kind.startswith('video/'):
+        return True
+    try:
+        open_file(path, 1.0, loop=False).close()
+    except SourceError as error:
+        return isinstance(error, SourceTooLarge) or os.access(path, os.R_OK) and is_bag(path)
+    return True
