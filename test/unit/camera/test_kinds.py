@@ -11,11 +11,11 @@ import av
 import numpy as np
 import pytest
 
-from img_recog.camera.image_source import ImageSource, read_image
+from img_recog.camera.image_source import ImageSource
 from img_recog.camera.selection import open_file
 from img_recog.camera.source import SourceEnded, SourceError
 from img_recog.errors import UserError
-from img_recog.replay.inputs import VideoFrames
+from img_recog.recordings.films import FilmFrames
 
 PAGE = os.path.join(os.path.dirname(__file__), '../../../doc/camera.md')
 H264 = '-c:v libx264 -pix_fmt yuv420p '
@@ -165,15 +165,15 @@ def by_ffmpeg(path, shape):
 
 
 def of_camera(path):
-    """Return the frames that the camera node publishes, and whether they are of a film."""
+    """Return the frames that the camera node publishes."""
     source, images = open_file(path, 30.0, loop=False), []
     try:
         if isinstance(source, ImageSource):
-            return [source.read()], False
+            return [source.read()]
         while True:
             images.append(source.read())
     except SourceEnded:
-        return images, True
+        return images
     finally:
         source.close()
 
@@ -184,15 +184,14 @@ def compared(path):
     Both are empty if the file is refused.
     """
     try:
-        images, is_film = of_camera(path)
+        images = of_camera(path)
     except SourceError as error:
         if 'it has no decoder' in str(error) and not is_same_ffmpeg():
             pytest.skip(str(error))
         with pytest.raises(UserError, match='neither a video nor an image'):
-            VideoFrames(path)
+            FilmFrames(path)
         return 'refused', ''
-    others = [frame.image for frame in VideoFrames(path)] if is_film else [
-        read_image(path)[..., ::-1]]
+    others = [frame.image for frame in FilmFrames(path)]
     assert np.array_equal(np.array(images), np.array(others))
     expected = by_ffmpeg(path, images[0].shape)
     difference = np.abs(np.array(images, int)[:len(expected)] - expected[:len(images)])

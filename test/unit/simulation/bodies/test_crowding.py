@@ -16,7 +16,8 @@ HERE = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 
 def world_of(tmp_path, *poses):
     """Return a world with a crate at each pose."""
     path = tmp_path / 'crates.world'
-    path.write_text(sdf(*map(CRATE.format, poses)))
+    path.write_text(sdf(*(CRATE.format(pose).replace('"crate"', '"crate{}"'.format(number))
+                          for number, pose in enumerate(poses))))
     return World(PhysicsSettings(), world_file.read(str(path), {}), connect())
 
 
@@ -36,11 +37,11 @@ def test_a_step_that_takes_seconds_is_said_before(tmp_path):
     world = world_of(tmp_path, *['0 0 5 0 0 0'] * 40)
     assert world.crowded == (
         'the next step of the physics takes about 1 s: bodies touch or overlap in many points, '
-        'crate in 156, crate in 156, crate in 156')
+        'crate0 in 156, crate1 in 156, crate2 in 156')
 
 
 @pytest.mark.parametrize('count, words', [
-    (70, 'bodies touch or overlap in many points, crate in 276, crate in 276, crate in 276'),
+    (70, 'bodies touch or overlap in many points, crate0 in 276, crate1 in 276, crate2 in 276'),
     (200, 'more than 10000 pairs of bodies are in one place')])
 def test_a_world_whose_first_step_takes_too_long_is_refused(tmp_path, count, words):
     with pytest.raises(SimulationError) as error:
