@@ -123,7 +123,7 @@ def _moved(objective: Objective, edges: np.ndarray, least: float, sign: int,
             moved = moved[[abs(each[side] - start[side]) <= most[axis] and _is_box(each)
                            for each in moved]]
             scores = objective.scores_along(
-                axis, edges, _normal(moved)[:, 2 * axis:2 * axis + 2].T)
+                axis, _normal(edges), _normal(moved)[:, 2 * axis:2 * axis + 2].T)
             good = int(np.logical_and.accumulate(scores >= least).sum())
             edges[side] += good * step
             if good < _MARGIN_STEP[axis]:

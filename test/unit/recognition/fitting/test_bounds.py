@@ -84,6 +84,15 @@ def test_bounds_through_zero():
     assert fit.box.hue == (166, 11) and fit.score == (800, 0, 0)
 
 
+@pytest.mark.parametrize('first', [0, 3, 176])
+def test_bounds_of_hues_near_zero_do_not_take_in_brighter_pixels(first):
+    hues = [(first, min(first + 8, 180))] + [(0, first + 8 - 180)] * (first > 172)
+    card = counts(*(((low, end), (180, 190), (30, 40)) for low, end in hues))
+    wall = counts(*(((low, end), (180, 190), (90, 160)) for low, end in hues))
+    fit, = bounds.fits('dark', Sampled(card, wall))
+    assert fit.score == (800, 0, 0) and fit.box.value == (15, 64)
+
+
 def test_a_few_stray_pixels_do_not_widen_the_bounds():
     card = counts(CARD)
     card[0, 255, 255] = UNIT
