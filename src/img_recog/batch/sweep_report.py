@@ -143,8 +143,10 @@ def _draw_cells(axes: Axes, sweep: Sweep, ended: Sequence[Ended]) -> None:
         for x, column in enumerate(columns):
             axes.text(x, y, _rate(_in(sweep, ended, row, column)).replace(' (', '\n('),
                       ha='center', va='center')
-    axes.set_xticks(range(len(columns)), columns, rotation=20)
-    axes.set_yticks(range(len(rows)), rows)
+    axes.set_xticks(range(len(columns)))     # labels in the same call need matplotlib 3.5
+    axes.set_xticklabels(columns, rotation=20)
+    axes.set_yticks(range(len(rows)))
+    axes.set_yticklabels(rows)
     axes.set_title('Success rate: {}'.format(' / '.join(sweep.cells)))
 
 

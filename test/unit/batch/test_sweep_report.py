@@ -1,0 +1,32 @@
+"""The picture of a sweep."""
+import io
+from types import SimpleNamespace
+
+from matplotlib.axes import Axes
+
+from img_recog.batch import sweep_report
+from img_recog.batch.sweep_file import Choice, Range, Run, Success, Sweep, SweepSettings
+from img_recog.batch.sweep_report import Ended
+
+CHOICES = Choice('light', {'dim': {}, 'lamp': {}}), Choice('speed', {'1': {}, '2': {}})
+
+
+def test_the_picture_is_drawn_by_what_the_matplotlib_of_ubuntu_20_04_has(monkeypatch):
+    labels = {}
+    for name in ('set_xticks', 'set_yticks', 'set_xticklabels', 'set_yticklabels'):
+        def with_arguments_of_3_1(axes, values, minor=False, name=name, method=getattr(Axes, name),
+                                  **text):
+            labels.setdefault(name, list(values))
+            assert not text or 'labels' in name
+            return method(axes, values, minor=minor, **text)
+        monkeypatch.setattr(Axes, name, with_arguments_of_3_1)
+    runs = [Run('run#{}'.format(number), {'light': light, 'speed': speed}, 1, {'x_pos': number / 7})
+            for number, (light, speed) in enumerate(
+                (light, speed) for light in ('dim', 'lamp') for speed in '12')]
+    ended = [Ended(run, SimpleNamespace(problem='', value=SimpleNamespace(reason=reason)))
+             for run, reason in zip(runs, ('reached', 'time') * 2)]
+    file = io.BytesIO()
+    sweep_report.draw(file, 'a', Sweep(SweepSettings(), Success(0.5), {'x_pos': Range(0, 1)},
+                                       CHOICES, ('light', 'speed')), ended)
+    assert file.getvalue().startswith(b'\x89PNG')
+    assert (labels['set_xticklabels'], labels['set_yticklabels']) == (['1', '2'], ['dim', 'lamp'])
