@@ -5,6 +5,7 @@ import signal
 import sys
 import xml.etree.ElementTree as ET
 
+import av
 import pytest
 
 from img_recog_testing import process_table
@@ -178,6 +179,33 @@ def test_passes(simulation, name):
     simulation(camera='none', name=name)
 ''') == {'test_passes[test_other]': '', 'test_passes[test_mine]': ''}
     assert not [*kept.glob('test_other*')] and (kept / 'test_mine.log').exists()
+
+
+def test_the_film_shows_the_colors_of_the_test(workspace):
+    package, _ = workspace
+    bounds = {'hue': (0, 180), 'saturation': (0, 255), 'value': (0, 255)}
+    (package / 'all.yaml').write_text('colors: [all]\n' + ''.join(
+        'all_{}_{}: {}\n'.format(part, side, bound) for part, both in bounds.items()
+        for side, bound in zip(('min', 'max'), both)))
+    outcomes = run_pytest(workspace, '''
+import os, pytest
+
+@pytest.mark.parametrize('arguments', [
+    dict(colors=os.path.abspath('all.yaml'), name='all'), dict(name='article')])
+def test_fails(simulation, arguments):
+    sim = simulation(recognition=True, {}, **arguments)
+    sim.image()
+    sim.step(0.2)
+    assert not 'as it should'
+'''.format(SMALL))
+    assert len(outcomes) == 2 and all('as it should' in each for each in outcomes.values())
+    black = {}
+    for name in ('all', 'article'):
+        with av.open(str(package / 'results' / (name + '.mp4'))) as film:
+            *_, last = (frame.to_ndarray(format='gray') for frame in film.decode(video=0))
+        black[name] = (last < 16).mean()
+    # all that a mask leaves out is black; the article's two colors leave out most of the image
+    assert black['all'] < 0.01 and black['article'] > 0.05
 
 
 def test_in_a_rostest(workspace):

@@ -5,7 +5,7 @@ import re
 import sys
 import time
 from collections import deque
-from typing import Deque, List, NamedTuple, Optional, Sequence
+from typing import Deque, Iterable, List, NamedTuple, Optional, Sequence
 
 import cv2
 import numpy as np
@@ -14,8 +14,11 @@ from sensor_msgs.msg import Image
 from img_recog import files
 from img_recog.conversions import image_msgs
 from img_recog.errors import UserError, one_line
-from img_recog.recognition.settings import with_colors
+from img_recog.recognition.parameter_file import COLORS
+from img_recog.recognition.settings import (DEFAULT_COLORS, RecognitionSettings, color_names,
+                                            with_colors)
 from img_recog.replay.film import Film
+from img_recog.ros import parameters
 from img_recog.testing.topics import Pose
 
 _PERIOD_S, _FILM_S = 0.1, 30.0      # simulated, between two samples, and of a film
@@ -88,10 +91,11 @@ class Samples:
             jpeg = cv2.imencode('.jpg', small)[1]
         self._samples.append(Sample(pose, asked, jpeg))
 
-    def write_film(self, path: str, outlines: Sequence[np.ndarray]) -> None:
+    def write_film(self, path: str, outlines: Sequence[np.ndarray],
+                   colors: RecognitionSettings) -> None:
         """Write a film. Raises UserError, also if there are no samples.
 
-        outlines: of what stands in the world, (corners, 2) in m.
+        outlines: of what stands in the world, (corners, 2) in m. colors: that are recognized.
         """
         samples = list(self._samples)
         # time has been reset, or gone back, since then
@@ -102,7 +106,7 @@ class Samples:
             raise UserError('no film: there was no odometry')
         image = np.zeros((240, _MAX_WIDTH, 3), np.uint8)
         with files.atomic_write([path], _ADVICE) as (file,), \
-                Film(file, with_colors()(), outlines, path) as film:
+                Film(file, colors, outlines, path) as film:
             for pose, asked, jpeg in samples:
                 if jpeg is not None:
                     image = cv2.imdecode(jpeg, cv2.IMREAD_COLOR)
@@ -110,6 +114,15 @@ class Samples:
                 film.picture.asked, film.picture.driven = asked, pose.linear
                 film.add(pose.time_s - samples[0].pose.time_s, image, 'bgr8')
             film.close(samples[-1].pose.time_s - samples[0].pose.time_s)
+
+
+def colors_of(nodes: Iterable[str]) -> RecognitionSettings:
+    """Return the colors of the first of the nodes that recognizes some; none if no node does."""
+    for node in nodes:
+        if 'min_blob_size' in parameters.names_in(node):    # color_extract writes what it uses
+            names = parameters.read_one(COLORS, list(DEFAULT_COLORS), color_names, node)
+            return parameters.read(with_colors(names), namespace=node)
+    return with_colors(())()
 
 
 def write_picture(path: str, msg: Image) -> None:

@@ -89,6 +89,10 @@ class Running:
         """Return the nodes that publish a topic."""
         return dict(self._session.master.call('getSystemState')[0]).get(topic, [])
 
+    def nodes(self) -> List[str]:
+        """Return the names of the nodes that were started, also by others of them, in order."""
+        return sorted(set(self._session.nodes()) - self._known)
+
     def types(self) -> Dict[str, str]:
         """Return the types of all topics that are published, by their names."""
         return dict(self._session.master.call('getPublishedTopics', ''))
@@ -185,7 +189,7 @@ class Running:
             self.topics.close()
             self._step.close()
             self._caller.shutdown()
-            self._session.forget(set(self._session.nodes()) - self._known)
+            self._session.forget(self.nodes())
             self._session.restore(self._parameters)
         finally:
             self._folder.cleanup()

@@ -226,13 +226,16 @@ class Simulation:
         topics, path = self._all.topics, self._evidence
         log, image = self.log, topics.newest(_CAMERA)
         view, outlines = self._view(), topics.newest(_OUTLINES)
+        robot = self._commands.rpartition('/')[0] + '/'
+        nodes = [name for name in self._all.nodes() if name.startswith(robot)]
         kept = []
         for suffix, write in zip(evidence.SUFFIXES, (
                 lambda path: evidence.write_log(path, log),
                 image and (lambda path: evidence.write_picture(path, image)),
                 view and (lambda path: evidence.write_picture(path, view)),
                 lambda path: self._samples.write_film(
-                    path, plane_msgs.outlines_from_msg(outlines) if outlines else []))):
+                    path, plane_msgs.outlines_from_msg(outlines) if outlines else [],
+                    evidence.colors_of(nodes)))):
             try:
                 if write:
                     write(path + suffix)
