@@ -11,13 +11,13 @@ from img_recog.batch import options as batch_options
 from img_recog.batch.engine import Engine, Outcome
 from img_recog.batch.fit_options import parse
 from img_recog.batch.fit_pieces import FIT, Source
-from img_recog.batch.fit_report import Report
+from img_recog.batch.fit_report import Refused, Report
 from img_recog.batch.fit_settings import BaseSettings
 from img_recog.batch.work import Piece
 from img_recog.errors import UserError, one_line
 from img_recog.recognition.fitting import bounds, sample_file, samples
 from img_recog.recognition.fitting.bounds import Fit
-from img_recog.recognition.fitting.histograms import Counter, Histograms, of_color
+from img_recog.recognition.fitting.histograms import Counter, Histograms, is_labeled, of_color
 from img_recog.recognition.fitting.limits import BLOB_SIZES
 from img_recog.recognition.fitting.samples import SampleError, Samples
 from img_recog.recordings import names, parts
@@ -109,9 +109,12 @@ class _Fitting:
                 sizes = tuple(sorted({*BLOB_SIZES, self._base.min_blob_size}))
                 with self._outcomes(fit_pieces.measure, (candidates, sizes),
                                     '.measure') as measured:
-                    return report.write(self._base, fits, sizes, self._recorded,
-                                        self._good(measured), self._histograms, self.broken,
-                                        self.remarks)
+                    try:
+                        return report.write(self._base, fits, sizes, self._recorded,
+                                            self._good(measured), self._histograms, self.broken,
+                                            self.remarks)
+                    except Refused as error:
+                        failure = error
         raise failure
 
     def _divided(self, paths: Sequence[str]) -> Iterator[Recorded]:
@@ -143,9 +146,22 @@ class _Fitting:
 
     def _fits(self, counted: Iterable[Outcome]) -> Dict[str, List[Fit]]:
         self._histograms = self._summed(counted)
-        return {color: bounds.fits(color, of_color(self._histograms, color),
-                                   self._options.objective)
-                for color in self._sets[FIT].colors}
+        return {color: self._fits_of(color) for color in self._sets[FIT].colors}
+
+    def _fits_of(self, color: str) -> List[Fit]:
+        """Return the bounds of a color to choose from; raise UserError if there are none."""
+        if is_labeled(self._histograms, color):
+            return bounds.fits(color, of_color(self._histograms, color), self._options.objective)
+        found: List[Fit] = []
+        for uses_brightness in (True, False):
+            try:
+                found += bounds.fits(color, of_color(self._histograms, color, uses_brightness),
+                                     self._options.objective, by_times=True)
+            except UserError as error:
+                problem = error
+        if not found:
+            raise problem
+        return found
 
     def _summed(self, counted: Iterable[Outcome]) -> Histograms:
         """Return the histograms of all recordings that can be read to their end."""

@@ -8,11 +8,13 @@ from img_recog import files
 from img_recog.batch.fit_pieces import CHECK, FIT, Measured
 from img_recog.batch.fit_result import Choice, Statistics, Worst, rows
 from img_recog.batch.fit_settings import BaseSettings, as_yaml, settings_of
+from img_recog.errors import UserError
 from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import bgr_copy
 from img_recog.recognition.fitting import picture
-from img_recog.recognition.fitting.bounds import Fit, described
-from img_recog.recognition.fitting.histograms import Histograms, of_color
+from img_recog.recognition.fitting.bounds import TIMES_ADVICE, Fit, described
+from img_recog.recognition.fitting.histograms import Histograms, is_labeled, of_color
+from img_recog.recognition.fitting.limits import Limit
 from img_recog.recognition.fitting.samples import Samples
 from img_recog.recognition.fitting.score import Score
 from img_recog.recognition.fitting.volume import Box
@@ -21,10 +23,15 @@ from img_recog.recordings import parts as reader
 
 _EXTENSIONS = '.yaml', '.md', '.png', '.csv'
 _SAMPLES = 'fit', 'check'
+_WORST_F1 = 0.9         # of frames, if only times are known; below, bounds are of no use
 _HEAD = ('| color | bounds | | pixels: precision | recall | frames: precision | recall |\n'
          '|---|---|---|---|---|---|---|\n')
 _WEIGHTED = ('Wrong pixels of frames without a color are weighted as if there were not more of '
              'these frames than of those with it.\n')
+
+
+class Refused(UserError):
+    """Of a color only times are known, and the best bounds do not recognize it in them."""
 
 
 class Line(NamedTuple):
@@ -56,6 +63,7 @@ class Report:
               histograms: Histograms, broken: Mapping[str, str], remarks: Sequence[str]) -> str:
         """Choose among the fits, write the files, and return a summary.
 
+        Raises Refused before it writes.
         parts: what was measured, with path and source; measured: by the number of the part, can be
         read several times.
         """
@@ -63,10 +71,14 @@ class Report:
         statistics = Statistics(len(self._colors), candidates + 1, sizes)
         for _, each in measured:
             statistics.add(each)
-        size, choices = statistics.choose(candidates)
+        by_times = [not is_labeled(histograms, color) for color in self._colors]
+        size, choices = statistics.choose(candidates, by_times)
         chosen = {color: fits[color][min(choice.candidate, len(fits[color]) - 1)]
                   for color, choice in zip(self._colors, choices)}
         limits = {color: choice.limit.area_px for color, choice in zip(self._colors, choices)}
+        for color, choice, is_by_times in zip(self._colors, choices, by_times):
+            if is_by_times:
+                _check_frames(color, chosen[color], choice.limit)
         values = base.fitted({color: fit.box for color, fit in chosen.items()}, limits, size)
         settings = settings_of(values)
         lines = self._lines(base, statistics, choices, size, candidates)
@@ -80,8 +92,8 @@ class Report:
             report.write(self._text(chosen, settings, lines, pictures, broken,
                                     remarks, statistics.frames).encode())
         return '\n'.join([*('{}: {}; {}'.format(
-            color, described(fit.box), _percent(fit.score)) for color, fit in chosen.items()),
-            ', '.join(self.paths)])
+            line.color, described(chosen[line.color].box), _percent(line)) for line in lines
+            if _is_result(line)), ', '.join(self.paths)])
 
     def _lines(self, base: BaseSettings, statistics: Statistics, choices: Sequence[Choice],
                size: int, before: int) -> List[Line]:
@@ -102,8 +114,7 @@ class Report:
     def _comment(self, lines: Sequence[Line]) -> List[str]:
         return ['Fitted by fit_colors.py to {}, objective {}.'.format(
             os.path.basename(self._sets[FIT].path), self._objective),
-            *('{}: {}'.format(line.color, _percent(line.pixels)) for line in lines
-              if (line.bounds, line.chosen) == ('fitted', FIT))]
+            *('{}: {}'.format(line.color, _percent(line)) for line in lines if _is_result(line))]
 
     def _write_table(self, file: io.BufferedRandom, measured: Iterable[Tuple[int, Measured]],
                      parts: Sequence[Any], choices: Sequence[Choice], size_index: int) -> Worst:
@@ -174,8 +185,24 @@ class Report:
         return '\n'.join(parts)
 
 
-def _percent(score: Score) -> str:
-    return 'precision {}, recall {} of the labeled pixels'.format(*score.shares)
+def _is_result(line: Line) -> bool:
+    return (line.bounds, line.chosen) == ('fitted', FIT)
+
+
+def _percent(line: Line) -> str:
+    is_labeled_px = line.pixels.found + line.pixels.missed
+    score, what = (line.pixels, 'labeled pixels') if is_labeled_px else (line.frames, 'frames')
+    return 'precision {}, recall {} of the {}'.format(*score.shares, what)
+
+
+def _check_frames(color: str, fit: Fit, limit: Limit) -> None:
+    found, wrong, missed = limit.score
+    if limit.score.f1 < _WORST_F1:
+        raise Refused(
+            'no bounds separate {}: the best ones, {}, with an area limit of {} px, find it in {} '
+            'of {} frames in which it is in view, and in {} in which it is not'.format(
+                color, described(fit.box), limit.area_px, found, found + missed, wrong),
+            TIMES_ADVICE)
 
 
 def _margin(fit: Fit) -> str:

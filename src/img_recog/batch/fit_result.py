@@ -9,6 +9,7 @@ from img_recog.recognition.fitting.limits import Areas, Limit, best_size
 from img_recog.recognition.fitting.score import Score
 
 _WORST = 2      # frames of each color
+_WIDE_GAP = 100.0       # between areas; wider ones are not better
 
 
 class Choice(NamedTuple):
@@ -59,12 +60,16 @@ class Statistics:
                         self._of(int(chosen), candidate, color, number).add(int(area),
                                                                             bool(in_view))
 
-    def choose(self, candidates: int) -> Tuple[int, List[Choice]]:
-        """Return the best blob size, and the best of the first `candidates` for each color."""
+    def choose(self, candidates: int, by_times: Sequence[bool]) -> Tuple[int, List[Choice]]:
+        """Return the best blob size, and the best of the first `candidates` for each color.
+
+        by_times: for each color, whether only times are known; then gaps count, too.
+        """
         choices = {size: [max((Choice(candidate, self._of(FIT, candidate, color, number).limit())
                                for candidate in range(candidates)),
-                              key=lambda choice: choice.limit.score.f1)
-                          for color in range(self._colors)]
+                              key=lambda choice: (choice.limit.score.f1, is_by_times
+                                                  and min(choice.limit.gap, _WIDE_GAP)))
+                          for color, is_by_times in enumerate(by_times)]
                    for number, size in enumerate(self._sizes)}
         size = best_size(
             {size: [choice.limit for choice in each] for size, each in choices.items()},

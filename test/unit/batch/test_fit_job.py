@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -127,6 +128,119 @@ def test_a_color_of_which_only_times_are_known(fit, tmp_path):
     assert fit('drive.bag')[0] == 0
     assert ColorExtractor(parameter_file.read('fit_colors.yaml')).measure(
         picture(RED, BLUE)) == [400]
+
+
+FPS, FRAMES = 10, 60
+HALVES = (('in_view', 3.0, 6.0), ('not_in_view', 0.0, 2.9))
+
+
+def film_frame(number, sigma, *colors, random=np.random.RandomState(7)):
+    """Return a frame of a wall, a dark floor and the cup, with moving round cards; rgb."""
+    image = np.full((72, 96, 3), WALL, float)
+    image[52:] = 55, 85, 110
+    image[60:, 70:] = CUP
+    for place, color in enumerate(colors):
+        cv2.circle(image, (14 + (number * 2 + 45 * place) % 70, 16 + 24 * place), 10, color, -1)
+    image = image * np.linspace(1.1, 0.6, 96)[:, None] + random.normal(0, sigma, image.shape)
+    return image.clip(0, 255).astype(np.uint8)[..., ::-1]
+
+
+def write_film(sigma, crf, shown):
+    """Write film.mkv; shown: for each frame, the colors of its cards. crf: None for no losses."""
+    options = {'crf': str(crf)} if crf else {}
+    with av.open('film.mkv', 'w') as film:
+        stream = film.add_stream('libx264' if crf else 'ffv1', FPS, options=options)
+        stream.width, stream.height, stream.pix_fmt = 96, 72, 'yuv420p' if crf else 'bgr0'
+        for number, colors in enumerate(shown):
+            frame = av.VideoFrame.from_ndarray(film_frame(number, sigma, *colors), 'rgb24')
+            film.mux(stream.encode(frame.reformat(format=stream.pix_fmt)))
+        film.mux(stream.encode(None))
+
+
+def measured():
+    """Return the areas of the colors in each frame of film.mkv, by the bounds that were found."""
+    extractor = ColorExtractor(parameter_file.read('fit_colors.yaml'))
+    with av.open('film.mkv') as film:
+        return np.array([extractor.measure(frame.to_ndarray(format='bgr24'))
+                         for frame in film.decode(video=0)])
+
+
+def write_times(**colors):
+    """Write the samples; colors: (in_view or not_in_view, start, end) of each."""
+    with open('s.yaml', 'w') as file:
+        file.write('samples:\n' + ''.join(
+            '- {{color: {}, {}: [{}, {}]}}\n'.format(color, *each)
+            for color, times in colors.items() for each in times))
+
+
+def widths():
+    """Return how many hues the bounds of each color have."""
+    return {color.name: (color.hue[1] - color.hue[0]) % 180
+            for color in parameter_file.read('fit_colors.yaml').colors}
+
+
+@pytest.mark.parametrize('color', [RED, BLUE, (60, 150, 50), (40, 190, 210), (70, 25, 20)],
+                         ids=['red', 'blue', 'green', 'yellow', 'dark'])
+@pytest.mark.parametrize('sigma, crf', [(8, None), (12, None), (4, 23), (4, 28)])
+def test_times_alone_tell_a_color_in_noise_and_after_compression(fit, color, sigma, crf):
+    write_film(sigma, crf, [[]] * 30 + [[color]] * 30)
+    write_times(card=HALVES)
+    code, output, log = fit('film.mkv')
+    assert code == 0, log
+    quality = 'precision 100.0%, recall 100.0% of the frames'
+    assert quality in output and '# card: ' + quality in open('fit_colors.yaml').read()
+    assert '| card | fitted | fit | - | - | 100.0% | 100.0% |' in open('fit_colors.md').read()
+    areas_px = measured()       # of 317 px, of which some are in the shade
+    assert areas_px[:30].max() < 10 and widths()['card'] < 80
+    assert areas_px[30:].min() > 140 and areas_px[30:].max() < 440
+
+
+@pytest.mark.parametrize('crf', [None, 23])
+def test_times_alone_tell_two_colors_that_are_in_view_together(fit, crf):
+    write_film(4, crf, [[]] * 15 + [[RED]] * 15 + [[RED, BLUE]] * 15 + [[WALL, BLUE]] * 15)
+    write_times(red=[('in_view', 1.5, 4.5), ('not_in_view', 0, 1.5), ('not_in_view', 4.5, 6)],
+                blue=[('in_view', 3, 6), ('not_in_view', 0, 3)])
+    assert fit('film.mkv')[0] == 0
+    red_px, blue_px = measured().T
+    for areas_px, (first, end) in ((red_px, (15, 45)), (blue_px, (30, 60))):
+        assert areas_px[first:end].min() > 220 and areas_px[first:end].max() < 440
+        assert max(areas_px[:first].max(), *areas_px[end:], 0) < 10
+    assert max(widths().values()) < 60
+
+
+def test_other_light_does_not_hide_a_color_of_which_only_times_are_known(fit):
+    write_film(4, None, [[]] * 30 + [[RED]] * 30)
+    with av.open('film.mkv') as film:
+        frames = [frame.to_ndarray(format='bgr24') for frame in film.decode(video=0)]
+    with rosbag.Bag('film.bag', 'w') as bag:
+        for number, frame in enumerate(frames):
+            brighter = (frame * (0.7 + 0.01 * number)).clip(0, 255).astype(np.uint8)
+            stamp = rospy.Time(10 + number // FPS, number % FPS * 10 ** 8)
+            bag.write('/image', image_msgs.to_msg(brighter, 'bgr8', Header(number, stamp, 'eye')),
+                      stamp)
+    write_times(card=HALVES)
+    assert fit('film.bag')[0] == 0
+    extractor = ColorExtractor(parameter_file.read('fit_colors.yaml'))
+    assert extractor.measure(frames[45])[0] > 250 and extractor.measure(frames[5])[0] < 5
+
+
+@pytest.mark.parametrize('shown, times, words', [
+    ([[]] * 60, dict(card=HALVES), ('card', 'correct the times, or mark the color in a frame')),
+    # it is in view in a third of the time that is given
+    ([[]] * 50 + [[RED]] * 10, dict(card=HALVES), (
+        'no bounds separate card: the best ones, ', 'find it in 10 of 30 frames in which it is in '
+        'view, and in 0 in which it is not; correct the times')),
+    ([[]] * 30 + [[RED, BLUE]] * 30, dict(red=HALVES, blue=HALVES), (
+        'whenever red is in view, blue is too, and never alone: nothing tells them apart',)),
+    ([[RED]] * 60, dict(red=HALVES[:1]), ('there is no time without red; add one',))])
+def test_times_that_do_not_tell_a_color_are_refused(fit, shown, times, words):
+    write_film(4, None, shown)
+    write_times(**times)
+    before = sorted(os.listdir('.'))
+    code, output, log = fit('film.mkv')
+    line, = log
+    assert code == 1 and not output and all(each in line for each in words), line
+    assert sorted(os.listdir('.')) == before
 
 
 def test_a_parameter_file_keeps_what_is_not_fitted(fit, tmp_path):

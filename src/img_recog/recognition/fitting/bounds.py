@@ -18,8 +18,9 @@ _MOST_BEYOND = (10, 60, 60)
 _MARGIN_STEP, _MARGINS, _KEPT = (1, 4, 4), 12, 0.95
 # weights of recall among which the objective `frames` chooses
 _BETAS = 1.0, 0.25, 0.5, 2.0, 4.0
-_WORST_F1 = 0.5         # below, bounds are of no use
+_WORST = 0.5         # or precision; below, bounds are of no use
 _NAMES = 'hue', 'saturation', 'value'
+TIMES_ADVICE = 'correct the times, or mark the color in a frame'
 
 
 class Fit(NamedTuple):
@@ -43,15 +44,20 @@ def score_of(box: Box, positive: np.ndarray, negative: np.ndarray) -> Score:
     return Score(inside // UNIT, wrong // UNIT, (int(positive.sum()) - inside) // UNIT)
 
 
-def fits(color: str, sampled: Sampled, objective: str = PIXELS) -> List[Fit]:
+def fits(color: str, sampled: Sampled, objective: str = PIXELS, by_times: bool = False
+         ) -> List[Fit]:
     """Return the bounds that separate a color best; for FRAMES, several to choose from.
 
     Bounds are in the middle between the two where that makes no difference to the samples, but not
     farther beyond the samples than 10 hues and 60 levels.
+    by_times: whether the samples of the color are estimated from times.
     Raises UserError if there is no sample of the color, or no bounds separate it.
     """
     positive, negative = sampled
     if not positive.any():
+        if by_times:
+            raise UserError('frames with {} have not more of any color than those without '
+                            'it'.format(color), TIMES_ADVICE)
         raise UserError('there is no sample of {}'.format(color),
                         'add one: a rectangle, a polygon, a mask, or a range of time')
     search, found = BoxSearch(positive, negative), []
@@ -63,8 +69,10 @@ def fits(color: str, sampled: Sampled, objective: str = PIXELS) -> List[Fit]:
         fit = Fit(box, score_of(box, positive, negative), margin)
         if fit not in found:
             found.append(fit)
-    if found[0].score.f1 < _WORST_F1:
-        raise _inseparable(color, positive, negative, found[0])
+    # in other light, more has changed than the color: its recall is not known by times
+    if (found[0].score.precision if by_times else found[0].score.f1) < _WORST:
+        error = _inseparable(color, positive, negative, found[0])
+        raise UserError(error.problem, TIMES_ADVICE) if by_times else error
     return found
 
 

@@ -1,8 +1,12 @@
 """Exact histograms over hue, saturation and value, one for each label of pixels."""
-from typing import Dict, Iterable, NamedTuple, Tuple
+import functools
+from typing import Any, Dict, Iterable, NamedTuple, Tuple
 
 import cv2
 import numpy as np
+
+from img_recog.errors import UserError
+from img_recog.recognition.fitting.excess import shares
 
 HUES, LEVELS = 180, 256
 SHAPE = HUES, LEVELS, LEVELS
@@ -88,8 +92,7 @@ class Counter:
     def add_result(self, histograms: Histograms) -> None:
         """Add what another counter has counted; the order makes no difference."""
         for label, histogram in histograms.pixels.items():
-            self._totals[label] = (_sum(histogram, self._totals[label])
-                                   if label in self._totals else histogram)
+            _add_to(self._totals, label, histogram)
         for label, frames in histograms.frames.items():
             self._frames[label] = self._frames.get(label, 0) + frames
 
@@ -105,8 +108,11 @@ class Counter:
         self._waiting_px[label] = 0
         # calcHist takes long to clear and convert its 12 million bins, so it gets many pixels
         found = sparse(cv2.calcHist([pixels], [0, 1, 2], None, SHAPE, _RANGES))
-        before = self._totals.get(label)
-        self._totals[label] = found if before is None else _sum(found, before)
+        _add_to(self._totals, label, found)
+
+
+def _add_to(sums: Dict[Any, Sparse], key: Any, histogram: Sparse) -> None:
+    sums[key] = _sum(histogram, sums[key]) if key in sums else histogram
 
 
 def _sum(first: Sparse, second: Sparse) -> Sparse:
@@ -131,17 +137,21 @@ def dense(histogram: Sparse) -> np.ndarray:
     return counts
 
 
-def of_color(histograms: Histograms, color: str) -> Sampled:
+def is_labeled(histograms: Histograms, color: str) -> bool:
+    """Return whether pixels are labeled with a color; else at most times are."""
+    return any(label[:2] == (COLOR, color) for label in histograms.pixels)
+
+
+def of_color(histograms: Histograms, color: str, uses_brightness: bool = True) -> Sampled:
     """Return the pixels of a color, and those that are not of it.
 
-    If no pixel is labeled with the color, its pixels are estimated: those of the frames in which
-    it is in view, less what frames without it have, as many times as there are more pixels.
+    If no pixel is labeled with the color, its pixels are estimated: see excess.py, also for
+    uses_brightness. Raises UserError if the times do not tell it from other colors.
     """
     pixels = histograms.pixels
     own, negative = np.zeros((2, *SHAPE), np.int64)
-    kind = COLOR if any(each[:2] == (COLOR, color) for each in pixels) else IN_VIEW
     for label in pixels:
-        if label[:2] == (kind, color):
+        if label[:2] == (COLOR, color):
             _add(own, pixels[label], UNIT)
     with_color, without = (_frames(histograms, color, is_in_view) for is_in_view in (True, False))
     weight = max(1, round(UNIT * min(1.0, with_color / max(1, without))))
@@ -149,10 +159,43 @@ def of_color(histograms: Histograms, color: str) -> Sampled:
         if label.kind == NOT and label.name in ('', color) or (
                 label.kind == COLOR and label.name != color):
             _add(negative, pixels[label], UNIT if color in label.in_view else weight)
-    if kind == IN_VIEW:
-        ratio = own.sum() / max(1, negative.sum())
-        own = np.maximum(own - np.rint(negative * ratio).astype(np.int64), 0)
+    in_view_px = sum(pixels[label].counts.sum() for label in pixels
+                     if label[:2] == (IN_VIEW, color))
+    if in_view_px and not is_labeled(histograms, color):
+        seen, unseen = _compared(pixels, color)
+        weighted = UNIT * in_view_px / seen.counts.sum() * seen.counts
+        for total, share in zip((own, negative), shares(seen, unseen, uses_brightness)):
+            total.reshape(-1)[seen.indices] += np.rint(weighted * share).astype(np.int64)
     return Sampled(own, negative)
+
+
+def _compared(pixels: Dict[Label, Sparse], color: str) -> Tuple[Sparse, Sparse]:
+    """Return the pixels of frames with a color, and of as many without it.
+
+    They have the same others of the colors in view: else these would be taken for it, or it for
+    them. Raises UserError if there are no such frames.
+    """
+    seen: Dict[Tuple[str, ...], Sparse] = {}
+    unseen: Dict[Tuple[str, ...], Sparse] = {}
+    for label, found in pixels.items():
+        others = tuple(name for name in label.in_view if name != color)
+        if label[:2] == (IN_VIEW, color):
+            _add_to(seen, others, found)
+        elif label.kind == NOT and label.name in ('', color) and others == label.in_view:
+            _add_to(unseen, others, found)
+    if not unseen:
+        raise UserError('there is no time without {}'.format(color),
+                        'add one: not_in_view: [start, end]')
+    if () in seen and () not in unseen:     # no other color can be taken for it
+        unseen[()] = functools.reduce(_sum, unseen.values())
+    pairs = [(seen[others], unseen[others]) for others in seen if others in unseen]
+    if not pairs:
+        raise UserError('whenever {0} is in view, {1} is too, and never alone: nothing tells them '
+                        'apart'.format(color, ' or '.join(map(' and '.join, seen))),
+                        'add a time with only one of them, or mark {} in a frame'.format(color))
+    scaled = [Sparse(without.indices, without.counts * (
+        found.counts.sum() / without.counts.sum())) for found, without in pairs]
+    return functools.reduce(_sum, (found for found, _ in pairs)), functools.reduce(_sum, scaled)
 
 
 def _add(total: np.ndarray, histogram: Sparse, factor: int) -> None:

@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from img_recog.errors import UserError
 from img_recog.recognition.fitting import histograms
 from img_recog.recognition.fitting.histograms import (COLOR, IN_VIEW, NOT, SHAPE, UNIT, Counter,
                                                       Label, dense, of_color)
@@ -66,14 +67,49 @@ def test_other_colors_are_not_the_color_and_frames_without_it_are_weighted():
     assert (blues.negative == UNIT * plain(red, near)).all()
 
 
-def test_pixels_of_a_color_are_estimated_from_times_when_it_is_in_view():
-    background, card = pixels(0), np.full((300, 3), 100, np.uint8)
-    seen = Label(IN_VIEW, 'red', ('red',))
-    sampled = of_color(counted([(seen, np.concatenate([background[:200], card]))],
-                               [(NONE, background)]), 'red')
-    assert sampled.positive[100, 100, 100] == 300 * UNIT
-    assert (sampled.positive != 0).sum() < 5
-    assert not of_color(counted([(NONE, background)]), 'red').positive.any()
+def seen_and_unseen(*others):
+    """Return histograms of frames with a red card and with each of these, and without any color.
+
+    others: tuples of the other colors that are in view, and whether red is.
+    """
+    background = np.full((700, 3), (20, 10, 120), np.uint8)
+    card = {'red': (178, 200, 150), 'blue': (115, 200, 150)}
+    frames = []
+    for names, is_red in others:
+        in_view = tuple(sorted((*names, *['red'] * is_red)))
+        shown = np.concatenate([background, *(np.full((300, 3), card[name], np.uint8)
+                                              for name in in_view)])
+        frames.append([(Label(IN_VIEW, name, in_view), shown) for name in in_view]
+                      + [(Label(NOT, name, in_view), shown) for name in card
+                         if name not in in_view])
+    return counted(*frames)
+
+
+@pytest.mark.parametrize('others', [
+    [((), True), ((), False)], [((), True), (('blue',), False)],
+    # blue is in view more often with red than without it
+    [(('blue',), True), (('blue',), True), (('blue',), False), ((), False), ((), False)],
+    # a frame with both is not used if none has blue alone
+    [((), True), (('blue',), True), ((), False)]])
+@pytest.mark.parametrize('uses_brightness', [False, True])
+def test_of_times_the_color_is_what_only_frames_with_it_have(others, uses_brightness):
+    positive = of_color(seen_and_unseen(*others), 'red', uses_brightness).positive
+    assert positive[178, 200, 150] > 0 and np.count_nonzero(positive) == 1
+    # as if all frames with it were used
+    used = sum(is_red for _, is_red in others)
+    assert positive.sum() == pytest.approx(300 * UNIT * used, rel=0.35)
+
+
+@pytest.mark.parametrize('others, words', [
+    ([((), True)], 'there is no time without red; add one: not_in_view'),
+    ([(('blue',), True), ((), False)], 'whenever red is in view, blue is too, and never alone')])
+def test_times_that_do_not_tell_a_color(others, words):
+    with pytest.raises(UserError, match=words):
+        of_color(seen_and_unseen(*others), 'red')
+
+
+def test_a_color_of_which_nothing_is_known_has_no_pixels():
+    assert not of_color(counted([(NONE, pixels(0))]), 'red').positive.any()
 
 
 def test_hues_of_opencv_end_at_179():
