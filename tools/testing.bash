@@ -165,23 +165,3 @@ run_kind() {
   fi
   return $code
 }
-
-# Runs tools/mutants/main.py in a separate virtual environment, which has the mutation operators.
-mutants() {
-  local folder=$build/mutants list=$root/tools/mutants/requirements.txt
-  "$python" -c 'import sys; sys.exit(sys.version_info < (3, 9))' ||
-    fail 'cosmic-ray needs Python 3.9 or later; this is {}' "$("$python" -V)"
-  lock
-  if ! cmp -s "$list" "$folder/venv/requirements.txt"; then
-    say 'installing into build/mutants/venv: {}' "$(listed "$list" | xargs)"
-    mkdir -p "$folder"
-    logged "python3 -m venv" mutants/venv.log "$python" -m venv --clear --system-site-packages \
-      "$folder/venv"
-    "$folder/venv/bin/python3" -m pip install --no-deps --disable-pip-version-check -r "$list" \
-      >"$folder/pip.log" 2>&1 || pip_failed mutants/pip.log
-    cp "$list" "$folder/venv/requirements.txt"
-  fi
-  unlock
-  export MUTANTS_ROOT=$root MUTANTS_FOLDER=$folder MUTANTS_PYTHON=$venv/bin/python3
-  exec "$folder/venv/bin/python3" "$root/tools/mutants/main.py" "$@"
-}
