@@ -6,9 +6,9 @@ import os
 import sys
 import time
 
-from img_recog.simulation.bodies import loading
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import description, world_file
+from img_recog.formats import lumping, urdf, world_file
+from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.vehicle import Vehicle
 
@@ -28,10 +28,10 @@ def steps_per_s(world: World, seconds: float) -> float:
 def main() -> int:
     """Answer the lines of the input."""
     worlds = {'turtlebot3_world': os.path.join(FOLDER, 'turtlebot3_world.urdf')}
-    client, physics = loading.connect(), PhysicsSettings()
+    client, physics = connect(), PhysicsSettings()
     world = World(physics, world_file.read('turtlebot3_world', worlds), client)
     with open(os.path.join(FOLDER, 'turtlebot3_burger.urdf')) as file:
-        robot = description.parse(file.read())
+        robot = lumping.lumped(urdf.read(urdf.root_of(file.read()), lambda uri: None))
     vehicle = Vehicle(robot, RobotSettings(), world)
     # the speeds of sample.py, without a ramp: 0.1 m/s and 0.5 rad/s
     vehicle.robot.set_wheel_velocities(((0.1 - 0.04) / 0.033, (0.1 + 0.04) / 0.033))

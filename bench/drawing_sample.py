@@ -14,18 +14,18 @@ import numpy as np
 import pybullet
 
 from img_recog import resources
+from img_recog.model import VisualScene
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.replay import scenario
-from img_recog.simulation.bodies import loading
-from img_recog.simulation.bodies.body import Pose
+from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures import view, visual_scene
 from img_recog.simulation.pictures.scene import Scene, SceneCopy, poses_of
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.settings import CameraSettings, SpawnSettings
-from img_recog.visuals import VisualScene
 
 FRAMES, FRAME_STEPS = 60, 33        # 2 s at 30 Hz, in steps of 1 ms
 SPEEDS = (0.1, 0.5)                 # m/s and rad/s, those of sample.py
@@ -102,12 +102,12 @@ def pybullet_by(renderer: int, shadow: bool, client: int) -> Callable[[Drive, Ca
 
 def tiny(shadow: bool) -> Callable[[Drive, Camera], Draw]:
     """Return the method TinyRenderer."""
-    return pybullet_by(pybullet.ER_TINY_RENDERER, shadow, loading.connect())
+    return pybullet_by(pybullet.ER_TINY_RENDERER, shadow, connect())
 
 
 def egl() -> Callable[[Drive, Camera], Draw]:
     """Return the method of PyBullet's EGL plugin, with shadows; ends the program without it."""
-    client = loading.connect()
+    client = connect()
     plugin = importlib.util.find_spec('eglRenderer')
     # where there is no EGL, the plugin ends the program itself, or is not loaded
     if plugin is None or plugin.origin is None or pybullet.loadPlugin(

@@ -52,7 +52,7 @@ def check(words):
         _check_robot_camera(given)
     if 'world' in given:
         from img_recog import resources, robot_file
-        from img_recog.simulation.descriptions import world_file
+        from img_recog.formats import world_file
         world_file.read(given['world'], resources.worlds(), resources.find,
                         given.get('allow_partial_world', '').lower() in _TRUE,
                         read_file=robot_file.read_any)

@@ -20,12 +20,12 @@ import pybullet
 from img_recog import resources, robot_file
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError, one_line
+from img_recog.formats import world_file
+from img_recog.formats.world_file import EMPTY, WorldFile
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.bodies.body import Body
-from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.descriptions.world_file import EMPTY, WorldFile
 from img_recog.simulation.figures import Figures
+from img_recog.simulation.physics.body import Body
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.settings import PhysicsSettings

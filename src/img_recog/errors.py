@@ -23,6 +23,10 @@ class UserError(Exception):
         self.problem, self.advice = problem, advice
 
 
+class SimulationError(UserError):
+    """A robot or a world cannot be read, built or simulated as it is given."""
+
+
 def one_line(error: object) -> str:
     """Return the text of an error, or of anything else, as one line; see `shortened`.
 

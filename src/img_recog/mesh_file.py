@@ -15,7 +15,7 @@ from img_recog.files import plain
 from img_recog.mesh_formats import collada, stl, wavefront
 from img_recog.mesh_formats.file_material import FileMaterial, find_texture, number_of
 from img_recog.mesh_formats.simplified import FilePart, Simplified
-from img_recog.visuals import GREY, WHOLE, Color, Submesh
+from img_recog.model import GREY, WHOLE, Color, Submesh
 
 READABLE = ('.dae', '.obj', '.stl')
 # a triangle takes 300 bytes while it is read, and 108 when it is drawn

@@ -1,9 +1,9 @@
-"""Rotations as matrices (3, 3), as quaternions x, y, z, w, and as roll, pitch and yaw in rad.
+"""Rotations as matrices (3, 3), as quaternions x, y, z, w, and as roll, pitch and yaw; poses.
 
 A matrix turns vectors of the child frame into the parent's.
 """
 import math
-from typing import Any, List, Sequence, Tuple, Union
+from typing import Any, List, NamedTuple, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -113,3 +113,46 @@ def to_rpy(rotation: np.ndarray) -> np.ndarray:
         return np.array([math.atan2(-rotation[1, 2], rotation[1, 1]), pitch, 0.0])
     return np.array([math.atan2(rotation[2, 1], rotation[2, 2]), pitch,
                      math.atan2(rotation[1, 0], rotation[0, 0])])
+
+
+class Transform(NamedTuple):
+    """A pose of a child frame in its parent: `rotation` (3, 3), `translation` (3,) in meters."""
+
+    rotation: np.ndarray
+    translation: np.ndarray
+
+    def __matmul__(self, other: 'Transform') -> 'Transform':
+        return Transform(self.rotation @ other.rotation, self.apply(other.translation))
+
+    @property
+    def inverse(self) -> 'Transform':
+        """The pose of the parent in the child frame."""
+        # not by np.linalg, which wakes the threads of OpenBLAS: they wait in a loop afterwards
+        return Transform(self.rotation.T, -self.rotation.T @ self.translation)
+
+    def apply(self, point: np.ndarray) -> np.ndarray:
+        """Return `point`, given in the child frame, in the parent frame.
+
+        >>> raised = Transform(np.eye(3), np.array((0.0, 0.0, 0.1)))
+        >>> raised.apply(np.array((1.0, 0.0, 0.0))).tolist()
+        [1.0, 0.0, 0.1]
+        """
+        return self.rotation @ point + self.translation
+
+    def matrix(self) -> np.ndarray:
+        """Return it as a homogeneous transform (4, 4)."""
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = self
+        return matrix
+
+
+IDENTITY = Transform(np.eye(3), np.zeros(3))
+
+
+def transform(xyz: Numbers, rpy: Numbers) -> Transform:
+    """Return the pose of a URDF <origin>: about fixed axes, roll, then pitch, then yaw.
+
+    >>> np.round(transform((1, 0, 0), (0, 0, np.pi / 2)).apply(np.array((2.0, 0, 0))), 6).tolist()
+    [1.0, 2.0, 0.0]
+    """
+    return Transform(from_rpy(rpy), np.array(xyz, float))

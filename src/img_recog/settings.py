@@ -178,3 +178,12 @@ def _checked(field: dataclasses.Field, value: Any) -> Any:
             or not allowed.accepts(value)):
         raise SettingError(field.name, value, text)
     return value
+
+
+def nearest_period(rate_hz: float, step_s: float) -> float:
+    """Return the period in s that is nearest to a rate and a whole number of steps, min. one.
+
+    >>> nearest_period(30.0, 0.001)
+    0.033
+    """
+    return max(1, round(1 / rate_hz / step_s)) * step_s

@@ -3,9 +3,9 @@ import math
 
 import numpy as np
 
+from img_recog.model import Light, Material, Visual, VisualScene
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
-from img_recog.visuals import Light, Material, Visual, VisualScene
 
 RED, GREEN, BLUE = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
 ABOVE = (0.0, 0.0, 1.0)

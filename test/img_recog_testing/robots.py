@@ -3,8 +3,8 @@ import functools
 import os
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings, SpawnSettings
 
 GROUPS = 'spawn', 'drive', 'noise'

@@ -1,11 +1,11 @@
 """Texts of SDF worlds and models, and how they are converted."""
 import xml.etree.ElementTree as ElementTree
 
-from img_recog.simulation.bodies.loading import connect
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import sdf_models
-from img_recog.simulation.descriptions.problems import Problems
-from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.formats import sdf_models
+from img_recog.formats.problems import Problems
+from img_recog.formats.world_file import WorldFile
+from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 
 BOX = '<{0} name="s">{1}<geometry><box><size>{2}</size></box></geometry></{0}>'

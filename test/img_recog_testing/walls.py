@@ -4,16 +4,16 @@ import pathlib
 
 PURE = ('camera', 'formats', 'recognition', 'rendering', 'simulation', 'teleoperation')
 GROUND_FLOOR = ('bag_recording', 'errors', 'files', 'helper_process', 'launch_output', 'lenses',
-                'markup', 'mesh_file', 'mesh_formats', 'messages', 'new_package', 'option_types',
-                'process_tree', 'resources', 'robot_file', 'rotations', 'settings', 'signals',
-                'still_images', 'textures', 'timed_xmlrpc', 'visuals')
+                'markup', 'mesh_file', 'mesh_formats', 'messages', 'model', 'new_package',
+                'option_types', 'process_tree', 'resources', 'robot_file', 'rotations', 'settings',
+                'signals', 'still_images', 'textures', 'timed_xmlrpc')
 # the rooms of simulation/, from the lowest to the highest: none imports one above it
-SIMULATION_ROOMS = ('settings', 'descriptions', 'bodies', 'sensors', 'vehicle', 'simulator',
+SIMULATION_ROOMS = ('settings', 'physics', 'sensors', 'vehicle', 'simulator',
                     'figures', 'pictures', 'models', 'places', 'pacing', 'assembly')
 # libraries that only some folders or files may use
 OWNERS = {
     **dict.fromkeys(('pybullet', 'pybullet_data', 'pybullet_utils'), tuple(
-        'simulation/' + room for room in SIMULATION_ROOMS if room != 'descriptions')),
+        'simulation/' + room for room in SIMULATION_ROOMS)),
     'moderngl': ('rendering',),
     **dict.fromkeys(('collada', 'trimesh'), ('mesh_file',)),
     **dict.fromkeys(('dask', 'distributed'), ('batch',)),
@@ -26,19 +26,17 @@ ROS_LIBRARIES = ('actionlib', 'camera_info_manager', 'catkin', 'cv_bridge', 'dia
                  'laser_geometry', 'message_filters', 'nodelet', 'tf', 'tf2_ros', 'tf_conversions')
 # for each part of img_recog, the other parts that it may use
 ALLOWED = {
-    **{folder: ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file',
-                'rotations', 'settings', 'still_images', 'textures', 'visuals')
+    **{folder: ('errors', 'files', 'helper_process', 'lenses', 'markup', 'mesh_file', 'model',
+                'rotations', 'settings', 'still_images', 'textures') + (
+                    ('formats',) if folder == 'simulation' else ())
        for folder in PURE},
-    'simulation': ('errors', 'files', 'formats', 'helper_process', 'lenses', 'markup', 'mesh_file',
-                   'rotations', 'settings', 'still_images', 'textures', 'visuals'),
     'bag_recording': ('errors', 'process_tree'), 'markup': ('errors',), 'new_package': ('errors',),
     '__init__': (), 'errors': (), 'helper_process': (), 'launch_output': (), 'lenses': (),
     'messages': (),
     'option_types': (), 'process_tree': (), 'rotations': (), 'signals': (), 'timed_xmlrpc': (),
-    'visuals': (),
-    'textures': ('errors', 'files'),
-    'mesh_file': ('errors', 'files', 'mesh_formats', 'textures', 'visuals'),
-    'mesh_formats': ('files', 'visuals'),
+    'textures': ('errors', 'files'), 'model': ('rotations',),
+    'mesh_file': ('errors', 'files', 'mesh_formats', 'model', 'textures'),
+    'mesh_formats': ('files', 'model'),
     'files': ('errors',), 'settings': ('errors',),
     'resources': ('errors', 'files'),
     'robot_file': ('errors', 'files', 'markup'), 'still_images': ('errors', 'settings'),

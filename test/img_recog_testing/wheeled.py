@@ -2,8 +2,8 @@
 import math
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import PhysicsSettings
 
 CYLINDER = '<cylinder radius="{radius}" length="0.04"/>'
@@ -76,7 +76,7 @@ def wheel_mesh(radius, middle=(0.0, 0.0), width=0.04, corners=36):
 def source(urdf, controllers=(), find_mesh=lambda uri: None):
     """Return what the text of a URDF gives; controllers: those on the parameter server."""
     return assembly.read_robot(urdf, PhysicsSettings().step_s, find_mesh, 'robot.urdf', SENSORS,
-                               dict(controllers))
+                               lambda namespace: dict(controllers))
 
 
 def assembled(urdf, controllers=(), find_mesh=lambda uri: None):

@@ -7,12 +7,13 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog.simulation.bodies import loading
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import description, world_file
+from img_recog.formats import world_file
+from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings, RobotSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
+from img_recog_testing.parsed import lumped
 from img_recog_testing.pages import ROOT
 from img_recog_testing.replaying import contents
 from img_recog_testing.simulator_tools import BURGER, burger
@@ -55,9 +56,9 @@ def video_areas():
 
 def drive(areas):
     """Return the pose of the demo's robot at the end of a video of these areas, 25 Hz."""
-    client = loading.connect()
+    client = connect()
     world = World(PhysicsSettings(), world_file.read(WORLD, {}), client)
-    vehicle = Vehicle(description.parse(burger()), RobotSettings(), world)
+    vehicle = Vehicle(lumped(burger()), RobotSettings(), world)
     simulator = Simulator(world, [vehicle])
     for step in range(0, 40 * len(areas), 20):
         if step % 100 == 0:

@@ -6,9 +6,10 @@ import pytest
 
 from img_recog import markup, robot_file
 from img_recog.camera import calibration
+from img_recog.formats import model_file, world_file
 from img_recog.recognition import parameter_file
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import description, model_file, world_file
+from img_recog_testing.parsed import lumped
 from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import burger
 
@@ -47,7 +48,7 @@ HOSTILE_XML = {
 @pytest.mark.parametrize('text, words', list(HOSTILE_XML.values()), ids=list(HOSTILE_XML))
 def test_hostile_xml_is_one_line_wherever_it_is_read(tmp_path, text, words):
     assert words in refusal(markup.parse_xml, text)
-    assert words in refusal(description.parse, text)
+    assert words in refusal(lumped, text)
     line = refusal(assembly.read_robot, text, 0.001, lambda uri: None, 'robot_description')
     assert line.startswith('cannot use the robot in robot_description: ') and words in line
     for name in ('robot.world', 'robot.xacro', 'robot.urdf'):
@@ -117,7 +118,7 @@ def test_xacro_that_is_not_expanded_is_named_wherever_it_is_read(tmp_path, insid
     words = 'it contains xacro ({}), which is not expanded'.format(words)
     path = tmp_path / 'robot.urdf'
     path.write_text(XACRO.format(inside))
-    for read, value in ((description.parse, path.read_text()), (robot_file.read, str(path))):
+    for read, value in ((lumped, path.read_text()), (robot_file.read, str(path))):
         assert words in refusal(read, value)
         assert 'give the file a name that ends with .xacro, or expand it' in refusal(read, value)
     assert words in refusal(world_file.read, str(path), {})
@@ -125,17 +126,17 @@ def test_xacro_that_is_not_expanded_is_named_wherever_it_is_read(tmp_path, insid
 
 
 def test_old_xacro_that_nothing_expands_is_named():
-    line = refusal(description.parse, XACRO.format('<include filename="b.xacro"/>'))
+    line = refusal(lumped, XACRO.format('<include filename="b.xacro"/>'))
     assert line == ('it contains xacro (<include>), which is not expanded; xacro of Noetic '
                     'expands only <xacro:include>')
     # makes nothing, and is left in what others expanded
     text = burger().replace('<link ', '<property name="a" value="1"/><link ', 1)
-    assert description.parse(text).warnings == ()
+    assert lumped(text).warnings == ()
 
 
 def test_xacro_that_makes_nothing_is_a_warning():
     text = burger().replace('<link ', '<xacro:property name="a" value="1"/><link ', 1)
-    assert description.parse(text).warnings == (
+    assert lumped(text).warnings == (
         'it contains xacro (<xacro:property>), which is not expanded',)
 
 

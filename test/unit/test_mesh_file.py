@@ -8,8 +8,8 @@ from PIL import Image
 
 from img_recog import mesh_file, textures
 from img_recog.mesh_file import MeshError
+from img_recog.model import GREY, Submesh
 from img_recog.textures import TextureError
-from img_recog.visuals import GREY, Submesh
 from img_recog_testing import bombs
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">

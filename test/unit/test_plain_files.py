@@ -8,10 +8,10 @@ from img_recog import files, mesh_file, robot_file, textures
 from img_recog.camera import calibration
 from img_recog.checks import world_check
 from img_recog.errors import UserError
+from img_recog.formats import heightmaps, sdf_file
 from img_recog.nodes.robots import robot_list
 from img_recog.recognition import parameter_file
 from img_recog.recognition.fitting import sample_file
-from img_recog.simulation.descriptions import heightmaps, sdf_file
 from img_recog_testing.sdf import sdf
 
 TRIANGLE = 'v 0 0 0\nv 1 0 0\nv 0 1 0\n{}\nf 1 2 3\n'

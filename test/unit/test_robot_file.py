@@ -11,7 +11,7 @@ from importlib import util
 import pytest
 
 from img_recog import robot_file
-from img_recog.simulation.descriptions import world_file
+from img_recog.formats import world_file
 from img_recog_testing import refusals
 
 URDF = '<robot name="r"><link name="a"/></robot>'

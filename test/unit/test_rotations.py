@@ -6,6 +6,7 @@ import pybullet
 import pytest
 
 from img_recog import rotations
+from img_recog.rotations import transform
 
 ANGLES = [(0, 0, 0), (0.3, -0.7, 2.0), (-1.57, 0, 0), (3.0, 1.2, -3.0), (0, math.pi / 2, 0.4),
           (0.5, -math.pi / 2, 0)]
@@ -50,3 +51,29 @@ def test_elements_of_many_quaternions():
     (QUATERNIONS[4], math.atan2(2 * (0.3 * math.sqrt(0.86) + 0.02), 1 - 2 * (0.04 + 0.09)))])
 def test_yaw(quaternion, yaw):
     assert math.cos(rotations.yaw(quaternion) - yaw) == pytest.approx(1.0)
+
+
+def test_rpy_turns_about_fixed_axes_roll_first():
+    # roll takes y to z, then yaw of a quarter turn leaves z alone and takes x to y
+    turned = transform((1, 2, 3), (math.pi / 2, 0, math.pi / 2))
+    assert np.allclose(turned.apply(np.array([0, 1, 0])), [1, 2, 4])
+    assert np.allclose(turned.apply(np.array([1, 0, 0])), [1, 3, 3])
+
+
+def test_transforms_compose():
+    a, b = transform((1, 0, 0), (0, 0, math.pi / 2)), transform((0, 2, 0), (0.4, 0, 0))
+    point = np.array([0.3, -0.2, 0.5])
+    assert np.allclose((a @ b).apply(point), a.apply(b.apply(point)))
+
+
+def test_the_inverse_takes_points_back():
+    pose = transform((1, -2, 3), (0.4, -0.3, 2.0))
+    point = np.array([0.3, -0.2, 0.5])
+    assert np.allclose(pose.inverse.apply(pose.apply(point)), point)
+    assert np.allclose((pose @ pose.inverse).matrix(), np.eye(4))
+
+
+def test_a_homogeneous_matrix_moves_points_like_the_transform():
+    pose = transform((1, -2, 3), (0.4, -0.3, 2.0))
+    point = np.array([0.3, -0.2, 0.5])
+    assert np.allclose(pose.matrix() @ (*point, 1.0), (*pose.apply(point), 1.0))

@@ -41,15 +41,16 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('camera/deeper/a.py', 'import rospy', 'camera runs without a node'),
     ('recognition/deeper/a.py', 'from img_recog.camera import urls', 'recognition may use'),
     ('simulation/deeper/a.py', 'from img_recog import rendering', 'simulation may use'),
-    ('rendering/a.py', 'from img_recog.simulation.bodies.body import Pose', 'rendering may use'),
+    ('rendering/a.py', 'from img_recog.simulation.physics.body import Pose', 'rendering may use'),
     ('rendering/a.py', 'import pybullet', 'may use pybullet'),
-    ('simulation/descriptions/a.py', 'import pybullet', 'may use pybullet'),
-    ('simulation/descriptions/a.py', 'from img_recog.simulation.bodies import body',
-     'bodies is above descriptions'),
+    ('formats/a.py', 'import pybullet', 'may use pybullet'),
+    ('formats/a.py', 'from img_recog.simulation.physics import body', 'formats may use'),
+    ('simulation/physics/a.py', 'from img_recog.simulation.sensors import imu',
+     'sensors is above physics'),
     ('simulation/sensors/a.py', 'from img_recog.simulation.vehicle import Reading',
      'vehicle is above sensors'),
     ('simulation/simulator.py', 'from .pictures import view', 'pictures is above simulator'),
-    ('simulation/deeper/a.py', 'from img_recog.simulation.bodies import body',
+    ('simulation/deeper/a.py', 'from img_recog.simulation.physics import body',
      'deeper is not a room'),
     ('teleoperation/a.py', 'from geometry_msgs.msg import Twist',
      'teleoperation must not use ROS'),
@@ -58,7 +59,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
      'camera must not use ROS'),
     ('simulation/a.py', 'from std_srvs.srv import Empty', 'simulation must not use ROS'),
     ('simulation/deeper/a.py', 'from ...ros import queues', 'simulation may use'),
-    ('simulation/bodies/a.py', 'import trimesh', 'only mesh_file may use trimesh'),
+    ('simulation/physics/a.py', 'import trimesh', 'only mesh_file may use trimesh'),
     ('nodes/gazebo/a.py', 'import moderngl', 'only rendering may use moderngl'),
     ('nodes/gazebo/a.py', 'from nicegui import ui', 'only nodes/web may use nicegui'),
     ('ros/a.py', 'import uvicorn', 'only nodes/web may use uvicorn'),
@@ -83,7 +84,7 @@ def test_only_lifecycle_uses_shutdown_hooks_of_rospy():
     ('graph/a.py', 'from img_recog.ros import queues', 'graph may use'),
     ('conversions/a.py', 'import rospy.rostime', 'conversions runs without a node'),
     ('conversions/a.py', 'from img_recog.ros import queues', 'conversions may use'),
-    ('ros/deeper/a.py', 'from img_recog.simulation.bodies import body', 'ros may use'),
+    ('ros/deeper/a.py', 'from img_recog.simulation.physics import body', 'ros may use'),
     ('ros/a.py', 'from img_recog.conversions import image_msgs', 'ros may use'),
     ('ros/a.py', 'from rospy.impl import tcpros', 'internals of rospy'),
     ('ros/a.py', 'import rospy.impl.registration', 'internals of rospy'),
@@ -119,7 +120,7 @@ def test_a_planted_violation_is_found(tmp_path, path, line, words):
     ('nodes/web/a.py', 'from nicegui import ui\nfrom img_recog.graph import dot'),
     ('mesh_file.py', 'import trimesh, collada'),
     ('batch/a.py', 'import distributed\nfrom img_recog.replay import job'),
-    ('simulation/sensors/a.py', 'import pybullet\nfrom img_recog.simulation.bodies import body')])
+    ('simulation/sensors/a.py', 'import pybullet\nfrom img_recog.simulation.physics import body')])
 def test_allowed_imports_are_not_reported(tmp_path, path, line):
     planted = tmp_path / path
     planted.parent.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,6 @@
 """All that a world and a robot are read from, on which results of a simulation depend."""
 import functools
 import os
-import xml.etree.ElementTree as ElementTree
 
 from img_recog.batch.work_folder import digest, identity
 from img_recog.errors import UserError, one_line
@@ -20,9 +19,8 @@ def of_scene(world: str, urdf: str) -> str:
         file, robot, text = scenario.read(world, urdf)
     except UserError as error:      # what cannot be read has no result
         return one_line(error)
-    urdfs = [robot.description.urdf, *(tree.urdf for tree in file.trees)]
-    paths = {path for urdf in urdfs for element in ElementTree.fromstring(urdf).iter()
-             for named in filter(os.path.isabs, element.attrib.values())
+    models = [robot.model, *(tree.model for tree in file.trees)]
+    paths = {path for model in models for named in model.files
              for path in prepared.files_of(named)}
-    return digest((text, urdfs[0], file, [
+    return digest((text, robot.model, file, [
         (path, os.path.isfile(path) and identity(path)) for path in sorted(paths)]))

@@ -21,7 +21,7 @@ from img_recog.replay.loop import Loop
 from img_recog.replay.robot_frames import RobotFrames, make_renderer
 from img_recog.settings import from_mapping
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.bodies.footprints import footprints
+from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
                                            SpawnSettings)
 from img_recog.simulation.simulator import Simulator

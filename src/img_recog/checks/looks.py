@@ -7,11 +7,11 @@ import numpy as np
 from img_recog import mesh_file, rotations, textures
 from img_recog.checks.report import NOT_DRAWN, SIMULATED, Row
 from img_recog.errors import UserError, one_line
+from img_recog.model import Visual
 from img_recog.rendering import triangles
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.scene import scene_of
 from img_recog.simulation.simulator import Simulator
-from img_recog.visuals import Visual
 
 
 class Looks(NamedTuple):

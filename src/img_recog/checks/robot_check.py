@@ -10,14 +10,13 @@ from img_recog.checks.report import (ASSUMED, MEASURED, NOT_DRAWN, NOT_SIMULATED
                                      Report, Row, rows_of, size)
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError, one_line
+from img_recog.formats import drive_controllers
+from img_recog.formats.drive_controllers import Controllers
+from img_recog.formats.world_file import EMPTY, WorldFile
 from img_recog.markup import MarkupError, load_yaml, read_bytes
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import RobotSource
-from img_recog.simulation.descriptions import (description, drive_controllers, drive_tags,
-                                               wheels)
-from img_recog.simulation.descriptions.drive_controllers import Controllers
-from img_recog.simulation.descriptions.friction import FLOOR_FRICTION, frictions
-from img_recog.simulation.descriptions.world_file import EMPTY, WorldFile
+from img_recog.simulation.physics import wheels
 from img_recog.simulation.settings import CameraSettings, DriveSettings, PhysicsSettings
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
@@ -40,33 +39,32 @@ def check(path: str, parameters: Sequence[str] = ()) -> Report:
     """
     physics, urdf = PhysicsSettings(world=EMPTY), robot_file.read(path, 'FILE')
     robot = assembly.read_robot(urdf, physics.step_s, resources.find, path, SENSORS,
-                                _controllers(urdf, parameters))
+                                lambda namespace: _controllers(namespace, parameters))
     settings = assembly.default_settings(robot)
     built = assembly.build(physics, WorldFile(EMPTY), [(robot, settings)])
     simulator, vehicle = built.simulator, built.simulator.vehicles[0]
     seen = looks.read(simulator)
-    rows = [*_body(vehicle, seen), *_friction(robot, urdf), *_drive(robot, settings.drive),
+    rows = [*_body(vehicle, seen), *_friction(robot), *_drive(robot, settings.drive),
             *_sensors(robot, vehicle), *map(_camera, robot.cameras),
-            *(Row(NOT_SIMULATED, 'joint ' + each) for each in robot.description.left_out),
+            *(Row(NOT_SIMULATED, 'joint ' + each) for each in robot.model.left_out),
             *(Row(NOT_SIMULATED, each) for each in robot.not_simulated),
             *rows_of(robot.findings),
-            *(Row(NOT_DRAWN, 'mesh ' + uri) for uri in robot.description.missing_meshes),
-            *(Row(NOT_DRAWN, each) for each in robot.description.missing_materials),
+            *(Row(NOT_DRAWN, 'mesh ' + uri) for uri in robot.model.missing_meshes),
+            *(Row(NOT_DRAWN, each) for each in robot.model.missing_looks),
             *seen.rows]
     driven = list(_driven(robot, simulator))
     still = [each for each in driven if abs(each.got) < _MOVES * each.asked]
-    missing = (*robot.description.left_out, *robot.not_simulated, *robot.findings,
-               *robot.description.missing_meshes, *robot.description.missing_materials, *still)
+    missing = (*robot.model.left_out, *robot.not_simulated, *robot.findings,
+               *robot.model.missing_meshes, *robot.model.missing_looks, *still)
     return Report('robot {} in {}'.format(vehicle.robot.name, path),
                   rows + [each.row() for each in driven],
                   (*robot.warnings, *built.warnings, *(each.warning(path) for each in still)),
                   is_partial=bool(missing))
 
 
-def _controllers(urdf: str, paths: Sequence[str]) -> Controllers:
+def _controllers(namespace: str, paths: Sequence[str]) -> Controllers:
     """Return the controllers in YAML files, as rosparam loads them into the robot's namespace."""
     found: Dict[str, Mapping[str, Any]] = {}
-    namespace = (drive_tags.control_namespace(urdf) or '') if paths else ''
     for path in paths:
         try:
             values = load_yaml(read_bytes(path))
@@ -85,27 +83,23 @@ def _body(vehicle: Vehicle, seen: Looks) -> Iterator[Row]:
     yield Row(SIMULATED, 'size', size(seen.boxes[0]))
     yield Row(SIMULATED, 'root link', robot.root)
     yield Row(SIMULATED, 'movable joints', ', '.join(robot.joints) or 'none')
-    for name in vehicle.description.changed_inertias:
+    for name in vehicle.model.changed_inertias:
         yield Row(ASSUMED, 'inertia of ' + name, 'the nearest possible one')
 
 
-def _friction(robot: RobotSource, urdf: str) -> Iterator[Row]:
+def _friction(robot: RobotSource) -> Iterator[Row]:
     """Return a row for the links of each coefficient."""
-    given = frictions(description.root_of(urdf))
-    friction = robot.description.friction
-    # that of a link is the one of a link fixed to it, where it has no shape of its own
-    assumed = {name for name, value in friction.items()
-               if name not in given and value == FLOOR_FRICTION}
+    links = [link for link in robot.model.links if link.solids]
     for state, source in ((SIMULATED, '<mu1>, <mu> or <lateral_friction>'), (ASSUMED, 'default')):
-        links = {name: value for name, value in friction.items()
-                 if (name in assumed) == (state == ASSUMED)}
-        for value in sorted(set(links.values())):
+        of_state = [link for link in links if (state == ASSUMED) == all(
+            solid.friction is None for solid in link.solids)]
+        for value in sorted({link.coefficient for link in of_state}):
             yield Row(state, 'friction', '{:g} of {}'.format(value, ', '.join(
-                name for name in links if links[name] == value)), source)
+                link.name for link in of_state if link.coefficient == value)), source)
 
 
 def _drive(robot: RobotSource, drive: DriveSettings) -> Iterator[Row]:
-    measured = wheels.measure(robot.description, drive).values()
+    measured = wheels.measure(robot.model, drive).values()
     is_given = any(field.name in robot.tag_values for field in dataclasses.fields(drive))
     for field in dataclasses.fields(drive):
         if field.name in _OF_WHEELS and not drive.left_joints:

@@ -12,9 +12,9 @@ from img_recog import resources, robot_file
 from img_recog.conversions import robot_cameras
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
+from img_recog.formats import world_file
 from img_recog.rendering import lens_views, renderer
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.figures import Figures
 from img_recog.simulation.models import Models
 from img_recog.simulation.pictures import visual_scene

@@ -7,10 +7,10 @@ from img_recog import resources, robot_file
 from img_recog.checks import looks
 from img_recog.checks.looks import Looks
 from img_recog.checks.report import LEFT_OUT, NOT_DRAWN, SIMULATED, Report, Row, rows_of, size
+from img_recog.formats import world_file
+from img_recog.formats.world_file import WorldFile
 from img_recog.simulation import assembly
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.physics.world import World
 from img_recog.simulation.settings import PhysicsSettings
 
 _OPTION = 'allow_partial_world:=true'

@@ -13,8 +13,8 @@ from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, JointState, LaserScan, Range
 
-from img_recog.simulation.bodies.body import Motion, Vector
-from img_recog.simulation.bodies.robot import JointStates
+from img_recog.simulation.physics.body import Motion, Vector
+from img_recog.simulation.physics.robot import JointStates
 from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.laser_scanner import ScanSettings

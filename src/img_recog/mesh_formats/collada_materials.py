@@ -6,7 +6,7 @@ from typing import Callable, Dict, Optional, Sequence
 import numpy as np
 
 from img_recog.mesh_formats.file_material import FileMaterial
-from img_recog.visuals import GREY
+from img_recog.model import GREY
 
 _SHADERS = 'lambert', 'phong', 'blinn', 'constant'
 _LUMINANCE = 0.212671, 0.71516, 0.072169        # of ITU-R BT.709, as in the specification

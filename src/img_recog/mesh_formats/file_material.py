@@ -4,7 +4,7 @@ import re
 from typing import Any, List, NamedTuple, Sequence
 from urllib.parse import unquote
 
-from img_recog.visuals import GREY, Color
+from img_recog.model import GREY, Color
 
 # where Gazebo looks for the textures of a mesh
 _FOLDERS = ('', os.path.join('..', 'materials', 'textures'))

@@ -8,9 +8,9 @@ import numpy as np
 from img_recog import textures
 from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError, Triangles
+from img_recog.model import Shape, Visual, VisualScene
 from img_recog.rendering import patterns, prepared, shaders, triangles
 from img_recog.rendering.file_cache import FileCache
-from img_recog.visuals import Shape, Visual, VisualScene
 
 _NO_TEXTURE = -1
 _WHITE = (1.0, 1.0, 1.0)

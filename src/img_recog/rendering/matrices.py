@@ -5,8 +5,8 @@ from typing import Sequence, Union
 import numpy as np
 
 from img_recog import rotations
+from img_recog.model import BODY_TO_OPENGL
 from img_recog.rendering.camera import Window
-from img_recog.visuals import BODY_TO_OPENGL
 
 Vector = Union[Sequence[float], np.ndarray]
 

@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 
 from img_recog.errors import UserError, one_line
+from img_recog.model import VisualScene
 from img_recog.rendering import coverage, floor, matrices, shaders
 from img_recog.rendering.batches import Batch, Loader
 from img_recog.rendering.camera import Pinhole
@@ -13,7 +14,6 @@ from img_recog.rendering.floor import Floor
 from img_recog.rendering.shadow_map import ShadowMap
 from img_recog.rendering.sky import Sky
 from img_recog.rendering.target import Target
-from img_recog.visuals import VisualScene
 
 _MAX_CEILING_M = 1e6            # instead of infinity
 _FLOOR_TOLERANCE_M = 0.001      # what lies on the floor, at the same height, is seen

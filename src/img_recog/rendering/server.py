@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 
 from img_recog.errors import UserError, one_line
+from img_recog.model import VisualScene
 from img_recog.rendering import lens_views
 from img_recog.rendering.camera import Camera
-from img_recog.visuals import VisualScene
 
 SLOTS = 2                   # one that is drawn into, and one that is read
 _BYTES_PER_PIXEL = 8        # RGB, and a depth at an address that is divisible by 4

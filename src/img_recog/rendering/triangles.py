@@ -5,7 +5,7 @@ import numpy as np
 
 from img_recog import mesh_file
 from img_recog.mesh_file import Triangles
-from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Shape
+from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, Shape
 
 _SECTIONS = 48              # of a full circle
 

@@ -11,7 +11,7 @@ from img_recog.recognition.settings import RecognitionSettings
 from img_recog.recordings.frames import SECOND_NS, Frame
 
 if TYPE_CHECKING:       # they import PyBullet, which film.py does not need
-    from img_recog.simulation.bodies.body import Motion
+    from img_recog.simulation.physics.body import Motion
     from img_recog.simulation.simulator import Simulator
     from img_recog.simulation.vehicle import Reading
 

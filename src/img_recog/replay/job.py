@@ -23,8 +23,8 @@ from img_recog.replay.painter import Painter
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
 from img_recog.signals import Interrupts
 from img_recog.simulation.assembly import Assembly
-from img_recog.simulation.bodies.body import Motion
-from img_recog.simulation.bodies.footprints import footprints
+from img_recog.simulation.physics.body import Motion
+from img_recog.simulation.physics.footprints import footprints
 
 if TYPE_CHECKING:
     from img_recog.recordings.bags import BagFrames

@@ -11,12 +11,13 @@ from img_recog.recordings.frames import SECOND_NS, Frame, Frames
 from img_recog.rendering import lens_views, renderer
 from img_recog.rendering.light import Light, LightSettings
 from img_recog.rendering.noise import PixelNoise
+from img_recog.settings import nearest_period
 from img_recog.simulation.assembly import Assembly
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.settings import CameraSettings, nearest_period
+from img_recog.simulation.settings import CameraSettings
 
 _log = logging.getLogger(__name__)
 

@@ -7,11 +7,11 @@ from typing import Any, Mapping, Tuple
 from img_recog import resources, robot_file
 from img_recog.conversions.sensor_table import SENSORS
 from img_recog.errors import UserError
+from img_recog.formats import world_file
+from img_recog.formats.world_file import WorldFile
 from img_recog.replay.recorders import RECORDED
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import Assembly, RobotSource
-from img_recog.simulation.descriptions import world_file
-from img_recog.simulation.descriptions.world_file import WorldFile
 from img_recog.simulation.settings import (CameraSettings, NoiseSettings, PhysicsSettings,
                                            SpawnSettings)
 

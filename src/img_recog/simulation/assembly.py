@@ -1,32 +1,33 @@
 """The one way to build a simulator, in two steps, since a node reads parameters in between.
 
-`read_robot` reads the text of a URDF; `build` makes the simulator from robots, settings and a
+`read_robot` reads a URDF; `build` makes the simulator from robots, settings and a
 world. Both return warnings and log nothing.
 """
 import contextlib
 import dataclasses
-from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
+import xml.etree.ElementTree as ElementTree
+from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Sequence, Tuple, Union
 
-from img_recog.errors import UserError, shortened
+from img_recog.errors import SimulationError, UserError, shortened
 from img_recog.files import FindFile
-from img_recog.formats import audit
+from img_recog.formats import (audit, camera_tags, drive_controllers, drive_tags, gazebo_tags,
+                               lumping, urdf as urdf_file)
 from img_recog.formats.audit import Finding
+from img_recog.formats.drive_controllers import FindControllers
+from img_recog.formats.problems import Problems
+from img_recog.formats.world_file import WorldFile
+from img_recog.mesh_file import READABLE
+from img_recog.model import Model
 from img_recog.settings import SettingError, from_mapping
 from img_recog.simulation import places
-from img_recog.simulation.bodies import loading
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions import (camera_tags, description,
-                                               drive_controllers, drive_tags, gazebo_tags, meshes,
-                                               urdf_visuals, wheels)
-from img_recog.simulation.descriptions.description import Description
-from img_recog.simulation.descriptions.drive_controllers import Controllers
-from img_recog.simulation.descriptions.problems import Problems
-from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.simulation.physics import wheels
+from img_recog.simulation.physics.client import all_or_nothing, connect
+from img_recog.simulation.physics.world import World
 from img_recog.simulation.pictures.scene import Scene, scene_of
+from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.sensors.sensor import RobotSensor, SensorKind, sensors_of
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           PhysicsSettings, RobotSettings, SimulationError,
-                                           SpawnSettings)
+                                           PhysicsSettings, RobotSettings, SpawnSettings)
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 
@@ -34,7 +35,7 @@ ReadSettings = Callable[[type, Mapping[str, Any]], Any]
 
 
 class RobotSource(NamedTuple):
-    """What the text of a URDF gives.
+    """What a URDF gives.
 
     source: what messages call the text, like robot_description or the path of a file; sensors:
     all but cameras; tag_values: the settings in its <gazebo> tags of what is there once and of the
@@ -44,7 +45,7 @@ class RobotSource(NamedTuple):
     """
 
     source: str
-    description: Description
+    model: Model
     sensors: Sequence[RobotSensor]
     tag_values: gazebo_tags.Values
     cameras: Tuple[CameraSettings, ...]
@@ -68,49 +69,61 @@ class Assembly(NamedTuple):
     left_out: Tuple[str, ...] = ()
 
 
-def read_robot(urdf: str, step_s: float, find_mesh: FindFile, source: str,
-               kinds: Sequence[SensorKind] = (), controllers: Controllers = {}) -> RobotSource:
-    """Read the text of a URDF.
+def read_robot(urdf: Union[str, ElementTree.Element], step_s: float, find: FindFile, source: str,
+               kinds: Sequence[SensorKind] = (),
+               controllers: FindControllers = drive_controllers.none) -> RobotSource:
+    """Read a URDF.
 
-    step_s: of the physics. find_mesh: returns the path of a mesh's URI. source: see RobotSource.
-    kinds: of the sensors that it can have. controllers: those of ros_control that it can have.
-    Raises SimulationError naming the source when the text is not a URDF that can be simulated.
+    urdf: its text, or what was parsed of it. step_s: of the physics. find: returns the path of the
+    URI of a mesh or a texture. source: see RobotSource. kinds: of the sensors that it can have.
+    controllers: returns those of ros_control that it can have.
+    Raises SimulationError naming the source when it is not a URDF that can be simulated.
     """
     try:
-        robot = description.parse(urdf, find_mesh)
-        urdf_visuals.check(robot.urdf)
-        drive = drive_tags.find(urdf, step_s, controllers)
-        urdf, unused = description.without_unused_tags(urdf, robot)
-        found = gazebo_tags.read(urdf, step_s, (*([drive.tags] if drive else ()),
+        root = urdf_file.root_of(urdf)
+        model = lumping.lumped(urdf_file.read(root, find))
+        drive = drive_tags.find(root, step_s, controllers)
+        tags, unused = urdf_file.used_tags(root, model)
+        found = gazebo_tags.read(tags, step_s, (*([drive.tags] if drive else ()),
                                                 *(kind.read_tags for kind in kinds)))
-        cameras, of_cameras = camera_tags.read(urdf)
-        findings = tuple(audit.audit(description.root_of(urdf)))
+        cameras, of_cameras = camera_tags.read(tags, model.frames)
+        camera_settings = tuple(map(robot_camera.settings_of, cameras))
+        findings = tuple(audit.audit(root))
     except SimulationError as error:
         raise _refused(source, error.problem, error.advice)
-    warnings = ['{}: {}'.format(source, warning) for warning in robot.warnings]
-    if robot.missing_meshes:
-        warnings.append('{}: {}'.format(source, meshes.warning_about(robot.missing_meshes)))
-    if robot.missing_materials:
-        warnings.append('{}: not known or not found, of its materials: {}; those links keep their '
-                        'other color'.format(
-                            source, ', '.join(robot.missing_materials)))
-    if unused:
-        warnings.append('{}: not used, because it has no such links: its <gazebo> tags of {}'
-                        .format(source, ', '.join(unused)))
     of_tags = tuple(dict.fromkeys((*found.not_simulated, *of_cameras)))
-    of_controllers = drive.problems if drive else drive_controllers.not_simulated(controllers)
-    for name, parts in (('<gazebo> tags', of_tags), ('controllers', of_controllers)):
-        if parts:
-            warnings.append('{}: not simulated, of its {}: {}'.format(source, name,
-                                                                      ', '.join(parts)))
-    warnings += audit.warnings(source, findings)
+    of_controllers = drive.problems if drive else drive_controllers.not_simulated(
+        drive_controllers.of_robot(root, controllers))
     values = drive.settings(found.values) if drive else found.values
-    sensors = tuple(sensors_of(kinds, found.sensors))
     other_drives = () if drive else tuple(
         part for part in (*found.not_simulated, *of_controllers)
         if part.startswith(('plugin', 'controller')))
-    return RobotSource(source, robot, sensors, values, cameras, tuple(warnings),
-                       (*of_tags, *of_controllers), other_drives, findings)
+    return RobotSource(
+        source, model, sensors_of(kinds, found.sensors), values, camera_settings,
+        (*('{}: {}'.format(source, line)
+           for line in _warnings(model, unused, of_tags, of_controllers)),
+         *audit.warnings(source, findings)),
+        (*of_tags, *of_controllers), other_drives, findings)
+
+
+def _warnings(model: Model, unused: Sequence[str], of_tags: Sequence[str],
+              of_controllers: Sequence[str]) -> Iterator[str]:
+    """Yield a line for each thing of a robot that is not done as its file says."""
+    yield from model.warnings
+    if model.missing_meshes:
+        yield ('mesh{} not found, replaced by other shapes of the link: {}; PyBullet reads {} '
+               'files; for package:// the package must be built and sourced'.format(
+                   '' if len(model.missing_meshes) == 1 else 'es',
+                   ', '.join(model.missing_meshes), ', '.join(READABLE)))
+    if model.missing_looks:
+        yield ('not known or not found, of its materials: {}; those links keep their other color'
+               .format(', '.join(model.missing_looks)))
+    if unused:
+        yield 'not used, because it has no such links: its <gazebo> tags of {}'.format(
+            ', '.join(unused))
+    for name, parts in (('<gazebo> tags', of_tags), ('controllers', of_controllers)):
+        if parts:
+            yield 'not simulated, of its {}: {}'.format(name, ', '.join(parts))
 
 
 def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
@@ -120,7 +133,7 @@ def settings_of(robot: RobotSource, read: ReadSettings) -> RobotSettings:
     `values`, by name: those of tags, and as the URDF has them, the separation and the diameter of
     the wheels.
     """
-    measured = wheels.measure(robot.description, read(DriveSettings, robot.tag_values))
+    measured = wheels.measure(robot.model, read(DriveSettings, robot.tag_values))
     values: Mapping[str, Any] = {**measured.values(), **robot.tag_values}
     drive = read(DriveSettings, values)
     if robot.other_drives and measured.wheel_separation is None and drive.left_joints:
@@ -165,7 +178,7 @@ def build(physics: PhysicsSettings, world: WorldFile,
     the setting of that name, for warnings.
     Raises SimulationError when PyBullet cannot load something or the settings do not fit.
     """
-    physics_client_id = loading.connect()
+    physics_client_id = connect()
     problems, name = Problems(), 'world {}'.format(world.name)
     simulated_world = World(physics, world, physics_client_id, problems)
     if not physics.allow_partial_world:
@@ -195,16 +208,16 @@ def add_robot(simulator: Simulator, robot: RobotSource, settings: RobotSettings,
 
     Arguments and errors as for `build`; after an error, nothing has changed.
     """
-    with _refusal(robot), loading.all_or_nothing(simulator.world.physics_client_id):
-        vehicle = Vehicle(robot.description, settings, simulator.world, robot.sensors)
+    with _refusal(robot), all_or_nothing(simulator.world.physics_client_id):
+        vehicle = Vehicle(robot.model, settings, simulator.world, robot.sensors)
     simulator.add(vehicle)
     unused = [each.name for each in vehicle.sensors if each.kind.name in unused_sensors]
     for sensor in unused:
         vehicle.set_sensor_enabled(sensor, False)
-    lines = wheels.measure(robot.description, settings.drive).warnings(
+    lines = wheels.measure(robot.model, settings.drive).warnings(
         settings.drive, robot.tag_values)
     return ['{}: {}'.format(robot.source, line) for line in lines] + [
-        '{} runs without the sensor {}: no link {}'.format(robot.description.name, sensor, link)
+        '{} runs without the sensor {}: no link {}'.format(robot.model.name, sensor, link)
         for sensor, link in vehicle.missing_sensors.items() if sensor not in unused]
 
 
@@ -233,7 +246,7 @@ def add_robot_apart(simulator: Simulator, robot: RobotSource, settings: RobotSet
 
 def named(robot: RobotSource, name: str) -> RobotSource:
     """Return the robot with another name."""
-    return robot._replace(description=dataclasses.replace(robot.description, name=name))
+    return robot._replace(model=dataclasses.replace(robot.model, name=name))
 
 
 def _lift_of(vehicle: Vehicle) -> List[str]:

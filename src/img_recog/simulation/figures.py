@@ -5,10 +5,11 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.simulation.bodies.body import Body, FrameState, velocity_at
-from img_recog.simulation.bodies.loading import link_indices
-from img_recog.simulation.descriptions.geometry import Transform
-from img_recog.simulation.settings import SimulationError
+from img_recog.errors import SimulationError
+from img_recog.model import Frame
+from img_recog.rotations import Transform
+from img_recog.simulation.physics.body import Body, FrameState, velocity_at
+from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.simulator import Simulator
 
 SEPARATOR = '::'
@@ -34,18 +35,17 @@ class Figures:
         self._joints: Dict[str, Tuple[Body, int]] = {}
         world = simulator.world
         for tree, body in zip(world.file.trees, world.bodies):
-            parts = {link: (link, pose) for link, pose in tree.frames.items()}
-            self._add(tree.name.partition(SEPARATOR)[0], body, parts)
+            self._add(tree.name.partition(SEPARATOR)[0], body, tree.model.frames)
         for vehicle in simulator.vehicles:
             # like Gazebo, without the links that are lumped into others
             self._add(vehicle.robot.name, vehicle.robot, {
-                link: frame for link, frame in vehicle.description.frames.items()
+                link: frame for link, frame in vehicle.model.frames.items()
                 if link == frame.link})
 
     def _add(self, model: str, body: Body,
-             parts: Mapping[str, Tuple[str, Transform]]) -> None:
+             frames: Mapping[str, Frame]) -> None:
         indices = link_indices(body.body_id, body.physics_client_id)
-        for link, (part, pose) in parts.items():
+        for link, (part, pose) in frames.items():
             self._links[model + SEPARATOR + link] = _Link(body, indices[part], pose)
         for joint, index in body.joints.items():
             self._joints[model + SEPARATOR + joint] = body, index

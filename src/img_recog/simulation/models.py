@@ -5,11 +5,10 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.rotations import Quaternion
-from img_recog.simulation.bodies.body import Body, Motion, Pose, motion_of_frame
-from img_recog.simulation.descriptions.geometry import IDENTITY, Transform
-from img_recog.simulation.descriptions.sdf_models import Tree
-from img_recog.simulation.settings import SimulationError
+from img_recog.errors import SimulationError
+from img_recog.model import Tree
+from img_recog.rotations import IDENTITY, Quaternion, Transform
+from img_recog.simulation.physics.body import Body, Motion, Pose, motion_of_frame
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 

@@ -6,10 +6,10 @@ from typing import Sequence
 
 import pybullet
 
+from img_recog.errors import SimulationError
 from img_recog.settings import SettingError
-from img_recog.simulation.bodies import standing
-from img_recog.simulation.bodies.body import Body
-from img_recog.simulation.settings import SimulationError
+from img_recog.simulation.physics import standing
+from img_recog.simulation.physics.body import Body
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Vehicle
 

@@ -4,22 +4,17 @@ from dataclasses import dataclass, field
 from typing import Mapping, Optional, Tuple
 
 from img_recog import lenses
-from img_recog.errors import UserError
+from img_recog.errors import SimulationError
+from img_recog.model import DIFFERENTIAL, PLANAR
 from img_recog.settings import (Allowed, SettingError, Settings, above, any_value, at_least,
                                 between, not_empty, one_of, setting)
-
 
 REAL_TIME_FACTORS = Allowed('from 0.001 to 1000, or 0',
                             lambda value: value == 0 or 0.001 <= value <= 1000)
 VIEWS = ('above', 'follow')
-DIFFERENTIAL, PLANAR = 'differential', 'planar'       # drives
 DEPTH_ENCODINGS = ('32FC1', '16UC1')
 _PINHOLE = 'pinhole'
 _MAX_PINHOLE_FOV = 3.0      # rad
-
-
-class SimulationError(UserError):
-    """The simulation cannot be built or run with this input."""
 
 
 @dataclass(frozen=True)
@@ -258,12 +253,3 @@ def whole_steps(name: str, period_s: float, step_s: float) -> int:
     nearest = ' or '.join('{:g}'.format(value) for value in (below, up) if value > 0)
     raise SimulationError('{}: got {:g} s, which does not divide into physics steps of {:g} s'
                           .format(name, period_s, step_s), 'set {}'.format(nearest))
-
-
-def nearest_period(rate_hz: float, step_s: float) -> float:
-    """Return the period in s that is nearest to a rate and a whole number of steps, min. one.
-
-    >>> nearest_period(30.0, 0.001)
-    0.033
-    """
-    return max(1, round(1 / rate_hz / step_s)) * step_s

@@ -3,9 +3,9 @@ from typing import Any, Callable, Collection, List, Optional, Sequence
 
 import pybullet
 
-from img_recog.simulation.bodies.body import Body
-from img_recog.simulation.bodies.standing import MAX_DEPTH_M
-from img_recog.simulation.bodies.world import World
+from img_recog.simulation.physics.body import Body
+from img_recog.simulation.physics.standing import MAX_DEPTH_M
+from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Sensor

@@ -6,17 +6,17 @@ from typing import (Any, Callable, Collection, Dict, List, NamedTuple, Optional,
 import numpy as np
 
 from img_recog import rotations
-from img_recog.simulation.bodies import standing
-from img_recog.simulation.bodies.body import Pose
-from img_recog.simulation.bodies.drives import make_drive
-from img_recog.simulation.bodies.robot import SimulatedRobot
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions.description import Description
+from img_recog.model import Model
+from img_recog.settings import nearest_period
+from img_recog.simulation.physics import standing
+from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.drives import make_drive
+from img_recog.simulation.physics.robot import SimulatedRobot
+from img_recog.simulation.physics.world import World
 from img_recog.simulation.sensors.odometry import WORLD, OdometrySettings
 from img_recog.simulation.sensors.robot_camera import RobotCamera
 from img_recog.simulation.sensors.sensor import Mount, RobotSensor, ScheduledSensor
-from img_recog.simulation.settings import (CameraSettings, RobotSettings, SpawnSettings,
-                                           nearest_period, whole_steps)
+from img_recog.simulation.settings import CameraSettings, RobotSettings, SpawnSettings, whole_steps
 
 CAMERA = 'image'        # the kind of sensor that is no row of the table of sensors
 
@@ -38,25 +38,25 @@ class Reading(NamedTuple):
 class Vehicle:
     """Drives one robot and reads its sensors; the simulator advances the physics.
 
-    robot: the body; drive: what moves it; description: what it was made with; settings:
+    robot: the body; drive: what moves it; model: what it was made with; settings:
     those of all sensors, in which an empty frame is the root link; sensors: all but cameras;
     missing_sensors: those that were left out, and the links for them that the robot does not have;
     lift: how far it was moved upward, onto what it was in, when it was last put somewhere.
     """
 
-    def __init__(self, description: Description, settings: RobotSettings, world: World,
+    def __init__(self, model: Model, settings: RobotSettings, world: World,
                  sensors: Sequence[RobotSensor] = ()):
         """Load the robot into a world.
 
         Raises SimulationError when a setting does not fit the robot or the physics; nothing is
         left in the world then.
         """
-        self.description, self.sensors, self._world = description, sensors, world
+        self.model, self.sensors, self._world = model, sensors, world
         self.settings = dataclasses.replace(settings, sensors={
             each.name: _with_root(settings.sensors.get(each.name) or each.kind.settings(),
-                                  description.root) for each in sensors})
+                                  model.root) for each in sensors})
         self.drive = make_drive(settings.drive)
-        self.robot = SimulatedRobot(description, self.drive.motors, settings.spawn,
+        self.robot = SimulatedRobot(model, self.drive.motors, settings.spawn,
                                     world.physics_client_id)
         self._lift()
         self._drive_steps = whole_steps('drive_period_s', settings.drive.drive_period_s,

@@ -21,8 +21,8 @@ from img_recog.camera.selection import open_file
 from img_recog.camera.source import FrameSkipped, SourceEnded
 from img_recog.checks import robot_check, world_check
 from img_recog.errors import UserError
+from img_recog.formats import lumping, urdf, world_file
 from img_recog.recordings.bags import BagFrames
-from img_recog.simulation.descriptions import description, world_file
 from img_recog_testing import bombs
 from img_recog_testing.reliability import chain, hostile
 from img_recog_testing.simulator_tools import burger
@@ -134,7 +134,7 @@ def _replay(path: str) -> None:
 
 def _read_robot(path: str) -> None:
     with open(path, errors='replace') as file:
-        description.parse(file.read())
+        lumping.lumped(urdf.read(urdf.root_of(file.read()), lambda uri: None))
 
 
 def _read_world(path: str) -> None:

@@ -7,7 +7,7 @@ from img_recog.batch import sweep_run
 from img_recog.batch.sweep_file import Run, Success
 from img_recog.errors import UserError
 from img_recog.replay.chain import FrameResult
-from img_recog.simulation.bodies.body import Motion
+from img_recog.simulation.physics.body import Motion
 from img_recog_testing import pages, sdf
 from img_recog_testing.robots import assemble
 

@@ -4,10 +4,10 @@ import pytest
 from std_msgs.msg import Header
 
 from img_recog.conversions import depth_msgs
+from img_recog.model import BOX, Shape
 from img_recog.rendering import lens_views
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.rays import directions
-from img_recog.visuals import BOX, Shape
 from img_recog_testing.drawn import GREEN, HERE, at, loaded, scene, visual
 
 

@@ -9,13 +9,13 @@ from std_msgs.msg import Header
 
 from img_recog.camera.calibration import Calibration
 from img_recog.conversions import camera_info_msgs, robot_msgs, twist_msgs
-from img_recog.simulation.bodies.body import Motion
-from img_recog.simulation.bodies.robot import JointStates
+from img_recog.simulation.physics.body import Motion
+from img_recog.simulation.physics.robot import JointStates
 from img_recog.simulation.sensors.imu import ImuReading, ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
-from img_recog.simulation.sensors.range_sensor import RangeSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
+from img_recog.simulation.sensors.range_sensor import RangeSettings
 
 STAMP = rospy.Time(12, 34)
 ODOMETRY, JOINTS = OdometrySettings(base_frame='base'), JointStateSettings()

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from img_recog import mesh_file
-from img_recog.visuals import GREY
+from img_recog.model import GREY
 
 IMAGE = '<library_images><image id="i"><init_from>a%20b.png</init_from></image></library_images>'
 SURFACE = ('<newparam sid="s"><surface type="2D"><init_from>i</init_from></surface></newparam>'

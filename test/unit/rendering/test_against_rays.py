@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from img_recog import rotations
+from img_recog.model import BOX, Shape
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
-from img_recog.visuals import BOX, Shape
 from img_recog_testing.drawn import BACKGROUND, scene, visual
 
 CAMERA = Camera(120, 90, math.radians(70), 0.1, 60.0)

@@ -6,12 +6,12 @@ import pytest
 
 from img_recog import lenses, rotations
 from img_recog.lenses import Distortion, Lens
+from img_recog.model import BOX, SPHERE, Light, Shape, VisualScene
 from img_recog.rendering import lens_views, matrices
 from img_recog.rendering.camera import Camera, View, Window
 from img_recog.rendering.opengl import Renderer
 from img_recog.rendering.rays import directions
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
-from img_recog.visuals import BOX, SPHERE, Light, Shape, VisualScene
 from img_recog_testing.drawn import HERE, RED, at, centroid, scene, visual
 
 SIZE = 320, 240

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from img_recog.model import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
+                             VisualScene)
 from img_recog.rendering import matrices
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
-from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
-                               VisualScene)
 from img_recog_testing.drawn import (ABOVE, BLUE, CAMERA, GREEN, HERE, RED, at, centroid, draw,
                                      loaded, looking_down, scene, visual)
 

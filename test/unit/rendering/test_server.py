@@ -5,10 +5,10 @@ from multiprocessing import Pipe
 import numpy as np
 import pytest
 
+from img_recog.model import Light, VisualScene
 from img_recog.rendering import server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Request, Shot
-from img_recog.visuals import Light, VisualScene
 from img_recog_testing import fake_renderers
 from img_recog_testing.fake_renderers import REFUSE
 from img_recog_testing.waiting import DEADLINE_S

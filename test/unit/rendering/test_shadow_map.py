@@ -4,7 +4,7 @@ import math
 import numpy as np
 import pytest
 
-from img_recog.visuals import BOX, CYLINDER, Shape
+from img_recog.model import BOX, CYLINDER, Shape
 from img_recog_testing.drawn import (BLUE, CAMERA, GREEN, HERE, RED, at, draw, loaded,
                                      looking_down, scene, visual)
 

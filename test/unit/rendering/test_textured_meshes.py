@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from img_recog.simulation.descriptions import urdf_visuals, world_file
+from img_recog.formats import world_file
+from img_recog.model import Visual
 from img_recog_testing.drawn import draw, looking_down
 
 COLLADA = '''<COLLADA version="1.4.1" xmlns="http://www.collada.org/2005/11/COLLADASchema">
@@ -44,8 +45,8 @@ def seen(tmp_path):
         (tmp_path / 'm.sdf').write_text(MODEL.format(inside).replace('a.dae', mesh))
         file = world_file.read(str(tmp_path / 'm.sdf'), {})
         assert file.warnings == ()
-        visual, = urdf_visuals.read(file.trees[0].urdf, {'l': 0})
-        image = draw(visual, pose=looking_down(4.0))
+        look, = file.trees[0].model.links[0].looks
+        image = draw(Visual(0, look.shape, look.pose.matrix(), *look[2:]), pose=looking_down(4.0))
         scale = 160 / np.tan(np.radians(30)) / 4        # pixels for a meter
         return [image[round(120 - scale * x), round(160 - scale * y)].tolist() for x, y in places]
     return colors

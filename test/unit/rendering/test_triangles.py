@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from img_recog.mesh_file import MeshError
+from img_recog.model import BOX, CYLINDER, GREY, MESH, PLANE, SPHERE, Shape, Submesh
 from img_recog.rendering.triangles import of_shape
-from img_recog.visuals import BOX, CYLINDER, GREY, MESH, PLANE, SPHERE, Shape, Submesh
 
 OBJ = 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n'
 

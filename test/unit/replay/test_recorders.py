@@ -15,8 +15,8 @@ from img_recog.recognition.settings import with_colors
 from img_recog.replay.chain import Chain, ColorRecognition, CommandSent, FrameResult
 from img_recog.replay.figure import ReplayFigure
 from img_recog.replay.recorders import BagRecorder, PlotRecorder, TableRecorder
-from img_recog.simulation.bodies.body import Motion
-from img_recog.simulation.bodies.footprints import footprints
+from img_recog.simulation.physics.body import Motion
+from img_recog.simulation.physics.footprints import footprints
 from img_recog.simulation.sensors.odometry import OdometrySettings
 from img_recog_testing import robots
 from img_recog_testing.replaying import BLUE, RED, EventLog, frame

@@ -4,9 +4,10 @@ import math
 import numpy as np
 import pytest
 
+from img_recog.errors import SimulationError
 from img_recog.rendering.light import LightSettings
 from img_recog.replay.robot_frames import RobotFrames
-from img_recog.simulation.settings import CameraSettings, SimulationError
+from img_recog.simulation.settings import CameraSettings
 from img_recog_testing.robots import assemble
 from img_recog_testing.sdf import sdf
 

@@ -22,7 +22,7 @@ MESH = ('<link name="cover"><visual><geometry><mesh filename="package://lost/x.s
 
 def test_robot_with_its_tags_and_warnings():
     robot = read(burger().replace('</robot>', TAGS).replace('</robot>', MESH))
-    assert (robot.source, robot.description.name) == ('robot.urdf', 'turtlebot3_burger')
+    assert (robot.source, robot.model.name) == ('robot.urdf', 'turtlebot3_burger')
     assert robot.tag_values == {'wheel_separation': 0.3, 'odometry_period_s': pytest.approx(0.02),
                                 'joint_states_period_s': pytest.approx(0.02)}
     mesh, tag = robot.warnings

@@ -5,12 +5,12 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.simulation.descriptions import model_file
+from img_recog.errors import SimulationError
+from img_recog.formats import model_file
 from img_recog.simulation.models import Models, State
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import SimulationError
 from img_recog_testing.robots import simulator
 
 ROBOT = 'turtlebot3_burger'

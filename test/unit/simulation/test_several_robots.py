@@ -5,10 +5,11 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog.errors import SimulationError
+from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
-from img_recog.simulation.settings import PhysicsSettings, SimulationError
+from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing.robots import WORLDS, burger, read
 from img_recog_testing.robots import settings_of as settings
 

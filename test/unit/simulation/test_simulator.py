@@ -5,10 +5,11 @@ import numpy as np
 import pybullet
 import pytest
 
+from img_recog.errors import SimulationError
 from img_recog.simulation.sensors.imu import ImuSettings
 from img_recog.simulation.sensors.joint_states import JointStateSettings
 from img_recog.simulation.sensors.odometry import OdometrySettings
-from img_recog.simulation.settings import DriveSettings, SimulationError
+from img_recog.simulation.settings import DriveSettings
 from img_recog_testing.robots import burger, simulator
 
 SENSORS = ('odometry', 'joint_states', 'imu', 'scan')

@@ -13,12 +13,12 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog.errors import one_line
 from img_recog.helper_process import HelperProcess
+from img_recog.model import VisualScene
 from img_recog.rendering import renderer, server
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Answer, Picture, Request, Shot
 from img_recog.ros.diagnostics import Counter, Durations, add_counter, add_durations
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
-from img_recog.visuals import VisualScene
 
 _POLL_PERIOD_S = 0.1
 _MAX_WAIT_S = 60.0          # for images, a scene or the start; then the process hangs

@@ -7,14 +7,13 @@ from typing import Any, Callable, Collection, Dict, List, Mapping, Optional, Seq
 import rospy
 
 from img_recog.conversions import headers, robot_msgs
-from img_recog.errors import UserError
+from img_recog.errors import SimulationError, UserError
 from img_recog.nodes.gazebo.chain import Chain
 from img_recog.nodes.gazebo.lockstep_settings import END, KINDS, LockstepSettings
 from img_recog.nodes.gazebo.standing_report import StandingReport
 from img_recog.ros.log.throttle import ThrottledWarning
 from img_recog.ros.transport.redelivery import Redelivery
 from img_recog.ros.transport.settled_subscriber import SettledSubscriber
-from img_recog.simulation.settings import SimulationError
 
 _POLL_S, _MAX_SETTLING_S = 0.0001, 1.0
 _BUFFER_BYTES = 1 << 24     # an answer may be an image

@@ -11,15 +11,15 @@ from std_msgs.msg import Header
 
 from img_recog import resources, rotations
 from img_recog.conversions import robot_msgs
-from img_recog.errors import UserError, one_line
+from img_recog.errors import SimulationError, UserError, one_line
+from img_recog.formats import model_file, names
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.nodes.gazebo.robot_plans import RobotPlans
 from img_recog.nodes.gazebo.robots import Robots
 from img_recog.ros.log.throttle import ThrottledWarning
-from img_recog.simulation.descriptions import model_file, names
 from img_recog.simulation.models import LINK_SEPARATOR, WORLD, Models, State
 from img_recog.simulation.pacing import Pace
-from img_recog.simulation.settings import SimulationError, SpawnSettings
+from img_recog.simulation.settings import SpawnSettings
 from img_recog.simulation.simulator import Simulator
 
 try:

@@ -37,6 +37,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from img_recog import resources, robot_file
 from img_recog.conversions.plane_msgs import PlanePose
+from img_recog.formats import world_file
 from img_recog.nodes.gazebo import model_services
 from img_recog.nodes.gazebo.clock import SimulatedClock
 from img_recog.nodes.gazebo.diagnostics import SimulationDiagnostics
@@ -57,7 +58,6 @@ from img_recog.ros import lifecycle, parameters
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.ros.reconfigure import Reconfigurable
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.models import Models
 from img_recog.simulation.pacing import Pace, timeout_scale
 from img_recog.simulation.settings import PhysicsSettings, ViewSettings, whole_steps

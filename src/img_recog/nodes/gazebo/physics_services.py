@@ -7,10 +7,11 @@ from typing import Any, Callable, Mapping
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
+from img_recog.errors import SimulationError
 from img_recog.ros.diagnostics import Counter
 from img_recog.ros.queues import CallQueue
 from img_recog.settings import Settings, one_of, setting
-from img_recog.simulation.settings import REAL_TIME_FACTORS, VIEWS, SimulationError
+from img_recog.simulation.settings import REAL_TIME_FACTORS, VIEWS
 
 _TIMEOUT_S = 5.0
 

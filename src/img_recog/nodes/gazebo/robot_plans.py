@@ -2,6 +2,7 @@
 import dataclasses
 import zlib
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, List, NamedTuple, Sequence, Tuple
 
 import rosgraph
@@ -9,16 +10,16 @@ import rospy
 
 from img_recog import resources
 from img_recog.conversions.sensor_table import SENSORS
-from img_recog.errors import shortened
+from img_recog.errors import SimulationError, shortened
+from img_recog.formats import model_file
 from img_recog.nodes.gazebo import controllers
 from img_recog.nodes.gazebo.names import Names, topic_fields
 from img_recog.ros import parameters
-from img_recog.settings import (ParameterError, Settings, setting, setting_fields, unknown)
+from img_recog.settings import ParameterError, Settings, setting, setting_fields, unknown
 from img_recog.simulation import assembly
 from img_recog.simulation.assembly import RobotSource
-from img_recog.simulation.descriptions import model_file
 from img_recog.simulation.settings import (CameraSettings, DriveSettings, NoiseSettings,
-                                           RobotSettings, SimulationError, SpawnSettings)
+                                           RobotSettings, SpawnSettings)
 
 ROBOTS = '~robots'
 _MAX_SEED = 2 ** 31 - 1
@@ -55,7 +56,7 @@ class RobotPlan(NamedTuple):
     @property
     def name(self) -> str:
         """The name of the robot."""
-        return self.source.description.name
+        return self.source.model.name
 
     def published(self) -> List[str]:
         """Return the resolved names of the topics of the sensors.
@@ -137,7 +138,7 @@ class RobotPlans:
         namespace: of the robot.
         """
         try:
-            return model_file.is_robot(text, controllers.read(text, Names(namespace)))
+            return model_file.is_robot(text, partial(controllers.read, Names(namespace)))
         except SimulationError:
             return False        # a model that is read otherwise, or refused
 
@@ -158,7 +159,7 @@ class RobotPlans:
               namespace: str) -> RobotPlan:
         """name: '' for that in the URDF; namespace: of its own parameters, '' for none."""
         robot = assembly.read_robot(urdf, self._step_s, resources.find, source, SENSORS,
-                                    controllers.read(urdf, names))
+                                    partial(controllers.read, names))
         if name:
             robot = assembly.named(robot, name)
         spaces = namespace or '~', '~'

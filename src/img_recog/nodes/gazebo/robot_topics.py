@@ -8,6 +8,7 @@ from tf2_msgs.msg import TFMessage
 
 from img_recog.conversions import plane_msgs, robot_msgs, twist_msgs
 from img_recog.conversions.plane_msgs import PlanePose, PoseError
+from img_recog.errors import SimulationError
 from img_recog.nodes.gazebo.diagnostics import CommandCounts
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.names import Names
@@ -17,7 +18,6 @@ from img_recog.ros.queues import LatestValue
 from img_recog.ros.transport.direct_publisher import DirectPublisher
 from img_recog.simulation.sensors.motion_state import MotionState
 from img_recog.simulation.sensors.sensor import SensorKind
-from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.vehicle import Reading, Vehicle
 
 _LOG_PERIOD_S = 0.1             # minimum between two lines about the motion

@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from img_recog.conversions import plane_msgs
 from img_recog.conversions.plane_msgs import PlanePose
-from img_recog.errors import UserError, one_line
+from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.nodes.gazebo.images import Images
 from img_recog.nodes.gazebo.lockstep import Lockstep
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
@@ -21,7 +21,6 @@ from img_recog.nodes.gazebo.static_transforms import StaticTransforms
 from img_recog.ros.diagnostics import NodeDiagnostics
 from img_recog.simulation import assembly
 from img_recog.simulation.models import Models
-from img_recog.simulation.settings import SimulationError
 from img_recog.simulation.simulator import Simulator
 from img_recog.simulation.vehicle import Reading, Vehicle
 

@@ -8,12 +8,12 @@ from typing import Optional
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from img_recog.errors import UserError, one_line
+from img_recog.errors import SimulationError, UserError, one_line
 from img_recog.nodes.gazebo.physics_services import ServiceCalls
 from img_recog.ros import parameters
-from img_recog.settings import Settings, between, setting
+from img_recog.settings import Settings, between, nearest_period, setting
 from img_recog.simulation.pacing import Pace
-from img_recog.simulation.settings import SimulationError, nearest_period, whole_steps
+from img_recog.simulation.settings import whole_steps
 from img_recog.simulation.simulator import Simulator
 
 _CAMERA_RATE_HZ = 30.0

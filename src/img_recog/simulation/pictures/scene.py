@@ -8,11 +8,11 @@ from typing import List, NamedTuple, Sequence
 
 import pybullet
 
-from img_recog.simulation.bodies.body import Body, Pose
-from img_recog.simulation.bodies.loading import load_urdf
-from img_recog.simulation.bodies.world import add_floor, load_bodies
-from img_recog.simulation.descriptions.description import Description
-from img_recog.simulation.descriptions.world_file import WorldFile
+from img_recog.formats.world_file import WorldFile
+from img_recog.model import Model
+from img_recog.simulation.physics import build
+from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.world import add_floor, load_bodies
 from img_recog.simulation.pictures.link_colors import split_links_by_color
 from img_recog.simulation.simulator import Simulator
 
@@ -20,7 +20,7 @@ from img_recog.simulation.simulator import Simulator
 class Scene(NamedTuple):
     """What a copy is built from; it can be sent to another process."""
 
-    robots: Sequence[Description]
+    robots: Sequence[Model]
     world: WorldFile
 
 
@@ -40,10 +40,10 @@ class SceneCopy:
         physics_client_id = self._physics_client_id
         for body in self.bodies:
             pybullet.removeBody(body.body_id, physicsClientId=physics_client_id)
-        trees = [tree._replace(urdf=split_links_by_color(tree.urdf))
+        trees = [tree._replace(model=split_links_by_color(tree.model))
                  for tree in scene.world.trees]
-        self.bodies = [Body(load_urdf(split_links_by_color(robot.urdf), physics_client_id,
-                                      visuals=True), physics_client_id)
+        self.bodies = [Body(build.load(split_links_by_color(robot), physics_client_id,
+                                       visuals=True), physics_client_id)
                        for robot in scene.robots]
         self.bodies += [body for _, body in load_bodies(trees, physics_client_id, visuals=True)]
         for body in self.bodies:
@@ -60,7 +60,7 @@ class SceneCopy:
 
 def scene_of(simulator: Simulator) -> Scene:
     """Return what there is to draw of a simulator now."""
-    return Scene([vehicle.description for vehicle in simulator.vehicles], simulator.world.file)
+    return Scene([vehicle.model for vehicle in simulator.vehicles], simulator.world.file)
 
 
 def poses_of(simulator: Simulator) -> Sequence[Pose]:

@@ -10,10 +10,10 @@ import pybullet
 from img_recog import mesh_file, rotations
 from img_recog.errors import one_line
 from img_recog.mesh_file import MeshError
-from img_recog.simulation.bodies.loading import connect
-from img_recog.simulation.descriptions.geometry import Transform
-from img_recog.visuals import (BODY_TO_OPENGL, BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape,
-                               Visual, VisualScene)
+from img_recog.model import (BODY_TO_OPENGL, BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape,
+                             Visual, VisualScene)
+from img_recog.rotations import Transform
+from img_recog.simulation.physics.client import connect
 
 _PLANE_THICKNESS_M = 0.002
 _BACKGROUND_DEPTH = 1 - 5e-7

@@ -6,10 +6,10 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.simulation.bodies.body import Body, Pose
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions.geometry import Transform
-from img_recog.visuals import BODY_TO_OPENGL
+from img_recog.model import BODY_TO_OPENGL
+from img_recog.rotations import Transform
+from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.world import World
 
 FIELD_OF_VIEW = 46.8            # degrees, vertical: 60 horizontally at 4:3, like Gazebo's camera
 _FOLLOW_DISTANCE_M = 1.3        # distance and pitch look over the walls of turtlebot3_world

@@ -4,12 +4,11 @@ from typing import Dict, List, Tuple
 import numpy as np
 import pybullet
 
-from img_recog.simulation.bodies.body import Body
-from img_recog.simulation.bodies.loading import link_indices
-from img_recog.simulation.descriptions import urdf_visuals
+from img_recog.model import Light, Visual, VisualScene
+from img_recog.simulation.physics.body import Body
+from img_recog.simulation.physics.client import link_indices
 from img_recog.simulation.pictures.scene import Scene
 from img_recog.simulation.simulator import Simulator
-from img_recog.visuals import Light, VisualScene
 
 # the direction to the sun: the opposite of <direction> of Gazebo's default sun
 SUN = (0.5, -0.1, 0.9)
@@ -55,11 +54,13 @@ class Parts:
 
 
 def read(scene: Scene, parts: Parts) -> VisualScene:
-    """Return what there is to draw; SimulationError when a number in it is wrong."""
-    texts = [robot.urdf for robot in scene.robots] + [tree.urdf for tree in scene.world.trees]
-    visuals = [visual for text, numbers in zip(texts, parts.numbers())
-               for visual in urdf_visuals.read(text, numbers)]
-    return VisualScene(tuple(visuals), parts.moving,
+    """Return what there is to draw."""
+    models = [*scene.robots, *(tree.model for tree in scene.world.trees)]
+    visuals = tuple(Visual(numbers[link.name], look.shape, look.pose.matrix(), look.material,
+                           look.prefers_file, look.opacity)
+                    for model, numbers in zip(models, parts.numbers())
+                    for link in model.links for look in link.looks)
+    return VisualScene(visuals, parts.moving,
                        Light(SUN, _HORIZON, scene.world.has_floor, zenith=_ZENITH))
 
 

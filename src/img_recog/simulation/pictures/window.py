@@ -7,8 +7,8 @@ from typing import Optional, Sequence
 import pybullet
 
 from img_recog.helper_process import HelperProcess
-from img_recog.simulation.bodies.body import Pose
-from img_recog.simulation.bodies.loading import connect
+from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures.scene import Scene, SceneCopy
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, Viewpoint
 from img_recog.simulation.pictures.visual_scene import SUN

@@ -5,8 +5,8 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 import numpy as np
 import pybullet
 
+from img_recog.formats.gazebo_tags import NAME, RATE, TOPIC, Row, Tags
 from img_recog.settings import Settings, above, any_value, not_empty, setting
-from img_recog.simulation.descriptions.gazebo_tags import NAME, RATE, TOPIC, Row, Tags
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 # of libgazebo_ros_bumper of gazebo_plugins, with its default topic

@@ -4,11 +4,10 @@ from typing import Iterator, List, NamedTuple, Optional
 
 import numpy as np
 
+from img_recog.formats.gazebo_tags import DEVIATION, NAME, NUMBER, POSITIVE, RATE, TOPIC, Row, Tags
 from img_recog.rotations import Quaternion, into_frame
 from img_recog.settings import Settings, above, at_least, not_empty, setting
-from img_recog.simulation.bodies.body import Vector, velocity_at
-from img_recog.simulation.descriptions.gazebo_tags import (DEVIATION, NAME, NUMBER, POSITIVE,
-                                                           RATE, TOPIC, Row, Tags)
+from img_recog.simulation.physics.body import Vector, velocity_at
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _NOISE_ROWS = 1000          # drawn at a time

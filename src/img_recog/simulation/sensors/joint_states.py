@@ -1,9 +1,9 @@
 """The joints of a robot as a sensor measures them."""
 from dataclasses import dataclass
 
+from img_recog.formats.gazebo_tags import RATE, Row, Tags
 from img_recog.settings import Settings, above, setting
-from img_recog.simulation.bodies.robot import JointStates
-from img_recog.simulation.descriptions.gazebo_tags import RATE, Row, Tags
+from img_recog.simulation.physics.robot import JointStates
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 # a drive can have them too

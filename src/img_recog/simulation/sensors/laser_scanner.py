@@ -5,13 +5,13 @@ from typing import Optional, Sequence
 
 import numpy as np
 
+from img_recog.errors import SimulationError
+from img_recog.formats.gazebo_tags import NAME, NUMBER, TOPIC, Row, Tags
+from img_recog.formats.texts import name_of, text_of
 from img_recog.settings import Settings, above, any_value, at_least, between, not_empty, setting
-from img_recog.simulation.descriptions.gazebo_tags import NAME, NUMBER, TOPIC, Row, Tags
-from img_recog.simulation.descriptions.texts import name_of, text_of
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
-from img_recog.simulation.settings import SimulationError
 
 
 def _other_rows(sensor: ElementTree.Element) -> Sequence[str]:

@@ -1,7 +1,7 @@
 """The motion of a robot in words, for the log."""
 from typing import Optional
 
-from img_recog.simulation.bodies.body import Motion
+from img_recog.simulation.physics.body import Motion
 
 # m/s and rad/s: above the first a robot has started to move, below the second it has stopped
 _STARTS, _STOPS = (0.02, 0.05), (0.005, 0.01)

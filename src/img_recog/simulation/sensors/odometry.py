@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from img_recog import rotations
+from img_recog.formats.gazebo_tags import Tags
 from img_recog.settings import Settings, above, any_value, not_empty, one_of, setting
-from img_recog.simulation.bodies.body import Motion
-from img_recog.simulation.descriptions.gazebo_tags import Tags
+from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 WORLD, ENCODER = 'world', 'encoder'

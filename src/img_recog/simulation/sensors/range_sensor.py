@@ -3,14 +3,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from img_recog.errors import SimulationError
+from img_recog.formats.gazebo_tags import NAME, NUMBER, RATE, TOPIC, Row, Tags, choice
 from img_recog.settings import (Settings, above, any_value, at_least, between, not_empty, one_of,
                                 setting)
-from img_recog.simulation.descriptions.gazebo_tags import (NAME, NUMBER, RATE, TOPIC, Row, Tags,
-                                                           choice)
 from img_recog.simulation.sensors import rays
 from img_recog.simulation.sensors.rays import RaySensor
 from img_recog.simulation.sensors.sensor import Mount
-from img_recog.simulation.settings import SimulationError
 
 INFRARED, ULTRASOUND = 'infrared', 'ultrasound'
 

@@ -6,8 +6,8 @@ import numpy as np
 import pybullet
 
 from img_recog import rotations
-from img_recog.simulation.bodies.solids import Bundles
-from img_recog.simulation.descriptions.gazebo_tags import INTEGER, NUMBER, RATE, Row
+from img_recog.formats.gazebo_tags import INTEGER, NUMBER, RATE, Row
+from img_recog.simulation.physics.solids import Bundles
 from img_recog.simulation.sensors.sensor import Mount, Sensor
 
 _MAX_OWN_SHAPES = 20        # of its own robot, that a ray may cross one after the other

@@ -5,8 +5,11 @@ from typing import Callable, NamedTuple
 import numpy as np
 
 from img_recog import rotations
-from img_recog.simulation.bodies.robot import SimulatedRobot
-from img_recog.simulation.descriptions.geometry import Transform, from_rpy
+from img_recog.errors import SimulationError
+from img_recog.formats.camera_tags import Camera
+from img_recog.rotations import Transform, transform
+from img_recog.settings import SettingError, from_mapping
+from img_recog.simulation.physics.robot import SimulatedRobot
 from img_recog.simulation.sensors.sensor import Sensor
 from img_recog.simulation.settings import CameraSettings
 
@@ -22,6 +25,14 @@ class Exposure(NamedTuple):
 
     camera_pose: np.ndarray
     poses: np.ndarray
+
+
+def settings_of(camera: Camera) -> CameraSettings:
+    """Return the settings of a camera in a file; SimulationError when a value is not allowed."""
+    try:
+        return from_mapping(CameraSettings, camera.values)
+    except SettingError as error:
+        raise SimulationError('sensor {}: {}'.format(camera.sensor, error.problem), error.advice)
 
 
 class RobotCamera(Sensor):
@@ -53,7 +64,7 @@ def optical_frame(settings: CameraSettings) -> Transform:
 
     x is to the right in an image, y downward, z forward (REP 103).
     """
-    return _in_link(settings) @ from_rpy((0, 0, 0), (-math.pi / 2, 0, -math.pi / 2))
+    return _in_link(settings) @ transform((0, 0, 0), (-math.pi / 2, 0, -math.pi / 2))
 
 
 def warning_about_frame(robot: SimulatedRobot, settings: CameraSettings) -> str:
@@ -73,5 +84,5 @@ def warning_about_frame(robot: SimulatedRobot, settings: CameraSettings) -> str:
 
 def _in_link(settings: CameraSettings) -> Transform:
     """Return the pose of the camera in its link."""
-    return from_rpy((settings.camera_x, settings.camera_y, settings.camera_z),
-                    (settings.camera_roll, settings.camera_pitch, settings.camera_yaw))
+    return transform((settings.camera_x, settings.camera_y, settings.camera_z),
+                     (settings.camera_roll, settings.camera_pitch, settings.camera_yaw))

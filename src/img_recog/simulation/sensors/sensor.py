@@ -4,10 +4,11 @@ from typing import Any, Callable, List, NamedTuple, Optional, Sequence
 
 import numpy as np
 
-from img_recog.simulation.bodies.drive import Drive
-from img_recog.simulation.bodies.robot import SimulatedRobot
-from img_recog.simulation.bodies.world import World
-from img_recog.simulation.descriptions.gazebo_tags import Place, SensorTag, Tags, Values
+from img_recog.formats.gazebo_tags import SensorTag, Tags, Values
+from img_recog.model import Frame
+from img_recog.simulation.physics.drive import Drive
+from img_recog.simulation.physics.robot import SimulatedRobot
+from img_recog.simulation.physics.world import World
 
 
 class Sensor(abc.ABC):
@@ -32,7 +33,7 @@ class Mount(NamedTuple):
 
     robot: its links carry the sensor; noise: the random generator of this sensor alone; drive:
     of the robot. place: a frame of the robot, where the <gazebo> tag of the sensor puts it, and
-    link: the one of the description that it names; '' if it has none: then the sensor is on the
+    link: the one of the robot that it names; '' if it has none: then the sensor is on the
     link that its settings name.
     """
 
@@ -107,7 +108,7 @@ class RobotSensor(NamedTuple):
     kind: SensorKind
     number: int = 0
     values: Values = {}
-    place: Optional[Place] = None
+    place: Optional[Frame] = None
 
     @property
     def reads_parameters(self) -> bool:

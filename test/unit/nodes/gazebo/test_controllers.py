@@ -1,6 +1,9 @@
 """The controllers that a robot can have: where their parameters are, and what they are called."""
+from functools import partial
+
 import pytest
 
+from img_recog.formats import drive_controllers, urdf
 from img_recog.nodes.gazebo import controllers
 from img_recog.nodes.gazebo.names import Names
 from img_recog_testing.wheeled import plugin, robot
@@ -16,7 +19,8 @@ def read(monkeypatch):
         tags = {} if robot_namespace is None else {'robotNamespace': robot_namespace}
         monkeypatch.setattr('rospy.get_namespace', lambda: '/')
         monkeypatch.setattr('img_recog.ros.parameters.value', server.get)
-        return controllers.read(robot(plugin(library, **tags)), Names(namespace))
+        return drive_controllers.of_robot(urdf.root_of(robot(plugin(library, **tags))),
+                                          partial(controllers.read, Names(namespace)))
     return read
 
 
@@ -47,8 +51,3 @@ def test_a_robot_that_runs_no_controllers_has_none(read):
 
 def test_there_may_be_none(read):
     assert read({'/': None}) == read({}) == {}
-
-
-@pytest.mark.parametrize('text', ['<robot', '<sdf/>'])
-def test_what_is_no_urdf_has_none(text):
-    assert controllers.read(text, Names()) == {}

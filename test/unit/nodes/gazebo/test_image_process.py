@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from img_recog.model import Light, VisualScene
 from img_recog.nodes.gazebo import image_process
 from img_recog.nodes.gazebo.image_process import ImageProcess
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.server import Shot
-from img_recog.visuals import Light, VisualScene
 from img_recog_testing import fake_renderers
 from img_recog_testing.fake_renderers import DIE, HANG, REFUSE
 from img_recog_testing.statuses import report

@@ -1,49 +1,42 @@
 """Each color on a separate link, and nothing lost."""
-import xml.etree.ElementTree as ElementTree
+import pytest
 
-from img_recog.simulation.descriptions.description import parse
+from img_recog.formats import world_file
+from img_recog.model import BOX, FIXED, Inertia, Joint, Link, Look, Material, Model, Shape, Solid
+from img_recog.rotations import IDENTITY
 from img_recog.simulation.pictures.link_colors import split_links_by_color
+from img_recog_testing.parsed import lumped
 from img_recog_testing.robots import WORLDS, burger
 
 
-def painted(urdf):
-    return ElementTree.fromstring(split_links_by_color(urdf))
+@pytest.fixture(params=['burger', 'turtlebot3_world'])
+def model(request):
+    if request.param == 'burger':
+        return lumped(burger())
+    return world_file.read('turtlebot3_world', WORLDS).trees[0].model
 
 
-def test_every_link_has_one_color_and_every_shape_is_kept():
-    for urdf in (parse(burger()).urdf, open(WORLDS['turtlebot3_world']).read()):
-        robot = painted(urdf)
-        for link in robot.findall('link'):
-            colors = {ElementTree.tostring(visual.find('material')).strip()
-                      for visual in link.findall('visual')}
-            assert len(colors) <= 1
-        before = len(list(ElementTree.fromstring(urdf).iter('visual')))
-        assert len(list(robot.iter('visual'))) == before > 50
+def test_every_link_has_one_color_and_every_shape_is_kept(model):
+    painted = split_links_by_color(model)
+    assert all(len({look.material for look in link.looks}) <= 1 for link in painted.links)
+    before, after = (sum(len(link.looks) for link in each.links) for each in (model, painted))
+    assert before == after > 50
 
 
-def test_joints_of_the_robot_keep_their_names_and_masses():
-    urdf = parse(burger()).urdf
-    names = {joint.get('name') for joint in painted(urdf).findall('joint')}
-    assert {'wheel_left_joint', 'wheel_right_joint'} <= names
-    before, after = (sum(float(mass.get('value')) for mass in robot.iter('mass'))
-                     for robot in (ElementTree.fromstring(urdf), painted(urdf)))
-    assert before == after
+def test_joints_of_the_robot_keep_their_names_and_masses(model):
+    painted = split_links_by_color(model)
+    assert painted.joints[:len(model.joints)] == model.joints
+    for before, after in zip(model.links, painted.links):
+        assert (before.name, before.inertia) == (after.name, after.inertia)
 
 
 def test_added_links_have_no_mass_and_no_inertia_and_are_fixed():
-    robot = painted('<robot name="r"><link name="a"><inertial><mass value="1"/></inertial>'
-                    '<visual><material name="m"/></visual><visual/><visual><material name="m"/>'
-                    '</visual><collision/></link></robot>')
-    assert [link.get('name') for link in robot.findall('link')] == ['a', 'a_color_0', 'a_color_1']
-    assert [len(link.findall('visual')) for link in robot.findall('link')] == [0, 2, 1]
-    assert robot.find('.//collision') is None and robot.get('name') == 'r'
-    for number, joint in enumerate(robot.findall('joint')):
-        name = 'a_color_{}'.format(number)
-        assert joint.attrib == {'name': name + '_joint', 'type': 'fixed'}
-        assert joint.find('parent').attrib == {'link': 'a'}
-        assert joint.find('child').attrib == {'link': name}
-    for link in robot.findall('link')[1:]:
-        assert link.find('inertial/mass').attrib == {'value': '0'}
-        assert link.find('inertial/inertia').attrib == dict.fromkeys(
-            ('ixx', 'ixy', 'ixz', 'iyy', 'iyz', 'izz'), '0')
-    assert len(robot.findall('joint')) == 2
+    box, red = Shape(BOX, (1.0, 1.0, 1.0)), Material((1.0, 0.0, 0.0, 1.0))
+    inertia = Inertia(1.0, IDENTITY, IDENTITY.rotation)
+    looks = Look(box, material=red), Look(box), Look(box, material=red)
+    painted = split_links_by_color(Model('r', (Link('a', inertia, (Solid(box),), looks),)))
+    assert painted == Model(
+        'r', (Link('a', inertia), Link('a_color_0', looks=(looks[0], looks[2])),
+              Link('a_color_1', looks=(looks[1],))),
+        (Joint('a_color_0_joint', FIXED, 'a', 'a_color_0'),
+         Joint('a_color_1_joint', FIXED, 'a', 'a_color_1')))

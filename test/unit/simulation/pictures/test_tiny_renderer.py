@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from img_recog.model import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
+                             VisualScene)
 from img_recog.rendering.camera import Camera
 from img_recog.rendering.opengl import Renderer
 from img_recog.simulation.pictures.tiny_renderer import TinyRenderer
-from img_recog.visuals import (BOX, CYLINDER, MESH, PLANE, SPHERE, Light, Material, Shape, Visual,
-                               VisualScene)
 from img_recog_testing.drawn import at
 
 CAMERA = Camera(160, 120, math.radians(60), 0.05, 50.0)

@@ -5,9 +5,9 @@ import numpy as np
 import pybullet
 import pytest
 
-from img_recog.simulation.bodies.body import Pose
-from img_recog.simulation.bodies.loading import connect
-from img_recog.simulation.descriptions.geometry import from_rpy
+from img_recog.rotations import transform
+from img_recog.simulation.physics.body import Pose
+from img_recog.simulation.physics.client import connect
 from img_recog.simulation.pictures import view, window
 from img_recog.simulation.pictures.scene import SceneCopy, poses_of
 from img_recog.simulation.pictures.view import ABOVE, FIELD_OF_VIEW, follow
@@ -62,7 +62,7 @@ def in_world(tmp_path, *inside):
 def test_the_view_above_is_that_of_gazebos_user_camera(tmp_path, pose):
     found = in_world(tmp_path, '<gui><camera name="user_camera"><pose>{} {} {} {} {} {}</pose>'
                      '</camera></gui>'.format(*pose)).pose()
-    wanted = from_rpy(pose[:3], pose[3:])
+    wanted = transform(pose[:3], pose[3:])
     assert found[:3, 3] == pytest.approx(wanted.translation, abs=0.01)
     assert found[:3, :3] == pytest.approx(wanted.rotation, abs=1e-3)
 
@@ -105,7 +105,7 @@ def test_without_a_user_camera_it_shows_all_that_stands_in_the_world(tmp_path):
     ((0, 0, 100, 0, 1.5708, 0), 105), ((0, 0, 2, 0, 0, 0), 1000), ((0, 0, 2, 0, -1, 0), 1000)])
 def test_the_picture_reaches_to_the_floor_in_all_of_it(pose, far):
     slope = np.tan(np.radians(30))
-    found = view.near_and_far(from_rpy(pose[:3], pose[3:]).matrix(), (slope, slope * 0.75))
+    found = view.near_and_far(transform(pose[:3], pose[3:]).matrix(), (slope, slope * 0.75))
     assert found == pytest.approx((far / 1200, far), rel=1e-4)
 
 

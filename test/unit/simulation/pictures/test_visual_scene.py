@@ -1,22 +1,20 @@
 """The visuals of a simulation, and the poses of the parts that carry them."""
-import dataclasses
 import math
 
 import numpy as np
 import pytest
 
+from img_recog.errors import SimulationError
+from img_recog.model import BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape
 from img_recog.rendering import matrices
 from img_recog.simulation.pictures import visual_scene
 from img_recog.simulation.pictures.visual_scene import Parts
 from img_recog.simulation.sensors import robot_camera
 from img_recog.simulation.sensors.robot_camera import RobotCamera
-from img_recog.simulation.settings import CameraSettings, SimulationError
-from img_recog.visuals import BOX, CYLINDER, MESH, PLANE, SPHERE, Material, Shape
+from img_recog.simulation.settings import CameraSettings
 from img_recog_testing.refusals import refusal
 from img_recog_testing.robots import assemble, burger
 from img_recog_testing.sdf import BUILT_IN, CRATE, SHELF, sdf
-
-ROOT = '<link name="base_footprint">'
 
 
 @pytest.fixture
@@ -34,12 +32,16 @@ def read(built):
     return visual_scene.read(built.scene, parts), parts
 
 
-def with_visual(built, inside):
-    """Return the scene with another visual in the root link of the robot, before the others."""
-    robot = built.scene.robots[0]
-    urdf = robot.urdf.replace(ROOT, ROOT + '<visual>{}</visual>'.format(inside), 1)
-    assert urdf != robot.urdf
-    return built.scene._replace(robots=[dataclasses.replace(robot, urdf=urdf)])
+def with_visual(inside):
+    """Return the burger with another visual in its root link, before the others."""
+    link = '<link name="base_footprint"/>'
+    assert link in burger()
+    return burger().replace(link, '<link name="base_footprint"><visual>{}</visual></link>'.format(
+        inside))
+
+
+def first_visual(inside):
+    return read(assemble(urdf=with_visual(inside), find_mesh=str))[0].visuals[0]
 
 
 def test_parts_are_the_links_of_robots_and_world(hall):
@@ -117,8 +119,7 @@ def test_the_floor_is_seen_where_the_world_has_it(tmp_path):
     ('<geometry><sphere radius="2"/></geometry><material name="unknown"/>', Shape(SPHERE, (2.0,)),
      None)])
 def test_shapes_and_materials(inside, shape, material):
-    built = assemble()
-    visual = visual_scene.read(with_visual(built, inside), Parts(built.simulator)).visuals[0]
+    visual = first_visual(inside)
     assert (visual.part, visual.shape, visual.material) == (0, shape, material)
 
 
@@ -127,9 +128,8 @@ def test_shapes_and_materials(inside, shape, material):
     ('<mesh filename="/a.dae"/>', '', False), ('<sphere radius="1"/>', '<material name="plate"/>',
                                                False)])
 def test_a_material_of_a_urdf_is_that_of_what_has_none_in_the_mesh(shape, material, prefers_file):
-    built, inside = assemble(), '<geometry>{}</geometry>{}'.format(shape, material)
-    visual = visual_scene.read(with_visual(built, inside), Parts(built.simulator)).visuals[0]
-    assert visual.prefers_file is prefers_file
+    inside = '<geometry>{}</geometry>{}'.format(shape, material)
+    assert first_visual(inside).prefers_file is prefers_file
 
 
 def test_a_plane_is_the_upper_side_of_its_box(tmp_path):
@@ -164,8 +164,7 @@ def test_a_material_of_gazebo_or_of_an_sdf_replaces_that_of_the_mesh(tmp_path):
     ('<geometry><sphere radius="1"/></geometry><material name="m"><color rgba="red"/></material>',
      "rgba of material m: got 'red'")])
 def test_refuses(inside, words):
-    built = assemble()
-    assert words in refusal(visual_scene.read, with_visual(built, inside), Parts(built.simulator))
+    assert words in refusal(assemble, urdf=with_visual(inside))
 
 
 def test_a_camera_on_the_robot_reads_its_pose_and_all_others():

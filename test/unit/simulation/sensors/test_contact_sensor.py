@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import world_file
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.settings import PhysicsSettings
 from img_recog_testing import robots
 

@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 
+from img_recog.errors import SimulationError
 from img_recog.simulation.sensors.imu import ImuSettings
-from img_recog.simulation.settings import SimulationError
 from img_recog_testing.robots import simulator
 
 QUIET = ImuSettings(gyro_noise=0.0, accel_noise=0.0)

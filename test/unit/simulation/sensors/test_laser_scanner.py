@@ -4,8 +4,9 @@ import math
 import numpy as np
 import pytest
 
+from img_recog.errors import SimulationError
 from img_recog.simulation.sensors.laser_scanner import ScanSettings
-from img_recog.simulation.settings import NoiseSettings, SimulationError
+from img_recog.simulation.settings import NoiseSettings
 from img_recog_testing import turtlebot3_world
 from img_recog_testing.robots import simulator
 

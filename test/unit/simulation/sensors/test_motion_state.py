@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from img_recog.simulation.bodies.body import Motion
+from img_recog.simulation.physics.body import Motion
 from img_recog.simulation.sensors.motion_state import MotionState
 
 

@@ -4,11 +4,12 @@ import math
 import numpy as np
 import pytest
 
+from img_recog.errors import SimulationError
 from img_recog.settings import SettingError
-from img_recog.simulation.bodies.drives import make_drive
+from img_recog.simulation.physics.drives import make_drive
 from img_recog.simulation.sensors.odometry import EncoderOdometry, OdometrySettings
 from img_recog.simulation.sensors.sensor import Mount
-from img_recog.simulation.settings import DriveSettings, SimulationError
+from img_recog.simulation.settings import DriveSettings
 from img_recog_testing.robots import simulator
 
 ENCODER = OdometrySettings(odometry_source='encoder')

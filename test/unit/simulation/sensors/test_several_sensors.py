@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from img_recog.conversions.sensor_table import SENSORS
+from img_recog.formats import world_file
 from img_recog.settings import SettingError
 from img_recog.simulation import assembly
-from img_recog.simulation.descriptions import world_file
 from img_recog.simulation.sensors.laser_scanner import LaserScanner, ScanSettings
 from img_recog.simulation.sensors.sensor import Mount
 from img_recog.simulation.settings import PhysicsSettings

@@ -1,0 +1,240 @@
+"""The drives that are controllers of ros_control, from their parameters: a row each."""
+import math
+import xml.etree.ElementTree as ElementTree
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+from img_recog.errors import SimulationError, shortened
+from img_recog.formats.gazebo_tags import Tags, Values, is_of
+from img_recog.formats.texts import name_of, text_of
+from img_recog.model import PLANAR
+from img_recog.settings import nearest_period
+
+# the parameters of each controller by its name, which begins with its namespace
+Controllers = Mapping[str, Mapping[str, Any]]
+# Returns them for the namespace in the plugin, without slashes at the ends, '' for that of the
+# robot.
+FindControllers = Callable[[str], Controllers]
+CONTROL = Tags(('gazebo_ros_control', 'fetch_gazebo_plugin'), ())      # run controllers
+CORNERS = {'left_joint': ('leftFrontJoint', 'leftRearJoint'),
+           'right_joint': ('rightFrontJoint', 'rightRearJoint')}
+_JOINT_STATES = 'joint_state_controller/JointStateController'       # always simulated
+_AXES = {'linear': 'linear/x', 'angular': 'angular/z'}
+_NO_LIMIT = 1e6         # N m, of a joint without a limit of its effort
+
+
+class Drive(NamedTuple):
+    """How a robot is driven.
+
+    tags: of the plugin, to be read with those of the sensors; values: settings by name, which hold
+    where these have none; problems: what is not simulated.
+    """
+
+    tags: Tags
+    values: Values = {}
+    problems: Tuple[str, ...] = ()
+
+    def settings(self, given: Values) -> Values:
+        """Return the settings by name; given: those in the tags."""
+        values = {**self.values, **given}
+        for side, pair in CORNERS.items():     # the front and the rear wheels together
+            names = [str(values.pop(corner)) for corner in pair if corner in values]
+            if names:
+                values[side] = ', '.join(dict.fromkeys(names))
+        return values
+
+
+class _Parameters:
+    """Reads the parameters of a controller, those in a namespace by `name/name`."""
+
+    def __init__(self, controller: str, values: Mapping[str, Any], step_s: float):
+        self.controller, self._values, self._step_s = controller, values, step_s
+
+    def get(self, path: str) -> Any:
+        value: Any = self._values
+        for name in path.split('/'):
+            value = value.get(name) if isinstance(value, Mapping) else None
+        return value
+
+    def number(self, path: str, default: float = math.nan) -> float:
+        value = self.get(path)
+        try:
+            number = default if value is None else float(value)
+        except (TypeError, ValueError):
+            number = math.nan
+        if not math.isfinite(number):
+            raise self._wrong(path, 'a finite number')
+        return number
+
+    def names(self, path: str) -> List[str]:
+        value = self.get(path)
+        names = value if isinstance(value, list) else [] if value is None else [value]
+        if not names or not all(isinstance(name, str) for name in names):
+            raise self._wrong(path, 'the name of a joint, or a list of names')
+        return names
+
+    def text(self, path: str, default: str) -> str:
+        value = self.get(path)
+        return value.strip('/') if isinstance(value, str) and value.strip('/') else default
+
+    def flag(self, path: str, default: bool) -> bool:
+        value = self.get(path)
+        return default if value is None else bool(value)
+
+    def add_period(self, setting: str, values: Dict[str, Any]) -> None:
+        """Set the period of `publish_rate`, if there is one."""
+        rate_hz = self.number('publish_rate', 0.0)
+        if rate_hz > 0:
+            values[setting] = nearest_period(rate_hz, self._step_s)
+
+    def _wrong(self, path: str, expected: str) -> SimulationError:
+        return SimulationError('parameter {}/{}: got {}, expected {}'.format(
+            self.controller, path, shortened(repr(self.get(path))), expected))
+
+
+def find(robot: ElementTree.Element, find_controllers: FindControllers,
+         step_s: float) -> Optional[Drive]:
+    """Return the drive of a URDF's <robot> by the first controller that drives its joints.
+
+    step_s: of the physics. Raises SimulationError naming a parameter that cannot be used.
+    """
+    joints = {name_of(joint): joint for joint in robot.findall('joint')}
+    controllers = of_robot(robot, find_controllers)
+    for name, values in controllers.items():
+        read = TYPES.get(values['type'])
+        found = read and read(_Parameters(name, values, step_s), joints)
+        if found:
+            values = dict(found.values)
+            for other in controllers:
+                if controllers[other]['type'] == _JOINT_STATES:
+                    _Parameters(other, controllers[other], step_s).add_period(
+                        'joint_states_period_s', values)
+            return Drive(CONTROL, values, (*found.problems, *not_simulated(controllers, name)))
+    return None
+
+
+def of_robot(robot: ElementTree.Element, find_controllers: FindControllers) -> Controllers:
+    """Return the controllers that a robot can have: none without the plugin that runs them."""
+    for plugin in robot.findall('gazebo/plugin'):
+        if is_of(plugin, CONTROL):
+            return find_controllers(text_of(plugin, 'robotNamespace').strip('/'))
+    return {}
+
+
+def none(_: str) -> Controllers:
+    """Return none."""
+    return {}
+
+
+def among(parameters: Any, namespace: str) -> Controllers:
+    """Return the controllers among parameters; their names get the namespace before them."""
+    return {'/'.join(filter(None, (namespace, name))): value
+            for name, value in sorted(parameters.items() if isinstance(parameters, dict) else ())
+            if isinstance(value, dict) and '/' in str(value.get('type', ''))}
+
+
+def not_simulated(controllers: Controllers, drive: str = '') -> Tuple[str, ...]:
+    """Return the controllers that are not simulated; drive: the name of the one that is."""
+    return tuple('controller {} ({}{})'.format(
+        shortened(name), shortened(values['type']), ' of joints that the robot does not have'
+        if not drive and values['type'] in TYPES else '')
+        for name, values in controllers.items()
+        if name != drive and values['type'] != _JOINT_STATES)
+
+
+def _diff_drive(parameters: _Parameters,
+                joints: Dict[str, ElementTree.Element]) -> Optional[Drive]:
+    """Read those of diff_drive_controller."""
+    left, right = parameters.names('left_wheel'), parameters.names('right_wheel')
+    if not {*left, *right} <= set(joints):
+        return None         # of another robot
+    radius = parameters.number('wheel_radius_multiplier', 1.0)
+    values: Values = {
+        'left_joint': ', '.join(left), 'right_joint': ', '.join(right),
+        'wheel_separation_multiplier': parameters.number('wheel_separation_multiplier', 1.0),
+        'left_wheel_radius_multiplier': parameters.number('left_wheel_radius_multiplier', radius),
+        'right_wheel_radius_multiplier': parameters.number('right_wheel_radius_multiplier',
+                                                           radius),
+        'wheel_torque': min(_effort(joints[name]) for name in (*left, *right)),
+        'wheel_acceleration': 0.0,
+        **_common(parameters)}
+    if parameters.get('wheel_separation') is not None:
+        values['wheel_separation'] = parameters.number('wheel_separation')
+    if parameters.get('wheel_radius') is not None:
+        values['wheel_diameter'] = 2 * parameters.number('wheel_radius')
+    return Drive(CONTROL, values, _jerk(parameters))
+
+
+def _mecanum(parameters: _Parameters,
+             joints: Dict[str, ElementTree.Element]) -> Optional[Drive]:
+    """Read those of mecanum_drive_controller; the rollers of its wheels are not simulated."""
+    wheels = [name for corner in ('front_left', 'front_right', 'back_left', 'back_right')
+              for name in parameters.names(corner + '_wheel_joint')]
+    if not set(wheels) <= set(joints):
+        return None
+    return Drive(CONTROL, {'drive': PLANAR, **_common(parameters)}, _jerk(parameters))
+
+
+def _fetch(parameters: _Parameters,
+           joints: Dict[str, ElementTree.Element]) -> Optional[Drive]:
+    """Read those of robot_controllers, with the defaults in its code, which are of Fetch."""
+    left = parameters.text('l_wheel_joint', 'l_wheel_joint')
+    right = parameters.text('r_wheel_joint', 'r_wheel_joint')
+    if not {left, right} <= set(joints):
+        return None
+    return Drive(CONTROL, {
+        'left_joint': left, 'right_joint': right,
+        'wheel_separation': parameters.number('track_width', 0.37476),
+        'wheel_diameter': 2 / parameters.number('radians_per_meter', 16.5289),
+        'wheel_torque': min(_effort(joints[name]) for name in (left, right)),
+        'wheel_acceleration': 0.0,
+        'max_linear_velocity': parameters.number('max_velocity_x', 1.0),
+        'max_angular_velocity': parameters.number('max_velocity_r', 4.5),
+        'max_linear_acceleration': parameters.number('max_acceleration_x', 0.75),
+        'max_angular_acceleration': parameters.number('max_acceleration_r', 3.0),
+        'cmd_vel_timeout': parameters.number('timeout', 0.25),
+        'command_topic': parameters.controller + '/command',
+        'odometry_source': 'encoder', 'base_frame': 'base_link',
+        'publish_odom_tf': parameters.flag('publish_tf', True)}, ())
+
+
+# by the types that the controllers have
+TYPES: Dict[str, Callable[[_Parameters, Dict[str, ElementTree.Element]], Optional[Drive]]] = {
+    'diff_drive_controller/DiffDriveController': _diff_drive,
+    'mecanum_drive_controller/MecanumDriveController': _mecanum,
+    'robot_controllers/DiffDriveBaseController': _fetch}
+
+
+def _common(parameters: _Parameters) -> Values:
+    values: Values = {
+        'odometry_source': 'encoder', 'odometry_period_s': 0.02,
+        'base_frame': parameters.text('base_frame_id', 'base_link'),
+        'odom_frame': parameters.text('odom_frame_id', 'odom'),
+        'publish_odom_tf': parameters.flag('enable_odom_tf', True),
+        'cmd_vel_timeout': parameters.number('cmd_vel_timeout', 0.5),
+        'command_topic': parameters.controller + '/cmd_vel',
+        'odometry_topic': parameters.controller + '/odom',
+        'stamped_commands': parameters.flag('use_stamped_vel', False)}
+    parameters.add_period('odometry_period_s', values)
+    for name, path in _AXES.items():
+        for kind in ('velocity', 'acceleration'):
+            if parameters.flag('{}/has_{}_limits'.format(path, kind), False):
+                for bound in ('max', 'min'):
+                    limit = '{}/{}_{}'.format(path, bound, kind)
+                    values['{}_{}_{}'.format(bound, name, kind)] = parameters.number(limit, 0.0)
+    return values
+
+
+def _jerk(parameters: _Parameters) -> Tuple[str, ...]:
+    has_limit = any(parameters.flag(path + '/has_jerk_limits', False)
+                    for path in _AXES.values())
+    return ('jerk limits of controller ' + parameters.controller,) if has_limit else ()
+
+
+def _effort(joint: ElementTree.Element) -> float:
+    """Return the highest torque of a joint in N m, as gazebo_ros_control has it."""
+    limit = joint.find('limit')
+    try:
+        effort = float('' if limit is None else limit.get('effort', ''))
+    except ValueError:
+        return _NO_LIMIT
+    return min(effort, _NO_LIMIT) if effort > 0 else _NO_LIMIT

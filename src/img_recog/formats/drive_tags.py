@@ -1,0 +1,100 @@
+"""The drives that the plugins of a URDF stand for: a row each.
+
+drive_controllers.py has those of controllers of ros_control. Other paths are the names that the
+plugins of gazebo_plugins have in ROS 2.
+"""
+import xml.etree.ElementTree as ElementTree
+from typing import Optional
+
+from img_recog.formats import drive_controllers
+from img_recog.formats.drive_controllers import CORNERS, Drive, FindControllers
+from img_recog.formats.gazebo_tags import (FLAG, NAME, NUMBER, POSITIVE, RATE, TOPIC, Row, Tags,
+                                           choice, is_of)
+from img_recog.model import PLANAR
+
+_WORLD, _ENCODER = 'world', 'encoder'
+_TOPICS = (
+    Row('command_topic', TOPIC, 'plugin', 'commandTopic'),
+    Row('odometry_topic', TOPIC, 'plugin', 'odometryTopic'),
+    Row('odom_frame', NAME, 'plugin', 'odometryFrame', 'odometry_frame'),
+    Row('base_frame', NAME, 'plugin', 'robotBaseFrame', 'robot_base_frame'))
+# in Gazebo one plugin publishes odometry and joint states
+_UPDATE_RATE = (
+    Row('odometry_period_s', RATE, 'plugin', 'updateRate', 'update_rate'),
+    Row('joint_states_period_s', RATE, 'plugin', 'updateRate', 'update_rate'))
+
+DIFF_DRIVE = Drive(Tags(('gazebo_ros_diff_drive',), (
+    Row('left_joint', NAME, 'plugin', 'leftJoint', 'left_joint'),
+    Row('right_joint', NAME, 'plugin', 'rightJoint', 'right_joint'),
+    Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation', 'wheel_separation'),
+    Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter', 'wheel_diameter'),
+    Row('wheel_torque', NUMBER, 'plugin', 'max_wheel_torque'),
+    # <torque> is the name in the plugin's first versions
+    Row('wheel_torque', NUMBER, 'plugin', 'wheelTorque', 'torque'),
+    Row('wheel_acceleration', NUMBER, 'plugin', 'wheelAcceleration', 'max_wheel_acceleration'),
+    # the numbers are those of OdomSource in the plugin
+    Row('odometry_source', choice('world or encoder', {
+        _WORLD: _WORLD, '1': _WORLD, _ENCODER: _ENCODER, '0': _ENCODER}), 'plugin',
+        'odometrySource', 'odometry_source'),
+    Row('publish_odom_tf', FLAG, 'plugin', 'publishOdomTF', 'publish_odom_tf'),
+    *_TOPICS, *_UPDATE_RATE)))
+
+PLUGINS = (
+    DIFF_DRIVE,
+    Drive(Tags(('gazebo_ros_skid_steer_drive',), (
+        *(Row(corner, NAME, 'plugin', corner) for pair in CORNERS.values() for corner in pair),
+        Row('wheel_separation', NUMBER, 'plugin', 'wheelSeparation'),
+        Row('wheel_diameter', NUMBER, 'plugin', 'wheelDiameter'),
+        Row('wheel_torque', NUMBER, 'plugin', 'torque'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'broadcastTF'), *_TOPICS, *_UPDATE_RATE)),
+        # the names of the plugin
+        {'leftFrontJoint': 'left_front_joint', 'leftRearJoint': 'left_rear_joint',
+         'rightFrontJoint': 'right_front_joint', 'rightRearJoint': 'right_rear_joint',
+         'wheel_torque': 5.0, 'wheel_acceleration': 0.0, 'publish_odom_tf': False}),
+    Drive(Tags(('gazebo_ros_planar_move',), (
+        Row('odometry_period_s', RATE, 'plugin', 'odometryRate', 'publish_rate'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publishTF', 'publish_odom_tf'),
+        Row('cmd_vel_timeout', POSITIVE, 'plugin', 'cmdTimeout'), *_TOPICS)),
+        {'drive': PLANAR, 'odometry_period_s': 0.05}),
+    # of hector_gazebo_plugins, and those that others derived from it
+    Drive(Tags(('force_based_move',), (
+        Row('odometry_period_s', RATE, 'plugin', 'odometryRate'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publishOdometryTf'),
+        Row('cmd_vel_timeout', POSITIVE, 'plugin', 'cmdVelTimeOut', 'commandWatchdog'), *_TOPICS)),
+        {'drive': PLANAR, 'odometry_period_s': 0.05, 'odometry_source': _ENCODER}),
+    # of kobuki_gazebo_plugins; its frames and topics are in its code
+    Drive(Tags(('gazebo_ros_kobuki',), (
+        Row('left_joint', NAME, 'plugin', 'left_wheel_joint_name'),
+        Row('right_joint', NAME, 'plugin', 'right_wheel_joint_name'),
+        Row('wheel_separation', NUMBER, 'plugin', 'wheel_separation'),
+        Row('wheel_diameter', NUMBER, 'plugin', 'wheel_diameter'),
+        Row('wheel_torque', NUMBER, 'plugin', 'torque'),
+        Row('cmd_vel_timeout', POSITIVE, 'plugin', 'velocity_command_timeout'),
+        Row('publish_odom_tf', FLAG, 'plugin', 'publish_tf')),
+        not_simulated=lambda _: ('bumpers, cliff sensors and inertial unit of plugin '
+                                 'libgazebo_ros_kobuki.so',)),
+        {'wheel_acceleration': 0.0, 'odometry_source': _ENCODER, 'publish_odom_tf': False,
+         'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}))
+
+# Ackermann steering, tricycles and legs are not
+ADVICE = (
+    'simulated are differential, skid-steered and planar drives: {}, and of controllers whose '
+    'parameters are loaded before the node starts, {}; else set left_joint and right_joint to the '
+    'joints of its wheels'.format(
+        ', '.join('lib' + row.tags.plugins[0] for row in PLUGINS[:3]),
+        ', '.join(drive_controllers.TYPES)))
+
+
+def find(robot: ElementTree.Element, step_s: float,
+         controllers: FindControllers = drive_controllers.none) -> Optional[Drive]:
+    """Return what says how the robot of a URDF's <robot> is driven, None if nothing does.
+
+    step_s: of the physics. controllers: returns those of ros_control that it can have. A plugin
+    that drives by itself counts more than a controller; of two, the first counts.
+    Raises SimulationError when a controller has a wrong value.
+    """
+    for plugin in robot.findall('gazebo/plugin'):
+        for row in PLUGINS:
+            if is_of(plugin, row.tags):
+                return row
+    return drive_controllers.find(robot, controllers, step_s)

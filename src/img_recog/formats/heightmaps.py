@@ -1,0 +1,145 @@
+"""The heightmaps of an SDF: terrain whose heights are the pixels of an image."""
+import functools
+import os
+import xml.etree.ElementTree as ElementTree
+from typing import NamedTuple, Tuple
+
+import numpy as np
+
+from img_recog.errors import SimulationError, one_line
+from img_recog.files import FindFile, plain
+from img_recog.formats import generated_meshes
+from img_recog.formats.numbers import read_lengths, read_number
+from img_recog.formats.texts import text_of
+from img_recog.model import HEIGHTMAP, Material, Shape
+from img_recog.rotations import IDENTITY, Transform
+
+_MAX_PIXELS = 50_000_000
+# points on a side: where samples between pixels are left out; of the terrain; of what is drawn
+_MAX_SAMPLED, _MAX_POINTS, _MAX_DRAWN = 513, 1025, 257
+_EARTH = (0.42, 0.4, 0.32, 1.0)         # the color without a texture
+
+
+class Heightmap(NamedTuple):
+    """heights (rows, columns): m, the first row is that with the smallest y; size: x, y in m."""
+
+    heights: np.ndarray
+    size: Tuple[float, float]
+
+    @property
+    def middle(self) -> float:
+        """The height in the middle between the lowest and the highest point."""
+        return float(self.heights.min() + self.heights.max()) / 2
+
+
+def shape(name: str, element: ElementTree.Element, find: FindFile) -> Tuple[Shape, Transform]:
+    """Return a <heightmap>, and its pose in the frame of the <visual> or <collision>.
+
+    name: of that. Raises SimulationError when it cannot be used.
+    """
+    uri = text_of(element, 'uri')
+    path = find(uri)
+    if path is None or not os.path.isfile(path):
+        raise SimulationError('heightmap ' + uri)
+    size = read_lengths('<size> of ' + name, element.findtext('size', '1 1 1'), 3)
+    if not (size[:2] > 0).all():
+        raise SimulationError('<size> of {}: got {!r}, expected more than 0'.format(
+            name, element.findtext('size')))
+    sampling = read_number('<sampling> of ' + name, element.findtext('sampling', '2'))
+    made = Shape(HEIGHTMAP, (*size.tolist(), max(int(sampling), 1)), os.path.abspath(path))
+    read(made)
+    position = read_lengths('<pos> of ' + name, element.findtext('pos', '0 0 0'), 3)
+    return made, IDENTITY._replace(translation=position)
+
+
+def read(shape: Shape) -> Heightmap:
+    """Return the heights of a HEIGHTMAP.
+
+    As in Gazebo (ImageHeightmap::FillHeightMap), the upper row of the image has the largest y,
+    the brightest pixel the height <size> z, black the height 0, and <sampling> - 1 points stand
+    between two pixels. Where that gives more than 513 points on a side, there are none; more than
+    1025 pixels are reduced.
+    Raises SimulationError when the image cannot be read.
+    """
+    try:
+        changed_ns = os.stat(shape.path).st_mtime_ns
+    except OSError:
+        changed_ns = 0      # what cannot be read has its error below
+    return _heightmap(shape.path, changed_ns, *shape.size)
+
+
+@functools.lru_cache(maxsize=1)     # what is driven on is drawn too, and both are checked before
+def _heightmap(path: str, _: int, width: float, depth: float, top: float,
+               sampling: int) -> Heightmap:
+    """Return the heightmap of an image; the time of its last change makes another one of it."""
+    pixels = _pixels(path)
+    rows, columns = (_coordinates(count, sampling) for count in pixels.shape)
+    heights = _interpolated(pixels, rows, columns) * abs(top) / (pixels.max() or 1.0)
+    if top < 0:
+        heights = 1.0 - heights     # Gazebo does so
+    heights = np.ascontiguousarray(heights[::-1])
+    heights.flags.writeable = False
+    return Heightmap(heights, (width, depth))
+
+
+def write_mesh(shape: Shape) -> str:
+    """Write a mesh to draw a HEIGHTMAP; return the path.
+
+    Its texture coordinates are 0 to 1 over the whole. Raises SimulationError like `read`.
+    """
+    heightmap = read(shape)
+    rows, columns = (np.linspace(0, count - 1, min(count, _MAX_DRAWN))
+                     for count in heightmap.heights.shape)
+    heights = _interpolated(heightmap.heights, rows, columns)
+    v, u = np.meshgrid(rows / rows[-1], columns / columns[-1], indexing='ij')
+    width, depth = heightmap.size
+    vertices = np.stack([(u - 0.5) * width, (v - 0.5) * depth, heights], axis=-1).reshape(-1, 3)
+    return generated_meshes.write(vertices, generated_meshes.grid_faces(len(rows), len(columns)),
+                                  np.stack([u, v], axis=-1).reshape(-1, 2))
+
+
+def material(element: ElementTree.Element, find: FindFile) -> Material:
+    """Return what a heightmap of an SDF looks like: its first texture, else the color of earth."""
+    size = read_lengths('size', element.findtext('size', '1 1 1'), 3)
+    texture = element.find('texture')
+    path = None if texture is None else find(text_of(texture, 'diffuse'))
+    if texture is None or path is None or not os.path.isfile(path):
+        return Material(_EARTH)
+    length = read_number('<size> of texture', texture.findtext('size', '10'))
+    width, depth = (float(length / each) or 1.0 for each in size[:2])
+    return Material((1.0, 1.0, 1.0, 1.0), os.path.abspath(path), (width, depth))
+
+
+def _pixels(path: str) -> np.ndarray:
+    """Return the first channel of an image, (rows, columns), as numbers."""
+    from PIL import Image       # takes time, and few worlds have one
+    try:
+        with open(path, 'rb', opener=plain) as file, Image.open(file) as image:
+            if image.width * image.height > _MAX_PIXELS or min(image.size) < 2:
+                raise ValueError('{}x{} pixels, expected 2 to {} in all, on a side 2 or more'
+                                 .format(image.width, image.height, _MAX_PIXELS))
+            if image.mode not in ('L', 'I', 'I;16', 'I;16B'):
+                image = image.convert('RGB').getchannel(0)
+            return np.array(image, float)
+    except Exception as error:      # Pillow raises errors of many types
+        raise SimulationError('heightmap {}: {}'.format(path, one_line(error)),
+                              'give a PNG or JPEG file')
+
+
+def _coordinates(pixels: int, sampling: int) -> np.ndarray:
+    """Return where the points of a side are, in pixels."""
+    points = (pixels - 1) * sampling + 1
+    if points > _MAX_SAMPLED:
+        points = min(pixels, _MAX_POINTS)
+    return np.linspace(0, pixels - 1, points)
+
+
+def _interpolated(values: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Return values (n, m) between their rows and columns, bilinearly."""
+    for axis, at in ((0, rows), (1, columns)):
+        first = np.floor(at).astype(int)
+        second = np.minimum(first + 1, values.shape[axis] - 1)
+        weight = np.expand_dims(at - first, 1 - axis)
+        values = (np.take(values, first, axis) * (1 - weight)
+                  + np.take(values, second, axis) * weight)
+    return values

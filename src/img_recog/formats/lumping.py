@@ -1,0 +1,189 @@
+"""Makes a robot of the links and joints of a URDF, as they can be simulated.
+
+Every fixed joint costs PyBullet time in each step. Therefore fixed links are lumped into the link
+that they are fixed to, like Gazebo's SDFormat does: shapes are moved, masses and inertias added
+up, and `frames` keeps where each link went. PyBullet has one coefficient of friction per link:
+shapes with another one than the link that they are lumped into go to a link without mass, which is
+fixed to that.
+"""
+import dataclasses
+from typing import Dict, List, NamedTuple, Set, Tuple
+
+from img_recog.errors import SimulationError
+from img_recog.formats import inertias
+from img_recog.model import (CONTINUOUS, FIXED, NO_INERTIA, PRISMATIC, REVOLUTE,
+                             Frame, Inertia, Joint, Link, Look, Model, Solid)
+from img_recog.rotations import IDENTITY
+
+_KINDS = (CONTINUOUS, FIXED, PRISMATIC, REVOLUTE)
+
+
+class _Tree(NamedTuple):
+    """links: by name, none before that which it is joined to; parents: the joint above each link
+    but the root, by the name of the link; root: its name."""
+
+    links: Dict[str, Link]
+    parents: Dict[str, Joint]
+    root: str
+
+
+def lumped(model: Model) -> Model:
+    """Return a robot: the links of a model that move, with what is fixed to them.
+
+    Raises SimulationError when the links are not a tree, a joint has a type that is not simulated,
+    or a mass cannot be simulated.
+    """
+    tree = _tree(model)
+    frames = {name: _frame(name, tree) for name in tree.links}
+    sums = _inertias(tree, frames)
+    left_out, warnings = _leave_out(tree, frames, sums)
+    warnings += model.warnings
+    lump = _Lump(model, tree, frames)
+    changed: List[str] = []
+    for name, total in sums.items():
+        possible = inertias.possible('link {} and what is fixed to it'.format(name), total.mass,
+                                     total.matrix)
+        sums[name] = total._replace(matrix=possible.matrix)
+        if possible.warning:
+            warnings.append(possible.warning)
+            changed.append(name)
+    moving = tuple(joint._replace(parent=frames[joint.parent].link,
+                                  pose=frames[joint.parent].pose @ joint.pose)
+                   for joint in model.joints if joint.child in sums)
+    return dataclasses.replace(
+        model, links=(*(lump.link(link, sums[link.name]) for link in model.links
+                        if link.name in sums), *lump.added_links()),
+        joints=moving + lump.added_joints(), frames=frames,
+        surfaces={name: tuple(found) for name, found in lump.watched.items()},
+        warnings=tuple(warnings), left_out=tuple(left_out), changed_inertias=tuple(changed))
+
+
+def _tree(model: Model) -> _Tree:
+    links = {link.name: link for link in model.links}
+    parents: Dict[str, Joint] = {}
+    children: Dict[str, List[str]] = {}
+    for joint in model.joints:
+        if joint.child in parents:
+            raise SimulationError('link {} is the child of two joints, {} and {}'.format(
+                joint.child, parents[joint.child].name, joint.name))
+        parents[joint.child] = joint
+        children.setdefault(joint.parent, []).append(joint.child)
+    for joint in model.joints:
+        if joint.kind not in _KINDS:
+            raise SimulationError('joint {} is of type {}; supported are {}'.format(
+                joint.name, joint.kind, ', '.join(_KINDS)))
+    for name in links:
+        _check_ancestors(name, parents)
+    if len(model.roots) != 1:
+        raise SimulationError('got {} root links ({}), expected one'.format(
+            len(model.roots), ', '.join(model.roots)))
+    names = list(model.roots)
+    for name in names:          # grows while it is iterated over
+        names += children.get(name, [])
+    return _Tree({name: links[name] for name in names}, parents, names[0])
+
+
+def _check_ancestors(name: str, parents: Dict[str, Joint]) -> None:
+    """Raise SimulationError when a link is joined to itself by others."""
+    ancestors, link = {name}, name
+    while link in parents:
+        link = parents[link].parent
+        if link in ancestors:
+            raise SimulationError('link {} is its own ancestor, through joint {}'.format(
+                link, parents[link].name))
+        ancestors.add(link)
+
+
+def _frame(name: str, tree: _Tree) -> Frame:
+    pose, carrier = IDENTITY, name
+    while carrier in tree.parents and tree.parents[carrier].kind == FIXED:
+        joint = tree.parents[carrier]
+        pose = joint.pose @ pose
+        carrier = joint.parent
+    return Frame(carrier, pose)
+
+
+def _inertias(tree: _Tree, frames: Dict[str, Frame]) -> Dict[str, Inertia]:
+    """Return the inertia of each lumped link, by its name."""
+    sums: Dict[str, Inertia] = {}
+    for name, frame in frames.items():
+        own = tree.links[name].inertia or NO_INERTIA
+        sums[frame.link] = sums.get(frame.link, NO_INERTIA).plus(own.moved(frame.pose))
+    return sums
+
+
+def _leave_out(tree: _Tree, frames: Dict[str, Frame],
+               sums: Dict[str, Inertia]) -> Tuple[List[str], List[str]]:
+    """Remove the lumped links without mass, and what is joined to them, as Gazebo's SDFormat does.
+
+    Returns the names of the joints, and warnings. Raises SimulationError when that is the whole
+    robot.
+    """
+    if sums[tree.root].mass == 0:
+        raise SimulationError('link {} can move but has no mass'.format(tree.root),
+                              'add an <inertial> to it or to a link fixed to it')
+    gone: Set[str] = set()
+    warnings = []
+    for name in sums:     # from the root on
+        above = frames[tree.parents[name].parent].link if name in tree.parents else ''
+        if sums[name].mass and above not in gone:
+            continue
+        gone.add(name)
+        if above not in gone:
+            warnings.append(
+                'link {} can move (joint {}) but has no mass: it is left out with all that is '
+                'joined to it, like in Gazebo'.format(name, tree.parents[name].name))
+    names = [name for name, frame in frames.items() if frame.link in gone]
+    for name in names:
+        del frames[name]
+    for name in gone:
+        del sums[name]
+    return [tree.parents[name].name for name in names], warnings
+
+
+class _Lump:
+    """The shapes of all links, moved to the lumped links or to links that are added to those.
+
+    watched: of each link with a contact sensor, the names of the links with its shapes.
+    """
+
+    def __init__(self, model: Model, tree: _Tree, frames: Dict[str, Frame]):
+        self.watched: Dict[str, List[str]] = {name: [] for name in model.surfaces}
+        self._looks: Dict[str, List[Look]] = {frame.link: [] for frame in frames.values()}
+        self._solids: Dict[str, List[Solid]] = {}
+        self._carriers: Dict[str, str] = {}         # of the links that are added
+        surfaces: Dict[Tuple[str, float, str], str] = {}
+        for name, (carrier, pose) in frames.items():
+            self._looks[carrier] += [look._replace(pose=pose @ look.pose)
+                                     for look in tree.links[name].looks]
+            for solid in tree.links[name].solids:
+                key = carrier, solid.coefficient, name if name in self.watched else ''
+                if key not in surfaces:
+                    surfaces[key] = self._surface(name, carrier, solid)
+                self._solids[surfaces[key]].append(solid._replace(pose=pose @ solid.pose))
+
+    def _surface(self, name: str, carrier: str, solid: Solid) -> str:
+        """Return the name of the link for a shape of a link that goes to a lumped link."""
+        surface = carrier
+        if carrier in self._solids:
+            surface = '{}/{:g}'.format(name, solid.coefficient) if (
+                name in self._solids or name == carrier) else name
+            self._carriers[surface] = carrier
+        self._solids[surface] = []
+        if name in self.watched:
+            self.watched[name].append(surface)
+        return surface
+
+    def link(self, link: Link, inertia: Inertia) -> Link:
+        """Return a lumped link."""
+        return link._replace(inertia=inertia, solids=tuple(self._solids.get(link.name, ())),
+                             looks=tuple(self._looks[link.name]))
+
+    def added_links(self) -> Tuple[Link, ...]:
+        """Return the links without mass."""
+        return tuple(Link(name, solids=tuple(self._solids[name])) for name in self._carriers)
+
+    def added_joints(self) -> Tuple[Joint, ...]:
+        """Return the joints that fix them."""
+        return tuple(Joint(name + '/joint', FIXED, carrier, name)
+                     for name, carrier in self._carriers.items())

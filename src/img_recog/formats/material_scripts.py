@@ -1,0 +1,105 @@
+"""Material scripts of Ogre, which Gazebo draws with: what of them is drawn here."""
+import os
+import re
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+from img_recog.files import plain
+from img_recog.model import GREY, Material
+
+_MAX_BYTES = 1 << 20
+_MAX_PARENTS = 10
+_COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/', re.DOTALL)
+_HEAD = re.compile(
+    r'^[ \t]*(?:abstract\s+)?material\s+("[^"]+"|[^\s{:]+)\s*(?::\s*([^\s{]+)\s*)?{',
+    re.MULTILINE)
+_CUTOUT = r'\balpha_rejection\s+(?!always_pass)|\bscene_blend\s+alpha_blend'
+_NUMBER = r'[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?'
+_NUMBERS = r'\b{}((?:\s+' + _NUMBER + r'){{{}}}(?:\s+' + _NUMBER + r')?)(?=[\s}}])'
+
+
+class _Script(NamedTuple):
+    """A material of a script; parent: its name, '' for none."""
+
+    parent: str
+    block: str
+
+
+def find(name: str, folders: Sequence[str]) -> Optional[Tuple[Material, str]]:
+    """Return the material of that name, and its texture if that is not found or ''.
+
+    folders: of scripts and textures, or the paths of scripts. None if there is no such material.
+    """
+    scripts: Dict[str, _Script] = {}
+    for path in folders:
+        for text in _texts(path):
+            for each, script in _materials(text):
+                scripts.setdefault(each, script)
+    blocks: List[str] = []
+    while name in scripts and len(blocks) < _MAX_PARENTS:
+        blocks.append(scripts[name].block)
+        name = scripts[name].parent
+    return _material(blocks, folders) if blocks else None
+
+
+def _texts(path: str) -> Iterator[str]:
+    """Yield the texts of a script or of those in a folder."""
+    paths = [path]
+    if os.path.isdir(path):
+        paths = sorted(os.path.join(path, name) for name in os.listdir(path)
+                       if name.endswith('.material'))
+    for each in paths:
+        try:
+            if os.path.isfile(each) and os.path.getsize(each) <= _MAX_BYTES:
+                with open(each, errors='replace', opener=plain) as file:
+                    yield _COMMENT.sub('', file.read())
+        except OSError:     # it counts as not found
+            pass
+
+
+def _materials(text: str) -> Iterator[Tuple[str, _Script]]:
+    heads = list(_HEAD.finditer(text))
+    for head, following in zip(heads, [*(each.start() for each in heads[1:]), len(text)]):
+        yield head.group(1).strip('"'), _Script(head.group(2) or '', text[head.end():following])
+
+
+def _material(blocks: Sequence[str], folders: Sequence[str]) -> Tuple[Material, str]:
+    """Return what a script states, blocks: its own and those of its parents.
+
+    A color is the diffuse one, else the ambient one, and the emissive one is added.
+    """
+    texture = _first(r'\btexture\s+(?:"([^"\n]+)"|(\S+))', blocks)
+    default: Sequence[float] = (1.0, 1.0, 1.0) if texture else GREY
+    *rgb, opacity = [*(_numbers('diffuse', 3, blocks) or _numbers('ambient', 3, blocks)
+                       or default), 1.0][:4]
+    glow = _numbers('emissive', 3, blocks) or (0.0, 0.0, 0.0)
+    red, green, blue = (min(one + other, 1.0) for one, other in zip(rgb, glow))
+    width, height = [*(_numbers('scale', 1, blocks) if texture else ()), 1.0, 1.0][:2]
+    material = Material((red, green, blue, opacity), scale=(width or 1.0, height or 1.0),
+                        is_cutout=_first(_CUTOUT, blocks) is not None)
+    if texture is None:
+        return material, ''
+    name = texture.group(1) or texture.group(2)
+    path = _texture(name, folders)
+    return material._replace(texture=path), '' if path else 'texture ' + name
+
+
+def _first(pattern: str, blocks: Sequence[str]) -> 'Optional[re.Match[str]]':
+    return next((found for found in (re.search(pattern, block) for block in blocks) if found),
+                None)
+
+
+def _numbers(key: str, count: int, blocks: Sequence[str]) -> Sequence[float]:
+    """Return so many numbers of a property, or one more; () without it."""
+    found = _first(_NUMBERS.format(key, count), blocks)
+    return [float(word) for word in found.group(1).split()] if found else ()
+
+
+def _texture(name: str, folders: Sequence[str]) -> str:
+    """Return the path of a texture, '' if it is in none of the folders, nor in their textures."""
+    for folder in folders:
+        base = folder if os.path.isdir(folder) else os.path.dirname(folder)
+        for path in (os.path.join(base, name),
+                     os.path.join(os.path.dirname(base), 'textures', name)):
+            if os.path.isfile(path):
+                return os.path.abspath(path)
+    return ''

@@ -1,0 +1,87 @@
+"""Reads the text of a model that is added to a world while that is simulated."""
+import os
+import xml.etree.ElementTree as ElementTree
+from typing import Callable, Sequence
+
+from img_recog.errors import SimulationError
+from img_recog.files import FindFile
+from img_recog.formats import (drive_controllers, drive_tags, lumping, names, sdf_file, urdf,
+                               world_file)
+from img_recog.formats.drive_controllers import FindControllers
+from img_recog.formats.problems import Problems
+from img_recog.markup import MarkupError, check_expanded, parse_xml
+from img_recog.model import Tree
+
+_NOWHERE = os.path.join(os.sep, 'model.sdf')        # a text has no folder
+_ANY_STEP_S = 0.001
+_WORLD_LINK = 'world'       # a URDF whose root has that name is fixed to the world
+
+
+def is_robot(text: str, controllers: FindControllers = drive_controllers.none) -> bool:
+    """Return whether a model is a robot that drives: a URDF with the plugin of a drive.
+
+    controllers: returns those of ros_control that it can have. Raises SimulationError when it is
+    not a URDF.
+    """
+    return drive_tags.find(urdf.root_of(text), _ANY_STEP_S, controllers) is not None
+
+
+def read(text: str, name: str, find: FindFile,
+         warn: Callable[[str], None] = lambda line: None) -> Sequence[Tree]:
+    """Return the trees of a model that is given as SDF or URDF, under a new name.
+
+    find: returns the path of a file or folder at a URI; warn: gets a line about looks that were
+    not found, and about what is simulated in another way than given.
+    Raises SimulationError when it is neither, something in it cannot be had, or the name is not
+    allowed.
+    """
+    names.check_model(name)
+    problems = Problems()
+    try:
+        root = parse_xml(text)
+        check_expanded(root)
+        if root.tag in ('robot', 'sdf'):
+            problems.audit(root)
+        if root.tag == 'robot':
+            trees = _of_urdf(root, name, find, problems)
+        elif root.tag == 'sdf':
+            trees = _of_sdf(root, name, find, problems)
+        else:
+            raise SimulationError('got the root element <{}>, expected <sdf> or <robot> (URDF)'
+                                  .format(root.tag))
+    except (MarkupError, SimulationError) as error:
+        raise SimulationError('model {}: {}'.format(name, error.problem), error.advice)
+    problems.refuse('model {}'.format(name), 'remove that from the model')
+    for line in problems.warnings('model {}'.format(name)):
+        warn(line)
+    for tree in trees:
+        for warning in tree.model.warnings:
+            warn('model {}: {}'.format(name, warning))
+    return trees
+
+
+def _of_sdf(root: ElementTree.Element, name: str, find: FindFile,
+            problems: Problems) -> Sequence[Tree]:
+    models = root.findall('model') + root.findall('include')
+    if len(models) != 1:
+        raise SimulationError('got {} models, expected one <model> in <sdf>'.format(len(models)))
+    if models[0].tag == 'model':
+        models[0].set('name', name)
+    else:
+        for old in models[0].findall('name'):
+            models[0].remove(old)
+        ElementTree.SubElement(models[0], 'name').text = name
+    contents = sdf_file.read(root, _NOWHERE, find, problems)
+    if not contents.trees and not problems.names:
+        raise SimulationError('it has only a floor or lights, which every world here has already',
+                              'add a model that has a <link>')
+    return contents.trees
+
+
+def _of_urdf(robot: ElementTree.Element, name: str, find: FindFile,
+             problems: Problems) -> Sequence[Tree]:
+    model = urdf.read(robot, find)
+    if _WORLD_LINK in model.roots:
+        return [world_file.fixed_tree(model, name, problems)]
+    problems.add_missing(model)
+    return [Tree(name, lumping.lumped(model))]

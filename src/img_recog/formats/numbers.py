@@ -1,0 +1,86 @@
+"""The numbers of XML elements."""
+import math
+import re
+from typing import Iterable, Optional
+
+import numpy as np
+
+from img_recog.errors import SimulationError
+
+_MAX_LENGTH = 1e6
+_INFINITE = re.compile('[-+]?inf(inity)?', re.IGNORECASE)
+
+
+def read_numbers(name: str, text: Optional[str], count: int) -> np.ndarray:
+    """Return `count` finite numbers; SimulationError naming what they are when it is not that.
+
+    >>> read_numbers('xyz of link a', '0 -1.5 2', 3).tolist()
+    [0.0, -1.5, 2.0]
+    """
+    try:
+        values = np.array([float(word) for word in (text or '').split()])
+    except ValueError:
+        values = np.array([])
+    if len(values) != count or not all(math.isfinite(value) for value in values):
+        raise SimulationError('{}: got {!r}, expected {} finite number{}'.format(
+            name, text, count, '' if count == 1 else 's'))
+    return values
+
+
+def read_number(name: str, text: Optional[str]) -> float:
+    """Return a finite number; SimulationError naming what it is when it is not that."""
+    return float(read_numbers(name, text, 1)[0])
+
+
+def read_limit(name: str, text: Optional[str]) -> float:
+    """Return a number that may be infinite; SimulationError as for `read_number`.
+
+    >>> read_limit('upper of joint a', '+Inf')
+    inf
+    """
+    if _INFINITE.fullmatch((text or '').strip()):
+        return float(text or '')
+    return read_number(name, text)
+
+
+def read_direction(name: str, text: Optional[str]) -> np.ndarray:
+    """Return a vector (3,) of any length; SimulationError naming it when it is 0."""
+    values = read_numbers(name, text, 3)
+    if not np.any(values):
+        raise SimulationError('{}: got 0 0 0, expected a direction'.format(name))
+    return values
+
+
+def read_lengths(name: str, text: Optional[str], count: int) -> np.ndarray:
+    """Return `count` lengths in m, or scales; SimulationError when one is too large to be used.
+
+    >>> read_lengths('size of a box', '1 2 0.5', 3).tolist()
+    [1.0, 2.0, 0.5]
+    """
+    values = read_numbers(name, text, count)
+    if np.abs(values).max() > _MAX_LENGTH:
+        raise SimulationError('{}: got {!r}, expected numbers from {:g} to {:g}'.format(
+            name, text, -_MAX_LENGTH, _MAX_LENGTH))
+    return values
+
+
+def read_coefficient(name: str, text: Optional[str]) -> float:
+    """Return a coefficient of friction; SimulationError naming it when it is negative.
+
+    >>> read_coefficient('mu1 of link a', '-1')
+    Traceback (most recent call last):
+    img_recog.errors.SimulationError: mu1 of link a: got -1, expected at least 0
+    """
+    value = read_number(name, text)
+    if value < 0:
+        raise SimulationError('{}: got {:g}, expected at least 0'.format(name, value))
+    return value
+
+
+def words(values: Iterable[float]) -> str:
+    """Return numbers as the text of an attribute.
+
+    >>> words((1, 0.5))
+    '1.0 0.5'
+    """
+    return ' '.join(repr(float(value)) for value in values)

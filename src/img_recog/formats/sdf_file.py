@@ -1,0 +1,247 @@
+"""Reads an SDF file with all that it includes."""
+import copy
+import os
+import re
+import xml.etree.ElementTree as ElementTree
+from typing import Callable, List, NamedTuple, Optional, Sequence, Set, Tuple
+from urllib.parse import unquote
+
+import numpy as np
+
+from img_recog.errors import SimulationError
+from img_recog.files import FindFile, plain
+from img_recog.formats import sdf_frames, sdf_models, sdf_populations, sdf_roads
+from img_recog.formats.audit import NOT_USED
+from img_recog.formats.numbers import read_numbers
+from img_recog.formats.problems import NOT_DOWNLOADED, Problems
+from img_recog.formats.sdf_joints import Version
+from img_recog.formats.texts import name_of, text_of
+from img_recog.markup import MarkupError, parse_xml, read_bytes
+from img_recog.model import Tree
+from img_recog.rotations import Transform
+
+_MODEL_URI = 'model://'
+_GROUND_PLANE = 'ground_plane'
+_SUN = 'sun'
+# Gazebo's models of the floor and the light, also those of the new Gazebo, with their version:
+# the simulator has both in every world
+_BUILT_IN = re.compile(
+    '(?:model://|https?://[^/]+/.*models/)(ground[ _]plane|sun)(?:/[0-9]+|/tip)?/?', re.IGNORECASE)
+_MAX_NESTED, _MAX_INCLUDED = 100, 5000     # models in one another; included ones in total
+_VERSION = re.compile('[0-9]{1,9}([.][0-9]{1,9})*')
+_URLS = ('http://', 'https://', 'ftp://')
+
+
+class Contents(NamedTuple):
+    """What an SDF describes.
+
+    trees: of all models; gravity (3,): m/s2; has_floor: False for a world without Gazebo's
+    ground_plane; camera: the pose of Gazebo's user camera in the world, if it is given.
+    """
+
+    trees: Tuple[Tree, ...]
+    gravity: Optional[np.ndarray]
+    has_floor: bool
+    camera: Optional[Transform]
+
+
+def read(root: ElementTree.Element, path: str, find: FindFile, problems: Problems) -> Contents:
+    """Read an <sdf> element.
+
+    path: of its file; find: returns the path of the file or folder at a URI. Models are also
+    searched for in the folders above the file. problems: to which is added what cannot be used.
+    """
+    reader = _Reader(find, problems)
+    world = root.find('world')
+    reader.read(root if world is None else world, _version(root), path, (os.path.abspath(path),))
+    gravity, camera = None, None
+    if world is not None:
+        with problems.left_out():
+            text = world.findtext('gravity')
+            text = world.findtext('physics/gravity') if text is None else text
+            gravity = None if text is None else read_numbers('<gravity>', text, 3)
+        with problems.left_out():
+            element = world.find('gui/camera')
+            if element is not None and element.find('pose') is not None:
+                camera = sdf_frames.pose_of(element)
+    return Contents(tuple(reader.trees), gravity, world is None or reader.has_ground_plane, camera)
+
+
+class _Reader:
+    """Collects the trees of a world and of the files that it includes."""
+
+    def __init__(self, find: FindFile, problems: Problems):
+        self._find, self._problems = find, problems
+        self.trees: List[Tree] = []
+        self._names: Set[str] = set()
+        self.has_ground_plane = False
+        self._included_count = self._depth = 0
+
+    def read(self, parent: ElementTree.Element, version: Version, path: str,
+             stack: Sequence[str]) -> None:
+        """Add the models in a <world> or an <sdf>."""
+        state = parent.find('state')
+        for element in list(parent):
+            with self._problems.left_out():
+                if element.tag == 'include':
+                    included = self._included(element, path, stack)
+                    if included is not None:
+                        self._add(*included, state)
+                elif element.tag == 'model':
+                    model = copy.deepcopy(element)
+                    self._expand(model, path, stack)
+                    self._add(model, version, path, state)
+                elif element.tag == 'population':
+                    for model in sdf_populations.models(element):
+                        self._expand(model, path, stack)
+                        self._add(model, version, path, state)
+                elif element.tag == 'road':
+                    self.trees.append(sdf_roads.tree(element, self._finder(path), self._problems))
+                elif element.tag == 'actor':
+                    raise SimulationError('actor {}'.format(name_of(element)).strip())
+
+    def _add(self, model: ElementTree.Element, version: Version, path: str,
+             state: Optional[ElementTree.Element]) -> None:
+        name = name_of(model)
+        if name in self._names:         # Gazebo does not insert it either
+            self._problems.add_finding(NOT_USED, 'second model ' + name, path)
+            return
+        self._names.add(name)
+        with self._problems.left_out():
+            sdf_frames.apply_state(model, state)
+        self.has_ground_plane |= model.get('name') == _GROUND_PLANE
+        self.trees += sdf_models.trees(model, version, self._finder(path), self._problems)
+
+    def _included(self, include: ElementTree.Element, path: str, stack: Sequence[str]
+                  ) -> Optional[Tuple[ElementTree.Element, Version, str]]:
+        """Return the model of an <include>, its version of SDF and its file; None for none.
+
+        Raises SimulationError when it cannot be had.
+        """
+        uri = text_of(include, 'uri')
+        built_in = _BUILT_IN.fullmatch(unquote(uri))
+        if built_in:
+            self.has_ground_plane |= built_in.group(1).lower() != _SUN
+            return None
+        if uri.startswith(_URLS):
+            raise SimulationError('{} ({})'.format(uri, NOT_DOWNLOADED))
+        found = self._finder(path)(uri)
+        file = None if found is None else _model_file(found)
+        if file is None:
+            raise SimulationError(uri or 'an <include> without a <uri>')
+        self._check_include(file, stack)
+        root = _parsed(file)
+        self._problems.audit(root)
+        model = root.find('model')
+        if model is None:
+            if root.find('light') is None:
+                raise SimulationError('{}, which it includes, has no <model>'.format(file))
+            return None
+        self._expand(model, file, (*stack, file))
+        for tag in ('pose', 'static'):
+            given = include.find(tag)
+            if given is not None:
+                for old in model.findall(tag):
+                    model.remove(old)
+                model.append(given)
+        model.set('name', text_of(include, 'name') or name_of(model))
+        return model, _version(root), file
+
+    def _check_include(self, file: str, stack: Sequence[str]) -> None:
+        """Raise SimulationError unless a file can be included; stack: the files it stands in."""
+        if file in stack:
+            raise SimulationError('{} includes itself'.format(file), 'remove that <include>')
+        self._included_count += 1
+        if self._included_count > _MAX_INCLUDED:
+            raise SimulationError('it includes more than {} models, at {}'.format(
+                _MAX_INCLUDED, file), 'remove some <include>s')
+
+    def _expand(self, model: ElementTree.Element, path: str, stack: Sequence[str]) -> None:
+        """Replace each <include> in a model, at any depth; make the URIs in it absolute."""
+        if self._depth >= _MAX_NESTED:
+            raise SimulationError('models are nested more than {} deep, at {} in {}'.format(
+                _MAX_NESTED, name_of(model), path), 'include the innermost ones directly')
+        self._depth += 1
+        inside = model.findall('model')         # those that are included are expanded already
+        for include in model.findall('include'):
+            model.remove(include)
+            with self._problems.left_out():
+                included = self._included(include, path, stack)
+                if included is not None:
+                    model.append(included[0])
+        for nested in inside:
+            with self._problems.left_out():
+                self._expand(nested, path, stack)
+        self._depth -= 1
+        finder = self._finder(path)
+        for element in model.iter():
+            if element.tag in ('uri', 'filename') and element.text:
+                found = finder(element.text.strip())
+                if found is not None:
+                    element.text = os.path.abspath(found)
+
+    def _finder(self, path: str) -> FindFile:
+        """Return a function that finds what a file refers to."""
+        folder = os.path.dirname(os.path.abspath(path))
+        relative = find_relative(folder, self._find)
+
+        def find(uri: str) -> Optional[str]:
+            found = relative(uri)
+            if found is None and uri.startswith(_MODEL_URI):
+                return _find_above(folder, uri[len(_MODEL_URI):].lstrip('/'))
+            return found
+        return find
+
+
+def find_relative(folder: str, find: FindFile) -> Callable[[str], Optional[str]]:
+    """Return a function that finds files and folders: a relative path in `folder` first."""
+    def found(uri: str) -> Optional[str]:
+        path = uri[len('file://'):] if uri.startswith('file://') else uri
+        joined = os.path.join(folder, path)
+        return joined if path and '://' not in path and os.path.exists(joined) else find(uri)
+    return found
+
+
+def _find_above(folder: str, path: str) -> Optional[str]:
+    """Return where a model's path is: in a folder above, or in `models` in one."""
+    while True:
+        for candidate in (os.path.join(folder, path), os.path.join(folder, 'models', path)):
+            if os.path.exists(candidate):
+                return candidate
+        parent = os.path.dirname(folder)
+        if parent == folder:
+            return None
+        folder = parent
+
+
+def _model_file(path: str) -> Optional[str]:
+    """Return the SDF file of a model: of a folder, that of the newest version in model.config."""
+    if os.path.isfile(path):
+        return os.path.abspath(path)
+    names = ['model.sdf']
+    config = os.path.join(path, 'model.config')
+    if os.path.isfile(config):
+        found = [(_version(sdf), (sdf.text or '').strip())
+                 for sdf in _parsed(config, 'model').findall('sdf')]
+        names = [name for _, name in sorted(found, reverse=True) if name] + names
+    paths = (os.path.join(path, name) for name in names)
+    return next((os.path.abspath(each) for each in paths if os.path.isfile(each)), None)
+
+
+def _parsed(path: str, tag: str = 'sdf') -> ElementTree.Element:
+    try:
+        root = parse_xml(read_bytes(path, opener=plain))
+    except (OSError, ValueError) as error:
+        raise SimulationError('cannot read {} ({})'.format(path, error))
+    except MarkupError as error:
+        raise SimulationError('cannot use {} ({})'.format(path, error.problem), error.advice)
+    if root.tag != tag:
+        raise SimulationError('the root element of {} is <{}>, not <{}>'.format(
+            path, root.tag, tag))
+    return root
+
+
+def _version(element: ElementTree.Element) -> Version:
+    """Return the version of SDF that an element states, (0,) if it states none."""
+    text = element.get('version', '').strip()
+    return tuple(map(int, text.split('.'))) if _VERSION.fullmatch(text) else (0,)

@@ -1,0 +1,169 @@
+"""The links and joints of an SDF's model and of the models in it, by their full names."""
+import xml.etree.ElementTree as ElementTree
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+from img_recog.errors import SimulationError
+from img_recog.formats.numbers import read_direction, read_limit
+from img_recog.formats.problems import Problems
+from img_recog.formats.sdf_frames import WORLD, Scope
+from img_recog.formats.texts import name_of, text_of
+from img_recog.model import CONTINUOUS, FIXED, PRISMATIC, REVOLUTE
+from img_recog.rotations import IDENTITY, Transform
+
+BALL = 'ball'
+# the axes of the kinds of joints: elements of an SDF's joint, or of the frame of a ball joint
+_AXES: Dict[str, Sequence[str]] = {
+    FIXED: (), PRISMATIC: ('axis',), REVOLUTE: ('axis',), CONTINUOUS: ('axis',),
+    'universal': ('axis', 'axis2'), 'revolute2': ('axis', 'axis2'), BALL: ()}
+_NO_LIMIT = 1e16                # an SDF's number for that
+
+Version = Tuple[int, ...]       # of the SDF format, like (1, 6)
+
+
+class SdfLink(NamedTuple):
+    """A link by its full name; pose: in the outermost model."""
+
+    name: str
+    element: ElementTree.Element
+    pose: Transform
+    is_static: bool
+
+
+class Axis(NamedTuple):
+    """An axis of a joint, (3,) of any length, in its frame; limits: from and to, in rad or m."""
+
+    direction: np.ndarray
+    limits: Optional[Tuple[float, float]] = None
+
+
+class SdfJoint(NamedTuple):
+    """A joint between links by their full names.
+
+    parent: WORLD for none; pose: of its frame in the outermost model; axes: those about which the
+    child turns, or along which it slides, the first one fixed to the parent.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    pose: Transform
+    axes: Tuple[Axis, ...]
+
+    def reversed(self) -> 'SdfJoint':
+        """Return the same joint with the child as the parent."""
+        return self._replace(parent=self.child, child=self.parent, axes=tuple(
+            axis._replace(direction=-axis.direction) for axis in self.axes[::-1]))
+
+
+class Joints:
+    """The links and the joints of a model, in the order of the file.
+
+    As in Gazebo, names need not differ: of links and joints until SDF 1.6, and in files met in
+    the wild of links too, of which a joint means the first. They are made to differ here.
+    """
+
+    def __init__(self, model: ElementTree.Element, version: Version, problems: Problems):
+        """Read a model; problems: to which is added what cannot be used of it."""
+        self._version, self._problems = version, problems
+        self.links: Dict[str, SdfLink] = {}
+        self.joints: List[SdfJoint] = []
+        self._collect(model, '', IDENTITY, False)
+
+    def _collect(self, model: ElementTree.Element, prefix: str, pose: Transform,
+                 is_static: bool) -> None:
+        """Add a model; pose: of its frame in the outermost one."""
+        scope = Scope(model)
+        is_static = is_static or is_true(model.findtext('static'))
+        for link in model.findall('link'):
+            with self._problems.left_out():
+                name = _free_name(prefix + (link.get('name') or 'link'), self.links.__contains__)
+                self.links[name] = SdfLink(name, link, pose @ scope.pose(link), is_static)
+        for nested in model.findall('model'):
+            with self._problems.left_out():
+                self._collect(nested, '{}{}::'.format(prefix, name_of(nested)),
+                              pose @ scope.pose(nested), is_static)
+        for joint in model.findall('joint'):
+            with self._problems.left_out():
+                self._add_joint(joint, prefix, pose, model, scope)
+
+    def _add_joint(self, element: ElementTree.Element, prefix: str, pose: Transform,
+                   model: ElementTree.Element, scope: Scope) -> None:
+        name = prefix + name_of(element)
+        parent, child = (self._link_name(name, text_of(element, end), prefix, model)
+                         for end in ('parent', 'child'))
+        kind = element.get('type', '')
+        if all(end == WORLD or self.links[end].is_static for end in (parent, child)):
+            kind = FIXED        # what is static does not move
+        elif kind not in _AXES:
+            self._problems.add('joint {} of type {}, which is held'.format(name, kind))
+            kind = FIXED
+        joint_pose = pose @ scope.pose(element)
+        axes = tuple(Axis(self._direction(element, tag, pose, joint_pose, scope),
+                          _limits(name, element.find(tag + '/limit'))) for tag in _AXES[kind])
+        if kind == BALL:
+            axes = tuple(map(Axis, np.eye(3)))
+        elif kind == CONTINUOUS:
+            axes = tuple(map(Axis, [axis.direction for axis in axes]))
+        name = _free_name(name, lambda each: any(each == other.name for other in self.joints))
+        joint = SdfJoint(name, kind, parent, child, joint_pose, axes)
+        if parent != child:
+            self.joints.append(joint.reversed() if child == WORLD else joint)
+
+    def _link_name(self, joint: str, text: str, prefix: str, model: ElementTree.Element) -> str:
+        """Return the full name of a link that a joint in a model names, maybe by a frame."""
+        frames = {frame.get('name'): frame.get('attached_to', '') for frame in model.findall(
+            'frame')}
+        name = text
+        for _ in range(len(frames)):
+            name = frames.get(name, name)
+        # a model may name its links by its own name first
+        for found in (prefix + name, prefix + name.partition('::')[2]):
+            if found in self.links:
+                return found
+        if name == WORLD:
+            return WORLD
+        raise SimulationError('joint {} has the link {}, which does not exist'.format(
+            joint, prefix + text))
+
+    def _direction(self, joint: ElementTree.Element, tag: str, model: Transform, pose: Transform,
+                   scope: Scope) -> np.ndarray:
+        """Return the direction of an axis of a joint in its frame."""
+        axis = joint.find(tag)
+        if axis is None:
+            return np.array([0.0, 0.0, 1.0])
+        direction = read_direction('<xyz> of joint ' + name_of(joint),
+                                   axis.findtext('xyz', '0 0 1'))
+        in_model = axis.findtext('use_parent_model_frame')
+        expressed = axis.find('xyz[@expressed_in]')     # since SDF 1.7
+        base: Optional[Transform] = None
+        if expressed is not None:
+            name = expressed.get('expressed_in', '')
+            base = model @ scope.frame(name) if name else None
+        elif is_true(in_model) or (in_model is None and self._version < (1, 5)):
+            base = model        # until SDF 1.4 axes were given in the model's frame
+        return direction if base is None else pose.rotation.T @ base.rotation @ direction
+
+
+def _limits(name: str, limit: Optional[ElementTree.Element]) -> Optional[Tuple[float, float]]:
+    if limit is None:
+        return None
+    texts = limit.findtext('lower', '-inf'), limit.findtext('upper', 'inf')
+    lower, upper = (read_limit('<{}> of joint {}'.format(tag, name), text)
+                    for tag, text in zip(('lower', 'upper'), texts))
+    return None if max(-lower, upper) >= _NO_LIMIT else (lower, upper)
+
+
+def is_true(text: Optional[str]) -> bool:
+    """Return whether the text of an element means true."""
+    return (text or '').strip().lower() in ('1', 'true')
+
+
+def _free_name(name: str, is_used: Callable[[str], bool]) -> str:
+    number, free = 0, name
+    while is_used(free):
+        number += 1
+        free = '{}_{}'.format(name, number)
+    return free

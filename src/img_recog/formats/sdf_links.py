@@ -1,0 +1,154 @@
+"""What is in a link of an SDF: its mass, its friction and its shapes."""
+import os
+import xml.etree.ElementTree as ElementTree
+from typing import Callable, Dict, Optional, Tuple
+
+import numpy as np
+
+from img_recog.errors import SimulationError
+from img_recog.files import FindFile
+from img_recog.formats import generated_meshes, heightmaps, inertias, materials
+from img_recog.formats.numbers import read_direction, read_lengths, read_number
+from img_recog.formats.sdf_frames import pose_of
+from img_recog.formats.texts import name_of, text_of
+from img_recog.mesh_file import READABLE
+from img_recog.model import (BOX, CYLINDER, GREY, HEIGHTMAP, MESH, PLANE, SPHERE, Inertia, Look,
+                             Material, Shape, Solid, Submesh)
+from img_recog.rotations import IDENTITY, Transform
+
+_Geometry = Tuple[Shape, Transform]
+
+
+def inertia(link: ElementTree.Element, offset: Transform) -> Tuple[Inertia, str]:
+    """Return the inertia of a link, and a warning, '' if it can be simulated as it is.
+
+    offset: of the link in the frame in which the inertia is returned.
+    """
+    name = name_of(link)
+    given = link.find('inertial')
+    if given is None:
+        given = ElementTree.Element('inertial')
+    mass = read_number('<mass> of link ' + name, given.findtext('mass', '1'))
+    inertias.check_mass('<mass> of link ' + name, mass)
+    matrix = np.array([read_number(
+        '<{}> of link {}'.format(key, name),
+        given.findtext('inertia/' + key, '1' if key[1] == key[2] else '0'))
+        for key in inertias.INERTIA_KEYS]).reshape(3, 3)
+    possible = inertias.possible('link ' + name, mass, matrix)
+    return Inertia(mass, offset @ pose_of(given), possible.matrix), possible.warning
+
+
+def friction(link: ElementTree.Element) -> Optional[float]:
+    """Return the coefficient of the first collision that has one: PyBullet has one for each link.
+
+    In Gazebo a negative one means as much as there can be, which is that of a link without one.
+    """
+    text = link.findtext('collision/surface/friction/ode/mu')
+    if text is None:
+        return None
+    value = read_number('<mu> of link ' + name_of(link), text)
+    return value if value >= 0 else None
+
+
+def solid(collision: ElementTree.Element, pose: Transform, find: FindFile) -> Solid:
+    """Return a <collision>; pose: in the frame in which it is returned.
+
+    find: returns the path of the file or folder at a URI. What carries of a heightmap is at the
+    middle of its heights.
+    Raises SimulationError when it cannot be had, or a number is wrong.
+    """
+    shape, offset = _geometry(collision, find)
+    if shape.kind == HEIGHTMAP:
+        middle = np.array((0.0, 0.0, heightmaps.read(shape).middle))
+        offset = offset @ IDENTITY._replace(translation=middle)
+    return Solid(shape, pose @ offset)
+
+
+def look(visual: ElementTree.Element, pose: Transform, find: FindFile) -> Tuple[Look, str]:
+    """Return a <visual>, and what its material lacks or ''; arguments and errors as for `solid`.
+    """
+    shape, offset = _geometry(visual, find)
+    material, missing = materials.of_sdf(visual, find)
+    opacity = materials.opacity(visual)
+    if shape.kind == HEIGHTMAP:
+        if material is None:
+            material = heightmaps.material(visual.findall('geometry/*')[0], find)
+        shape = Shape(MESH, (1.0, 1.0, 1.0), heightmaps.write_mesh(shape))
+    if material is None and shape.kind == MESH:         # the file has materials
+        return Look(shape, pose @ offset, opacity=opacity), missing
+    return Look(shape, pose @ offset, material or Material((*GREY[:3], opacity))), missing
+
+
+def _geometry(shape: ElementTree.Element, find: FindFile) -> _Geometry:
+    """Return a shape, and its pose in the frame of the <visual> or <collision>."""
+    name, geometry = '{} {}'.format(shape.tag, name_of(shape)), shape.find('geometry')
+    if geometry is None or not len(geometry):
+        raise SimulationError('<{}> has no geometry'.format(name))
+    element = geometry[0]
+    make = _MAKERS.get(element.tag)
+    if make is None:
+        raise SimulationError('<{}> of {}'.format(element.tag, name))
+    return make(name, element, find)
+
+
+def _size(name: str, element: ElementTree.Element, tag: str, count: int) -> Tuple[float, ...]:
+    values = read_lengths('<{}> of {}'.format(tag, name), element.findtext(tag), count)
+    if np.any(values <= 0):
+        raise SimulationError('<{}> of {}: got {!r}, expected more than 0'.format(
+            tag, name, element.findtext(tag)))
+    return tuple(values.tolist())
+
+
+def _box(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    return Shape(BOX, _size(name, element, 'size', 3)), IDENTITY
+
+
+def _cylinder(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    return Shape(CYLINDER, (*_size(name, element, 'radius', 1),
+                            *_size(name, element, 'length', 1))), IDENTITY
+
+
+def _sphere(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    return Shape(SPHERE, _size(name, element, 'radius', 1)), IDENTITY
+
+
+def _plane(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    normal = read_direction('<normal> of ' + name, element.findtext('normal', '0 0 1'))
+    size = (1.0, 1.0) if element.find('size') is None else _size(name, element, 'size', 2)
+    return Shape(PLANE, size), IDENTITY._replace(
+        rotation=_turn_z_to(normal / np.linalg.norm(normal)))
+
+
+def _turn_z_to(direction: np.ndarray) -> np.ndarray:
+    """Return the shortest rotation that turns the z axis to a direction."""
+    x, y, z = direction
+    if z < -1 + 1e-9:
+        return np.diag([1.0, -1.0, -1.0])
+    return np.array([[1 - x * x / (1 + z), -x * y / (1 + z), x],
+                     [-x * y / (1 + z), 1 - y * y / (1 + z), y], [-x, -y, z]])
+
+
+def _mesh(name: str, element: ElementTree.Element, find: FindFile) -> _Geometry:
+    uri = (element.findtext('uri') or element.findtext('filename') or '').strip()
+    path = find(uri)
+    if path is None or not os.path.isfile(path):
+        raise SimulationError('mesh ' + uri)
+    if not path.lower().endswith(READABLE):
+        raise SimulationError('mesh {} ({} are read)'.format(uri, ', '.join(READABLE)))
+    scale = read_lengths('<scale> of ' + name, element.findtext('scale', '1 1 1'), 3)
+    submesh = text_of(element, 'submesh/name')
+    is_centered = text_of(element, 'submesh/center').lower() in ('1', 'true')
+    return Shape(MESH, tuple(scale.tolist()), os.path.abspath(path),
+                 Submesh(submesh, bool(submesh) and is_centered)), IDENTITY
+
+
+def _polyline(name: str, element: ElementTree.Element, _: FindFile) -> _Geometry:
+    corners = [read_lengths('<point> of ' + name, point.text, 2).tolist()
+               for point in element.findall('point')]
+    (height,) = _size(name, element, 'height', 1)
+    return Shape(MESH, (1.0, 1.0, 1.0), generated_meshes.extruded(corners, height)), IDENTITY
+
+
+_MAKERS: Dict[str, Callable[[str, ElementTree.Element, FindFile], _Geometry]] = {
+    'box': _box, 'cylinder': _cylinder, 'sphere': _sphere, 'plane': _plane, 'mesh': _mesh,
+    'polyline': _polyline, 'heightmap': heightmaps.shape}

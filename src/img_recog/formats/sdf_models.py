@@ -1,0 +1,208 @@
+"""The models of an SDF as trees of links."""
+import xml.etree.ElementTree as ElementTree
+from typing import Dict, Iterator, List, Optional, Sequence
+
+from img_recog.files import FindFile
+from img_recog.formats import sdf_links
+from img_recog.formats.problems import Problems
+from img_recog.formats.sdf_frames import WORLD, Scope, pose_of
+from img_recog.formats.sdf_joints import Axis, Joints, SdfJoint, SdfLink, Version
+from img_recog.formats.texts import name_of
+from img_recog.model import (CONTINUOUS, FIXED, HEIGHTMAP, NO_INERTIA, PRISMATIC, REVOLUTE, Frame,
+                             Inertia, Joint, Limits, Link, Look, Model, Solid, Tree)
+from img_recog.rotations import IDENTITY, Transform
+
+_FAR_M = 1e16
+
+
+def trees(model: ElementTree.Element, version: Version, find: FindFile,
+          problems: Problems) -> List[Tree]:
+    """Return the trees of a model, none for one without a link.
+
+    version: of the SDF format. find: returns the path of the file or folder at a URI. problems: to
+    which is added what cannot be used, a number, a joint or a shape; the rest is in the trees.
+    Raises SimulationError when the pose of the model cannot be used.
+    """
+    name, pose = name_of(model), pose_of(model)
+    parts = Joints(model, version, problems)
+    found: List[Tree] = []
+    joints_of = _joints_of_links(parts)
+    for root in _roots(parts):
+        for tree in _Builder(parts, joints_of, root, find, problems).trees(name, pose):
+            found.append(tree._replace(first=False) if found else tree._replace(name=name))
+    return found
+
+
+def _roots(parts: Joints) -> List[SdfLink]:
+    """Return a root for each group of links that joints hold together.
+
+    That is one that does not move, else one that a joint ties to the world, else one that is the
+    child of no joint, else the first one.
+    """
+    groups = {name: [name] for name in parts.links}     # those of a group are the same list
+    for joint in parts.joints:
+        if joint.parent != WORLD and groups[joint.parent] is not groups[joint.child]:
+            first, second = groups[joint.parent], groups[joint.child]
+            first += second
+            groups.update(dict.fromkeys(second, first))
+    tied = {joint.child for joint in parts.joints if joint.parent == WORLD}
+    joined = {joint.child for joint in parts.joints}
+    order = {name: number for number, name in enumerate(parts.links)}
+    unique = {id(group): group for group in groups.values()}
+    return [parts.links[min(group, key=lambda name: (
+        not parts.links[name].is_static, name not in tied, name in joined, order[name]))]
+            for group in unique.values()]
+
+
+def _joints_of_links(parts: Joints) -> Dict[str, List[SdfJoint]]:
+    """Return the joints of each link, those to its parent and those to its children."""
+    found: Dict[str, List[SdfJoint]] = {name: [] for name in parts.links}
+    for joint in parts.joints:
+        found[joint.child].append(joint)
+        if joint.parent != WORLD:
+            found[joint.parent].append(joint)
+    return found
+
+
+class _Builder:
+    """Builds the tree of the links that hang on a root, whichever way their joints point."""
+
+    def __init__(self, parts: Joints, joints_of: Dict[str, List[SdfJoint]], root: SdfLink,
+                 find: FindFile, problems: Problems):
+        self._given, self._of_links, self._root = parts.links, joints_of, root
+        self._find, self._problems = find, problems
+        self._links: List[Link] = []
+        self._joints: List[Joint] = []
+        self._warnings: List[str] = []
+        self._terrains: List[Tree] = []
+
+    def trees(self, name: str, model_pose: Transform) -> List[Tree]:
+        """Return the tree, and one for each terrain; model_pose: of the outermost model."""
+        root = self._root
+        to_world = next((joint for joint in self._of_links[root.name] if joint.parent == WORLD),
+                        None)
+        is_fixed = root.is_static or (to_world is not None and to_world.kind == FIXED)
+        base, frames = root.pose, {root.name: root.pose}
+        used = [] if to_world is None else [to_world]
+        if to_world is not None and not is_fixed:
+            # the joint needs a parent
+            self._links.append(Link(WORLD))
+            base, frames = to_world.pose, {root.name: to_world.pose}
+            self._add_joint(to_world, IDENTITY)
+        names, loops = [root.name], []
+        for link in names:          # grows while it is iterated over
+            self._add_link(self._given[link], frames[link], is_fixed and link == root.name)
+            for joint in self._of_links[link]:
+                if any(joint is each for each in used):
+                    continue
+                used.append(joint)
+                away = joint if joint.parent in (link, WORLD) else joint.reversed()
+                if away.parent == WORLD or away.child in frames:
+                    loops.append(joint)
+                    continue
+                frames[away.child] = joint.pose
+                names.append(away.child)
+                self._add_joint(away, _relative(frames[link], joint.pose))
+        model = Model(name, tuple(self._links), tuple(self._joints),
+                      {link: Frame(link, _relative(frames[link], self._given[link].pose))
+                       for link in names}, loops=tuple(self._loops(loops, base)),
+                      warnings=tuple(self._warnings))
+        tree = Tree('{}::{}'.format(name, root.name), model, model_pose @ base,
+                    is_fixed or base is not root.pose, base)
+        return [tree, *(each._replace(name='{}::{}'.format(name, each.name),
+                                      pose=model_pose @ each.in_model) for each in self._terrains)]
+
+    def _loops(self, joints: Sequence[SdfJoint], base: Transform) -> Iterator[Joint]:
+        for joint in joints:
+            if all(end == WORLD or self._given[end].is_static
+                   for end in (joint.parent, joint.child)):
+                continue
+            if joint.kind == PRISMATIC:
+                self._problems.add('joint {}, which closes a loop of links and slides'.format(
+                    joint.name))
+                continue
+            yield Joint(joint.name, joint.kind, joint.parent, joint.child,
+                        _relative(base, joint.pose),
+                        joint.axes[0].direction if len(joint.axes) == 1 else None)
+
+    def _add_link(self, link: SdfLink, frame: Transform, is_fixed: bool) -> None:
+        """Add a link whose frame in the model is `frame`, given in the outermost model."""
+        offset = _relative(frame, link.pose)
+        is_fixed = is_fixed or link.is_static
+        inertia = NO_INERTIA if is_fixed else self._inertia(link.element, offset)
+        friction = None
+        with self._problems.left_out():
+            friction = sdf_links.friction(link.element)
+        scope = Scope(link.element)
+        looks: List[Look] = []
+        for visual in link.element.findall('visual'):
+            with self._problems.left_out():
+                look, missing = sdf_links.look(visual, offset @ scope.pose(visual), self._find)
+                looks.append(look)
+                if missing:
+                    self._problems.add_look(missing)
+        solids: List[Solid] = []
+        terrains = 0
+        for collision in link.element.findall('collision'):
+            terrains += collision.find('geometry/heightmap') is not None
+            with self._problems.left_out():
+                solid = sdf_links.solid(collision, scope.pose(collision), self._find)._replace(
+                    friction=friction)
+                if solid.shape.kind == HEIGHTMAP:
+                    self._add_terrain(link, name_of(collision), solid)
+                else:
+                    solids.append(solid._replace(pose=offset @ solid.pose, is_concave=is_fixed))
+        # in place of shapes of which none can be had
+        if not looks and link.element.find('visual') is not None:
+            looks = [Look(solid.shape, solid.pose) for solid in solids]
+        elif not solids and len(link.element.findall('collision')) > terrains:
+            solids = [Solid(look.shape, look.pose, friction) for look in looks]
+        self._links.append(Link(link.name, inertia, tuple(solids), tuple(looks)))
+
+    def _add_terrain(self, link: SdfLink, name: str, solid: Solid) -> None:
+        """Add the tree of a heightmap that carries; solid: at its pose in the link."""
+        pose = link.pose @ solid.pose
+        # PyBullet's name for the link of such a body
+        ground = Link('link0', solids=(solid._replace(pose=IDENTITY),))
+        self._terrains.append(Tree('{}::{}'.format(link.name, name), Model(link.name, (ground,)),
+                                   pose, True, pose))
+
+    def _inertia(self, link: ElementTree.Element, offset: Transform) -> Inertia:
+        # one without has that of SDF
+        inertia, warning = sdf_links.inertia(ElementTree.Element('link'), offset)
+        with self._problems.left_out():
+            inertia, warning = sdf_links.inertia(link, offset)
+        self._warnings += [warning] if warning else []
+        return inertia
+
+    def _add_joint(self, joint: SdfJoint, pose: Transform) -> None:
+        """Add a joint, with a massless link between two axes.
+
+        pose: of the frame of the joint in that of its parent.
+        """
+        for number, axis in enumerate(joint.axes[:-1], 1):
+            between = '{}::axis_{}'.format(joint.name, number)
+            self._links.append(Link(between))
+            self._joints.append(_joint(joint, pose, axis)._replace(
+                name=between, child=between))
+            joint, pose = joint._replace(parent=between), IDENTITY
+        self._joints.append(_joint(joint, pose, joint.axes[-1] if joint.axes else None))
+
+
+def _joint(joint: SdfJoint, pose: Transform, axis: Optional[Axis]) -> Joint:
+    """Return the part of a joint that has one of its axes, None if it is fixed."""
+    if axis is None:
+        return Joint(joint.name, FIXED, joint.parent, joint.child, pose)
+    limits, kind = axis.limits, PRISMATIC
+    if joint.kind == PRISMATIC:         # which PyBullet does not read without limits
+        limits = limits or (-_FAR_M, _FAR_M)
+    else:
+        kind = REVOLUTE if limits else CONTINUOUS
+    return Joint(joint.name, kind, joint.parent, joint.child, pose, axis.direction,
+                 limits and Limits(*limits))
+
+
+def _relative(frame: Transform, pose: Transform) -> Transform:
+    """Return a pose in a frame, both given in the same one."""
+    turn = frame.rotation.T
+    return Transform(turn @ pose.rotation, turn @ (pose.translation - frame.translation))

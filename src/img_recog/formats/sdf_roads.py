@@ -1,0 +1,53 @@
+"""The roads of an SDF world: strips that are only seen."""
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+
+from img_recog.errors import SimulationError
+from img_recog.files import FindFile
+from img_recog.formats import generated_meshes, materials
+from img_recog.formats.numbers import read_lengths
+from img_recog.formats.problems import Problems
+from img_recog.formats.texts import name_of
+from img_recog.model import MESH, Link, Look, Material, Model, Shape, Tree
+from img_recog.rotations import IDENTITY
+
+_ABOVE_M = 0.005        # so that the floor is not seen in it
+_ASPHALT = Material((0.3, 0.3, 0.3, 1.0))
+
+
+def tree(road: ElementTree.Element, find: FindFile, problems: Problems) -> Tree:
+    """Return a <road> as a tree without a collision shape, like in Gazebo.
+
+    find: returns the path of the file at a URI; problems: to which is added a look that is not
+    found. Raises SimulationError when a number is wrong, or it has fewer than two points.
+    """
+    name = 'road {}'.format(name_of(road)).strip()
+    points = np.array([read_lengths('<point> of ' + name, point.text, 3)
+                       for point in road.findall('point')]).reshape(-1, 3)
+    width = float(read_lengths('<width> of ' + name, road.findtext('width', '1'), 1)[0])
+    if len(points) < 2:
+        raise SimulationError('{} has {} points, expected 2 or more'.format(name, len(points)))
+    material, look = materials.of_sdf(road, find)
+    if look:
+        problems.add_look(look)
+    above = IDENTITY._replace(translation=np.array((0.0, 0.0, _ABOVE_M)))
+    strip = Look(Shape(MESH, (1.0, 1.0, 1.0), _strip(points, width)), above, material or _ASPHALT)
+    name = road.get('name', 'road')
+    return Tree(name, Model(name, (Link('link', looks=(strip,)),)), fixed=True)
+
+
+def _strip(points: np.ndarray, width: float) -> str:
+    """Write the mesh of a strip along points (n, 3); return its path."""
+    steps = np.diff(points[:, :2], axis=0)
+    lengths = np.maximum(np.linalg.norm(steps, axis=1), 1e-9)
+    directions = steps / lengths[:, None]
+    # at a corner, across the mean of both directions
+    at_points = np.concatenate([directions[:1], directions[:-1] + directions[1:], directions[-1:]])
+    across = np.column_stack([at_points[:, 1], -at_points[:, 0], np.zeros(len(points))])
+    across /= np.maximum(np.linalg.norm(across, axis=1), 1e-9)[:, None]
+    vertices = np.stack([points - across * width / 2, points + across * width / 2], axis=1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)]) / (width or 1.0)
+    uvs = np.stack([np.column_stack([np.full(len(points), u), along]) for u in (0.0, 1.0)], axis=1)
+    return generated_meshes.write(vertices.reshape(-1, 3),
+                                  generated_meshes.grid_faces(len(points), 2), uvs.reshape(-1, 2))

@@ -1,0 +1,106 @@
+"""Reads a URDF: its links and joints as the file has them; lumping.py makes a robot of them.
+
+What Gazebo's tags say of links is in them: friction, materials and contact sensors.
+"""
+import xml.etree.ElementTree as ElementTree
+from typing import List, Tuple, Union
+
+from img_recog.errors import SimulationError
+from img_recog.files import FindFile
+from img_recog.formats.numbers import read_direction, read_limit
+from img_recog.formats.texts import name_of
+from img_recog.formats.urdf_links import Links, origin_of
+from img_recog.markup import MarkupError, check_expanded, parse_xml
+from img_recog.model import FIXED, Joint, Limits, Model
+
+
+def root_of(urdf: Union[str, ElementTree.Element]) -> ElementTree.Element:
+    """Return the <robot> of a URDF's text, or of what was parsed of it.
+
+    Raises SimulationError when it is not a URDF.
+    """
+    try:
+        robot = parse_xml(urdf) if isinstance(urdf, str) else urdf
+        check_expanded(robot)
+    except MarkupError as error:
+        raise SimulationError(error.problem, error.advice or 'check the file given as urdf')
+    if robot.tag != 'robot':
+        raise SimulationError('got the root element <{}>, expected <robot> (URDF)'.format(
+            robot.tag))
+    return robot
+
+
+def read(robot: ElementTree.Element, find: FindFile) -> Model:
+    """Return the links and joints of a <robot>.
+
+    find: returns the path of a mesh's or texture's URI. A shape whose mesh is not found is left
+    out; where a link has no visual (or collision) shape left because of that, it gets its
+    collision (or visual) shapes.
+    Raises SimulationError when a name is missing or used twice, a joint has no link at an end, or
+    a number cannot be used.
+    """
+    for tag in ('link', 'joint'):
+        names = [element.get('name') for element in robot.findall(tag)]
+        if None in names or len(set(names)) < len(names):
+            raise SimulationError('each <{}> must have a unique name (names: {})'.format(
+                tag, ', '.join(map(str, names))))
+    links = [name_of(link) for link in robot.findall('link')]
+    if not links:
+        others = sorted({element.tag for element in robot})
+        raise SimulationError(
+            'got 0 root links (none), expected one',
+            'its elements are <{}>; xacro expands macros only with the prefix xacro:'.format(
+                '>, <'.join(others)) if others else '')
+    joints = tuple(_joint(joint, links) for joint in robot.findall('joint'))
+    reader = Links(robot, find)
+    xacro = check_expanded(robot)
+    return Model(
+        robot.get('name') or 'robot', tuple(map(reader.link, robot.findall('link'))), joints,
+        surfaces={tag.attrib['reference']: () for tag in robot.findall('gazebo[@reference]')
+                  if tag.find("sensor[@type='contact']/plugin") is not None},
+        missing_meshes=tuple(reader.missing_meshes), missing_looks=tuple(reader.missing_looks),
+        warnings=('it contains xacro ({}), which is not expanded'.format(xacro),) if xacro else ())
+
+
+def used_tags(robot: ElementTree.Element, model: Model
+              ) -> Tuple[List[ElementTree.Element], List[str]]:
+    """Return the <gazebo> tags of a <robot> that Gazebo looks at, and the links that others name.
+
+    model: lumped; those of links that it does not have are not looked at.
+    """
+    known = {None, '', *model.frames, *(joint.get('name') for joint in robot.findall('joint'))}
+    tags = robot.findall('gazebo')
+    return ([tag for tag in tags if tag.get('reference') in known],
+            list(dict.fromkeys(tag.attrib['reference'] for tag in tags
+                               if tag.get('reference') not in known)))
+
+
+def _joint(joint: ElementTree.Element, links: List[str]) -> Joint:
+    name, kind = name_of(joint), joint.get('type', '')
+    parent, child = (_end(joint, end, links) for end in ('parent', 'child'))
+    axis, limit, dynamics = (joint.find(tag) for tag in ('axis', 'limit', 'dynamics'))
+    direction = None
+    # programs that export from CAD write the axis 0 0 0 where nothing moves
+    if kind != FIXED:
+        direction = read_direction('axis of joint ' + name, '1 0 0' if axis is None
+                                   else axis.get('xyz', '1 0 0'))
+
+    def number(element: ElementTree.Element, key: str, default: str = '0') -> float:
+        return read_limit('{} of joint {}'.format(key, name), element.get(key, default))
+    # where a limit gives no numbers, the upper one is below the lower one: there is none
+    limits = None if limit is None else Limits(
+        number(limit, 'lower'), number(limit, 'upper', '-1'), number(limit, 'effort'),
+        number(limit, 'velocity'))
+    damping, friction = (0.0 if dynamics is None else number(dynamics, key)
+                         for key in ('damping', 'friction'))
+    return Joint(name, kind, parent, child, origin_of(joint), direction, limits, damping, friction)
+
+
+def _end(joint: ElementTree.Element, end: str, links: List[str]) -> str:
+    """Return the link that the <parent> or <child> of a joint names."""
+    element = joint.find(end)
+    link = None if element is None else element.get('link')
+    if link not in links:
+        raise SimulationError('joint {} has the {} link {}, which does not exist (links: {})'
+                              .format(joint.get('name'), end, link, ', '.join(links)))
+    return link

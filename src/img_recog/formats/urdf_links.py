@@ -1,0 +1,201 @@
+"""Reads the links of a URDF, and what Gazebo's tags say of them: friction and materials."""
+import os
+import xml.etree.ElementTree as ElementTree
+from typing import Dict, List, Optional, Tuple
+
+from img_recog.errors import SimulationError
+from img_recog.files import FindFile
+from img_recog.formats import inertias, materials
+from img_recog.formats.numbers import (read_coefficient, read_lengths, read_number,
+                                       read_numbers)
+from img_recog.formats.texts import name_of, text_of
+from img_recog.mesh_file import READABLE
+from img_recog.model import (BOX, CAPSULE, CYLINDER, MESH, NO_INERTIA, SPHERE, Inertia, Link,
+                             Look, Material, Shape, Solid)
+from img_recog.rotations import IDENTITY, Transform, transform
+
+_SIZES = {BOX: (('size', 3),), CYLINDER: (('radius', 1), ('length', 1)), SPHERE: (('radius', 1),),
+          CAPSULE: (('radius', 1), ('length', 1))}
+_DRAWN = (BOX, CYLINDER, SPHERE, MESH)
+_NOT_DRAWN = 'got the geometry {}, expected box, cylinder, sphere or mesh'
+_MU = 'surface/friction/ode/mu'
+
+
+def origin_of(element: ElementTree.Element) -> Transform:
+    """Return the <origin> of an element: its pose in the frame of what it belongs to."""
+    origin = element.find('origin')
+    if origin is None:
+        return IDENTITY
+    name = '<origin> in <{} {}>'.format(element.tag, name_of(element))
+    return transform(read_lengths(name, origin.get('xyz', '0 0 0'), 3),
+                     read_numbers(name, origin.get('rpy', '0 0 0'), 3))
+
+
+class Links:
+    """Reads the links of a <robot>, and what its tags say of them."""
+
+    def __init__(self, robot: ElementTree.Element, find: FindFile):
+        self._find = find
+        self._tags = [tag for tag in robot.findall('gazebo') if tag.get('reference')]
+        self._named = {material.get('name'): material for material in robot.findall('material')}
+        self.missing_meshes: Dict[str, None] = {}
+        self.missing_looks: Dict[str, None] = {}
+        self._textures: Dict[str, str] = {}
+        for texture in robot.iterfind('.//material/texture'):
+            uri = texture.get('filename', '')
+            path = find(uri)
+            if path is None:
+                self.missing_looks['texture ' + uri] = None
+            self._textures[uri] = '' if path is None else os.path.abspath(path)
+        self._materials: Dict[str, Material] = {}
+        links = {name_of(link) for link in robot.findall('link')}
+        for tag in self._tags:
+            if tag.get('reference') in links:
+                self._read_materials(tag)
+
+    def link(self, link: ElementTree.Element) -> Link:
+        """Return a link."""
+        name, friction = name_of(link), self._friction(link)
+        lost: Dict[str, List[ElementTree.Element]] = {'visual': [], 'collision': []}
+        kept: Dict[str, List[Tuple[ElementTree.Element, Shape]]] = {
+            'visual': [], 'collision': []}
+        for tag in kept:
+            for element in link.findall(tag):
+                shape = self._shape(name, element)
+                if shape is None:
+                    lost[tag].append(element)
+                else:
+                    kept[tag].append((element, shape))
+        looks = [self._look(name, element, element, shape) for element, shape in kept['visual']]
+        if lost['visual'] and not looks:
+            looks = [self._look(name, element, lost['visual'][0], shape)
+                     for element, shape in kept['collision']]
+        solids = [self._solid(name, element, shape, friction)
+                  for element, shape in kept['collision']]
+        if lost['collision'] and not solids:
+            solids = [Solid(look.shape, look.pose, friction) for look in looks]
+        return Link(name, _inertia(link), tuple(solids), tuple(looks), _contact(link))
+
+    def _shape(self, link: str, element: ElementTree.Element) -> Optional[Shape]:
+        """Return the shape of a <visual> or <collision>; None if its mesh is not found."""
+        geometry = element.find('geometry/*')
+        if geometry is None:
+            raise SimulationError('<{} {}> has no geometry'.format(element.tag, name_of(element)))
+        kind, path = geometry.tag, ''
+        try:
+            size = _size(geometry)
+            if kind not in _DRAWN and (kind, element.tag) != (CAPSULE, 'collision'):
+                raise SimulationError(_NOT_DRAWN.format(kind))
+        except SimulationError as error:
+            raise SimulationError('link {}, <{}>: {}'.format(link, element.tag, error.problem),
+                                  error.advice)
+        if kind == MESH:
+            uri = geometry.get('filename') or text_of(geometry, 'uri')
+            found = self._find(uri)
+            if found is None or not found.lower().endswith(READABLE):
+                self.missing_meshes[uri] = None
+                return None
+            path = os.path.abspath(found)
+        return Shape(kind, size, path)
+
+    def _solid(self, link: str, element: ElementTree.Element, shape: Shape,
+               friction: Optional[float]) -> Solid:
+        if friction is None and element.find(_MU) is not None:
+            # Gazebo reads it only in an SDF. Robots whose casters need it have it there: they
+            # drive in Gazebo, whose solver loads the wheels more than PyBullet does.
+            friction = read_coefficient('<mu> of a collision of link ' + link,
+                                        element.findtext(_MU))
+        return Solid(shape, origin_of(element), friction)
+
+    def _friction(self, link: ElementTree.Element) -> Optional[float]:
+        """Return that of all shapes of a link: <mu1> of Gazebo's tag for it, or <mu> of a
+        collision there, else PyBullet's <lateral_friction>; None without.
+        """
+        name = name_of(link)
+        found = [element for path in ('mu1', 'collision/' + _MU) for tag in self._tags
+                 if tag.get('reference') == name for element in tag.findall(path)]
+        if found:
+            return read_coefficient('{} of link {}'.format(found[0].tag, name),
+                                    found[0].get('value') or found[0].text)
+        of_link = link.find('contact/lateral_friction')
+        return None if of_link is None else read_coefficient(
+            'lateral_friction of link ' + name, of_link.get('value'))
+
+    def _look(self, link: str, element: ElementTree.Element, owner: ElementTree.Element,
+              shape: Shape) -> Look:
+        """Return what is seen of a shape; owner: the <visual> that has its material."""
+        if shape.kind not in _DRAWN:
+            raise SimulationError('link {}, <visual>: {}'.format(
+                link, _NOT_DRAWN.format(shape.kind)))
+        given = owner.find('material')
+        material = None if given is None else self._material(given)
+        if link in self._materials:
+            return Look(shape, origin_of(element), self._materials[link])
+        # In a URDF, a <material> is that of a mesh whose file has none, like in RViz; Gazebo 11
+        # ignores it. That of a <gazebo> tag replaces that of the file.
+        return Look(shape, origin_of(element), material, shape.kind == MESH and given is not None)
+
+    def _material(self, element: ElementTree.Element) -> Optional[Material]:
+        """Return what a <material> says, or the one of the same name beside the links."""
+        color, path = self._color_and_texture(element)
+        if color is None and not path:
+            element = self._named.get(element.get('name'), element)
+            color, path = self._color_and_texture(element)
+        red, green, blue, opacity = read_numbers(
+            'rgba of material ' + name_of(element),
+            '1 1 1 1' if color is None else color.get('rgba'), 4).tolist()
+        return None if color is None and not path else Material((red, green, blue, opacity), path)
+
+    def _color_and_texture(self, element: ElementTree.Element
+                           ) -> Tuple[Optional[ElementTree.Element], str]:
+        texture = element.find('texture')
+        return element.find('color'), '' if texture is None else self._textures[
+            texture.get('filename', '')]
+
+    def _read_materials(self, tag: ElementTree.Element) -> None:
+        """Read those of a <gazebo> tag, for all visuals of its link; the last one counts."""
+        found = [materials.of_sdf(shape, self._find) for shape in tag.findall('visual')
+                 if shape.find('material') is not None]
+        found.append(materials.of_script(text_of(tag, 'material'), (), self._find))
+        for material, missing in found:
+            if missing:
+                self.missing_looks[missing] = None
+            elif material is not None:
+                self._materials[tag.attrib['reference']] = material
+
+
+def _size(element: ElementTree.Element) -> Tuple[float, ...]:
+    """Return the size of a shape, or the scale of a mesh."""
+    if element.tag == MESH:
+        return tuple(read_lengths('scale of mesh', element.get('scale', '1 1 1'), 3).tolist())
+    values = tuple(
+        value for name, count in _SIZES.get(element.tag, ())
+        for value in read_lengths('{} of {}'.format(name, element.tag), element.get(name),
+                                  count).tolist())
+    if any(value < 0 for value in values):
+        raise SimulationError('size of {}: got {}, expected no negative number'.format(
+            element.tag, ' '.join('{:g}'.format(value) for value in values)))
+    return values
+
+
+def _contact(link: ElementTree.Element) -> Dict[str, float]:
+    return {each.tag: read_number('{} of link {}'.format(each.tag, name_of(link)),
+                                  each.get('value'))
+            for each in link.findall('contact/*') if each.get('value') is not None}
+
+
+def _inertia(link: ElementTree.Element) -> Optional[Inertia]:
+    """Return the inertia of a link in its frame; None without, NO_INERTIA for a mass of 0."""
+    inertial = link.find('inertial')
+    if inertial is None:
+        return None
+    name, mass, inertia = name_of(link), inertial.find('mass'), inertial.find('inertia')
+    if mass is None or inertia is None:
+        raise SimulationError('link {}: <inertial> must have <mass> and <inertia>'.format(name))
+    kilograms = read_number('mass of link ' + name, mass.get('value'))
+    values = ' '.join(inertia.get(key, '0') for key in inertias.INERTIA_KEYS)
+    matrix = read_numbers('inertia of link ' + name, values, 9).reshape(3, 3)
+    if kilograms == 0:
+        return NO_INERTIA
+    inertias.check_mass('mass of link ' + name, kilograms, ' (or no <inertial>)')
+    return Inertia(kilograms, origin_of(inertial), matrix)

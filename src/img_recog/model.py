@@ -1,0 +1,281 @@
+"""What a file says of robots and worlds, whoever wrote it, and what there is to draw of them.
+
+Plain values: no XML, no physics, no OpenGL. Lengths are in m, angles in rad, masses in kg.
+"""
+from dataclasses import dataclass, field
+from typing import Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+
+import numpy as np
+
+from img_recog.rotations import IDENTITY, Transform
+
+Color = Tuple[float, float, float, float]
+
+GREY: Color = (0.7, 0.7, 0.7, 1.0)      # of what has no material
+# from the frame of a camera body (x forward, y to the left, z up) to OpenGL's (x right, y up,
+# z backward)
+BODY_TO_OPENGL = np.array([[0, -1, 0, 0], [0, 0, 1, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
+
+DIFFERENTIAL, PLANAR = 'differential', 'planar'       # drives
+FIXED, CONTINUOUS, PRISMATIC, REVOLUTE = 'fixed', 'continuous', 'prismatic', 'revolute'  # joints
+# shapes; the last two are not drawn
+BOX, CYLINDER, SPHERE, PLANE, MESH = 'box', 'cylinder', 'sphere', 'plane', 'mesh'
+CAPSULE, HEIGHTMAP = 'capsule', 'heightmap'
+# Of the floor, and of what has no coefficient (Gazebo's default). PyBullet multiplies the
+# coefficients of two bodies, Gazebo takes the lower one: a higher one makes no difference there.
+FLOOR_FRICTION = 1.0
+
+
+class Submesh(NamedTuple):
+    """A part of a mesh file; name: of its node, object or group, '' is the whole file.
+
+    is_centered: whether the middle of its bounds is moved to the origin.
+    """
+
+    name: str = ''
+    is_centered: bool = False
+
+
+WHOLE = Submesh()
+
+
+class Shape(NamedTuple):
+    """A shape in its own frame, with its center at the origin, in m.
+
+    kind and size: BOX (x, y, z); CYLINDER (radius, length along z); SPHERE (radius,); CAPSULE
+    (radius, length along z without the ends); PLANE (x, y), of which the upper side counts; MESH
+    (scale x, y, z), of the file `path` or a part of it; HEIGHTMAP (x, y, height of white,
+    sampling), of the image `path`.
+    """
+
+    kind: str
+    size: Tuple[float, ...]
+    path: str = ''
+    submesh: Submesh = WHOLE
+
+
+class Material(NamedTuple):
+    """A color (red, green, blue, opacity; 0 to 1), multiplied by the image file `texture`.
+
+    texture: '' for none; scale: how large its image is, 1 for all of the texture coordinates;
+    pattern: the name of one that `color` is the mean of, '' for none; is_cutout: whether the
+    texture is only seen where it is opaque.
+    """
+
+    color: Color = GREY
+    texture: str = ''
+    scale: Tuple[float, float] = (1.0, 1.0)
+    pattern: str = ''
+    is_cutout: bool = False
+
+
+class Inertia(NamedTuple):
+    """A mass; pose: of its center, and of the axes of the inertia (3, 3) in kg m2 about that."""
+
+    mass: float
+    pose: Transform
+    matrix: np.ndarray
+
+    def moved(self, frame: Transform) -> 'Inertia':
+        """Return this inertia, given in `frame`, in the parent of `frame`."""
+        return self._replace(pose=frame @ self.pose)
+
+    def plus(self, other: 'Inertia') -> 'Inertia':
+        """Return the inertia of both together, about the axes of their frame."""
+        mass = self.mass + other.mass
+        if mass == 0:
+            return NO_INERTIA
+        center = (self.mass * self.pose.translation + other.mass * other.pose.translation) / mass
+        return Inertia(mass, IDENTITY._replace(translation=center),
+                       self._about(center) + other._about(center))
+
+    def _about(self, point: np.ndarray) -> np.ndarray:
+        """Return the inertia matrix about `point` (the parallel axis theorem)."""
+        turn, arm = self.pose.rotation, self.pose.translation - point
+        return turn @ self.matrix @ turn.T + self.mass * (
+            arm @ arm * np.eye(3) - np.outer(arm, arm))
+
+
+NO_INERTIA = Inertia(0.0, IDENTITY, np.zeros((3, 3)))
+
+
+class Solid(NamedTuple):
+    """A collision shape at a pose in its link.
+
+    friction: the coefficient that the file gives, None if it gives none; is_concave: whether a
+    mesh is not replaced by its convex hull.
+    """
+
+    shape: Shape
+    pose: Transform = IDENTITY
+    friction: Optional[float] = None
+    is_concave: bool = False
+
+    @property
+    def coefficient(self) -> float:
+        """The friction that it is simulated with, at most that of the floor."""
+        return FLOOR_FRICTION if self.friction is None else min(self.friction, FLOOR_FRICTION)
+
+
+class Look(NamedTuple):
+    """A shape that is seen, at a pose in its link.
+
+    material: None is that of the mesh file, else grey; prefers_file: whether `material` is only
+    used for what has none in the mesh file; opacity: by which that of a mesh file is multiplied.
+    """
+
+    shape: Shape
+    pose: Transform = IDENTITY
+    material: Optional[Material] = None
+    prefers_file: bool = False
+    opacity: float = 1.0
+
+
+class Link(NamedTuple):
+    """A rigid part. inertia: in its frame, None if the file gives none; contact: the numbers of
+    PyBullet's <contact> in a URDF, by name."""
+
+    name: str
+    inertia: Optional[Inertia] = NO_INERTIA
+    solids: Tuple[Solid, ...] = ()
+    looks: Tuple[Look, ...] = ()
+    contact: Mapping[str, float] = {}
+
+    @property
+    def coefficient(self) -> float:
+        """The friction of its solids, which PyBullet takes to be the same."""
+        return self.solids[0].coefficient if self.solids else FLOOR_FRICTION
+
+
+class Limits(NamedTuple):
+    """From and to where a joint moves, its largest torque or force, and its highest velocity."""
+
+    lower: float
+    upper: float
+    effort: float = 1e9
+    velocity: float = 1e9
+
+
+class Joint(NamedTuple):
+    """A joint between two links, given by their names.
+
+    pose: of its frame, which is that of the child where the joint is at 0, in the parent; axis
+    (3,): of any length, in that frame.
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    pose: Transform = IDENTITY
+    axis: Optional[np.ndarray] = None
+    limits: Optional[Limits] = None
+    damping: float = 0.0
+    friction: float = 0.0
+
+
+class Frame(NamedTuple):
+    """Where something is: its constant `pose` in a link."""
+
+    link: str
+    pose: Transform = IDENTITY
+
+
+@dataclass(frozen=True)
+class Model:
+    """Links that joints hold together as a tree.
+
+    frames: where each link of the file is, also one that was lumped into another; surfaces: of
+    each link of the file with a contact sensor, the links that have its solids and no others;
+    loops: joints for which the tree has no place, at poses in the root link; missing_meshes: URIs;
+    missing_looks: what is not known or not found of materials; warnings: what is simulated in
+    another way than given, a line each; left_out: joints; changed_inertias: links.
+    """
+
+    name: str
+    links: Tuple[Link, ...]
+    joints: Tuple[Joint, ...] = ()
+    frames: Mapping[str, Frame] = field(default_factory=dict)
+    surfaces: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    loops: Tuple[Joint, ...] = ()
+    missing_meshes: Tuple[str, ...] = ()
+    missing_looks: Tuple[str, ...] = ()
+    warnings: Tuple[str, ...] = ()
+    left_out: Tuple[str, ...] = ()
+    changed_inertias: Tuple[str, ...] = ()
+
+    @property
+    def roots(self) -> Tuple[str, ...]:
+        """The names of the links that are the child of no joint: one, if they are a tree."""
+        children = {joint.child for joint in self.joints}
+        return tuple(link.name for link in self.links if link.name not in children)
+
+    @property
+    def root(self) -> str:
+        """The name of the first root link."""
+        return self.roots[0]
+
+    @property
+    def files(self) -> Set[str]:
+        """The paths of its meshes, images of terrain and textures."""
+        looks = [look for link in self.links for look in link.looks]
+        shapes = [each.shape for each in looks] + [
+            solid.shape for link in self.links for solid in link.solids]
+        return {path for path in (*(shape.path for shape in shapes),
+                                  *(look.material.texture for look in looks if look.material))
+                if path}
+
+    @property
+    def terrain(self) -> Optional[Shape]:
+        """The heightmap that it is, None if it is something else."""
+        shapes = [solid.shape for link in self.links for solid in link.solids]
+        return shapes[0] if shapes and shapes[0].kind == HEIGHTMAP else None
+
+
+class Tree(NamedTuple):
+    """A tree of links in a world: a model, or the part of one that joints hold together.
+
+    name: of the model, with ::LINK for those after the first; pose: of the root link in the
+    world; fixed: whether that never moves; in_model: the pose of the root link in the frame of the
+    model; first: whether it is the first of its model.
+    """
+
+    name: str
+    model: Model
+    pose: Transform = IDENTITY
+    fixed: bool = False
+    in_model: Transform = IDENTITY
+    first: bool = True
+
+
+class Visual(NamedTuple):
+    """A look in a scene: part: the number of its link, whose frame moves; pose (4, 4): of the
+    shape in that frame, a homogeneous transform; the rest as in Look."""
+
+    part: int
+    shape: Shape
+    pose: np.ndarray
+    material: Optional[Material] = None
+    prefers_file: bool = False
+    opacity: float = 1.0
+
+
+class Light(NamedTuple):
+    """How a scene is lit.
+
+    sun (3,): the direction to the sun; background: the color (0 to 1) of the sky at the horizon;
+    floor: whether there is a floor at z 0; zenith: the color straight above, None for the same.
+    """
+
+    sun: Tuple[float, float, float]
+    background: Tuple[float, float, float]
+    floor: bool = True
+    zenith: Optional[Tuple[float, float, float]] = None
+
+
+class VisualScene(NamedTuple):
+    """All visuals and the light; moving: whether the part of each number can move."""
+
+    visuals: Tuple[Visual, ...]
+    moving: Tuple[bool, ...]
+    light: Light

@@ -1,1 +1,0 @@
-"""Files of robots and worlds, read to plain values."""

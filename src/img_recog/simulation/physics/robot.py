@@ -1,0 +1,230 @@
+"""A robot in a world: its frames, its joints and the motors of its wheels."""
+from typing import Dict, NamedTuple, Optional, Sequence, Tuple
+
+import pybullet
+
+from img_recog import rotations
+from img_recog.errors import SimulationError
+from img_recog.model import FLOOR_FRICTION, Frame, Model
+from img_recog.rotations import Quaternion, Transform
+from img_recog.simulation.physics import build, tyres
+from img_recog.simulation.physics.body import (Body, FrameState, Motion, Pose, Vector,
+                                               motion_of_frame)
+from img_recog.simulation.physics.client import link_indices
+from img_recog.simulation.settings import SpawnSettings
+
+# rad/s. At its default of 100, which the command of 10 m/s exceeds, PyBullet cuts the speed of the
+# wheels, while their motors go on and turn the robot over.
+_MAX_JOINT_VELOCITY = 1e5
+
+_TYRE_FORCE_N = 1e6         # of the motors that keep tyres in place
+
+
+class JointStates(NamedTuple):
+    """Names, positions (rad), velocities (rad/s) and motor torques (N m) of movable joints."""
+
+    names: Sequence[str]
+    positions: Sequence[float]
+    velocities: Sequence[float]
+    efforts: Sequence[float]
+
+
+class Motors(NamedTuple):
+    """What drives a robot.
+
+    joints: of the wheels, each with the setting that names it; torque: the maximum of a wheel in
+    N m; slip_radius: in m, of wheels that slip when the robot turns, else 0; slides: whether the
+    robot has no friction, because its base itself is moved.
+    """
+
+    joints: Sequence[Tuple[str, str]]
+    torque: float
+    slip_radius: float = 0.0
+    slides: bool = False
+
+
+class SimulatedRobot(Body):
+    """The body of a model, with motors.
+
+    spawn: where `reset` moves it.
+    """
+
+    def __init__(self, model: Model, motors: Motors, spawn: SpawnSettings,
+                 physics_client_id: int):
+        """Load the robot into a physics client.
+
+        Raises SimulationError when PyBullet cannot load it or a wheel joint is missing.
+        """
+        shod = tyres.added(model, [name for _, name in motors.joints], motors.slip_radius)
+        super().__init__(build.load(shod, physics_client_id, exact_hulls=True), physics_client_id)
+        self._tyres = [self.joints.pop(name) for name in tuple(self.joints)
+                       if name.endswith(tyres.SUFFIX)]
+        self.name = model.name
+        self.spawn = spawn
+        self._frames = model.frames
+        self._mounts: Dict[str, Frame] = {}
+        self._surfaces = model.surfaces
+        self._link_indices = link_indices(self.body_id, physics_client_id)
+        self._carriers: Dict[str, Tuple[int, Tuple[Vector, Quaternion]]] = {}
+        self._wheels = tuple(self._wheel_index(*joint, left_out=model.left_out)
+                             for joint in motors.joints)
+        # gazebo_plugins' diff_drive publishes the right wheel before the left one
+        right_first = sorted(motors.joints, key=lambda joint: joint[0] != 'right_joint')
+        self._published = {name: self.joints[name] for name in dict.fromkeys(
+            (*(name for _, name in right_first), *self.joints))}
+        self._torques = (motors.torque,) * len(self._wheels)
+        self._set_dynamics(model, motors.slides)
+        self.start = self.pose()
+        self.reset()
+
+    def reset(self) -> None:
+        """Move the robot back to where it was spawned, at rest, its wheels at 0 rad."""
+        spawn = self.spawn
+        self.place(Pose((spawn.x_pos, spawn.y_pos, spawn.z_pos),
+                        rotations.of_yaw(spawn.yaw), [0.0] * len(self.joints)))
+        self.stop_wheels()
+
+    def place(self, pose: Pose) -> None:
+        """Move the parts to `pose`, at rest."""
+        super().place(pose)
+        for tyre in self._tyres:
+            pybullet.resetJointState(self.body_id, tyre, 0.0, 0.0,
+                                     physicsClientId=self.physics_client_id)
+
+    def stop_wheels(self) -> None:
+        """Let the motors of the wheels hold them."""
+        self.set_wheel_velocities((0.0,) * len(self._wheels))
+
+    def wheel_positions(self) -> Tuple[float, ...]:
+        """Return how far each wheel has turned since the reset, in rad, in the motors' order."""
+        return tuple(state[0] for state in self._wheel_states())
+
+    def wheel_velocities(self) -> Tuple[float, ...]:
+        """Return the angular velocities of the wheels, in rad/s."""
+        return tuple(state[1] for state in self._wheel_states())
+
+    def _wheel_states(self) -> Sequence[tuple]:
+        return pybullet.getJointStates(self.body_id, self._wheels,
+                                       physicsClientId=self.physics_client_id) or ()
+
+    def set_wheel_velocities(self, velocities: Sequence[float]) -> None:
+        """Set the target velocities of the motors of the wheels, in rad/s."""
+        pybullet.setJointMotorControlArray(
+            self.body_id, self._wheels, pybullet.VELOCITY_CONTROL, targetVelocities=velocities,
+            forces=self._torques, physicsClientId=self.physics_client_id)
+
+    def motion(self, frame: Optional[str] = None) -> Motion:
+        """Return the motion of a link of the description, by default of the root link.
+
+        Raises SimulationError when there is no such link.
+        """
+        return motion_of_frame(*self.frame_state(frame or self.root))
+
+    def frame_state(self, frame: str) -> FrameState:
+        """Return the state of a link of the description; errors as for `motion`."""
+        link, pose = self._carrier(frame)
+        if link == -1:
+            return self.base_state(pose)
+        state = pybullet.getLinkState(self.body_id, link, computeLinkVelocity=1,
+                                      computeForwardKinematics=1,
+                                      physicsClientId=self.physics_client_id)
+        return FrameState(pybullet.multiplyTransforms(*state[4:6], *pose), state[0], *state[6:8])
+
+    def add_mount(self, frame: str, link: str, pose: Transform) -> None:
+        """Add a frame with a constant pose in a link of the model.
+
+        frame: a name that no link has. Its motion can be read like that of a link.
+        """
+        carrier = self._frames[link]
+        self._mounts[frame] = Frame(carrier.link, carrier.pose @ pose)
+
+    def surfaces(self, link: str) -> Dict[int, str]:
+        """Return PyBullet's index and the name of each part with the shapes of a link.
+
+        link: one with a contact sensor.
+        """
+        return {self._link_indices[name]: name for name in self._surfaces.get(link, ())}
+
+    def has_frame(self, frame: str) -> bool:
+        """Return whether the description has this link."""
+        return frame in self._frames
+
+    def check_frame(self, setting: str, frame: str) -> None:
+        """Raise SimulationError, naming the setting, when its value `frame` is not a link."""
+        try:
+            self._carrier(frame)
+        except SimulationError as error:
+            raise SimulationError('{}: {}'.format(setting, error.problem), error.advice)
+
+    def _carrier(self, frame: str) -> Tuple[int, Tuple[Vector, Quaternion]]:
+        """Return the PyBullet link that a frame is fixed to, and the frame's pose in it.
+
+        The pose is in the link's frame, or, for the base, in the frame of its center of mass.
+        """
+        if frame not in self._carriers:
+            found = self._frames.get(frame) or self._mounts.get(frame)
+            if found is None:
+                raise SimulationError('the robot has no link {} (links: {})'.format(
+                    frame, ', '.join(sorted(self._frames))))
+            name, pose = found
+            link = self._link_indices[name]
+            in_link = pose.translation.tolist(), rotations.quaternion_of(pose.rotation)
+            self._carriers[frame] = link, in_link if link != -1 else (
+                pybullet.multiplyTransforms(*pybullet.invertTransform(*self.mass_in_root),
+                                            *in_link))
+        return self._carriers[frame]
+
+    def joint_states(self) -> JointStates:
+        """Return the states of all movable joints.
+
+        Right wheels come first, then left ones, then the others in the order of the model.
+        """
+        states = pybullet.getJointStates(self.body_id, tuple(self._published.values()),
+                                         physicsClientId=self.physics_client_id) or ()
+        return JointStates(tuple(self._published), [state[0] for state in states],
+                           [state[1] for state in states], [state[3] for state in states])
+
+    def _wheel_index(self, setting: str, name: str, left_out: Sequence[str]) -> int:
+        if name in left_out:
+            raise SimulationError('{}: joint {} is left out, because what it moves has no mass'
+                                  .format(setting, name), 'add an <inertial> to that link')
+        if name not in self.joints:
+            raise SimulationError(
+                'the robot has no movable joint {} (movable joints: {})'.format(
+                    name, ', '.join(self.joints) or 'none'),
+                'set {} to the joint of a wheel'.format(setting))
+        return self.joints[name]
+
+    def _set_dynamics(self, model: Model, slides: bool) -> None:
+        coefficients = {link.name: link.coefficient for link in model.links}
+        for name, link in self._link_indices.items():
+            pybullet.changeDynamics(
+                self.body_id, link, linearDamping=0, angularDamping=0, jointDamping=0,
+                lateralFriction=0.0 if slides else coefficients.get(name, FLOOR_FRICTION),
+                physicsClientId=self.physics_client_id)
+        # of all joints, and not in the call above: PyBullet would set those of the root link by it
+        pybullet.changeDynamics(self.body_id, -1, maxJointVelocity=_MAX_JOINT_VELOCITY,
+                                physicsClientId=self.physics_client_id)
+        for wheel in self._wheels:
+            pybullet.changeDynamics(
+                self.body_id, wheel, spinningFriction=self._torsional_friction(wheel),
+                physicsClientId=self.physics_client_id)
+        self.release(joint for joint in self.joints.values() if joint not in self._wheels)
+        for tyre in self._tyres:
+            pybullet.setJointMotorControl2(
+                self.body_id, tyre, pybullet.POSITION_CONTROL, targetPosition=0.0,
+                force=_TYRE_FORCE_N, physicsClientId=self.physics_client_id)
+
+    def _torsional_friction(self, wheel: int) -> float:
+        """Return the spinning friction of a wheel in m (torque per load, N m / N).
+
+        A tyre of width w touches the floor along a line; with even pressure it resists turning
+        about the vertical with the torque mu N w / 4. PyBullet has only one or two contact points
+        on that line and misses the torque: a robot whose wheels slip would spin out.
+        """
+        friction = pybullet.getDynamicsInfo(self.body_id, wheel,
+                                            physicsClientId=self.physics_client_id)[1]
+        shapes = pybullet.getCollisionShapeData(self.body_id, wheel,
+                                                physicsClientId=self.physics_client_id)
+        widths = [shape[3][0] for shape in shapes if shape[2] == pybullet.GEOM_CYLINDER]
+        return friction * max(widths, default=0.0) / 4

@@ -1,0 +1,164 @@
+"""The separation and diameter of a robot's wheels, as its URDF has them."""
+import functools
+import os
+from typing import Any, Container, Dict, List, NamedTuple, Optional, Sequence, Union
+
+import cv2
+import numpy as np
+
+from img_recog import mesh_file
+from img_recog.mesh_file import MeshError
+from img_recog.model import CYLINDER, FIXED, MESH, SPHERE, Joint, Look, Model, Solid
+from img_recog.rotations import IDENTITY, Transform
+from img_recog.simulation.settings import DriveSettings
+
+_TOLERANCE = 0.05       # relative: Gazebo's tags are often rounded
+_DEFAULT_DIAMETER = DriveSettings().wheel_diameter
+_MIN_ROUNDNESS = 0.9    # of the nearest to the farthest corner of a mesh that is a wheel
+
+
+class Wheels(NamedTuple):
+    """What the URDF says, in m; None where it does not.
+
+    swapped: whether the left joints are on the right.
+    """
+
+    wheel_separation: Optional[float] = None
+    wheel_diameter: Optional[float] = None
+    swapped: bool = False
+
+    def values(self) -> Dict[str, float]:
+        """Return what is known, by the name of the setting."""
+        known = {'wheel_separation': self.wheel_separation, 'wheel_diameter': self.wheel_diameter}
+        return {name: value for name, value in known.items() if value is not None}
+
+    def warnings(self, drive: DriveSettings, given: Container[str]) -> List[str]:
+        """Return a line for each setting that contradicts the URDF, or that had to be assumed.
+
+        given: the names of the settings that tags give.
+        """
+        lines = [
+            '{} is {:g} m, but in the URDF it is {:g} m: the robot will move at another speed '
+            'than commanded'.format(name, getattr(drive, name), value)
+            for name, value in self.values().items()
+            if abs(getattr(drive, name) - value) > _TOLERANCE * value]
+        if (self.wheel_diameter is None and self.wheel_separation is not None
+                and 'wheel_diameter' not in given and drive.wheel_diameter == _DEFAULT_DIAMETER):
+            lines.append(
+                'the URDF does not state the diameter of the wheels, and it cannot be measured: '
+                '{:g} m is assumed; if that is wrong, set the parameter wheel_diameter'.format(
+                    drive.wheel_diameter))
+        return lines
+
+
+class _Wheel(NamedTuple):
+    """Its middle (3,), and its axis (3,), a unit vector, in the frame of the root link; m."""
+
+    middle: np.ndarray
+    axis: np.ndarray
+    diameter: Optional[float]
+
+
+def measure(model: Model, drive: DriveSettings) -> Wheels:
+    """Return how far the wheels of a robot are apart along their axis, and their diameter.
+
+    They are measured at the collision shapes of the wheels, or at the visual shapes of wheels
+    without those: at cylinders or spheres, else at meshes. Unknown joints give Wheels(): those
+    are refused when the robot is loaded.
+    """
+    joints = {joint.name: joint for joint in model.joints if joint.kind != FIXED}
+    names = drive.left_joints + drive.right_joints
+    if not names or not set(names) <= set(joints) or len(set(names)) < len(names):
+        return Wheels()
+    left, right = ([_wheel(joints[name], model) for name in side]
+                   for side in (drive.left_joints, drive.right_joints))
+    # to the micrometer: the rest is rounding
+    separation = round(float(left[0].axis @ (_middle(left) - _middle(right))), 6)
+    diameters = {wheel.diameter for wheel in left + right}
+    return Wheels(abs(separation) or None, diameters.pop() if len(diameters) == 1 else None,
+                  separation < 0)
+
+
+def _middle(side: Sequence[_Wheel]) -> np.ndarray:
+    return sum(wheel.middle for wheel in side) / len(side)      # type: ignore
+
+
+def _wheel(joint: Joint, model: Model) -> _Wheel:
+    frame, axis = _pose(joint, model), axis_of(joint)
+    link, = (link for link in model.links if link.name == joint.child)
+    middle, diameter = _measured(link.solids or link.looks, axis)
+    return _Wheel(frame.apply(middle), frame.rotation @ axis, diameter)
+
+
+def _pose(joint: Joint, model: Model) -> Transform:
+    """Return the pose of the child of a joint in the frame of the root link."""
+    parents, pose = {each.child: each for each in model.joints}, IDENTITY
+    above: Optional[Joint] = joint
+    while above is not None:
+        pose, above = above.pose @ pose, parents.get(above.parent)
+    return pose
+
+
+def _measured(shapes: Sequence[Union[Solid, Look]],
+              axis: np.ndarray) -> 'tuple[np.ndarray, Optional[float]]':
+    """Return the middle (3,) of a wheel in its link, and its diameter.
+
+    axis (3,): of the joint, a unit vector in the link.
+    """
+    for shape in shapes:
+        if shape.shape.kind in (CYLINDER, SPHERE):
+            return shape.pose.translation, round(2 * shape.shape.size[0], 6)
+    for shape in shapes:
+        outline = mesh_outline(shape, axis)
+        if outline is not None:
+            return outline.middle, outline.diameter
+    return np.zeros(3), None
+
+
+class Outline(NamedTuple):
+    """Of a mesh about an axis, in m: its middle (3,), a point of the axis, its width along it, and
+    its diameter, None if it is not round."""
+
+    middle: np.ndarray
+    width: float
+    diameter: Optional[float]
+
+
+def mesh_outline(shape: Union[Solid, Look], axis: np.ndarray) -> Optional[Outline]:
+    """Return the outline of a shape of a wheel, None if it is no mesh that can be read.
+
+    axis (3,): of the joint, a unit vector through the origin of the link.
+    """
+    (kind, scale, path, _), pose = shape.shape, shape.pose
+    if kind != MESH:
+        return None
+    try:
+        corners = (_corners(path, _changed_at(path)) * scale) @ pose.rotation.T + pose.translation
+    except MeshError:
+        return None         # it is refused where it is needed
+    along = corners @ axis
+    first, last = float(along.min()), float(along.max())
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    plane = np.column_stack((corners @ across, corners @ np.cross(axis, across)))
+    distances = np.linalg.norm(cv2.convexHull(plane.astype(np.float32))[:, 0], axis=1)
+    radius = float(distances.max())
+    is_round = distances.min() >= _MIN_ROUNDNESS * radius
+    return Outline(axis * (first + last) / 2, last - first,
+                   round(2 * radius, 6) if is_round else None)
+
+
+@functools.lru_cache(maxsize=8)         # the wheels of a robot often share one
+def _corners(path: str, _: float) -> np.ndarray:
+    """Return the corners (n, 3) of a mesh file in m; MeshError when it cannot be read."""
+    return np.concatenate([part.positions.reshape(-1, 3) for part in mesh_file.read(path)])
+
+
+def _changed_at(path: str) -> float:
+    return os.path.getmtime(path) if os.path.exists(path) else 0.0
+
+
+def axis_of(joint: Joint) -> np.ndarray:
+    """Return the axis (3,) of a joint that moves in the frame of its child, a unit vector."""
+    axis: Any = joint.axis
+    return axis / np.linalg.norm(axis)

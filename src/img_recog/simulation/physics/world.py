@@ -1,0 +1,173 @@
+"""The physics client, and everything in it except robots."""
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import pybullet
+
+from img_recog.errors import SimulationError, shortened
+from img_recog.formats.problems import Problems
+from img_recog.formats.world_file import WorldFile
+from img_recog.model import FLOOR_FRICTION, Model, Tree
+from img_recog.simulation.physics import build, crowding, loops, standing
+from img_recog.simulation.physics.body import Body, Pose
+from img_recog.simulation.physics.client import all_or_nothing, link_indices
+from img_recog.simulation.physics.solids import Solids
+from img_recog.simulation.settings import PhysicsSettings
+
+_FLOOR_HALF_SIZE_M = 20.0       # of the visible floor; the plane that carries is infinite
+_FLOOR_COLOR = (0.72, 0.72, 0.72, 1.0)
+
+
+class World:
+    """A physics client with gravity, a floor at z 0 and the bodies of a world file.
+
+    physics_client_id: to be passed to every PyBullet call; step_s: of the physics; solids: of all
+    bodies in the client; floor; file: what stands in the world now; bodies: one for each tree in
+    `file`; revision: the number of times that something was added or removed, robots too, or that
+    something fixed was moved for the first time; lifted: how far, in m, each body was moved upward
+    that was in the floor when it was added, by name; crowded: a line if the step after the last
+    `add` takes long.
+    """
+
+    def __init__(self, settings: PhysicsSettings, file: WorldFile, physics_client_id: int,
+                 problems: Optional[Problems] = None):
+        """Build the world in a physics client.
+
+        problems: to which is added what of the file cannot be loaded; without, that is a
+        SimulationError.
+        """
+        self.physics_client_id, self.step_s = physics_client_id, settings.step_s
+        self.solids = Solids(physics_client_id)
+        self.file, self.revision = file._replace(trees=()), 0
+        self.bodies: List[Body] = []
+        self.lifted: Dict[str, float] = {}
+        pybullet.setTimeStep(settings.step_s, physicsClientId=physics_client_id)
+        pybullet.setGravity(*file.gravity, physicsClientId=physics_client_id)
+        # contacts in a fixed order, so that equal commands give equal trajectories
+        pybullet.setPhysicsEngineParameter(deterministicOverlappingPairs=1,
+                                           physicsClientId=physics_client_id)
+        self.floor = Body(add_floor(physics_client_id), physics_client_id, fixed=True)
+        self.floor.name = 'ground_plane'        # Gazebo's name for it
+        self._set_dynamics(self.floor, Model('floor', ()))
+        try:
+            self.add(file.trees, problems)
+        except SimulationError as error:
+            raise SimulationError('world {}: {}'.format(file.name, error.problem), error.advice)
+
+    def add(self, trees: Sequence[Tree], problems: Optional[Problems] = None) -> None:
+        """Add trees to the world.
+
+        problems: to which is added what cannot be loaded; without, that is a SimulationError, and
+        nothing is added. A next step that would take too long is a SimulationError too.
+        """
+        with all_or_nothing(self.physics_client_id):
+            loaded = load_bodies(trees, self.physics_client_id, problems=problems)
+            self.crowded = crowding.check([*self.bodies, *(body for _, body in loaded)])
+        if not self.file.has_floor:
+            self._lower_floor([body for _, body in loaded if body.is_terrain])
+        for tree, body in loaded:
+            loops.close(tree, body)
+            self._set_dynamics(body, tree.model)
+            if not body.fixed:
+                lifted = standing.lift(body, self.floor)
+                if lifted.onto:
+                    body.start = body.pose()
+                    self.lifted[body.name] = lifted.height_m
+        self.bodies += [body for _, body in loaded]
+        self.file = self.file._replace(trees=(*self.file.trees, *(tree for tree, _ in loaded)))
+        self.notify_changed()
+
+    def _lower_floor(self, terrain: Sequence[Body]) -> None:
+        """Move a floor that is not seen below terrain, so that it does not fill the valleys."""
+        for body in terrain:
+            lowest = pybullet.getAABB(body.body_id, physicsClientId=self.physics_client_id)[0][2]
+            if lowest < self.floor.pose().position[2]:
+                self.floor.place(Pose((0.0, 0.0, lowest), (0.0, 0.0, 0.0, 1.0), ()))
+
+    def unload(self, body: Body) -> None:
+        """Remove a body that is not one of `bodies`, a robot."""
+        pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+        self.notify_changed()
+
+    def remove(self, bodies: Sequence[Body]) -> None:
+        """Remove some of `bodies` from the world."""
+        kept = [number for number, body in enumerate(self.bodies) if body not in bodies]
+        for body in bodies:
+            pybullet.removeBody(body.body_id, physicsClientId=self.physics_client_id)
+        self.bodies = [self.bodies[number] for number in kept]
+        self.file = self.file._replace(trees=tuple(self.file.trees[number] for number in kept))
+        self.notify_changed()
+
+    def _set_dynamics(self, body: Body, model: Model) -> None:
+        """Set how the links of a body move; model: that it was made of."""
+        coefficients = {link.name: link.coefficient for link in model.links}
+        for name, link in link_indices(body.body_id, self.physics_client_id).items():
+            pybullet.changeDynamics(
+                body.body_id, link, linearDamping=0, angularDamping=0,
+                lateralFriction=coefficients.get(name, FLOOR_FRICTION),
+                physicsClientId=self.physics_client_id)
+        body.release(body.joints.values())
+
+    def step(self, count: int = 1) -> None:
+        """Advance the physics by a number of steps."""
+        # local names: this is the innermost loop
+        step, physics_client_id = pybullet.stepSimulation, self.physics_client_id
+        for _ in range(count):
+            step(physicsClientId=physics_client_id)
+
+    def reset(self) -> None:
+        """Move all bodies back to where they were when they were added, at rest."""
+        for body in self.bodies:
+            body.reset()
+
+    def notify_changed(self) -> None:
+        """Call after a body was added or removed."""
+        self.revision += 1
+        self.solids.others = {body.body_id for body in self.bodies if body.is_terrain}
+        self.solids.forget()
+
+    def notify_moved(self, bodies: Sequence[Body]) -> None:
+        """Call after bodies were moved; from then on, fixed ones among them can move, too."""
+        for body in bodies:
+            if body.fixed and not body.was_moved:
+                body.was_moved = True
+                self.revision += 1
+
+
+def add_floor(physics_client_id: int, visible: bool = False) -> int:
+    """Add the floor, an infinite plane of which a square may be visible; return its body's id."""
+    plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=physics_client_id)
+    slab = -1
+    if visible:
+        slab = pybullet.createVisualShape(
+            pybullet.GEOM_BOX, halfExtents=(_FLOOR_HALF_SIZE_M, _FLOOR_HALF_SIZE_M, 0.005),
+            visualFramePosition=(0, 0, -0.005), rgbaColor=_FLOOR_COLOR,
+            specularColor=(0, 0, 0), physicsClientId=physics_client_id)
+    return pybullet.createMultiBody(0, plane, slab, physicsClientId=physics_client_id)
+
+
+def load_bodies(trees: Sequence[Tree], physics_client_id: int, visuals: bool = False,
+                problems: Optional[Problems] = None) -> List[Tuple[Tree, Body]]:
+    """Load trees like `build.load`; return those that were loaded, with their bodies.
+
+    problems: to which is added what cannot be loaded; without, that is a SimulationError, and none
+    is loaded.
+    """
+    loaded: List[Tuple[Tree, Body]] = []
+    is_first = True         # whether the model of the next tree has none yet
+    with all_or_nothing(physics_client_id):
+        for tree in trees:
+            is_first |= tree.first
+            try:
+                body = Body(build.load(tree.model, physics_client_id, tree.fixed, tree.pose,
+                                       visuals, problems), physics_client_id, tree.fixed)
+            except SimulationError as error:
+                refused = SimulationError('model {}: {}'.format(
+                    shortened(tree.name), error.problem), error.advice)
+                if problems is None:
+                    raise refused
+                problems.add(refused.problem, refused.advice)
+                continue
+            body.name, body.is_terrain = tree.name, tree.model.terrain is not None
+            loaded.append((tree._replace(first=is_first), body))
+            is_first = False
+    return loaded

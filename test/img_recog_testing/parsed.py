@@ -1,0 +1,42 @@
+"""What is read of the text of a URDF."""
+from typing import NamedTuple, Sequence
+
+from img_recog.formats import camera_tags, gazebo_tags, lumping, urdf
+from img_recog.simulation.sensors import robot_camera
+from img_recog.simulation.settings import CameraSettings
+
+
+def given(text, find=lambda uri: None):
+    """Return the links and joints of a URDF as it has them."""
+    return urdf.read(urdf.root_of(text), find)
+
+
+def lumped(text, find=lambda uri: None):
+    """Return the robot in a URDF."""
+    return lumping.lumped(given(text, find))
+
+
+def part(parts, name):
+    """Return the link or the joint of a name."""
+    found, = (each for each in parts if each.name == name)
+    return found
+
+
+class Cameras(NamedTuple):
+    """The settings of cameras, and what of them is not simulated."""
+
+    cameras: Sequence[CameraSettings]
+    not_simulated: Sequence[str]
+
+
+def cameras(text):
+    """Return the cameras of a URDF."""
+    root = urdf.root_of(text)
+    found, problems = camera_tags.read(root.findall('gazebo'),
+                                       [link.get('name') for link in root.findall('link')])
+    return Cameras(tuple(map(robot_camera.settings_of, found)), tuple(problems))
+
+
+def tags(text, step_s=0.001, readers=()):
+    """Return what is in the <gazebo> tags of a URDF."""
+    return gazebo_tags.read(urdf.root_of(text).findall('gazebo'), step_s, readers)

@@ -1,0 +1,226 @@
+"""What the plugins of a URDF, and the parameters of controllers, say about the drive."""
+import pytest
+
+from img_recog.formats import drive_controllers, drive_tags, urdf
+from img_recog.simulation import assembly
+from img_recog_testing.refusals import refusal
+from img_recog_testing.wheeled import controllers, plugin, robot, source
+
+CORNERS = {'leftFrontJoint': 'left_0_joint', 'leftRearJoint': 'left_1_joint',
+           'rightFrontJoint': 'right_0_joint', 'rightRearJoint': 'right_1_joint'}
+CONTROL = plugin('gazebo_ros_control')
+JOINT_STATES = {'type': 'joint_state_controller/JointStateController', 'publish_rate': 20}
+ARM = {'type': 'position_controllers/JointPositionController', 'joint': 'elbow'}
+LIMITS = {'has_velocity_limits': True, 'max_velocity': 1.0, 'min_velocity': -0.5,
+          'has_acceleration_limits': False, 'max_acceleration': 2.0}
+
+
+def values(*elements, given=()):
+    """Return the settings that a URDF gives."""
+    return source(robot(''.join(elements), rows=(0.15, -0.15)), given).tag_values
+
+
+def differing(found, **wanted):
+    return {name: found.get(name) for name in wanted if found.get(name) != wanted[name]}
+
+
+def test_skid_steering():
+    found = values(plugin(
+        'gazebo_ros_skid_steer_drive', **CORNERS, wheelSeparation='0.5', wheelDiameter='0.2',
+        torque='20', commandTopic='/robot/cmd_vel', odometryTopic='odometry', updateRate='50',
+        odometryFrame='/map', robotBaseFrame='/base_link', broadcastTF='1'))
+    assert not differing(
+        found, left_joint='left_0_joint, left_1_joint', wheel_separation=0.5, wheel_diameter=0.2,
+        right_joint='right_0_joint, right_1_joint', wheel_torque=20.0, wheel_acceleration=0.0,
+        command_topic='robot/cmd_vel', odometry_topic='odometry', odometry_period_s=0.02,
+        joint_states_period_s=0.02, odom_frame='map', base_frame='base_link',
+        publish_odom_tf=True)
+
+
+def test_skid_steering_by_what_the_plugin_assumes():
+    found = values(plugin('gazebo_ros_skid_steer_drive'))
+    assert not differing(
+        found, left_joint='left_front_joint, left_rear_joint', publish_odom_tf=False,
+        right_joint='right_front_joint, right_rear_joint', wheel_torque=5.0)
+
+
+@pytest.mark.parametrize('library, more, wanted', [
+    ('gazebo_ros_planar_move', {'odometryRate': '50', 'cmdTimeout': '-1'},
+     {'odometry_period_s': 0.02, 'odometry_source': None, 'cmd_vel_timeout': None}),
+    ('gazebo_ros_planar_move', {'cmdTimeout': '0.5'},
+     {'odometry_period_s': 0.05, 'cmd_vel_timeout': 0.5}),
+    ('hector_gazebo_ros_force_based_move', {'publishOdometryTf': '0', 'cmdVelTimeOut': '0.25'},
+     {'odometry_source': 'encoder', 'publish_odom_tf': False, 'cmd_vel_timeout': 0.25}),
+    ('gazebo_ros_planar_move', {'publishTF': '0', 'odometryRate': '20'},
+     {'publish_odom_tf': False, 'odometry_period_s': 0.05}),
+    ('gazebo_ros_planar_move', {'publish_odom_tf': '0', 'publish_rate': '50'},
+     {'publish_odom_tf': False, 'odometry_period_s': 0.02}),
+    ('gazebo_ros_force_based_move', {'commandWatchdog': '0.75', 'odometryRate': '50'},
+     {'cmd_vel_timeout': 0.75, 'odometry_period_s': 0.02, 'publish_odom_tf': None}),
+    ('gazebo_ros_force_based_move', {}, {'odometry_period_s': 0.05})])
+def test_bases_that_move_themselves(library, more, wanted):
+    found = values(plugin(library, commandTopic='go', odometryFrame='map', **more))
+    assert not differing(found, drive='planar', command_topic='go', odom_frame='map', **wanted)
+
+
+def test_the_names_of_tags_in_ros_2():
+    found = values(plugin('gazebo_ros_diff_drive', left_joint='l', right_joint='r',
+                          wheel_separation='0.3', wheel_diameter='0.2', max_wheel_torque='20',
+                          max_wheel_acceleration='2', odometry_frame='map', update_rate='50',
+                          robot_base_frame='base', odometry_source='0', publish_odom_tf='false'))
+    assert not differing(
+        found, left_joint='l', right_joint='r', wheel_separation=0.3, wheel_diameter=0.2,
+        wheel_torque=20.0, wheel_acceleration=2.0, odom_frame='map', odometry_period_s=0.02,
+        joint_states_period_s=0.02,
+        base_frame='base', odometry_source='encoder', publish_odom_tf=False)
+
+
+@pytest.mark.parametrize('names', [
+    ('commandTopic', 'odometryTopic', 'odometryFrame', 'robotBaseFrame', 'odometrySource',
+     'publishOdomTF', 'leftJoint', 'rightJoint', 'wheelSeparation', 'wheelDiameter', 'wheelTorque',
+     'wheelAcceleration'),
+    ('commandTopic', 'odometryTopic', 'odometry_frame', 'robot_base_frame', 'odometry_source',
+     'publish_odom_tf', 'left_joint', 'right_joint', 'wheel_separation', 'wheel_diameter',
+     'torque', 'max_wheel_acceleration')])
+def test_every_name_of_a_tag(names):
+    given = dict(zip(names, ('go', 'at', 'map', 'base', 'encoder', '0', 'l', 'r', '2', '3', '4',
+                             '5')))
+    assert values(plugin('gazebo_ros_diff_drive', **given)) == {
+        'command_topic': 'go', 'odometry_topic': 'at', 'odom_frame': 'map', 'base_frame': 'base',
+        'odometry_source': 'encoder', 'publish_odom_tf': False, 'left_joint': 'l',
+        'right_joint': 'r', 'wheel_separation': 2.0, 'wheel_diameter': 3.0, 'wheel_torque': 4.0,
+        'wheel_acceleration': 5.0}
+
+
+def test_kobuki():
+    assumed = {'wheel_acceleration': 0.0, 'odometry_source': 'encoder', 'publish_odom_tf': False,
+               'base_frame': 'base_footprint', 'command_topic': 'mobile_base/commands/velocity'}
+    assert values(plugin('gazebo_ros_kobuki')) == assumed
+    assert values(plugin(
+        'gazebo_ros_kobuki', left_wheel_joint_name='l', right_wheel_joint_name='r',
+        wheel_separation='2', wheel_diameter='3', torque='4', velocity_command_timeout='5',
+        publish_tf='1')) == {
+            **assumed, 'left_joint': 'l', 'right_joint': 'r', 'wheel_separation': 2.0,
+            'wheel_diameter': 3.0, 'wheel_torque': 4.0, 'cmd_vel_timeout': 5.0,
+            'publish_odom_tf': True}
+
+
+def test_corners_of_which_one_is_given_and_that_are_one_joint():
+    found = values(plugin('gazebo_ros_skid_steer_drive', leftRearJoint='left_1_joint',
+                          rightFrontJoint='r', rightRearJoint='r'))
+    assert (found['left_joint'], found['right_joint']) == ('left_front_joint, left_1_joint', 'r')
+    assert not {'leftFrontJoint', 'leftRearJoint', 'rightFrontJoint'} & set(found)
+
+
+def find(element, given):
+    return drive_tags.find(urdf.root_of(robot(element)), 0.001, lambda namespace: given)
+
+
+@pytest.mark.parametrize('library', ['gazebo_ros_control', 'fetch_gazebo_plugin'])
+def test_plugins_that_run_controllers(library):
+    found = find(plugin(library), controllers())
+    assert found.settings({'wheel_torque': 3.0})['wheel_torque'] == 3.0
+    assert found.settings({})['left_joint'] == 'left_0_joint' and found.problems == ()
+    assert find(plugin(library), {}) is None
+    assert find(plugin('gazebo_ros_p3d'), controllers()) is None
+
+
+def test_the_advice_names_all_that_is_simulated():
+    assert drive_tags.ADVICE.split(': ', 1)[1] == (
+        'libgazebo_ros_diff_drive, libgazebo_ros_skid_steer_drive, libgazebo_ros_planar_move, '
+        'and of controllers whose parameters are loaded before the node starts, '
+        'diff_drive_controller/DiffDriveController, '
+        'mecanum_drive_controller/MecanumDriveController, '
+        'robot_controllers/DiffDriveBaseController; else set left_joint and right_joint to the '
+        'joints of its wheels')
+
+
+def test_the_first_drive_counts_and_a_plugin_more_than_a_controller():
+    planar, skid = plugin('gazebo_ros_planar_move'), plugin('gazebo_ros_skid_steer_drive')
+    assert values(planar, skid)['drive'] == 'planar' and 'drive' not in values(skid, planar)
+    assert values(CONTROL, planar, given=controllers())['drive'] == 'planar'
+
+
+def test_a_controller_with_its_parameters():
+    given = controllers(
+        left_wheel='left_0_joint', wheel_separation=0.3, wheel_separation_multiplier=1.5,
+        wheel_radius=0.05, wheel_radius_multiplier=1.1, left_wheel_radius_multiplier=1.2,
+        publish_rate=100, base_frame_id='/base', odom_frame_id='map', enable_odom_tf=False,
+        cmd_vel_timeout=0.25, use_stamped_vel=True,
+        linear={'x': LIMITS}, angular={'z': {**LIMITS, 'has_velocity_limits': False,
+                                             'has_acceleration_limits': True}})
+    found = values(CONTROL, given={**given, 'joints': JOINT_STATES})
+    assert not differing(
+        found, left_joint='left_0_joint', wheel_separation=0.3, wheel_separation_multiplier=1.5,
+        wheel_diameter=0.1, left_wheel_radius_multiplier=1.2, right_wheel_radius_multiplier=1.1,
+        odometry_period_s=0.01, joint_states_period_s=0.05, base_frame='base', odom_frame='map',
+        publish_odom_tf=False, cmd_vel_timeout=0.25, stamped_commands=True,
+        max_linear_velocity=1.0, min_linear_velocity=-0.5, max_linear_acceleration=None,
+        max_angular_velocity=None, max_angular_acceleration=2.0)
+
+
+@pytest.mark.parametrize('effort, torque', [
+    ('<limit effort="7.5" velocity="10"/>', 7.5), ('', 1e6), ('<limit velocity="1"/>', 1e6)])
+def test_the_torque_is_the_limit_of_the_joint(effort, torque):
+    urdf = robot(CONTROL).replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1"/>' + effort)
+    assert source(urdf, controllers()).tag_values['wheel_torque'] == torque
+
+
+def test_of_another_robots_controllers_none_is_used():
+    others = {'other': {**controllers()['base'], 'left_wheel': 'left', 'right_wheel': ['right']}}
+    found = values(CONTROL, given={**others, **controllers()})
+    assert found['command_topic'] == 'base/cmd_vel'
+
+
+@pytest.mark.parametrize('given', [{}, {'base': controllers()['base']}])
+def test_no_controller_without_the_plugin_that_runs_them(given):
+    assert 'left_joint' not in values(given=given)
+
+
+@pytest.mark.parametrize('parameters, wanted', [
+    ({'wheel_radius': 'large'}, "parameter base/wheel_radius: got 'large', expected a finite num"),
+    ({'left_wheel': 3}, 'parameter base/left_wheel: got 3, expected the name of a joint, or a li'),
+    ({'right_wheel': []}, 'parameter base/right_wheel: got [], expected the name of a joint'),
+    ({'linear': {'x': {'has_velocity_limits': True, 'max_velocity': [1]}}},
+     'parameter base/linear/x/max_velocity: got [1], expected a finite number')])
+def test_refuses_parameters_by_their_names(parameters, wanted):
+    line = refusal(source, robot(CONTROL), controllers(**parameters))
+    assert line.startswith('cannot use the robot in robot.urdf: ' + wanted)
+
+
+def test_what_else_is_controlled_is_a_warning():
+    jerky = controllers(linear={'x': {'has_jerk_limits': True}})
+    read = source(robot(CONTROL), {**jerky, 'joints': JOINT_STATES, 'arm': ARM})
+    assert read.warnings[-1] == (
+        'robot.urdf: not simulated, of its controllers: jerk limits of controller base, '
+        'controller arm (position_controllers/JointPositionController)')
+
+
+@pytest.mark.parametrize('elements, given, wanted', [
+    (CONTROL, {}, 'it has: plugin libgazebo_ros_control.so;'),
+    (CONTROL, {'car': {'type': 'ackermann_steering_controller/AckermannSteeringController'}},
+     'controller car (ackermann_steering_controller/AckermannSteeringController);'),
+    (CONTROL, {'base': {**controllers()['base'], 'left_wheel': 'l'}},
+     'controller base (diff_drive_controller/DiffDriveController of joints that the robot does '
+     'not have);'),
+    (plugin('gazebo_ros_tricycle_drive'), {}, 'it has: plugin libgazebo_ros_tricycle_drive.so;')])
+def test_a_robot_without_a_drive_that_is_simulated_is_refused_in_one_line(elements, given, wanted):
+    line = refusal(assembly.default_settings, source(robot(elements), given))
+    assert 'cannot use the robot in robot.urdf: no drive that is simulated; it has: ' in line
+    assert wanted in line and 'set left_joint and right_joint' in line
+    assert 'diff_drive_controller/DiffDriveController' in line.split(';', 2)[2]
+
+
+@pytest.mark.parametrize('namespace, wanted', [
+    ('', ''), ('/', ''), ('/husky/', 'husky'), (' a/b ', 'a/b'), ('/X1/', 'X1')])
+def test_the_namespace_of_controllers(namespace, wanted):
+    asked = []
+    drive_controllers.of_robot(urdf.root_of(robot(plugin(
+        'gazebo_ros_control', robotNamespace=namespace))), asked.append)
+    assert asked == [wanted]
+
+
+def test_no_namespace_where_there_are_no_controllers():
+    asked = []
+    root = urdf.root_of(robot(plugin('gazebo_ros_planar_move')))
+    assert drive_controllers.of_robot(root, asked.append) == {} and asked == []

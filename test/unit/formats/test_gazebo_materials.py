@@ -1,0 +1,45 @@
+"""The materials of Gazebo 11's gazebo.material, all of them."""
+import zlib
+
+import numpy as np
+import pytest
+
+from img_recog.formats import gazebo_materials
+from img_recog.rendering import patterns
+
+NAMES = '''
+Grey DarkGrey White FlatBlack Black Red RedBright Green Blue SkyBlue Yellow ZincYellow DarkYellow
+Purple Turquoise Orange Indigo WhiteGlow RedGlow GreenGlow BlueGlow YellowGlow PurpleGlow
+TurquoiseGlow TurquoiseGlowOutline RedTransparentOverlay BlueTransparentOverlay
+GreenTransparentOverlay OrangeTransparentOverlay DarkOrangeTransparentOverlay RedTransparent
+GreenTransparent BlueTransparent DarkMagentaTransparent GreyTransparent BlackTransparent
+YellowTransparent LightOn LightOff LightBlueLaser BlueLaser OrangeTransparent JointAnchor CoM
+WoodFloor CeilingTiled PaintedWall PioneerBody Pioneer2Body Gold GreyGradientSky CloudySky
+WoodPallet Wood Bricks Road Residential Tertiary Pedestrian Footway Motorway Lanes_6 Trunk Lanes_4
+Primary Lanes_2 Secondary Lane_1 Steps GaussianCameraNoise CameraDistortionMap WideLensMap
+CameraLensFlare PointCloud PointHandle BuildingFrame Runway Grass Editor EditorPlane DepthMap
+XYZPoints LaserScan1st LaserScan2nd Gray DarkGray WindowFrame'''.split()
+
+
+@pytest.mark.parametrize('name', ['Gazebo/' + name for name in NAMES] + ['drc/san_fauxcity_sign'])
+def test_every_material_has_a_color_or_a_pattern(name):
+    material = gazebo_materials.named(name)
+    assert 0 <= min(material.color) and max(material.color) <= 1 and material.color[3] > 0
+    if material.pattern:
+        image = patterns.image(material.pattern, material.color)
+        assert image.std() > 1      # it is not plain
+        assert image.mean(axis=(0, 1)) == pytest.approx(np.array(material.color[:3]) * 255,
+                                                        rel=0.1)
+        assert patterns.image(material.pattern, material.color) is image
+
+
+def test_every_color_is_as_it_was():
+    # worlds of others look like under Gazebo by these numbers
+    found = ['{} {:.4f} {:.4f} {:.4f} {:.4f} {}'.format(name, *material.color, material.pattern)
+             for name in NAMES for material in [gazebo_materials.named('Gazebo/' + name)]]
+    assert zlib.crc32('\n'.join(found).encode()) == 1995654331
+
+
+@pytest.mark.parametrize('name', ['Gazebo/Plaid', 'Grey', 'Shop/Grey', ''])
+def test_other_names_are_unknown(name):
+    assert gazebo_materials.named(name) is None

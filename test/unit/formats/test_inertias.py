@@ -1,0 +1,125 @@
+"""Inertias that no body can have: the nearest ones that a body can have, and a warning."""
+import numpy as np
+import pytest
+
+from img_recog.formats import inertias
+from img_recog.model import NO_INERTIA
+from img_recog_testing import parsed
+from img_recog_testing.refusals import refusal
+
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+
+
+@pytest.mark.parametrize('moments', [(1, 2, 2.99), (1e-9, 1e-9, 1e-9), (1e15, 1e15, 1e15)])
+def test_what_a_body_can_have_stays_as_it_is(moments):
+    matrix = TURN @ np.diag(np.array(moments, float)) @ TURN.T
+    found = inertias.possible('l', 1.0, matrix)
+    assert found.matrix is matrix and found.warning == ''
+
+
+@pytest.mark.parametrize('given, nearest', [
+    ((1, 1, 5), (2, 2, 4)),         # above the sum: on the plane of those that are equal to it
+    ((3, 1, 0.5), (2.5, 1.5, 1)),
+    ((-3, 1, 4), (0, 2.5, 2.5)),    # that plane too ends where a moment is 0
+    ((0, 1, 1.3), (0.1, 1.1, 1.2))])
+def test_the_nearest_inertia(given, nearest):
+    found = inertias.possible('link w', 1.0, TURN @ np.diag(np.array(given, float)) @ TURN.T)
+    assert found.matrix == pytest.approx(TURN @ np.diag(nearest) @ TURN.T, rel=1e-4, abs=1e-4)
+    moments = np.linalg.eigvalsh(found.matrix)
+    assert moments[0] > 0 and moments[0] + moments[1] > moments[2]
+    assert found.warning.startswith('link w: got the principal moments of inertia ')
+    assert found.warning.endswith('simulated with ' + ', '.join(
+        map('{:.3g}'.format, moments)))
+
+
+def test_a_thin_plate_is_simulated_without_a_warning():
+    found = inertias.possible('l', 1.0, TURN @ np.diag((1.0, 2.0, 3.0)) @ TURN.T)
+    assert found.warning == ''
+    assert np.linalg.eigvalsh(found.matrix) == pytest.approx((1, 2, 3), rel=1e-4)
+
+
+@pytest.mark.parametrize('given', [(0, 0, 0), (-1, -2, -3)])
+def test_a_body_without_any_moment_gets_those_of_a_small_one(given):
+    found = inertias.possible('l', 3.0, np.diag(np.array(given, float)))
+    assert found.matrix == pytest.approx(np.eye(3) * 3e-4)
+    assert found.warning.endswith('simulated with 0.0003, 0.0003, 0.0003')
+
+
+@pytest.mark.parametrize('moment, text', [(1.1e15, '1.1e+15'), (1e15 + 0.5, '1e+15')])
+def test_moments_that_are_too_large_are_refused(moment, text):
+    assert refusal(inertias.possible, 'l', 1.0, np.diag((1, moment, 1))) == (
+        'l: got the moment of inertia {} kg m2, expected at most 1e+15'.format(text))
+
+
+@pytest.mark.parametrize('moments', [(1e15, 1e15, 1e15), (1, 2, 2.9999), (2, 2, 2)])
+def test_what_is_just_possible_stays_as_it_is(moments):
+    matrix = np.diag(np.array(moments, float))
+    assert inertias.possible('l', 1.0, matrix).matrix is matrix
+
+
+# nearer to the limit than PyBullet can tell: a margin of 1e-5 of the largest moment
+@pytest.mark.parametrize('given, nearest', [
+    ((1, 2, 2.99999), (1.00003, 2.00003, 3.00002)), ((1, 1, 5), (2.00005, 2.00005, 4.00005)),
+    ((-3, 1, 4), (4e-5, 2.50004, 2.50004)), ((-3, -2, 1), (1e-5, 1e-5, 1e-5)),
+    ((0, 1, 1), (1e-5, 1.00001, 1.00001))])
+def test_the_margin(given, nearest):
+    found = inertias.possible('l', 1.0, np.diag(np.array(given, float)))
+    assert np.diag(found.matrix) == pytest.approx(nearest, abs=1e-6)
+
+
+@pytest.mark.parametrize('excess, is_said', [(0.006, False), (0.012, True)])
+def test_a_small_change_is_not_worth_a_warning(excess, is_said):
+    found = inertias.possible('l', 1.0, np.diag((1.0, 2.0, 3.0 + excess)))
+    assert (found.warning != '') is is_said
+
+
+def test_the_inertia_of_a_link_is_in_its_frame():
+    # a quarter turn about z: x of the inertia is y of the link
+    found = NO_INERTIA.plus(read(
+        '<inertial><origin xyz="1 2 3" rpy="0 0 1.5707963267948966"/><mass value="4"/>'
+        '<inertia ixx="1" ixy="0.1" ixz="0.2" iyy="2" iyz="0.3" izz="3"/></inertial>'))
+    assert found.mass == 4.0 and found.pose.translation.tolist() == [1, 2, 3]
+    assert found.matrix == pytest.approx(
+        np.array([[2, -0.1, -0.3], [-0.1, 1, 0.2], [-0.3, 0.2, 3]]))
+
+
+def test_elements_that_are_missing_are_zero():
+    found = read('<inertial><mass value="0.5"/><inertia ixx="1" izz="3"/></inertial>')
+    assert found.mass == 0.5 and found.matrix.tolist() == np.diag((1, 0, 3)).tolist()
+    assert found.pose.translation.tolist() == [0, 0, 0]
+
+
+def test_a_link_without_a_mass_has_no_inertia():
+    found = read('<inertial><mass value="0"/><inertia ixx="1"/></inertial>')
+    assert found.mass == 0.0 and not found.matrix.any()
+    assert read('') is None
+
+
+@pytest.mark.parametrize('inertial, wanted', [
+    ('<mass value="-1"/><inertia ixx="1"/>',
+     'mass of link l: got -1 kg, expected more than 0 (or no <inertial>)'),
+    ('<mass/><inertia ixx="1"/>', 'mass of link l: got None, expected 1 finite number'),
+    ('<mass value="1"/><inertia ixx="x"/>',
+     "inertia of link l: got 'x 0 0 0 0 0 0 0 0', expected 9 finite numbers"),
+    ('<mass value="1"/>', 'link l: <inertial> must have <mass> and <inertia>'),
+    ('<inertia ixx="1"/>', 'link l: <inertial> must have <mass> and <inertia>')])
+def test_refuses_an_inertia_that_is_not_complete(inertial, wanted):
+    assert refusal(read, '<inertial>{}</inertial>'.format(inertial)) == wanted
+
+
+def read(inertial):
+    link, = parsed.given('<robot><link name="l">{}</link></robot>'.format(inertial)).links
+    return link.inertia
+
+
+@pytest.mark.parametrize('mass', [1e-20, 1, 1e9])
+def test_masses_that_can_be_used(mass):
+    inertias.check_mass('m', mass)
+
+
+@pytest.mark.parametrize('mass, words', [
+    (0, 'got 0 kg, expected more than 0'), (-1, 'got -1 kg, expected more than 0'),
+    (1e-21, 'got 1e-21 kg, expected more than 0'), (1.1e9, 'kg, expected at most 1e+09')])
+def test_masses_that_are_refused(mass, words):
+    line = refusal(inertias.check_mass, 'm', mass, ' or none')
+    assert line.startswith('m: got ') and line.endswith(words + ' or none')

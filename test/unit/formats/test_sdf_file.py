@@ -1,0 +1,305 @@
+"""SDF files with what they include."""
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+from img_recog import rotations
+from img_recog.formats import sdf_file
+from img_recog.formats.problems import Problems
+from img_recog_testing.sdf import BUILT_IN, sdf
+
+LINK = '<link name="l"><pose>0 0 1 0 0 0</pose></link>'
+CONFIG = ('<model><name>n</name><sdf version="1.4">old.sdf</sdf>'
+          '<sdf version="1.6">new.sdf</sdf></model>')
+
+FUEL = 'https://fuel.gazebosim.org/1.0/OpenRobotics/models/'
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with worlds/ and models/, like that of a Gazebo package."""
+    for name in ('worlds', 'models/table', 'models/nested/chair', 'far/lamp'):
+        (tmp_path / name).mkdir(parents=True)
+    model(tmp_path / 'models' / 'table' / 'model.sdf', 'table', LINK)
+    return tmp_path
+
+
+def model(path, name, inside, version='1.6'):
+    path.write_text('<sdf version="{}"><model name="{}">{}</model></sdf>'.format(
+        version, name, inside))
+
+
+def include(uri, inside=''):
+    return '<include><uri>{}</uri>{}</include>'.format(uri, inside)
+
+
+def read(folder, *inside, find=lambda uri: None, problems=(), found=None):
+    """Return the contents of a world; problems: the names of what is left out of it."""
+    path, found = folder / 'worlds' / 'hall.world', found or Problems()
+    contents = sdf_file.read(ElementTree.fromstring(sdf(*inside)), str(path), find, found)
+    assert [words for name, words in zip(found.names, problems) if words not in name] == []
+    assert len(found.names) == len(problems)
+    return contents
+
+
+def places(contents):
+    return {tree.name: tree.pose.translation.tolist() for tree in contents.trees}
+
+
+def test_a_model_in_a_folder_above(folder):
+    contents = read(folder, BUILT_IN, include(' model://table '))
+    assert places(contents) == {'table': [0, 0, 1]}
+
+
+def test_name_pose_and_static_of_an_include(folder):
+    contents = read(folder, include('model://table', '<name>second</name>'
+                                    '<pose>1 2 0 0 0 0</pose><static>true</static>'),
+                    include('model://table'))
+    assert places(contents) == {'second': [1, 2, 1], 'table': [0, 0, 1]}
+    assert [tree.fixed for tree in contents.trees] == [True, False]
+
+
+@pytest.mark.parametrize('uri', ['../models/table', '../models/table/model.sdf',
+                                 'file://../models/table', 'model:///table', 'model://table/'])
+def test_ways_to_name_a_model(folder, uri):
+    assert places(read(folder, include(uri))) == {'table': [0, 0, 1]}
+
+
+def test_what_the_finder_finds_comes_first(folder):
+    model(folder / 'far' / 'lamp' / 'model.sdf', 'lamp', LINK)
+    found = {'model://table': str(folder / 'far' / 'lamp')}
+    assert places(read(folder, include('model://table'), find=found.get)) == {'lamp': [0, 0, 1]}
+
+
+def test_the_newest_version_in_model_config_is_read(folder):
+    table = folder / 'models' / 'table'
+    (table / 'model.config').write_text(CONFIG)
+    model(table / 'old.sdf', 'old', LINK)
+    model(table / 'new.sdf', 'new', LINK)
+    assert list(places(read(folder, include('model://table')))) == ['new']
+    (table / 'new.sdf').unlink()
+    assert list(places(read(folder, include('model://table')))) == ['old']
+    (table / 'old.sdf').unlink()
+    assert list(places(read(folder, include('model://table')))) == ['table']
+
+
+def test_includes_in_models(folder):
+    model(folder / 'models' / 'nested' / 'chair' / 'model.sdf', 'chair', LINK)
+    model(folder / 'models' / 'nested' / 'model.sdf', 'room', include(
+        'model://table', '<pose>1 0 0 0 0 0</pose>') + '<model name="inner">'
+        '<pose>0 1 0 0 0 0</pose>' + include('chair') + '</model>')
+    contents = read(folder, include('model://nested', '<pose>10 0 0 0 0 0</pose>'))
+    assert places(contents) == {'room': [10, 1, 1], 'room::table::l': [11, 0, 1]}
+
+
+def test_uris_in_an_included_model_are_relative_to_its_file(folder):
+    (folder / 'models' / 'table' / 'top.stl').write_text('')
+    model(folder / 'models' / 'table' / 'model.sdf', 'table', '<link name="l"><collision name="c">'
+          '<geometry><mesh><uri>top.stl</uri></mesh></geometry></collision></link>')
+    tree, = read(folder, include('model://table')).trees
+    solid, = tree.model.links[0].solids
+    assert solid.shape.path == str(folder / 'models' / 'table' / 'top.stl')
+
+
+def test_the_version_of_each_file_counts(folder):
+    links = ('<link name="a"/><link name="b"><pose>0 0 0 1.5707963267948966 0 0</pose></link>'
+             '<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis>'
+             '<xyz>0 0 1</xyz></axis></joint>')
+    table = folder / 'models' / 'table' / 'model.sdf'
+    axes = []
+    for version in ('1.4', '1.6'):
+        model(table, 'table', links, version)
+        tree, = read(folder, include('model://table')).trees
+        axes.append(tree.model.joints[0].axis.round(6).tolist())
+    assert axes == [[0, 1, 0], [0, 0, 1]]
+
+
+def test_state_moves_the_models_that_it_names(folder):
+    contents = read(
+        folder, include('model://table', '<name>a</name>'), '<model name="b">' + LINK + '</model>',
+        '<model name="c">' + LINK + '</model>', '<state world_name="default"><model name="a">'
+        '<pose>1 0 0 0 0 0</pose></model><model name="b"><pose frame="">2 0 0 0 0 0</pose></model>'
+        '<model name="c"/><model name="d"><pose>3 0 0 0 0 0</pose></model></state>')
+    assert places(contents) == {'a': [1, 0, 1], 'b': [2, 0, 1], 'c': [0, 0, 1]}
+
+
+def test_a_model_file_is_a_world_with_the_floor(folder):
+    root = ElementTree.fromstring('<sdf version="1.6"><model name="m">' + LINK + '</model></sdf>')
+    contents = sdf_file.read(root, str(folder / 'a.sdf'), lambda uri: None, Problems())
+    assert places(contents) == {'m': [0, 0, 1]}
+    assert contents.gravity is None and contents.has_floor
+
+
+def test_what_is_not_found_is_named_once(folder):
+    contents = read(folder, include('model://sofa'), include('model://sofa'), '<include/>',
+                    '<population name="p"/>', include('https://host/table'),
+                    include('http://host/table'), include('ftp://host/table'),
+                    '<actor/>', include('model://table'), problems=[
+        'model://sofa', 'an <include> without a <uri>', 'population p has no <model>',
+        'https://host/table (a URL, which is not downloaded)',
+        'http://host/table (a URL, which is not downloaded)',
+        'ftp://host/table (a URL, which is not downloaded)', 'actor'])
+    assert list(places(contents)) == ['table']
+
+
+@pytest.mark.parametrize('text, words', [
+    ('<sdf', 'cannot use '), ('<robot/>', ' is <robot>, not <sdf>'),
+    ('<sdf><world name="w"/></sdf>', 'which it includes, has no <model>'),
+    ('<sdf><model name="m"><pose>1</pose>' + LINK + '</model></sdf>', '<pose> of model m')])
+def test_an_included_file_is_left_out(folder, text, words):
+    (folder / 'models' / 'nested' / 'model.sdf').write_text(text)
+    contents = read(folder, include('model://nested'), include('model://table'), problems=[words])
+    assert list(places(contents)) == ['table']
+
+
+@pytest.mark.parametrize('inside', ['', LINK])
+def test_a_model_without_what_it_includes_is_loaded(folder, inside):
+    model(folder / 'models' / 'nested' / 'model.sdf', 'room', include('model://sofa') + inside)
+    contents = read(folder, include('model://nested'), '<model name="hall">' + include(
+        'model://chair') + inside + '</model>', problems=['model://sofa', 'model://chair'])
+    assert list(places(contents)) == (['room', 'hall'] if inside else [])
+
+
+def test_a_light_is_not_loaded(folder):
+    (folder / 'models' / 'table' / 'model.sdf').write_text('<sdf><light name="s"/></sdf>')
+    contents = read(folder, include('model://table'))
+    assert contents.trees == ()
+
+
+def test_two_files_that_include_each_other(folder):
+    model(folder / 'models' / 'table' / 'model.sdf', 'a', LINK + include('../nested/b.sdf'))
+    model(folder / 'models' / 'nested' / 'b.sdf', 'b', LINK + include('model://table'))
+    contents = read(folder, include('model://table'), problems=['model.sdf includes itself'])
+    assert list(places(contents)) == ['a', 'a::b::l']
+
+
+def chain(folder, length):
+    """Write model 0, which includes 1, and so on up to `length`, which has a link."""
+    for number in range(length):
+        (folder / 'models' / str(number)).mkdir()
+        model(folder / 'models' / str(number) / 'model.sdf', 'm', include(
+            'model://{}'.format(number + 1 if number + 1 < length else 'table')))
+
+
+def test_models_nested_too_deeply(folder):
+    chain(folder, 120)
+    tree, = read(folder, include('model://21')).trees
+    assert tree.name == 'm' and tree.model.root == 'm::' * 98 + 'table::l'
+    read(folder, include('model://20'), problems=[
+        'models are nested more than 100 deep, at table in {}'.format(
+            folder / 'models' / 'table' / 'model.sdf')])
+    inside = '<model name="n">' * 60 + include('model://0') + '</model>' * 60
+    read(folder, '<model name="o">{}</model>'.format(inside), problems=[
+        'models are nested more than 100 deep, at m in '])
+
+
+def test_too_many_included_models(folder):
+    for number in range(30):        # 2 ** 30 models
+        (folder / 'models' / str(number)).mkdir()
+        model(folder / 'models' / str(number) / 'model.sdf', 'm', ''.join(include(
+            'model://{}'.format(number + 1 if number < 29 else 'table'),
+            '<name>{}</name>'.format(name)) for name in 'ab'))
+    problems = Problems()
+    sdf_file.read(ElementTree.fromstring(sdf(include('model://0'))), str(folder / 'worlds' / 'w'),
+                  lambda uri: None, problems)
+    assert problems.names[0].startswith('it includes more than 5000 models, at {}'.format(
+        folder / 'models'))
+    many = ''.join(include('model://table', '<name>{}</name>'.format(number))
+                   for number in range(120))
+    assert len(read(folder, many).trees) == 120
+
+
+def test_what_included_files_ask_for_is_found_too(folder):
+    plugin = '<plugin name="p" filename="lib{}.so"/>'
+    model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK.replace(
+        '</link>', '<sensor name="eye" type="camera"/></link>') + plugin.format('b'))
+    problems = Problems()
+    read(folder, include('model://table'), found=problems)
+    assert [each.text() for each in problems.findings] == [
+        'sensor eye of model table link l', 'plugin libb.so of model table']
+
+
+def test_of_two_models_of_one_name_the_first_stays(folder):
+    model(folder / 'models' / 'table' / 'model.sdf', 'table', LINK)
+    problems = Problems()
+    first, other = read(folder, include('model://table', '<pose>1 0 0 0 0 0</pose>'),
+                        '<model name="b">{}</model>'.format(LINK),
+                        '<model name="table">{}</model>'.format(LINK), found=problems).trees
+    assert (first.name, other.name) == ('table', 'b') and first.pose.translation[0] == 1
+    assert [(each.state, each.what) for each in problems.findings] == [
+        ('not used', 'second model table')]
+
+
+@pytest.mark.parametrize('inside, has_floor', [
+    ('', False), (BUILT_IN, True), (include('model://ground_plane/'), True),
+    (include('model://sun'), False), (include(FUEL + 'Ground Plane'), True),
+    (include(FUEL + 'ground%20plane/2'), True), (include(FUEL + 'Sun'), False),
+    ('<model name="ground_plane"><static>1</static>' + LINK + '</model>', True)])
+def test_the_floor_is_seen_in_a_world_that_has_it(folder, inside, has_floor):
+    assert read(folder, inside).has_floor is has_floor
+
+
+def test_the_pose_of_the_user_camera(folder):
+    gui = '<gui><camera name="user_camera">{}</camera></gui>'
+    assert read(folder, gui.format('<pose>1 2 3 0 0 0</pose>')).camera.translation.tolist() == [
+        1, 2, 3]
+    assert read(folder, gui.format('')).camera is None and read(folder).camera is None
+
+
+@pytest.mark.parametrize('inside, words', [
+    ('<gravity>9.8</gravity>', "<gravity>: got '9.8', expected 3 finite numbers"),
+    ('<gui><camera name="user_camera"><pose>1</pose></camera></gui>',
+     '<pose> of camera user_camera')])
+def test_wrong_numbers_are_left_out(folder, inside, words):
+    contents = read(folder, inside, include('model://table'), problems=[words])
+    assert (contents.gravity, contents.camera) == (None, None) and len(contents.trees) == 1
+
+
+def test_what_an_include_says_replaces_what_the_model_says(folder):
+    model(folder / 'models' / 'table' / 'model.sdf', 'table',
+          '<pose>7 8 9 0 0 0</pose><static>1</static>' + LINK)
+    contents = read(folder, include('model://table', '<name>a</name>'), include(
+        'model://table', '<name> b </name><pose>1 2 3 0 0 0</pose>'), include(
+            'model://table', '<name> </name><static>0</static>'))
+    assert places(contents) == {'a': [7, 8, 10], 'b': [1, 2, 4], 'table': [7, 8, 10]}
+    assert [tree.fixed for tree in contents.trees] == [True, True, False]
+
+
+def test_the_state_has_six_numbers_and_replaces_the_pose(folder):
+    tree, = read(folder, '<model name="a"><pose>9 9 9 1 1 1</pose>{}</model>'.format(
+        LINK.replace('0 0 1', '0 0 0')), '<state><model name="a"><pose>1 2 3 0.1 0.2 0.3</pose>'
+        '</model></state>').trees
+    assert tree.pose.translation == pytest.approx((1, 2, 3))
+    assert rotations.to_rpy(tree.pose.rotation) == pytest.approx((0.1, 0.2, 0.3))
+
+
+@pytest.mark.parametrize('inside, gravity', [
+    ('', None), ('<gravity>1 2 3</gravity>', [1, 2, 3]),
+    ('<physics><gravity>1 2 3</gravity></physics>', [1, 2, 3]),
+    ('<physics><gravity>1 2 3</gravity></physics><gravity>4 5 6</gravity>', [4, 5, 6]),
+    ('<physics/>', None)])
+def test_gravity(folder, inside, gravity):
+    contents = read(folder, inside)
+    assert (None if contents.gravity is None else contents.gravity.tolist()) == gravity
+    assert contents.trees == ()
+
+
+def test_file_names_in_models_are_relative_to_their_file(folder):
+    (folder / 'worlds' / 'top.stl').write_text('')
+    link = ('<link name="l"><visual name="c"><geometry><mesh><filename> top.stl </filename></mesh>'
+            '</geometry></visual></link>')
+    tree, = read(folder, '<model name="m"><model name="n">{}</model></model>'.format(link)).trees
+    look, = tree.model.links[0].looks
+    assert look.shape.path == str(folder / 'worlds' / 'top.stl')
+
+
+def test_a_model_config_with_odd_entries(folder):
+    table = folder / 'models' / 'table'
+    model(table / 'a.sdf', 'a', LINK)
+    model(table / 'b.sdf', 'b', LINK)
+    for inside, name in (
+            ('<sdf version="1.10"> b.sdf </sdf><sdf version="1.9">a.sdf</sdf>', 'b'),
+            ('<sdf>b.sdf</sdf><sdf version="1.2">a.sdf</sdf>', 'a'),
+            ('<sdf version="x">b.sdf</sdf><sdf version="1.2"/>', 'b'), ('', 'table')):
+        (table / 'model.config').write_text('<model>{}</model>'.format(inside))
+        assert list(places(read(folder, include('model://table')))) == [name]

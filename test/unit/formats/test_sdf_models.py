@@ -1,0 +1,365 @@
+"""Models of an SDF: where their links are, how they are joined, what is refused."""
+import math
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pybullet
+import pytest
+
+from img_recog import rotations
+from img_recog.formats import sdf_models
+from img_recog.formats.problems import Problems
+from img_recog.formats.world_file import WorldFile
+from img_recog.model import NO_INERTIA, Shape
+from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.world import World
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.sdf import BOX, INERTIAL, convert, load
+
+TURNED = '<pose>1 0 0 0 0 1.5707963267948966</pose>'       # of a model: its x is the world's y
+LINK = '<link name="{}"><pose>{}</pose>' + INERTIAL + BOX.format(
+    'collision', '<pose>0.1 0 0 0 0 0</pose>', '0.2 0.2 0.2') + '</link>'
+JOINT = ('<joint name="{0}_{1}" type="{2}"><parent>{0}</parent><child>{1}</child>{3}</joint>')
+TIE = JOINT.format('{0}', '{1}', 'fixed', '')
+
+
+def centers(world):
+    """Return the centers of the links, in the order of the bodies."""
+    return [np.mean(pybullet.getAABB(body.body_id, link,
+                                     physicsClientId=world.physics_client_id), axis=0).tolist()
+            for body in world.bodies for link in body.links]
+
+
+@pytest.mark.parametrize('inside, names, places', [
+    (LINK.format('a', '0 0 3 0 0 0'), ['m'], [(1, 0.1, 3)]),
+    (LINK.format('a', '0 2 3 0 0 3.141592653589793'), ['m'], [(-1, -0.1, 3)]),
+    (LINK.format('a', '1 0 3 0 0 0') + LINK.format('b', '2 0 4 0 0 0'), ['m', 'm::b'],
+     [(1, 1.1, 3), (1, 2.1, 4)]),
+    (LINK.format('b', '2 0 4 0 0 0') + LINK.format('a', '1 0 3 0 0 0') + TIE.format('a', 'b'),
+     ['m'], [(1, 1.1, 3), (1, 2.1, 4)])])
+def test_links_are_where_their_poses_put_them(inside, names, places):
+    world = load(TURNED, inside)
+    assert [body.name for body in world.bodies] == names
+    assert centers(world) == pytest.approx(np.array(places), abs=1e-3)
+
+
+def test_links_of_a_model_in_a_model():
+    inner = ('<model name="inner"><pose>0 1 0 0 0 1.5707963267948966</pose>'
+             + LINK.format('a', '2 0 0 0 0 0') + LINK.format('b', '3 0 0 0 0 0')
+             + TIE.format('a', 'b') + '</model>')
+    world = load('<pose>0 0 3 0 0 0</pose>', LINK.format('a', ''), inner)
+    assert [body.name for body in world.bodies] == ['m', 'm::inner::a']
+    assert centers(world) == pytest.approx(np.array([(0.1, 0, 3), (0, 3.1, 3), (0, 4.1, 3)]),
+                                           abs=1e-3)
+
+
+def test_a_joint_between_the_links_of_two_models():
+    inner = '<model name="inner">' + LINK.format('b', '1 0 0 0 0 0') + '</model>'
+    tree, = convert(LINK.format('a', ''), inner, TIE.format('a', 'inner::b'))
+    joint, = tree.model.joints
+    assert (joint.parent, joint.child) == ('a', 'inner::b')
+
+
+@pytest.mark.parametrize('pose', [
+    '<pose relative_to="a">1 0 0 0 0 0</pose>', '<pose frame="a">1 0 0 0 0 0</pose>',
+    '<pose relative_to="f">0 0 0 0 0 0</pose>', '<pose relative_to="__model__">0 1 3 0 0 0</pose>',
+    '<pose relative_to="n::l">0 0 0 0 0 0</pose>', '<pose relative_to="m">0 1 3 0 0 0</pose>',
+    '<pose relative_to=" world ">0 1 3 0 0 0</pose>', '<pose>0 1 3 0 0 0</pose>',
+    '<pose relative_to="m::a">1 0 0 0 0 0</pose>', '<pose relative_to="j">0 0 3 0 0 0</pose>'])
+def test_a_pose_relative_to_another_frame(pose):
+    frames = ('<frame name="f" attached_to="a"><pose>1 0 0 0 0 0</pose></frame>'
+              '<model name="n"><pose>0 0 3 0 0 0</pose>' + LINK.format('l', '0 1 0 0 0 0')
+              + '</model><joint name="j" type="revolute"><pose>0 0 -3 0 0 0</pose>'
+              '<parent>world</parent><child>n::l</child></joint>')
+    trees = convert(LINK.format('a', '0 0 3 0 0 1.5707963267948966'), frames,
+                    '<link name="b">' + pose + '</link>')
+    place, = (tree.pose.translation for tree in trees if tree.name == 'm::b')
+    assert place == pytest.approx([0, 1, 3], abs=1e-9)
+
+
+@pytest.mark.parametrize('static, tie, height', [
+    ('true', '', 3), ('1', '', 3), ('false', TIE.format('world', 'a'), 3), ('false', '', 2.951)])
+def test_what_is_tied_to_the_world_does_not_fall(static, tie, height):
+    world = load('<static>', static, '</static>', LINK.format('a', '0 0 3 0 0 0'), tie)
+    world.step(100)
+    assert world.bodies[0].motion().position[2] == pytest.approx(height, abs=1e-3)
+    assert world.bodies[0].fixed is (height == 3)
+
+
+def test_joints_of_a_static_model_do_not_move():
+    world = load('<static>1</static>', LINK.format('a', '0 0 3 0 0 0'),
+                 LINK.format('b', '1 0 3 0 0 0'), JOINT.format(
+                     'a', 'b', 'revolute', '<axis><xyz>0 1 0</xyz></axis>'))
+    before = centers(world)
+    world.step(200)
+    assert centers(world) == before and not world.bodies[0].joints
+
+
+def test_a_static_model_in_a_model_stays():
+    inner = '<model name="n"><static>1</static>' + LINK.format('l', '1 0 3 0 0 0') + '</model>'
+    free, fixed = convert(LINK.format('a', '0 0 3 0 0 0'), inner)
+    assert (free.fixed, fixed.fixed) == (False, True)
+
+
+def turned_about(world, angle):
+    """Return the place of the second link when its joint has turned."""
+    body = world.bodies[0]
+    pybullet.resetJointState(body.body_id, body.joints['a_b'], angle,
+                             physicsClientId=world.physics_client_id)
+    pybullet.performCollisionDetection(physicsClientId=world.physics_client_id)
+    return centers(world)[-1]
+
+
+# the box of a link is at x 0.1 in it
+@pytest.mark.parametrize('version, link, joint, place', [
+    # about z of the child link, at its origin
+    ((1, 6), '1 0 3 0 0 0', '', (1, 0.1, 3)),
+    # about z at a place in the child link
+    ((1, 6), '1 0 3 0 0 0', '<pose>0.1 0 0 0 0 0</pose>', (1.1, 0, 3)),
+    ((1, 6), '1 0 3 0 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0, 2.9)),
+    # the link lies on its side: its y is the model's z
+    ((1, 6), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 6), '1 0 3 1.5707963267948966 0 0',
+     '<axis><xyz>0 0 1</xyz><use_parent_model_frame>1</use_parent_model_frame></axis>',
+     (1, 0.1, 3)),
+    ((1, 10), '1 0 3 1.5707963267948966 0 0',
+     '<axis><xyz expressed_in="__model__">0 0 1</xyz></axis>', (1, 0.1, 3)),
+    ((1, 10), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 5), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 10), '1 0 3 1.5707963267948966 0 0', '<axis><xyz expressed_in="">0 1 0</xyz></axis>',
+     (1, 0.1, 3)),
+    ((1, 10), '1 0 3 0 0 0', '<axis><xyz expressed_in="f">0 1 0</xyz></axis>', (1, 0.1, 3)),
+    ((1, 4), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 1 0</xyz>'
+     '<use_parent_model_frame> False </use_parent_model_frame></axis>', (1, 0.1, 3)),
+    ((1, 6), '1 0 3 0 0 0', '<axis/>', (1, 0.1, 3)),
+    ((1, 4), '1 0 3 1.5707963267948966 0 0', '<axis><xyz>0 0 1</xyz></axis>', (1, 0.1, 3))])
+def test_a_joint_turns_about_its_axis(version, link, joint, place):
+    frame = '<frame name="f"><pose>0 0 0 1.5707963267948966 0 0</pose></frame>'
+    world = load(frame, LINK.format('a', '0 0 3 0 0 0'), LINK.format('b', link),
+                 JOINT.format('a', 'b', 'revolute', joint), version=version)
+    assert turned_about(world, math.pi / 2) == pytest.approx(place, abs=2e-3)
+
+
+def test_a_door_that_is_joined_to_the_world():
+    world = load('<pose>5 0 0 0 0 0</pose>', LINK.format('b', '1 0 3 0 0 0'),
+                 JOINT.format('world', 'b', 'revolute', ''))
+    door, = world.bodies
+    assert door.fixed and list(door.joints) == ['world_b']
+    assert centers(world)[-1] == pytest.approx((6.1, 0, 3), abs=2e-3)
+    pybullet.resetJointState(door.body_id, 0, math.pi / 2,
+                             physicsClientId=world.physics_client_id)
+    pybullet.performCollisionDetection(physicsClientId=world.physics_client_id)
+    assert centers(world)[-1] == pytest.approx((6, 0.1, 3), abs=2e-3)
+
+
+def test_a_pendulum_swings():
+    world = load(LINK.format('b', '0 0 3 0 0 0'), JOINT.format(
+        'world', 'b', 'revolute', '<pose>-1 0 0 0 0 0</pose><axis><xyz>0 1 0</xyz></axis>'))
+    angles = []
+    for _ in range(200):
+        world.step(10)
+        angles.append(pybullet.getJointState(
+            world.bodies[0].body_id, 0, physicsClientId=world.physics_client_id)[0])
+    # from horizontal to horizontal on the other side, without friction and damping
+    assert max(angles) == pytest.approx(math.pi, abs=0.05) and min(angles) > -0.05
+
+
+@pytest.mark.parametrize('kind, axis, expected', [
+    ('revolute', '', ('continuous', None)),
+    ('revolute', '<limit><lower>-1e16</lower><upper>1e16</upper></limit>', ('continuous', None)),
+    ('revolute', '<limit><lower>-0.5</lower><upper>1.5</upper></limit>',
+     ('revolute', (-0.5, 1.5))),
+    ('prismatic', '<limit><lower>0</lower><upper>2</upper></limit>',
+     ('prismatic', (0.0, 2.0))),
+    ('revolute', '<limit><lower>-0.5</lower></limit>', ('continuous', None)),
+    ('revolute', '<limit><upper>1.5</upper></limit>', ('continuous', None)),
+    ('revolute', '<limit><lower> -Inf </lower><upper>Infinity</upper></limit>',
+     ('continuous', None)),
+    ('prismatic', '<limit><lower>-1</lower><upper>+inf</upper></limit>',
+     ('prismatic', (-1e16, 1e16))),
+    ('prismatic', '', ('prismatic', (-1e16, 1e16))),
+    ('continuous', '<limit><lower>0</lower><upper>2</upper></limit>', ('continuous', None))])
+def test_limits_of_joints(kind, axis, expected):
+    tree, = convert(LINK.format('a', ''), LINK.format('b', ''),
+                    JOINT.format('a', 'b', kind, '<axis><xyz>0 2 1</xyz>' + axis + '</axis>'))
+    joint, = tree.model.joints
+    assert joint.axis.tolist() == [0, 2, 1]
+    limits = joint.limits
+    assert (joint.kind, limits and limits[:2]) == expected
+    assert limits is None or (limits.effort, limits.velocity) == (1e9, 1e9)
+
+
+def test_trees_have_their_own_links_and_joints_alone():
+    links = ''.join(LINK.format(name, '') for name in 'abcd')
+    joints = ''.join(JOINT.format(*pair, 'revolute', '') for pair in ('cd', 'bc'))
+    trees = convert(links, joints)
+    assert [tree.name for tree in trees] == ['m', 'm::b']
+    parts = [[part.name for part in tree.model.links + tree.model.joints] for tree in trees]
+    assert parts == [['a'], ['b', 'c', 'd', 'b_c', 'c_d']]
+
+
+def test_masses_and_inertias():
+    tree, = convert('<link name="a"><inertial><pose>0 0 1 0 0 0</pose><mass>3</mass><inertia>'
+                    '<ixx>1</ixx><iyy>2</iyy><izz>2.5</izz><ixy>0.1</ixy></inertia></inertial>'
+                    '</link>')
+    inertia = tree.model.links[0].inertia
+    assert (inertia.mass, inertia.pose.translation.tolist()) == (3.0, [0, 0, 1])
+    assert inertia.matrix.tolist() == [[1, 0.1, 0], [0.1, 2, 0], [0, 0, 2.5]]
+
+
+def test_a_link_without_an_inertia_has_that_of_sdf():
+    world = load('<link name="a">' + BOX.format('collision', '', '1 1 1') + '</link>')
+    info = pybullet.getDynamicsInfo(world.bodies[0].body_id, -1,
+                                    physicsClientId=world.physics_client_id)
+    assert (info[0], info[2]) == (1.0, (1.0, 1.0, 1.0))
+
+
+def test_what_is_static_has_no_mass_and_no_inertia():
+    tree, = convert('<static>1</static>', LINK.format('a', ''))
+    assert [link.inertia for link in tree.model.links] == [NO_INERTIA]
+
+
+TWO = LINK.format('a', '') + LINK.format('b', '')
+FRICTION = LINK.format('a', '').replace('<geometry>', '<surface><friction><ode>{}</ode></friction>'
+                                        '</surface><geometry>')
+
+
+@pytest.mark.parametrize('inside, problem, links', [
+    (TWO.replace('<pose>', '<pose>x ', 1), "<pose> of link a: got 'x', expected 6 finite numbers",
+     ['b']),
+    (TWO + TIE.format('a', 'c'), 'joint a_c has the link c, which does not exist', ['a', 'b']),
+    (TWO + JOINT.format('a', 'b', 'revolute', '<axis><xyz>0 0 0</xyz></axis>'),
+     '<xyz> of joint a_b: got 0 0 0, expected a direction', ['a', 'b']),
+    (TWO + JOINT.format('a', 'b', 'revolute', '<axis><limit><upper>x</upper></limit></axis>'),
+     "<upper> of joint a_b: got 'x', expected 1 finite number", ['a', 'b']),
+    (TWO + JOINT.format('a', 'b', 'screw', ''), 'joint a_b of type screw, which is held', ['a b']),
+    (TWO + JOINT.format('a', 'b', 'revolute', '') + JOINT.format(
+        'b', 'a', 'prismatic', '') + LINK.format('c', '') + TIE.format('a', 'c'),
+     'joint b_a, which closes a loop of links and slides', ['a b c']),
+    (TWO + '<link name="c"><pose relative_to="d"/></link>',
+     'model m: a pose is relative to d, which does not exist', ['a', 'b']),
+    (TWO + '<link name="c"><pose relative_to="c"/></link>',
+     'model m: the pose of c depends on itself', ['a', 'b']),
+    (TWO + '<link name="c"><pose relative_to="f"/></link><frame name="f" attached_to="g"/>'
+     '<frame name="g" attached_to="f"/>', 'model m: the pose of f depends on itself',
+     ['a', 'b']),
+    (TWO + '<model name="n"><pose>1</pose>' + LINK.format('c', '') + '</model>',
+     "<pose> of model n: got '1', expected 6 finite numbers", ['a', 'b']),
+    (TWO.replace('<mass>2', '<mass>0', 1), '<mass> of link a: got 0 kg, expected more than 0',
+     ['a', 'b']),
+    (TWO.replace('<mass>2', '<mass>1e300', 1),
+     '<mass> of link a: got 1e+300 kg, expected at most 1e+09', ['a', 'b']),
+    (TWO.replace('<izz>0.02', '<izz>1e16', 1),
+     'link a: got the moment of inertia 1e+16 kg m2, expected at most 1e+15', ['a', 'b']),
+    (TWO.replace('<ixx>0.02', '<ixx>x', 1), "<ixx> of link a: got 'x', expected 1 finite number",
+     ['a', 'b']),
+    (TWO.replace('<size>0.2', '<size>', 1),
+     "<size> of collision s: got ' 0.2 0.2', expected 3 finite numbers", ['a', 'b']),
+    (TWO.replace('box>', 'cone>', 2), '<cone> of collision s', ['a', 'b']),
+    (FRICTION.format('<mu>much</mu>'), "<mu> of link a: got 'much', expected 1 finite number",
+     ['a'])])
+def test_only_what_cannot_be_used_is_left_out(inside, problem, links):
+    trees = convert(inside, problems=[problem])
+    assert [' '.join(link.name for link in tree.model.links) for tree in trees] == links
+    world = World(PhysicsSettings(), WorldFile('w', tuple(trees)), connect())
+    assert len(world.bodies) == len(links) and all(
+        body.mass() >= 1 for body in world.bodies)
+
+
+def test_a_model_without_a_link_is_nothing():
+    assert convert('<static>1</static>') == []
+
+
+def test_what_trees_say_of_themselves():
+    inner = ('<model name="n"><pose>1 2 3 0 0 1.5707963267948966</pose>'
+             + LINK.format('l', '0.1 0.2 0.3 0 0 0.5') + '</model>')
+    first, second = convert('<pose>10 0 0 0 0 3.141592653589793</pose>',
+                            '<link><inertial><inertia><ixx>9</ixx></inertia></inertial></link>',
+                            inner)
+    assert (first.name, first.first, first.fixed, first.model.terrain) == ('m', True, False, None)
+    assert (second.name, second.first, second.model.terrain) == ('m::n::l', False, None)
+    warning, = first.model.warnings
+    assert warning.startswith('link : got the principal moments of inertia 1, 1, 9 kg m2; ')
+    assert (second.model.warnings, second.model.loops) == ((), ())
+    assert first.model.links[0].name == 'link'
+    assert second.in_model.translation == pytest.approx((0.8, 2.1, 3.3))
+    assert rotations.to_rpy(second.in_model.rotation) == pytest.approx((0, 0, 0.5 + math.pi / 2))
+    assert second.pose.translation == pytest.approx((9.2, -2.1, 3.3))
+
+
+@pytest.mark.parametrize('inside, root', [
+    (LINK.format('a', '') + '<model name="n"><static>1</static>' + LINK.format('l', '')
+     + '</model>' + TIE.format('a', 'n::l'), 'n::l'),
+    (LINK.format('a', '') + LINK.format('b', '') + TIE.format('a', 'b')
+     + TIE.format('world', 'b'), 'b'),
+    (LINK.format('a', '') + LINK.format('b', '') + LINK.format('c', '') + TIE.format('b', 'a')
+     + TIE.format('c', 'b'), 'c'),
+    (LINK.format('a', '') + LINK.format('b', '') + LINK.format('c', '') + TIE.format('b', 'a')
+     + TIE.format('b', 'c'), 'b'),
+    (LINK.format('a', '') + LINK.format('b', '') + TIE.format('b', 'a') + TIE.format('a', 'b'),
+     'a'),
+    (LINK.format('b', '') + LINK.format('a', '') + TIE.format('b', 'a') + TIE.format('a', 'b'),
+     'b')])
+def test_the_root_of_joined_links(inside, root):
+    tree, = convert(inside)
+    assert tree.model.root == tree.model.links[0].name == root and tree.model.name == 'm'
+
+
+def test_a_shape_that_is_lost_is_replaced_by_the_others():
+    box = LINK.format('a', '').replace('</link>', BOX.format(
+        'visual', '<pose>1 2 3 0 0 0</pose>', '4 5 6').replace('name="s"', 'name="v"') + '</link>')
+    for lost, kept in (('collision', 'visual'), ('visual', 'collision')):
+        broken = '<{0} name="x"><geometry><cone/></geometry></{0}>'.format(lost)
+        text = box.replace('<' + lost, '<other').replace('</' + lost, '</other').replace(
+            '</link>', broken + '</link>')
+        tree, = convert(text, problems=['<cone> of {} x'.format(lost)])
+        link, = tree.model.links
+        size = {'visual': (4, 5, 6), 'collision': (0.2, 0.2, 0.2)}[kept]
+        assert [each.shape for each in (*link.looks, *link.solids)] == [Shape('box', size)] * 2
+
+
+def test_a_loop_that_slides_is_left_out_and_another_is_closed():
+    tree, = convert(
+        TWO, LINK.format('c', ''), JOINT.format('a', 'b', 'revolute', ''),
+        JOINT.format('b', 'a', 'prismatic', ''), TIE.format('a', 'c'),
+        JOINT.format('c', 'a', 'revolute', ''),
+        problems=['joint b_a, which closes a loop of links and slides'])
+    assert [(loop.parent, loop.child) for loop in tree.model.loops] == [('c', 'a')]
+
+
+@pytest.mark.parametrize('static, inside, concave', [
+    ('0', '', False), ('1', '', True), ('0', TIE.format('world', 'a'), True)])
+def test_meshes_of_what_does_not_move_are_concave(tmp_path, static, inside, concave):
+    (tmp_path / 'a.stl').write_text('')
+    model = ElementTree.fromstring(
+        '<model name="m"><static>{}</static><link name="a"><collision name="c"><geometry><mesh>'
+        '<uri>a</uri></mesh></geometry></collision></link>{}</model>'.format(static, inside))
+    tree, = sdf_models.trees(model, (1, 6), lambda uri: str(tmp_path / 'a.stl'), Problems())
+    solid, = tree.model.links[0].solids
+    assert solid.is_concave is concave
+
+
+def test_a_pose_of_a_joint_or_frame_that_is_relative_to_another():
+    tree, = convert(
+        LINK.format('a', '0 0 1 0 0 0'), LINK.format('b', '0 2 0 0 0 0'),
+        '<frame name="f" attached_to="b"><pose relative_to="a">3 0 0 0 0 0</pose></frame>',
+        JOINT.format('a', 'b', 'revolute', '<pose relative_to="f">0 0 5 0 0 0</pose>'))
+    assert tree.model.joints[0].pose.translation == pytest.approx((3, 0, 5))
+
+
+def test_a_frame_that_is_attached_to_a_joint_without_a_child():
+    trees = convert('<joint name="j" type="fixed"><parent>world</parent>'
+                    '<pose>1 0 0 0 0 0</pose></joint><frame name="f" attached_to="j">'
+                    '<pose>0 1 0 0 0 0</pose></frame><link name="a"><pose relative_to="f">'
+                    '0 0 1 0 0 0</pose></link>',
+                    problems=['joint j has the link , which does not exist'])
+    assert trees[0].pose.translation == pytest.approx((1, 1, 1))
+
+
+@pytest.mark.parametrize('surface, friction', [
+    ('', 1.0), ('<mu>0.25</mu>', 0.25), ('<mu>100</mu><mu2>50</mu2>', 1.0), ('<mu>0</mu>', 0.0),
+    ('<mu>-1</mu>', 1.0)])
+def test_friction_is_that_of_the_first_collision_and_at_most_that_of_the_floor(surface, friction):
+    world = load(FRICTION.format(surface), LINK.format('b', '1 0 0 0 0 0'))
+    assert [pybullet.getDynamicsInfo(body.body_id, -1, physicsClientId=world.physics_client_id)[1]
+            for body in world.bodies] == pytest.approx([friction, 1.0])

@@ -1,0 +1,221 @@
+"""Populations and roads of a world: how many models there are, and where."""
+import numpy as np
+import pytest
+
+from img_recog import mesh_file
+from img_recog.formats import generated_meshes, world_file
+from img_recog.model import NO_INERTIA
+from img_recog_testing.refusals import refusal
+from img_recog_testing.sdf import sdf
+
+POPULATION = ('<population name="cans"><pose>10 0 1 0 0 0</pose><model name="can">'
+              '<pose>0 0 0.1 0 0 0</pose><link name="l"/></model>{}</population>')
+BOX = '<box><size>4 2 0.5</size></box>'
+COUNT = '<model_count>{}</model_count>'
+TYPE = '<distribution><type>{}</type>{}</distribution>'
+
+
+@pytest.fixture
+def read(tmp_path):
+    """A function that reads the trees of a world."""
+    def trees(*inside):
+        (tmp_path / 'hall.world').write_text(sdf(*inside))
+        return world_file.read(str(tmp_path / 'hall.world'), {}).trees
+    return trees
+
+
+def places(trees):
+    return np.array([tree.pose.translation for tree in trees]) - (10, 0, 1.1)
+
+
+def test_a_grid_has_rows_along_y(read):
+    trees = read(POPULATION.format(TYPE.format(
+        'grid', '<rows>2</rows><cols>3</cols><step>0.5 2 1</step>')))
+    assert [tree.name for tree in trees] == ['can_clone_{}'.format(each) for each in range(6)]
+    assert places(trees) == pytest.approx(np.array(
+        [(0, 0, 0), (0.5, 0, 0), (1, 0, 0), (0, 2, 0), (0.5, 2, 0), (1, 2, 0)]))
+
+
+@pytest.mark.parametrize('axis, ends', [('x', 2), ('y', 1), ('z', 0.25)])
+def test_a_line_goes_through_the_box(read, axis, ends):
+    trees = read(POPULATION.format(COUNT.format(5) + BOX + TYPE.format('linear-' + axis, '')))
+    expected = np.zeros((5, 3))
+    expected[:, 'xyz'.index(axis)] = np.linspace(-ends, ends, 5)
+    assert places(trees) == pytest.approx(expected)
+
+
+def test_what_a_model_includes_is_a_part_of_its_copies(read, tmp_path):
+    (tmp_path / 'part').mkdir()
+    (tmp_path / 'part' / 'a.obj').write_text('v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n')
+    (tmp_path / 'part' / 'a.sdf').write_text(
+        '<sdf version="1.6"><model name="part"><link name="l"><visual name="v"><geometry><mesh>'
+        '<filename>a.obj</filename></mesh></geometry></visual></link></model></sdf>')
+    can, part = read(POPULATION.format('').replace(
+        '</model>', '<include><uri>part/a.sdf</uri></include></model>'))
+    look, = part.model.links[0].looks
+    assert can.first and not part.first
+    assert look.shape.path == str(tmp_path / 'part' / 'a.obj')
+
+
+@pytest.mark.parametrize('kind', ['random', 'uniform'])
+def test_random_places_are_within_the_box_and_the_same_each_time(read, kind):
+    world = POPULATION.format(COUNT.format(40) + BOX + TYPE.format(kind, ''))
+    found = places(read(world))
+    assert found.shape == (40, 3) and len(np.unique(found, axis=0)) == 40
+    assert (np.abs(found) <= (2, 1, 0.25)).all() and np.array_equal(found, places(read(world)))
+    assert (np.abs(found).max(axis=0) > (1.4, 0.7, 0.15)).all()
+
+
+def test_uniform_places_keep_their_distance(read):
+    def nearest(kind):
+        found = places(read(POPULATION.format(COUNT.format(30) + BOX + TYPE.format(kind, ''))))
+        distances = np.linalg.norm(found[:, None] - found, axis=2) + 100 * np.eye(30)
+        return distances.min()
+    assert nearest('uniform') > 2 * nearest('random')
+
+
+def test_places_in_a_cylinder(read):
+    found = places(read(POPULATION.format(
+        COUNT.format(400) + TYPE.format('random', '')
+        + '<cylinder><radius>2</radius><length>1</length></cylinder>')))
+    distances = np.linalg.norm(found[:, :2], axis=1)
+    assert 1.9 < distances.max() <= 2
+    assert -0.5 <= found[:, 2].min() < -0.45 and 0.45 < found[:, 2].max() <= 0.5
+    # as many in the inner half of the area as in the outer one, and in all directions
+    assert 170 <= (distances < np.sqrt(2)).sum() <= 230
+    assert 170 <= (found[:, 0] > 0).sum() <= 230 and 170 <= (found[:, 1] > 0).sum() <= 230
+
+
+@pytest.mark.parametrize('inside, words', [
+    (COUNT.format(9999), '<model_count> of population cans: got 9999, expected 0 to 5000'),
+    (COUNT.format(-1), '<model_count> of population cans: got -1, expected 0 to 5000'),
+    (TYPE.format('linear-x', ''), 'population cans, whose distribution is linear-x'),
+    (BOX + TYPE.format('linear-w', ''), 'population cans, whose distribution is linear-w'),
+    (BOX + TYPE.format('x', ''), 'population cans, whose distribution is x'),
+    (COUNT.format(2) + BOX + TYPE.format('gaussian', ''),
+     'population cans, whose distribution is gaussian')])
+def test_what_cannot_be_placed_is_named(read, inside, words):
+    assert words in refusal(read, POPULATION.format(inside))
+
+
+def test_a_population_without_a_model_and_an_actor_are_named(read):
+    assert 'population cans has no <model>' in refusal(read, '<population name="cans"/>')
+    assert 'population  has no <model>' in refusal(read, '<population/>')
+    assert 'actor walker' in refusal(read, '<actor name="walker"/>')
+
+
+def strip(tree):
+    """Return the lowest and highest corner and the area of what is drawn of a road."""
+    visual, = tree.model.links[0].looks
+    part, = mesh_file.read(visual.shape.path)
+    corners = part.positions.reshape(-1, 3) + visual.pose.translation
+    turns = np.cross(part.positions[:, 1] - part.positions[:, 0],
+                     part.positions[:, 2] - part.positions[:, 0])
+    assert turns[:, 2].min() > 0        # seen from above
+    return corners.min(axis=0), corners.max(axis=0), turns[:, 2].sum() / 2, visual.material
+
+
+def test_a_road_is_drawn_just_above_the_floor_and_carries_nothing(read):
+    tree, = read('<road name="main"><width>2</width><point>0 0 0</point><point>10 0 0</point>'
+                 '</road>')
+    assert tree.name == tree.model.name == 'main' and tree.fixed
+    assert [(link.solids, link.inertia) for link in tree.model.links] == [((), NO_INERTIA)]
+    low, high, area, material = strip(tree)
+    assert low == pytest.approx([0, -1, 0.005]) and high == pytest.approx([10, 1, 0.005])
+    assert area == pytest.approx(20) and material.color == pytest.approx((0.3, 0.3, 0.3, 1))
+
+
+def test_a_road_turns_at_its_points(read):
+    tree, = read('<road name="bend"><width>2</width><point>0 0 1</point><point>5 0 1</point>'
+                 '<point>5 5 1</point><material><script><name>Gazebo/Blue</name></script>'
+                 '</material></road>')
+    low, high, _, material = strip(tree)
+    assert low[:2] == pytest.approx([0, -1], abs=0.3)
+    assert high[:2] == pytest.approx([6, 5], abs=0.3)
+    assert material.color == pytest.approx((0, 0, 1, 1))
+
+
+def test_a_road_of_one_point_is_named(read):
+    assert 'road lane has 1 points, expected 2 or more' in refusal(
+        read, '<road name="lane"><point>0 0 0</point></road>')
+
+
+@pytest.mark.parametrize('inside, expected', [
+    (TYPE.format('grid', '<cols>3</cols>'), [(0, 0, 0), (0.5, 0, 0), (1, 0, 0)]),
+    (TYPE.format('grid', '<rows>2</rows>'), [(0, 0, 0), (0, 0.5, 0)]),
+    (TYPE.format('grid', '<rows>0</rows>'), []), ('', [(0, 0, 0)]), (COUNT.format(0), []),
+    (COUNT.format(3) + TYPE.format('uniform', ''), [(0, 0, 0)] * 3),
+    (COUNT.format(0) + TYPE.format('uniform', ''), []),
+    ('<box/>' + COUNT.format(2) + TYPE.format('linear-x', ''), [(-0.5, 0, 0), (0.5, 0, 0)]),
+    ('<box/>' + COUNT.format(2) + TYPE.format('linear-z', ''), [(0, 0, -0.5), (0, 0, 0.5)])])
+def test_what_a_population_may_omit(read, inside, expected):
+    trees = read(POPULATION.format(inside))
+    assert len(trees) == len(expected)
+    if expected:
+        assert places(trees) == pytest.approx(np.array(expected))
+
+
+def test_a_cylinder_has_a_radius_and_length_of_1_m(read):
+    found = places(read(POPULATION.format(COUNT.format(100) + '<cylinder/>')))
+    assert 0.9 < np.linalg.norm(found[:, :2], axis=1).max() <= 1
+    assert 0.45 < np.abs(found[:, 2]).max() <= 0.5
+
+
+def test_many_uniform_places_are_random(read):
+    several = [places(read(POPULATION.format(COUNT.format(301) + BOX + TYPE.format(kind, ''))))
+               for kind in ('uniform', 'random')]
+    assert np.array_equal(*several)
+
+
+def test_the_poses_of_population_and_model_both_count(read):
+    tree, other = read(POPULATION.format(TYPE.format(
+        'grid', '<cols>2</cols><step>2 3 4</step>')).replace(
+        '10 0 1 0 0 0', '10 20 30 0 0 1.5707963').replace('0 0 0.1 0 0 0', '1 2 3 0 0 0.5'))
+    assert tree.pose.translation == pytest.approx([8, 21, 33], abs=1e-5)
+    assert other.pose.translation == pytest.approx([8, 23, 33], abs=1e-5)
+    angle = 1.5707963 + 0.5
+    assert tree.pose.rotation == pytest.approx(np.array([
+        [np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]),
+        abs=1e-5)
+
+
+def test_the_corners_of_a_road(read):
+    tree, = read('<road name="bend"><width>3</width><point>0 0 1</point><point>0.5 0 1</point>'
+                 '<point>0.5 0 1</point><point>0.5 4 2</point></road>')
+    visual, = tree.model.links[0].looks
+    part, = mesh_file.read(visual.shape.path)
+    corners = np.array([(0, 1.5, 1), (0, -1.5, 1), (0.5, 1.5, 1), (0.5, -1.5, 1), (-1, 0, 1),
+                        (2, 0, 1), (-1, 4, 2), (2, 4, 2)])
+    along = np.array([0, 0.5, 0.5, 4.5]) / 3
+    uvs = np.array([(u, v) for v in along for u in (0, 1)])
+    faces = generated_meshes.grid_faces(4, 2)
+    assert part.positions == pytest.approx(corners[faces], abs=1e-6)
+    assert part.uvs == pytest.approx(uvs[faces], abs=1e-6)
+    assert visual.shape.size == (1, 1, 1)
+
+
+def test_a_road_crosses_a_corner_in_the_mean_direction(read):
+    tree, = read('<road><point>1 2 0</point><point>1.5 2 0</point><point>1.5 6 0</point></road>')
+    assert tree.name == tree.model.name == 'road'
+    visual, = tree.model.links[0].looks
+    part, = mesh_file.read(visual.shape.path)
+    aside = 0.5 * np.sqrt(0.5)
+    assert part.positions[0] == pytest.approx(np.array(
+        [(1, 2.5, 0), (1, 1.5, 0), (1.5 + aside, 2 - aside, 0)]), abs=1e-6)
+    assert part.positions[3] == pytest.approx(np.array(
+        [(1.5 - aside, 2 + aside, 0), (2, 6, 0), (1, 6, 0)]), abs=1e-6)
+
+
+def test_the_missing_look_of_a_road_and_its_name_are_told(tmp_path, read):
+    (tmp_path / 'w.world').write_text(sdf(
+        '<road><point>0 0 0</point><point>1 0 0</point><material><script><name>none</name>'
+        '</script></material></road>'))
+    assert 'material none' in str(world_file.read(str(tmp_path / 'w.world'), {}).missing_looks)
+    assert 'road has 0 points, expected 2 or more' in refusal(read, '<road/>')
+
+
+def test_a_road_without_a_width_is_drawn_all_the_same(read):
+    tree, = read('<road><width>0</width><point>0 0 0</point><point>3 0 0</point></road>')
+    visual, = tree.model.links[0].looks
+    part, = mesh_file.read(visual.shape.path)
+    assert part.uvs[:, :, 1].max() == 3 and part.positions[:, :, 1].tolist() == [[0] * 3] * 2

@@ -1,0 +1,91 @@
+"""Bodies that touch in so many points that the next step of the physics takes seconds."""
+import pybullet
+import pytest
+
+from img_recog.errors import SimulationError
+from img_recog.formats import model_file, world_file
+from img_recog.simulation.models import Models, State
+from img_recog.simulation.physics.client import connect
+from img_recog.simulation.physics.world import World
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.robots import simulator
+from img_recog_testing.sdf import BOX, CRATE, INERTIAL, sdf
+
+HERE = State((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def world_of(tmp_path, *poses):
+    """Return a world with a crate at each pose."""
+    path = tmp_path / 'crates.world'
+    path.write_text(sdf(*(CRATE.format(pose).replace('"crate"', '"crate{}"'.format(number))
+                          for number, pose in enumerate(poses))))
+    return World(PhysicsSettings(), world_file.read(str(path), {}), connect())
+
+
+def trees(count, links_of):
+    links = ''.join('<link name="l{}">{}</link>'.format(
+        number, INERTIAL + BOX.format('collision', '', '0.2 0.2 0.2')) for number in range(count))
+    return model_file.read('<sdf version="1.6"><model name="m">{}{}</model></sdf>'.format(
+        links, links_of(count)), 'm', lambda uri: None)
+
+
+def fixed_joints(count):
+    return ''.join('<joint name="j{0}" type="fixed"><parent>l0</parent><child>l{0}</child></joint>'
+                   .format(number) for number in range(1, count))
+
+
+def test_a_step_that_takes_seconds_is_said_before(tmp_path):
+    world = world_of(tmp_path, *['0 0 5 0 0 0'] * 40)
+    assert world.crowded == (
+        'the next step of the physics takes about 1 s: bodies touch or overlap in many points, '
+        'crate0 in 156, crate1 in 156, crate2 in 156')
+
+
+@pytest.mark.parametrize('count, words', [
+    (70, 'bodies touch or overlap in many points, crate0 in 276, crate1 in 276, crate2 in 276'),
+    (200, 'more than 10000 pairs of bodies are in one place')])
+def test_a_world_whose_first_step_takes_too_long_is_refused(tmp_path, count, words):
+    with pytest.raises(SimulationError) as error:
+        world_of(tmp_path, *['0 0 5 0 0 0'] * count)
+    assert str(error.value) == (
+        'world crates: the next step of the physics would take more than 10 s: ' + words
+        + '; move them apart, join the links of a model by fixed joints, or make it static')
+
+
+def test_bodies_that_stand_beside_one_another_are_not_many_points(tmp_path):
+    poses = ['{} {} 0.1 0 0 0'.format(x * 0.21, y * 0.21) for x in range(15) for y in range(15)]
+    world = world_of(tmp_path, *poses)
+    assert world.crowded == '' and len(world.bodies) == 225
+    world.step(10)      # in no time
+
+
+@pytest.mark.parametrize('links_of', [lambda count: '<static>true</static>', fixed_joints])
+def test_links_that_are_joined_or_static_never_touch(links_of):
+    sim = simulator()
+    Models(sim).add('m', trees(120, links_of), HERE, warn=pytest.fail)
+    assert sim.world.crowded == ''
+
+
+def test_models_that_would_stop_time_are_not_added():
+    sim = simulator()
+    models = Models(sim)
+    client = sim.world.physics_client_id
+    lines = []
+    for name in ('m0', 'm1'):
+        assert lines == []
+        models.add(name, trees(20, lambda count: ''), HERE, warn=lines.append)
+    line, = lines
+    assert line.startswith('model m1: the next step of the physics takes about 2 s: bodies touch')
+    before = models.names, pybullet.getNumBodies(physicsClientId=client), sim.world.revision
+    with pytest.raises(SimulationError, match='would take more than 10 s: bodies touch'):
+        models.add('m2', trees(30, lambda count: ''), HERE)
+    assert before == (models.names, pybullet.getNumBodies(physicsClientId=client),
+                      sim.world.revision)
+    sim.advance(1)
+
+
+def test_robots_and_the_floor_may_touch_what_is_added():
+    sim = simulator()
+    models = Models(sim)
+    models.add('m', trees(1, lambda count: ''), HERE, warn=pytest.fail)
+    sim.advance(10)

@@ -1,0 +1,167 @@
+"""The speed that each kind of drive has against the speed that is asked of it."""
+import pytest
+import trimesh
+
+from img_recog.simulation.physics.drives import make_drive
+from img_recog.simulation.settings import DriveSettings
+from img_recog_testing.refusals import refusal
+from img_recog_testing.wheeled import (assembled, controllers, plugin, robot, velocity,
+                                       wheel_mesh)
+
+DIFFERENTIAL = plugin('gazebo_ros_diff_drive', leftJoint='left_0_joint',
+                      rightJoint='right_0_joint')
+SKID = plugin('gazebo_ros_skid_steer_drive', leftFrontJoint='left_0_joint', torque=20,
+              leftRearJoint='left_1_joint', rightFrontJoint='right_0_joint',
+              rightRearJoint='right_1_joint', broadcastTF='true', robotBaseFrame='base_link')
+PLANAR = plugin('gazebo_ros_planar_move', robotBaseFrame='base_link')
+CONTROL = plugin('gazebo_ros_control')
+FOUR = (0.15, -0.15)
+COMMANDS = ((0.4, 0.0), (-0.3, 0.0), (0.0, 0.8), (0.0, -0.8), (0.3, 0.5))
+
+
+def odometry(simulator, steps=2000):
+    return [each.value for each in simulator.advance(steps) if each.sensor == 'odometry']
+
+
+@pytest.mark.parametrize('urdf, given', [
+    (robot(DIFFERENTIAL), {}), (robot(CONTROL), controllers()),
+    # the names of an old package: in its <legacyMode>, left is right
+    (robot(plugin('gazebo_ros_diff_drive', leftJoint='right_0_joint',
+                  rightJoint='left_0_joint')), {}),
+    (robot(PLANAR, rows=FOUR), {})])
+@pytest.mark.parametrize('forward, turn', COMMANDS)
+def test_what_does_not_slip_drives_as_asked(urdf, given, forward, turn):
+    simulator = assembled(urdf, given).simulator
+    got = velocity(simulator, forward, turn)
+    assert got[0] == pytest.approx(forward, rel=0.02, abs=0.004)
+    assert got[1] == pytest.approx(0.0, abs=0.004)
+    assert got[2] == pytest.approx(turn, rel=0.02, abs=0.004)
+    # 2 wheels and 2 casters or 4 wheels stand on the floor, and stay there
+    assert simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0.0, abs=0.002)
+
+
+def test_a_planar_base_moves_sideways_and_on_an_arc():
+    simulator = assembled(robot(PLANAR)).simulator
+    assert velocity(simulator, 0.0, 0.0, 0.3) == pytest.approx((0.0, 0.3, 0.0), abs=0.004)
+    assert velocity(simulator, 0.2, 0.5, -0.3) == pytest.approx((0.2, -0.3, 0.5), rel=0.02)
+    # its odometry is the truth
+    motion = odometry(simulator, 50)[-1]
+    assert motion.linear == pytest.approx([0.2, -0.3, 0.0], abs=0.005)
+    assert motion.angular == pytest.approx([0, 0, 0.5], abs=0.005)
+    true = simulator.vehicles[0].robot.motion()
+    assert motion.position == pytest.approx(true.position, abs=0.005)
+
+
+def test_a_wall_stops_a_planar_base_and_it_falls_off_an_edge():
+    simulator = assembled(robot(PLANAR)).simulator
+    vehicle = simulator.vehicles[0]
+    simulator.world.step(100)
+    vehicle.robot.place(vehicle.robot.pose()._replace(position=(0, 0, 1.0)))
+    vehicle.command(0.5, 0.0)
+    simulator.advance(1000)
+    # 0.45 s of free fall, in which it keeps its speed
+    assert vehicle.robot.motion().position[2] == pytest.approx(0.0, abs=0.01)
+    assert vehicle.robot.motion().position[0] == pytest.approx(0.5, rel=0.03)
+
+
+@pytest.mark.parametrize('urdf, given, rows', [
+    (robot(SKID, rows=FOUR), {}, FOUR),
+    (robot(CONTROL, rows=(0.2, 0.0, -0.2)), controllers(3), (0.2, 0.0, -0.2))])
+def test_a_skid_steered_robot_drives_straight_as_asked_and_slips_when_it_turns(urdf, given, rows):
+    simulator = assembled(urdf, given).simulator
+    assert velocity(simulator, 0.4)[0] == pytest.approx(0.4, rel=0.02)
+    assert velocity(simulator, -0.3)[0] == pytest.approx(-0.3, rel=0.02)
+    turns = [velocity(simulator, 0.0, turn)[2] for turn in (1.0, -1.0)]
+    assert turns[0] == pytest.approx(-turns[1], rel=0.02)
+    assert 0.5 < turns[0] < 0.9
+
+
+def test_four_wheels_slip_as_much_as_the_friction_of_coulomb_says():
+    # The friction of a wheel points against its slip. With the wheels at +-a along x and +-b along
+    # y, the slip (v - w b, w a) gives no moment if (v - w b) b = w a a.
+    a, b, width = 0.15, 0.2, 0.04
+    expected = b / (b + a * a / b)
+    simulator = assembled(robot(SKID, rows=FOUR)).simulator
+    got = velocity(simulator, 0.0, 1.0)
+    # the tyres resist a turn about themselves too
+    assert expected * (1 - width / b) < got[2] < expected
+    assert got[:2] == pytest.approx((0.0, 0.0), abs=0.005)
+
+
+def test_the_odometry_of_a_skid_steered_robot_is_that_of_its_plugin():
+    # libgazebo_ros_skid_steer_drive publishes the truth, diff_drive_controller what wheels turn
+    simulator = assembled(robot(SKID, rows=FOUR)).simulator
+    velocity(simulator, 0.0, 1.0)
+    true = simulator.vehicles[0].robot.motion().angular[2]
+    assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(true, rel=0.05)
+    simulator = assembled(robot(CONTROL, rows=FOUR), controllers(2)).simulator
+    velocity(simulator, 0.0, 1.0)
+    assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(1.0, rel=0.02)
+    assert simulator.vehicles[0].robot.motion().angular[2] < 0.8
+
+
+def test_multipliers_are_those_of_the_controller():
+    given = controllers(wheel_separation_multiplier=1.5, left_wheel_radius_multiplier=1.25,
+                        right_wheel_radius_multiplier=1.25, cmd_vel_timeout=0.5)
+    simulator = assembled(robot(CONTROL), given).simulator
+    assert velocity(simulator, 0.5)[0] == pytest.approx(0.4, rel=0.02)
+    assert velocity(simulator, 0.0, 0.5)[2] == pytest.approx(0.5 * 1.5 / 1.25, rel=0.02)
+    # what it counts is what was asked
+    assert odometry(simulator, 100)[-1].angular[2] == pytest.approx(0.5, rel=0.02)
+    simulator.advance(1000)
+    assert simulator.vehicles[0].drive.timed_out
+    assert simulator.vehicles[0].robot.motion().angular[2] == pytest.approx(0.0, abs=0.01)
+
+
+def test_limits_are_those_of_the_controller():
+    given = controllers(linear={'x': {
+        'has_velocity_limits': True, 'max_velocity': 0.4, 'min_velocity': -0.1,
+        'has_acceleration_limits': True, 'max_acceleration': 0.2, 'min_acceleration': -0.8}})
+    simulator = assembled(robot(CONTROL), given).simulator
+    vehicle, speeds = simulator.vehicles[0], []
+    for command, steps in ((9.0, 1000), (9.0, 2000), (-9.0, 400), (-9.0, 1000)):
+        for _ in range(steps // 100):
+            vehicle.command(command, 0.0)
+            simulator.advance(100)
+        speeds.append(vehicle.robot.motion().linear[0])
+    assert speeds == pytest.approx([0.2, 0.4, 0.08, -0.1], abs=0.01)
+
+
+@pytest.mark.parametrize('radius', [0.1, 0.04])
+def test_wheels_that_are_meshes_drive_as_asked(radius, tmp_path):
+    path = str(tmp_path / 'wheel.obj')
+    with open(path, 'w') as file:
+        file.write(wheel_mesh(radius))
+    urdf = robot(DIFFERENTIAL, radius=radius, shape='<mesh filename="wheel"/>')
+    built = assembled(urdf, find_mesh=lambda uri: path)
+    assert not [line for line in built.warnings if 'wheel_' in line]
+    assert built.simulator.vehicles[0].settings.drive.wheel_diameter == pytest.approx(2 * radius)
+    assert velocity(built.simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
+    assert velocity(built.simulator, 0.0, 0.5)[2] == pytest.approx(0.5, rel=0.02)
+    assert built.simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=0.002)
+
+
+@pytest.mark.parametrize('suffix', ['.obj', '.stl'])
+def test_casters_that_are_meshes_leave_the_wheels_on_the_floor(suffix, tmp_path):
+    # with the margin of PyBullet's convex hulls, they would hold the wheels 1 mm above it
+    path = str(tmp_path / 'caster.obj')
+    with open(path, 'w') as file:
+        file.write(wheel_mesh(20.0, (100.0, 50.0), width=40.0))
+    if suffix == '.stl':
+        path = str(tmp_path / 'caster.stl')
+        trimesh.load(str(tmp_path / 'caster.obj')).export(path)
+    mesh = ('<origin xyz="-0.1 -0.05 0"/><geometry><mesh filename="caster" '
+            'scale="0.001 0.001 0.001"/></geometry>')
+    urdf = robot(DIFFERENTIAL).replace('<geometry><sphere radius="0.02"/></geometry>', mesh)
+    assert urdf.count('scale') == 2
+    simulator = assembled(urdf, find_mesh=lambda uri: path).simulator
+    assert velocity(simulator, 0.2)[0] == pytest.approx(0.2, rel=0.02)
+    assert velocity(simulator, 0.0, 0.5)[2] == pytest.approx(0.5, rel=0.02)
+    assert simulator.vehicles[0].robot.motion().position[2] == pytest.approx(0, abs=2e-4)
+
+
+@pytest.mark.parametrize('left, right, wanted', [
+    ('a', 'a', 'the same as right_joint'), ('a, b', 'a', 'each once'), ('a, a', 'b', 'each once'),
+    (',', 'b', 'each once'), ('a', ',', 'each once')])
+def test_refuses_joints_that_are_not_those_of_two_sides(left, right, wanted):
+    assert wanted in refusal(make_drive, DriveSettings(left_joint=left, right_joint=right))

@@ -1,0 +1,113 @@
+"""Robots as others write them, driven straight and turning: the speed is the one that is asked."""
+import pybullet
+import pytest
+
+from img_recog.formats import world_file
+from img_recog.simulation import assembly
+from img_recog.simulation.settings import PhysicsSettings
+from img_recog_testing.refusals import refusal
+from img_recog_testing.robots import read
+
+INERTIAL = ('<inertial><mass value="{}"/><inertia ixx="{}" ixy="{}" ixz="0" iyy="{}" iyz="0" '
+            'izz="{}"/></inertial>')
+BASE = INERTIAL.format(2, 0.01, 0, 0.01, 0.01)
+WHEEL = INERTIAL.format(0.1, 1e-4, 0, 1e-4, 1e-4)
+ROBOT = '''<robot name="cart">
+<link name="base_footprint"/>
+<joint name="base_joint" type="fixed"><axis xyz="0 0 0"/>
+  <parent link="base_footprint"/><child link="base_link"/></joint>
+<link name="base_link">{base}<collision><origin xyz="0 0 0.06"/>
+  <geometry><box size="0.2 0.16 0.04"/></geometry></collision></link>
+{wheels}{casters}
+<gazebo reference="base_link"><mu1>0.3</mu1><mu2>0.3</mu2></gazebo>
+<gazebo reference="caster_-1"><mu1>0</mu1><mu2>0</mu2></gazebo>
+<gazebo reference="caster_1"><mu1 value="0.0"/><mu2 value="0.0"/></gazebo>
+<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+  <leftJoint>joint_1</leftJoint><rightJoint>joint_-1</rightJoint>
+  <wheelSeparation>0.2</wheelSeparation><wheelDiameter>0.08</wheelDiameter>
+</plugin></gazebo></robot>'''
+SIDE = '''<link name="wheel_{side}">{wheel}<collision><origin rpy="{roll} 0 0"/><geometry>
+  <cylinder radius="0.04" length="0.02"/></geometry></collision></link>
+<joint name="joint_{side}" type="continuous"><origin xyz="0 {side}e-1 0.04"/><axis xyz="0 1 0"/>
+  <parent link="base_link"/><child link="wheel_{side}"/></joint>'''
+CASTER = '''<link name="caster_{side}">{caster}<collision>
+  <geometry><sphere radius="0.02"/></geometry></collision></link>
+<joint name="caster_joint_{side}" type="fixed"><origin xyz="{side}e-1 0 0.02"/>
+  <axis xyz="0 0 0"/><parent link="base_link"/><child link="caster_{side}"/></joint>'''
+
+
+def build(base=BASE, wheel=WHEEL, caster='', roll='1.5707963'):
+    """Return the simulator of a cart with these inertials, and the warnings about its URDF.
+
+    roll: of the cylinders of the wheels.
+    """
+    urdf = ROBOT.format(
+        base=base, wheels=''.join(SIDE.format(
+            side=side, wheel=wheel, roll=roll.format(side=side)) for side in (1, -1)),
+        casters=''.join(CASTER.format(side=side, caster=caster) for side in (1, -1)))
+    robot = read(urdf)
+    built = assembly.build(PhysicsSettings(world='empty'), world_file.read('empty', {}),
+                           [(robot, assembly.default_settings(robot))])
+    return built.simulator, robot.warnings
+
+
+def moved(simulator, linear_x, angular_z):
+    """Return how far a cart drives in 2 s and turns in 1 s of these, from when it is steady."""
+    vehicle = simulator.vehicles[0]
+    vehicle.command(linear_x, angular_z)
+    simulator.advance(1000)
+    start = vehicle.robot.motion()
+    simulator.advance(1000)
+    middle = vehicle.robot.motion()
+    simulator.advance(1000)
+    way = vehicle.robot.motion().position - start.position
+    assert start.position[2] == pytest.approx(0, abs=0.002)
+    return (way[0] ** 2 + way[1] ** 2) ** 0.5, middle.yaw - start.yaw
+
+
+ROBOTS = {
+    'fixed casters without inertial': {},
+    'wheels that lean to different sides': {'roll': '{side}.57'},
+    'fixed casters with mass 0': {'caster': INERTIAL.format(0, 0, 0, 0, 0)},
+    'casters with a mass': {'caster': INERTIAL.format(0.05, 1e-5, 0, 1e-5, 1e-5)},
+    'no body has the inertia of the wheels': {'wheel': INERTIAL.format(0.1, 1e-5, 0, 1e-4, 1e-5)},
+    'wheels without moments': {'wheel': INERTIAL.format(0.1, 0, 0, 0, 0)},
+    'a negative moment by ixy': {'base': INERTIAL.format(2, 0.01, 0.02, 0.01, 0.01)}}
+
+
+@pytest.mark.parametrize('parts', list(ROBOTS.values()), ids=list(ROBOTS))
+def test_robots_drive_as_fast_as_asked(parts):
+    simulator, _ = build(**parts)
+    assert moved(simulator, 0.2, 0.0)[0] == pytest.approx(0.4, rel=0.02)
+    way, turned = moved(simulator, 0.0, 0.5)
+    assert turned == pytest.approx(0.5, rel=0.02) and way < 0.01
+
+
+def test_surfaces_have_the_friction_of_their_tags_and_the_mass_is_that_of_the_links():
+    simulator, warnings = build()
+    robot, found = simulator.vehicles[0].robot, {}
+    for link in robot.links:
+        info = pybullet.getDynamicsInfo(robot.body_id, link,
+                                        physicsClientId=robot.physics_client_id)
+        found[link] = info[0], info[1]
+    assert sorted(found.values()) == [(0.0, 0.0), (0.1, 1.0), (0.1, 1.0), (2.0, 0.3)]
+    assert robot.mass() == pytest.approx(2.2) and warnings == ()
+
+
+@pytest.mark.parametrize('parts, words', [
+    ('no body has the inertia of the wheels',
+     'got the principal moments of inertia 1e-05, 1e-05, 0.0001 kg m2; those of a body are more '
+     'than 0, and none exceeds the sum of the others; simulated with 3.67e-05, 3.67e-05, '
+     '7.33e-05'),
+    ('wheels without moments', 'simulated with 1e-05, 1e-05, 1e-05')])
+def test_a_warning_names_the_link_and_its_inertia(parts, words):
+    _, warnings = build(**ROBOTS[parts])
+    assert len(warnings) == 2
+    assert warnings[0].startswith('robot.urdf: link wheel_1 and what is fixed to it: got')
+    assert all(warning.endswith(words) for warning in warnings)
+
+
+def test_a_wheel_without_mass_is_refused_with_the_reason():
+    assert refusal(build, wheel='').startswith(
+        'cannot use the robot in robot.urdf: left_joint: joint joint_1 is left out, because what '
+        'it moves has no mass')
