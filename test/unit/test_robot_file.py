@@ -12,6 +12,7 @@ import pytest
 
 from img_recog import robot_file
 from img_recog.formats import world_file
+from img_recog.model import SPHERE, Shape
 from img_recog_testing import refusals
 
 URDF = '<robot name="r"><link name="a"/></robot>'
@@ -163,7 +164,8 @@ def test_module_expands_macros_arguments_and_packages_of_ros_1(box):
 @needs_module
 def test_a_world_is_expanded_like_a_robot(box, tmp_path):
     world = world_file.read(box, {}, read_file=robot_file.read_any)
-    assert world.name == 'box' and '<sphere radius="0.2"' in world.trees[0].urdf
+    look, = world.trees[0].model.links[0].looks
+    assert world.name == 'box' and look.shape == Shape(SPHERE, (0.2,))
     assert 'it contains xacro' in refusals.refusal(world_file.read, box, {})
     with open(box, 'w') as file:
         file.write('<sdf xmlns:xacro="http://ros.org/wiki/xacro"><xacro:if value="0"/></sdf>')
