@@ -13,7 +13,7 @@ def of_scene(world: str, urdf: str) -> str:
     """Return a hash of what a world and a robot are once they are read, and of their files.
 
     world, urdf: as for scenario.build. What is included, expanded, found somewhere else, or not
-    found any more makes another text, so only the files that the texts name are left.
+    found any more makes another model, so only the files that the models name are left.
     """
     try:
         file, robot, text = scenario.read(world, urdf)
