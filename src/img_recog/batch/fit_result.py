@@ -67,8 +67,8 @@ class Statistics:
         """
         choices = {size: [max((Choice(candidate, self._of(FIT, candidate, color, number).limit())
                                for candidate in range(candidates)),
-                              key=lambda choice: (choice.limit.score.f1, is_by_times
-                                                  and min(choice.limit.gap, _WIDE_GAP)))
+                              key=lambda choice: (choice.limit.score.f1, min(
+                                  choice.limit.gap, _WIDE_GAP if is_by_times else 0)))
                           for color, is_by_times in enumerate(by_times)]
                    for number, size in enumerate(self._sizes)}
         size = best_size(

@@ -20,9 +20,9 @@ def test_the_picture_is_drawn_by_what_the_matplotlib_of_ubuntu_20_04_has(monkeyp
             assert not text or 'labels' in name
             return method(axes, values, minor=minor, **text)
         monkeypatch.setattr(Axes, name, with_arguments_of_3_1)
-    runs = [Run('run#{}'.format(number), {'light': light, 'speed': speed}, 1, {'x_pos': number / 7})
-            for number, (light, speed) in enumerate(
-                (light, speed) for light in ('dim', 'lamp') for speed in '12')]
+    cells = [{'light': light, 'speed': speed} for light in ('dim', 'lamp') for speed in '12']
+    runs = [Run('run#{}'.format(number), cell, 1, {'x_pos': number / 7})
+            for number, cell in enumerate(cells)]
     ended = [Ended(run, SimpleNamespace(problem='', value=SimpleNamespace(reason=reason)))
              for run, reason in zip(runs, ('reached', 'time') * 2)]
     file = io.BytesIO()
