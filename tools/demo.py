@@ -24,8 +24,6 @@ from img_recog import launch_output, process_tree
 from img_recog.errors import UserError
 from img_recog.messages import message
 
-PLACE_WINDOWS = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'place_windows.py')
-
 # Seconds after Ctrl-C, and the signal that is sent to all processes then. roslaunch has the time
 # before the first one to stop its nodes itself.
 _ESCALATION = tuple(
@@ -124,8 +122,6 @@ class Supervisor:
                 signal.signal(signum, lambda received, _: self._signals.append(received))
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
         roslaunch = self._start(command)
-        if os.environ.get('DISPLAY'):
-            subprocess.Popen([sys.executable, PLACE_WINDOWS, *command[3:]])
         with selectors.DefaultSelector() as selector:
             for channel in self._channels:
                 selector.register(channel.reader, selectors.EVENT_READ, channel)

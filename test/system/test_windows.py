@@ -7,7 +7,6 @@ import cv2
 import numpy as np
 import pytest
 
-from img_recog_testing.pages import ROOT
 from img_recog_testing.waiting import wait_for
 
 pytestmark = pytest.mark.display
@@ -100,32 +99,3 @@ def test_the_simulators_window_shows_the_world(ros, wait_shares):
     subprocess.run(['xkill', '-id', window], env=ros.env, check=True, stdout=subprocess.DEVNULL)
     demo.wait_output('no window: .*the simulation goes on')
     ros.wait_run('clock:', 'rostopic', 'echo', '-n', '1', '/clock')
-
-
-def corners(ros, *titles):
-    """Return the upper left corner of each window whose title begins with one of these."""
-    lines = ros.run('xwininfo', '-root', '-tree')
-    found = re.findall(r'"([^"]*)": .* \+(-?\d+)\+(-?\d+)\n', lines)
-    return {title: (int(left), int(top)) for name, left, top in found
-            for title in titles if name.startswith(title)}
-
-
-def test_windows_are_placed_side_by_side_without_a_window_manager(ros, display):
-    ros.start(os.path.join(ROOT, 'run'), 'demo', 'camera:=synthetic')
-    # 1100 pixels are not enough for 1024 and 400
-    wanted = {SIMULATOR: (0, 0), '/usb_cam/image_raw': (700, 0), '/blue_image': (700, 304),
-              '/red_image': (700, 500)}
-    wait_for(lambda: corners(ros, *wanted) == wanted,
-             lambda: 'places: {}'.format(corners(ros, *wanted)))
-
-
-def test_optional_windows_are_placed_where_there_is_room(ros, display):
-    wanted = {'demo.rviz - RViz': (0, 0), 'rqt_graph__RosGraph - rqt': (0, 394),
-              'rqt_reconfigure__Param - rqt': (504, 0)}
-    for title in wanted:
-        ros.start('display', '-title', title, '-size', '500x390', 'xc:green')
-    wait_for(lambda: set(corners(ros, *wanted)) == set(wanted), 'three windows')
-    ros.start('python3', os.path.join(ROOT, 'tools', 'place_windows.py'), 'rviz:=true',
-              'rqt_graph:=true', 'rqt_reconfigure:=1')
-    wait_for(lambda: corners(ros, *wanted) == wanted,
-             lambda: 'places: {}'.format(corners(ros, *wanted)))
