@@ -37,7 +37,7 @@ def test_devel_and_install_space_run_the_demo(ros, tmp_path):
         'film.py', 'fit_colors.py', 'graph.py', 'new_package.py', 'optional_window.py',
         'plot.py', 'pybullet_sim.py', 'replay.py', 'republish.py', 'respawn.py',
         'robot_description.py', 'robots.py', 'simulate.py', 'sweep.py', 'teleop_key.py',
-        'tune_colors.py', 'usb_cam_node.py', 'web.py']
+        'usb_cam_node.py', 'web.py']
     installed, = (workspace / 'install' / 'lib').glob('python3*/*-packages/img_recog')
     assert modules(installed) == modules(pathlib.Path(ROOT, 'src', 'img_recog'))
     for space in ('devel', 'install'):

@@ -1,9 +1,6 @@
 """fit_colors.py from recordings to its files; what it refuses."""
 import csv
-import io
 import os
-import subprocess
-import sys
 
 import av
 import cv2
@@ -19,7 +16,6 @@ from img_recog.conversions import image_msgs
 from img_recog.recognition import parameter_file
 from img_recog.recognition.areas import ColorExtractor
 from img_recog_testing.figures import assert_unchanged, of_matplotlib
-from img_recog_testing.pages import ROOT
 
 WIDTH, HEIGHT = 64, 48
 RED, BLUE, WALL, CUP = (40, 30, 190), (170, 80, 30), (120, 125, 130), (60, 110, 190)     # BGR
@@ -367,11 +363,3 @@ def test_colors_of_the_check_that_are_not_fitted(fit, tmp_path):
     (tmp_path / 'c.yaml').write_text('samples: [{color: green, in_view: [0, 1]}]')
     assert 'c.yaml: there is no color green; those of s.yaml are red, blue' in fit(
         'a.png', '--check', 'c.yaml')[2][0]
-
-
-def test_tune_colors_says_where_to_go():
-    process = subprocess.run([sys.executable, os.path.join(ROOT, 'scripts', 'tune_colors.py'),
-                              'a.png'], stderr=subprocess.PIPE, check=False)
-    assert process.returncode == 2
-    line, = io.StringIO(process.stderr.decode()).readlines()
-    assert 'fit_colors.py' in line and 'rqt_reconfigure' in line
