@@ -17,7 +17,7 @@ from img_recog.batch.work import Piece
 from img_recog.errors import UserError, one_line
 from img_recog.recognition.fitting import bounds, sample_file, samples
 from img_recog.recognition.fitting.bounds import Fit
-from img_recog.recognition.fitting.histograms import Counter, Histograms, is_labeled, of_color
+from img_recog.recognition.fitting.histograms import Counter, Histograms, is_by_times, of_color
 from img_recog.recognition.fitting.limits import BLOB_SIZES
 from img_recog.recognition.fitting.samples import SampleError, Samples
 from img_recog.recordings import names, parts
@@ -150,7 +150,7 @@ class _Fitting:
 
     def _fits_of(self, color: str) -> List[Fit]:
         """Return the bounds of a color to choose from; raise UserError if there are none."""
-        if is_labeled(self._histograms, color):
+        if not is_by_times(self._histograms, color):
             return bounds.fits(color, of_color(self._histograms, color), self._options.objective)
         found: List[Fit] = []
         for uses_brightness in (True, False):

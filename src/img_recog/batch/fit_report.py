@@ -13,7 +13,7 @@ from img_recog.recognition import tuning_picture
 from img_recog.recognition.areas import bgr_copy
 from img_recog.recognition.fitting import picture
 from img_recog.recognition.fitting.bounds import TIMES_ADVICE, Fit, described
-from img_recog.recognition.fitting.histograms import Histograms, is_labeled, of_color
+from img_recog.recognition.fitting.histograms import Histograms, is_by_times, of_color
 from img_recog.recognition.fitting.limits import Limit
 from img_recog.recognition.fitting.samples import Samples
 from img_recog.recognition.fitting.score import Score
@@ -71,13 +71,13 @@ class Report:
         statistics = Statistics(len(self._colors), candidates + 1, sizes)
         for _, each in measured:
             statistics.add(each)
-        by_times = [not is_labeled(histograms, color) for color in self._colors]
+        by_times = [is_by_times(histograms, color) for color in self._colors]
         size, choices = statistics.choose(candidates, by_times)
         chosen = {color: fits[color][min(choice.candidate, len(fits[color]) - 1)]
                   for color, choice in zip(self._colors, choices)}
         limits = {color: choice.limit.area_px for color, choice in zip(self._colors, choices)}
-        for color, choice, is_by_times in zip(self._colors, choices, by_times):
-            if is_by_times:
+        for color, choice in zip(self._colors, choices):
+            if is_by_times(histograms, color):
                 _check_frames(color, chosen[color], choice.limit)
         values = base.fitted({color: fit.box for color, fit in chosen.items()}, limits, size)
         settings = settings_of(values)

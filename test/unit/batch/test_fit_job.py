@@ -300,6 +300,14 @@ def test_times_count_from_the_first_usable_image_though_a_part_has_none(fit, tmp
     assert [row['time_s'] for row in table()] == ['0.000000', '0.000000', '1.000000']
 
 
+def test_a_color_whose_only_recording_is_broken_has_no_sample(fit, tmp_path):
+    (tmp_path / 'c.png').write_bytes(b'\x89PNG')
+    (tmp_path / 's.yaml').write_text(SAMPLES + '- {recording: c.png, color: green, '
+                                     'rectangle: [5, 10, 20, 20]}\n')
+    code, _, log = fit('a.png', 'c.png')
+    assert code == 1 and 'there is no sample of green; add one: a rectangle' in log[0]
+
+
 def test_the_worst_frames_are_drawn(fit, tmp_path):
     cv2.imwrite('d.png', picture(RED))
     (tmp_path / 's.yaml').write_text(SAMPLES + '- {recording: d.png, color: none, '

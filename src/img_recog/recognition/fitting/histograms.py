@@ -137,9 +137,10 @@ def dense(histogram: Sparse) -> np.ndarray:
     return counts
 
 
-def is_labeled(histograms: Histograms, color: str) -> bool:
-    """Return whether pixels are labeled with a color; else at most times are."""
-    return any(label[:2] == (COLOR, color) for label in histograms.pixels)
+def is_by_times(histograms: Histograms, color: str) -> bool:
+    """Return whether only times are known in which a color is in view."""
+    kinds = {label.kind for label in histograms.pixels if label.name == color}
+    return IN_VIEW in kinds and COLOR not in kinds
 
 
 def of_color(histograms: Histograms, color: str, uses_brightness: bool = True) -> Sampled:
@@ -159,10 +160,10 @@ def of_color(histograms: Histograms, color: str, uses_brightness: bool = True) -
         if label.kind == NOT and label.name in ('', color) or (
                 label.kind == COLOR and label.name != color):
             _add(negative, pixels[label], UNIT if color in label.in_view else weight)
-    in_view_px = sum(pixels[label].counts.sum() for label in pixels
-                     if label[:2] == (IN_VIEW, color))
-    if in_view_px and not is_labeled(histograms, color):
+    if is_by_times(histograms, color):
         seen, unseen = _compared(pixels, color)
+        in_view_px = sum(pixels[label].counts.sum() for label in pixels
+                         if label[:2] == (IN_VIEW, color))
         weighted = UNIT * in_view_px / seen.counts.sum() * seen.counts
         for total, share in zip((own, negative), shares(seen, unseen, uses_brightness)):
             total.reshape(-1)[seen.indices] += np.rint(weighted * share).astype(np.int64)
