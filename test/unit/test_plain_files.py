@@ -8,7 +8,8 @@ from img_recog import files, mesh_file, robot_file, textures
 from img_recog.camera import calibration
 from img_recog.checks import world_check
 from img_recog.errors import UserError
-from img_recog.formats import heightmaps, sdf_file
+from img_recog.formats import heightmaps
+from img_recog.model import HEIGHTMAP, Shape
 from img_recog.nodes.robots import robot_list
 from img_recog.recognition import parameter_file
 from img_recog.recognition.fitting import sample_file
@@ -60,9 +61,7 @@ def obj(folder, line, other='usemtl a'):
 
 
 def heightmap(folder):
-    element, = sdf_file.parse_xml('<g><heightmap filename="{}" size="1 1 1"/></g>'.format(
-        pipe(folder, 'p')))
-    return heightmaps.read(element)
+    return heightmaps.read(Shape(HEIGHTMAP, (1.0, 1.0, 1.0, 1), pipe(folder, 'p')))
 
 
 def robots(folder, key):

@@ -100,7 +100,7 @@ def test_size_is_that_of_the_device_and_another_one_than_requested_is_flagged(
     assert (source.width, source.height, source.rate_hz) == (64, 48, None)
     assert source.differs is differs
     fourcc = {'yuyv': 'YUYV', 'mjpeg': 'MJPG'}[pixel_format]
-    assert source.model == (
+    assert source.description == (
         'V4L2 device /dev/null: asked for {} {}x{} at 30 Hz, got YUYV 64x48 at 15 Hz'.format(
             fourcc, width, height))
 

@@ -56,7 +56,7 @@ def times(source, count=50):
 def test_a_film_plays_at_the_times_of_its_frames(make_film, name, options):
     path, warnings = make_film(name, *UNEVEN, *options), []
     source = open_file(path, 30.0, loop=False, warn=warnings.append)
-    assert 'variable rate' in source.model and source.expected_hz is None
+    assert 'variable rate' in source.description and source.expected_hz is None
     assert times(source) == pytest.approx(UNEVEN_S, abs=1e-3) and not warnings
     frames = FilmFrames(path)
     assert [frame.stamp_ns / 1e9 for frame in frames] == pytest.approx(UNEVEN_S, abs=1e-3)

@@ -84,7 +84,7 @@ def test_path_is_searched_for_in_the_folders_in_order(tmp_path, monkeypatch, nam
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv('HOME', str(tmp_path / 'second'))
     source = opened(name.replace('/h', '{}/h'.format(tmp_path)), folders)
-    assert shows(source, number) and source.model.startswith('image {}/'.format(tmp_path))
+    assert shows(source, number) and source.description.startswith('image {}/'.format(tmp_path))
 
 
 def test_error_of_a_relative_path_names_the_first_folder(tmp_path):
@@ -101,7 +101,7 @@ def test_folder_of_images_is_played_by_name_at_the_framerate(tmp_path):
     source = opened(tmp_path, framerate=5)
     assert isinstance(source, FolderSource) and source.name == str(tmp_path)
     assert source.rate_hz == source.expected_hz == 5.0
-    assert source.model == 'folder {} of 3 images, 96x64, 5 Hz, played in a loop'.format(
+    assert source.description == 'folder {} of 3 images, 96x64, 5 Hz, played in a loop'.format(
         tmp_path)
     for number in (0, 1, 2, 0, 1, 2, 0):
         assert shows(source, number)
@@ -125,7 +125,7 @@ def test_what_is_played_once_ends(tmp_path, make_video, is_video):
         save_image(tmp_path / '{}.png'.format(number), number)
     path = make_video() if is_video else str(tmp_path)
     source = opened(path, loop=False)
-    assert source.model.endswith(' Hz, played once')
+    assert source.description.endswith(' Hz, played once')
     for _ in range(6):
         assert source.read().shape == (64, 96, 3)
     with pytest.raises(SourceEnded, match='^the {} has ended after 6 {}$'.format(

@@ -79,7 +79,7 @@ def test_source_yields_the_frames_of_the_scene_in_order(width, height):
     source = SyntheticSource(width, height, 15.0)
     assert (source.width, source.height, source.rate_hz) == (width, height, 15.0)
     assert (source.encoding, source.name, source.expected_hz) == ('rgb8', 'synthetic', 15.0)
-    assert source.model == 'synthetic scene, {}x{}, 15 Hz'.format(width, height)
+    assert source.description == 'synthetic scene, {}x{}, 15 Hz'.format(width, height)
     for number in range(PERIOD_FRAMES + 35):        # the period repeats
         frame = draw_frame(BLUE_FRAMES.start + number, width, height)
         assert np.array_equal(source.read(), frame), number

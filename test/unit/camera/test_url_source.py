@@ -198,7 +198,7 @@ def test_log_shows_no_password(url, shown):
 def test_rate_that_cannot_be_right_is_not_known(clock, rate_hz, expected_hz):
     source = StreamSource('x', FakeDecoder(clock, [True], rate_hz=rate_hz), True, clock)
     assert source.expected_hz == expected_hz
-    assert (source.name, source.model) == ('x', 'stream x, 64x48')
+    assert (source.name, source.description) == ('x', 'stream x, 64x48')
     assert source.reconnects is True and source.stall_timeout_s == 1.8
 
 

@@ -34,7 +34,7 @@ def test_video_has_its_own_size_and_rate(make_video):
     assert (source.width, source.height, source.encoding) == (80, 48, 'rgb8')
     assert source.rate_hz == VIDEO_RATE_HZ
     assert source.read().shape == (48, 80, 3)
-    assert source.model == 'video {}, 80x48, 12.5 Hz, played in a loop'.format(path)
+    assert source.description == 'video {}, 80x48, 12.5 Hz, played in a loop'.format(path)
     source.close()
 
 
@@ -72,7 +72,7 @@ def test_image_is_bit_identical_and_repeats(tmp_path, name):
     source = open_file(path, 7.5)
     assert (source.width, source.height, source.encoding) == (47, 31, 'rgb8')
     assert (source.name, source.rate_hz, source.expected_hz) == (path, 7.5, 7.5)
-    assert source.model == 'image {}, 47x31, 7.5 Hz'.format(path)
+    assert source.description == 'image {}, 47x31, 7.5 Hz'.format(path)
     for _ in range(3):
         frame = source.read()
         assert frame.dtype == np.uint8 and np.array_equal(frame, image)
