@@ -91,7 +91,8 @@ def test_what_cannot_be_converted_is_one_line(relay):
     good = image_msgs.to_msg(PIXELS, 'bgr8', HEADER)
     passed(camera, good, end)
     camera.publish(Image(HEADER, 2, 2, '32FC1', 0, 8, bytes(16)))
-    process.wait_output(r"\[WARN\].*skipped: cannot convert an image of 2x2, encoding '32FC1'")
+    process.wait_output(r'\[WARN\].*skipped: cannot convert an image of 2x2 to bgr8: encoding '
+                        '32FC1 does not say which colors')
     camera.publish(image_msgs.to_msg(np.zeros((60, 60, 3), np.uint8), 'bgr8', HEADER))
     process.wait_output(r'image skipped: 60x60 are 3600 pixels, more than max_image_pixels = 3000')
     passed(camera, good, end)
